@@ -1,0 +1,194 @@
+"""What agents exchange: the scene brief they read, the intent they extract, the judgement they pass.
+
+Pure data: no arrays, no jax. Frames are the unit of time, body lengths the unit of length.
+"""
+
+from __future__ import annotations
+
+import enum
+from typing import Literal
+
+from pydantic import Field
+
+from physagent_jax.forces.schema import ForceField, Strict, Vector
+
+
+class Verdict(enum.StrEnum):
+    """The planner's binary judgement."""
+
+    SUCCESS = "SUCCESS"
+    FAIL = "FAIL"
+
+
+class MotionKind(enum.StrEnum):
+    """The kinds of motion that a sentence can ask for and pictures can show."""
+
+    MOVE = "move"          # net displacement along `direction` (push, pull, blow, kick)
+    SWAY = "sway"          # bend away from rest and come back, once or repeatedly
+    FALL = "fall"          # move along gravity, perhaps bounce
+    STRETCH = "stretch"    # extent along +-`direction` grows
+    SQUEEZE = "squeeze"    # extent along +-`direction` shrinks
+    ROTATE = "rotate"      # turn about `direction` (right-hand rule)
+    STILL = "still"        # nothing moves
+
+
+class DirectionTable(Strict):
+    """The viewer's words as unit world vectors, derived from the reference camera and world up.
+
+    Attributes:
+        right, left: Along the image's horizontal axis.
+        up, down: World up and its opposite.
+        toward, away: Towards the camera (horizontally) and away from it.
+    """
+
+    right: Vector
+    left: Vector
+    up: Vector
+    down: Vector
+    toward: Vector
+    away: Vector
+
+
+class SceneBrief(Strict):
+    """The facts about a scene that an agent may use.
+
+    Attributes:
+        object_name: What the object is called ("robot", "plant", ...), from the file name or the user.
+        object_kind: Class with a physical prior: "plant", "food", "jelly", "robot", "instrument", "animal", "object".
+        anchored: What is held fixed, in words; None if the object is free.
+        frame_count: Number of frames of the clip.
+        frame_dt: Seconds per frame [s].
+        directions: The direction table.
+    """
+
+    object_name: str
+    object_kind: str = "object"
+    anchored: str | None = None
+    frame_count: int = Field(gt=0)
+    frame_dt: float = Field(gt=0)
+    directions: DirectionTable
+
+
+class AnchorRequest(Strict):
+    """What the prompt says about being held or let loose.
+
+    Attributes:
+        kind: "base" (a slab at the foot), "top", "none" (explicitly free), or None (says nothing).
+        words: The words that led to it.
+    """
+
+    kind: Literal["base", "top", "none"] | None = None
+    words: str = ""
+
+
+class ExpectedMotion(Strict):
+    """One motion that the sentence asks for: the planner's yardstick.
+
+    Attributes:
+        kind: What should be seen.
+        direction: World direction or axis; None where the kind needs none (fall, still).
+        strength: 0.4 (slight) .. 1.0 (plain) .. 1.6 (violent).
+        window: [first, last] frames in which it should be seen.
+        repeats: How often the motion should reverse or recur; 1 = once.
+        released: True if the cause stops before the clip ends ("then lets go").
+        words: The words that led to it.
+    """
+
+    kind: MotionKind
+    direction: Vector | None = None
+    strength: float = Field(default=1.0, ge=0.4, le=1.6)
+    window: tuple[float, float]
+    repeats: int = Field(default=1, ge=1)
+    released: bool = False
+    words: str = ""
+
+
+class Evidence(Strict):
+    """Which words led to which value, for the report.
+
+    Attributes:
+        words: The words as they stand in the prompt.
+        field: The value's place, like "actions[0].vector".
+        value: The value in words.
+        why: The rule, in a short sentence.
+    """
+
+    words: str
+    field: str
+    value: str
+    why: str
+
+
+class SemanticReply(Strict):
+    """The semantic agent's answer.
+
+    Attributes:
+        force_field: The compiled force field.
+        expectations: What a viewer should see if the sentence came true.
+        anchor: What the sentence says about holding.
+        evidence: Which words led to which value.
+        not_understood: Content words that led to nothing.
+        notes: Assumptions made, in plain sentences.
+    """
+
+    force_field: ForceField
+    expectations: tuple[ExpectedMotion, ...]
+    anchor: AnchorRequest = AnchorRequest()
+    evidence: tuple[Evidence, ...] = ()
+    not_understood: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+class Check(Strict):
+    """One comparison of an expectation with the report.
+
+    Attributes:
+        expectation: Index into the expectations.
+        question: What was asked of the pictures.
+        expected: The acceptable range, in words.
+        observed: What was seen, in words.
+        passed: None if not observable.
+        score: 0 (contrary) .. 1 (as asked).
+        gain: Factor by which the cause's magnitude should change to meet the expectation; negative =
+            reverse it; None = magnitude is not the remedy.
+        remedy: What to change, in one sentence; empty if passed.
+    """
+
+    expectation: int
+    question: str
+    expected: str
+    observed: str
+    passed: bool | None
+    score: float = Field(ge=0, le=1)
+    gain: float | None = None
+    remedy: str = ""
+
+
+class Judgement(Strict):
+    """The planner's answer: SUCCESS, or FAIL with a suggestion.
+
+    Attributes:
+        verdict: SUCCESS if every observable expectation passed and at least one was observable.
+        score: Mean of the checks' scores; ranks iterations.
+        checks: Every comparison made.
+        suggestion: What the executor should change, in words (empty on SUCCESS).
+    """
+
+    verdict: Verdict
+    score: float = Field(ge=0, le=1)
+    checks: tuple[Check, ...]
+    suggestion: str = ""
+
+
+class Rewrite(Strict):
+    """The executor's answer.
+
+    Attributes:
+        force_field: The next force field, inside the hard rules.
+        changes: What was changed and why, a sentence each.
+        rules_applied: Names of the hard rules that shaped or overrode the result.
+    """
+
+    force_field: ForceField
+    changes: tuple[str, ...]
+    rules_applied: tuple[str, ...] = ()

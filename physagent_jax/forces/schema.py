@@ -1,0 +1,163 @@
+"""Force field JSON: what agents write and people read. Pure data, no arrays.
+
+The four actions and ``default_drop`` are the paper's (PhysAgent, appendix A.1). ``region``,
+``object`` and ``constraints`` extend it: where an action acts, and the velocity constraints that the
+paper's executor emits (appendix B.2, "Skill-Specific Constraints").
+"""
+
+from __future__ import annotations
+
+import enum
+import math
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+Vector = tuple[float, float, float]
+
+MAGNITUDE_MIN = 0.4
+MAGNITUDE_MAX = 1.6
+
+
+class Strict(BaseModel):
+    """Immutable, refuses unknown keys and NaN."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class ActionType(enum.StrEnum):
+    """The four skills of the library."""
+
+    TRANSLATION = "translation"
+    SCALE = "scale"
+    IMPULSE = "impulse"
+    TORQUE = "torque"
+
+
+class ConstraintType(enum.StrEnum):
+    """Velocity constraints that the executor's hard rules may emit instead of a body force."""
+
+    PARTICLE_TRANSLATION = "enforce_particle_translation"
+    PARTICLE_IMPULSE = "particle_impulse"
+
+
+# --- regions: fractions of the object's rest bounding box, (0,0,0) = low corner, (1,1,1) = high ------
+
+
+class BoxRegion(Strict):
+    """Particles whose rest position lies in an axis-aligned box, in bounding-box fractions."""
+
+    kind: Literal["box"] = "box"
+    low: Vector
+    high: Vector
+
+    @model_validator(mode="after")
+    def _ordered(self) -> BoxRegion:
+        if any(h <= l for l, h in zip(self.low, self.high)):
+            raise ValueError(f"`high` must exceed `low` on every axis (got low={self.low}, high={self.high})")
+        return self
+
+
+class HalfSpaceRegion(Strict):
+    """Particles on the side of a plane that ``normal`` points to, in bounding-box fractions."""
+
+    kind: Literal["half_space"] = "half_space"
+    point: Vector
+    normal: Vector
+
+    @field_validator("normal")
+    @classmethod
+    def _unit(cls, value: Vector) -> Vector:
+        return unit_vector(value)
+
+
+class SphereRegion(Strict):
+    """Particles within ``radius`` (fraction of the longest extent) of ``center`` (bounding-box fractions)."""
+
+    kind: Literal["sphere"] = "sphere"
+    center: Vector
+    radius: float = Field(gt=0)
+
+
+Region = Annotated[BoxRegion | HalfSpaceRegion | SphereRegion, Field(discriminator="kind")]
+
+
+class _Timed(Strict):
+    vector: Vector
+    magnitude: float = 1.0
+    active_time: tuple[float, float] | None = None
+    region: Region | None = None
+    object: str | None = None
+
+    @field_validator("vector")
+    @classmethod
+    def _unit(cls, value: Vector) -> Vector:
+        return unit_vector(value)
+
+    @field_validator("magnitude")
+    @classmethod
+    def _range(cls, value: float) -> float:
+        if not MAGNITUDE_MIN - 1e-9 <= abs(value) <= MAGNITUDE_MAX + 1e-9:
+            raise ValueError(
+                f"|magnitude| must lie in [{MAGNITUDE_MIN}, {MAGNITUDE_MAX}] (got {value}); "
+                "the sign reverses the action"
+            )
+        return value
+
+    @field_validator("active_time")
+    @classmethod
+    def _window(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
+        if value is not None and not 0 <= value[0] < value[1]:
+            raise ValueError(f"`active_time` is [first, last] in frames with 0 <= first < last (got {list(value)})")
+        return value
+
+
+class Action(_Timed):
+    """One skill, acting along ``vector`` during ``active_time``.
+
+    Attributes:
+        action_type: Which skill.
+        vector: World direction (translation, impulse), stretch axis (scale) or rotation axis (torque,
+            right-hand rule); normalised on input, zero refused.
+        magnitude: Dimensionless M with 0.4 <= abs(M) <= 1.6; the sign reverses (push/stretch > 0,
+            pull/squeeze < 0). What M = 1 means in SI units: `physagent_jax.forces.skills`.
+        active_time: ``[first, last]`` in frames; None = the whole clip.
+        region: Which particles; None = the whole object.
+        object: Object id in a scene of several; None = all.
+    """
+
+    action_type: ActionType
+
+
+class VelocityConstraint(_Timed):
+    """A prescribed particle velocity (or one-off velocity change) along ``vector``.
+
+    Attributes:
+        constraint_type: ``enforce_particle_translation`` holds the region's particles at velocity
+            k M v during the window; ``particle_impulse`` adds k M v once, at its start.
+        vector, magnitude, active_time, region, object: as for `Action`.
+    """
+
+    constraint_type: ConstraintType
+
+
+class ForceField(Strict):
+    """The optimisation variable of the loop: everything extrinsic that moves the object.
+
+    Attributes:
+        default_drop: Whether gravity acts (the object falls). False: the object floats, at rest.
+        actions: Skills, overlaid or in sequence.
+        constraints: Velocity constraints (executor only; empty from the semantic agent).
+    """
+
+    default_drop: bool = False
+    actions: tuple[Action, ...] = ()
+    constraints: tuple[VelocityConstraint, ...] = ()
+
+
+def unit_vector(value: Vector) -> Vector:
+    """Normalises a direction; a zero vector is refused."""
+    norm = math.sqrt(sum(c * c for c in value))
+    if norm < 1e-9:
+        raise ValueError(f"a direction must not be the zero vector (got {list(value)})")
+    return (value[0] / norm, value[1] / norm, value[2] / norm)

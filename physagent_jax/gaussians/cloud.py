@@ -1,0 +1,58 @@
+"""3D Gaussians as pytrees: the captured cloud, and the deformed splats that the renderer draws."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class GaussianCloud:
+    """A static 3D Gaussian splatting object (Kerbl et al. 2023), in linear units.
+
+    Attributes:
+        means: Centres [m], shape (n, 3).
+        quats: Unit quaternions wxyz, shape (n, 4).
+        scales: Standard deviations along the local axes [m], shape (n, 3).
+        opacities: In [0, 1], shape (n,).
+        sh: Spherical harmonics coefficients, shape (n, (degree + 1)**2, 3); colour = SH + 0.5.
+    """
+
+    means: jax.Array
+    quats: jax.Array
+    scales: jax.Array
+    opacities: jax.Array
+    sh: jax.Array
+
+    @property
+    def count(self) -> int:
+        """Number of Gaussians."""
+        return self.means.shape[0]
+
+    @property
+    def sh_degree(self) -> int:
+        """Degree of the spherical harmonics, 0 to 3."""
+        return round(self.sh.shape[1] ** 0.5) - 1
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Splats:
+    """Gaussians in world space at one instant, as the renderer takes them.
+
+    Attributes:
+        means: Centres [m], shape (n, 3).
+        covariances: Upper triangles (xx, xy, xz, yy, yz, zz) [m^2], shape (n, 6).
+        opacities: In [0, 1], shape (n,).
+        sh: Coefficients in the frame in which the cloud was captured, shape (n, k, 3).
+        rotations: Rotation from that captured frame to the world, shape (n, 3, 3): the polar factor of F
+            times the scene's pre-rotation. View directions are rotated back by it before SH evaluation.
+    """
+
+    means: jax.Array
+    covariances: jax.Array
+    opacities: jax.Array
+    sh: jax.Array
+    rotations: jax.Array

@@ -1,0 +1,147 @@
+"""The motion report: what perception tells the agents. Pure data, no arrays.
+
+Lengths are in units of the object's perceived longest extent in frame 0 ("body lengths"), directions in
+world axes, so that the numbers mean the same to a person, a language model and a hard rule.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict
+
+Vector = tuple[float, float, float]
+Matrix = tuple[Vector, Vector, Vector]
+
+
+class Strict(BaseModel):
+    """Immutable, refuses unknown keys and NaN."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def _rounded(value):
+    if isinstance(value, float):
+        return round(value, 6)
+    if isinstance(value, (list, tuple)):
+        return tuple(_rounded(v) for v in value)
+    return value
+
+
+Number = Annotated[float, BeforeValidator(_rounded)]
+
+
+class WindowMotion(Strict):
+    """Motion over frames ``first``..``last`` relative to frame ``first`` (so a quarter's own motion).
+
+    A value of None means "not observable in this window" and ``unobservable`` says why.
+
+    Attributes:
+        first, last: Frame indices, inclusive.
+        displacement: Net centroid displacement [body lengths].
+        path_length: Length of the centroid's path [body lengths].
+        peak_displacement: The centroid's displacement at its largest distance from frame ``first``
+            within the window [body lengths].
+        peak_frame: The frame of that largest distance.
+        rotation_axis: Unit world axis of the net rotation (right-hand rule).
+        rotation_degrees: Net rotation angle about it, >= 0 (unwrapped over the window, may exceed 180).
+        stretch: Symmetric stretch tensor S of the best affine fit x -> R S x + t, in world axes at frame
+            ``first`` (1 = unchanged along that direction: use n.S.n for direction n).
+        stretch_view_axis_observable: False if the stretch along the viewing direction is a guess.
+        volume_ratio: Bounding-box volume of the visible surface over its value at frame ``first``.
+        unobservable: Reasons, keyed by field name.
+    """
+
+    first: int
+    last: int
+    displacement: tuple[Number, Number, Number] | None
+    path_length: Number | None
+    peak_displacement: tuple[Number, Number, Number] | None
+    peak_frame: int | None
+    rotation_axis: tuple[Number, Number, Number] | None
+    rotation_degrees: Number | None
+    stretch: Matrix | None
+    stretch_view_axis_observable: bool = False
+    volume_ratio: Number | None
+    unobservable: dict[str, str] = {}
+
+
+class Oscillation(Strict):
+    """Periodic motion of the centroid along its principal direction, over the whole clip.
+
+    Attributes:
+        direction: Unit world direction.
+        frequency_hz: Dominant frequency [Hz].
+        amplitude: Half of peak-to-peak [body lengths].
+        reversals: Number of direction reversals larger than the noise.
+    """
+
+    direction: tuple[Number, Number, Number]
+    frequency_hz: Number
+    amplitude: Number
+    reversals: int
+
+
+class Quality(Strict):
+    """How far the report can be trusted.
+
+    Attributes:
+        tracks_kept: Smallest fraction of frame-0 tracks still followed in any frame.
+        fit_residual: Largest RMS residual of the per-frame affine fit [body lengths].
+        depth_noise: Median absolute depth difference within 3x3 neighbourhoods on the mask [body lengths].
+        mask_fraction: Object's share of frame 0's pixels.
+        leaves_frame: First frame in which the mask touches the image border, None if never.
+        notes: Plain sentences about anything that weakened a measurement.
+    """
+
+    tracks_kept: Number
+    fit_residual: Number
+    depth_noise: Number
+    mask_fraction: Number
+    leaves_frame: int | None
+    notes: tuple[str, ...] = ()
+
+
+class MotionReport(Strict):
+    """Everything that perception measured, and the sentence that says it.
+
+    Attributes:
+        frame_count: Number of frames.
+        frame_dt: Seconds per frame [s].
+        object_size: Perceived longest extent in frame 0 [m].
+        object_center: Perceived centroid in frame 0 [m].
+        windows: The whole clip first, then its quarters, then the windows asked for.
+        centroid: Per frame, displacement from frame 0 [body lengths]; None where not observable.
+        rotation_degrees: Per frame, unwrapped rotation angle from frame 0 [deg]; None where not observable.
+        volume_ratio: Per frame, bounding-box volume over frame 0's; None where not observable.
+        oscillation: None if the motion is not periodic.
+        onset_frame: First frame with visible motion, None if nothing moved.
+        settle_frame: Frame after which nothing moves any more, None if it still moves at the end.
+        quality: Confidence figures.
+        text: One paragraph for a language model, in the paper's manner (appendix B.1).
+    """
+
+    frame_count: int
+    frame_dt: float
+    object_size: Number
+    object_center: tuple[Number, Number, Number]
+    windows: tuple[WindowMotion, ...]
+    centroid: tuple[tuple[Number, Number, Number] | None, ...]
+    rotation_degrees: tuple[Number | None, ...]
+    volume_ratio: tuple[Number | None, ...]
+    oscillation: Oscillation | None
+    onset_frame: int | None
+    settle_frame: int | None
+    quality: Quality
+    text: str
+
+    def window(self, first: int, last: int) -> WindowMotion:
+        """The motion over frames first..last; the window must have been asked for.
+
+        Raises:
+            KeyError: No such window in the report.
+        """
+        for window in self.windows:
+            if (window.first, window.last) == (first, last):
+                return window
+        raise KeyError(f"window ({first}, {last}) is not in the report; have {[(w.first, w.last) for w in self.windows]}")

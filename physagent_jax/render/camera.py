@@ -1,0 +1,75 @@
+"""Pinhole camera in the OpenCV / COLMAP convention."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import jax
+import numpy as np
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Camera:
+    """Pinhole camera: x right, y down, z forward; pixel centres at +0.5; depth is z, not ray length.
+
+    Attributes:
+        viewmat: World-to-camera transform, shape (4, 4).
+        K: Intrinsics [px], shape (3, 3).
+        width: Image width [px].
+        height: Image height [px].
+    """
+
+    viewmat: np.ndarray | jax.Array
+    K: np.ndarray | jax.Array
+    width: int = dataclasses.field(metadata=dict(static=True))
+    height: int = dataclasses.field(metadata=dict(static=True))
+
+    @property
+    def center(self) -> np.ndarray:
+        """Camera centre in the world [m], shape (3,)."""
+        view = np.asarray(self.viewmat)
+        return -view[:3, :3].T @ view[:3, 3]
+
+    @property
+    def right(self) -> np.ndarray:
+        """The image's horizontal axis in the world (unit), shape (3,)."""
+        return np.asarray(self.viewmat)[0, :3]
+
+    @property
+    def forward(self) -> np.ndarray:
+        """The viewing direction in the world (unit), shape (3,)."""
+        return np.asarray(self.viewmat)[2, :3]
+
+
+def look_at(eye, target, up, *, fov_degrees: float, width: int, height: int) -> Camera:
+    """Camera at ``eye`` that looks at ``target`` with ``up`` upwards in the image.
+
+    Args:
+        eye: Camera centre [m], shape (3,).
+        target: Point at the image centre [m], shape (3,).
+        up: World up direction, not parallel to the view, shape (3,).
+        fov_degrees: Vertical field of view [deg].
+        width: Image width [px].
+        height: Image height [px].
+
+    Raises:
+        ValueError: ``eye`` equals ``target``, or ``up`` is parallel to the view.
+    """
+    eye, target, up = (np.asarray(a, np.float64) for a in (eye, target, up))
+    forward = target - eye
+    if np.linalg.norm(forward) < 1e-12:
+        raise ValueError(f"`eye` and `target` coincide (got {eye.tolist()}); move one of them")
+    forward = forward / np.linalg.norm(forward)
+    right = np.cross(forward, up)
+    if np.linalg.norm(right) < 1e-9:
+        raise ValueError(f"`up` is parallel to the viewing direction (got {up.tolist()}); choose another `up`")
+    right = right / np.linalg.norm(right)
+    down = np.cross(forward, right)
+    view = np.eye(4)
+    view[:3, :3] = np.stack([right, down, forward])
+    view[:3, 3] = -view[:3, :3] @ eye
+    focal = 0.5 * height / math.tan(0.5 * math.radians(fov_degrees))
+    K = np.array([[focal, 0, width / 2], [0, focal, height / 2], [0, 0, 1]])
+    return Camera(view, K, width, height)

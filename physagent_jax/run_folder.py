@@ -1,0 +1,135 @@
+"""The files that a run leaves, as schemas: what the loop writes, the report reads and a resumed run trusts.
+
+    run/manifest.json                      versions, seeds, hashes, timings, which iteration is best
+    run/semantic.json                      the semantic agent's reply
+    run/scene.json                         the best iteration's fused scene, replayable
+    run/iterations/k/scene.json            fused scene of iteration k
+    run/iterations/k/force_field.json      what was simulated
+    run/iterations/k/motion_report.json    what perception saw
+    run/iterations/k/judgement.json        what the planner concluded
+    run/iterations/k/rewrite.json          what the executor changed for k + 1 (absent after the last)
+    run/iterations/k/simulation.json       `SimulationRecord`
+    run/iterations/k/video.mp4, motion.npz
+    run/video.mp4, motion.npz, frames/     the best iteration's
+    run/report.html
+"""
+
+from __future__ import annotations
+
+from physagent_jax.forces.schema import Strict, Vector
+
+
+class TrueMotion(Strict):
+    """Motion of the particles themselves, in the same measures as the motion report.
+
+    For the report's honesty only: no agent ever sees it.
+
+    Attributes:
+        object_size: Longest extent of the rest particles [m].
+        centroid: Per frame displacement of the Gaussians' centroid from frame 0 [body lengths].
+        rotation_degrees: Per frame, angle of the best rigid fit [deg].
+        volume_ratio: Per frame, bounding-box volume over frame 0's.
+        stretch: Per frame, extents (standard deviations) along world x, y, z over frame 0's.
+    """
+
+    object_size: float
+    centroid: tuple[Vector, ...]
+    rotation_degrees: tuple[float, ...]
+    volume_ratio: tuple[float, ...]
+    stretch: tuple[Vector, ...]
+
+
+class SimulationRecord(Strict):
+    """What one rollout did.
+
+    Attributes:
+        particle_count, gaussian_count: Sizes.
+        grid_shape: Nodes of the grid window.
+        dx: [m].
+        substeps: Total substeps that count (redone frames once).
+        substep_dt: Per frame interval, the substep used [s].
+        stable_dt: The closed-form bound at the start [s].
+        redone_frames: Frames that were redone with a smaller step, with the reason.
+        stopped_particles: Particle-steps at which a particle was stopped at the domain's wall.
+        kinetic_energy, elastic_energy: Per frame [J].
+        momentum: Per frame [kg m/s].
+        min_volume_ratio, max_volume_ratio: Per frame, extremes of det F.
+        truth: The true motion.
+    """
+
+    particle_count: int
+    gaussian_count: int
+    grid_shape: tuple[int, int, int]
+    dx: float
+    substeps: int
+    substep_dt: tuple[float, ...]
+    stable_dt: float
+    redone_frames: dict[int, str] = {}
+    stopped_particles: int = 0
+    kinetic_energy: tuple[float, ...]
+    elastic_energy: tuple[float, ...]
+    momentum: tuple[Vector, ...]
+    min_volume_ratio: tuple[float, ...]
+    max_volume_ratio: tuple[float, ...]
+    truth: TrueMotion | None = None
+
+
+class Stages(Strict):
+    """Seconds of wall time per stage, compilation apart where it can be told apart [s]."""
+
+    prepare: float = 0.0
+    compile: float = 0.0
+    simulate: float = 0.0
+    render: float = 0.0
+    perceive: float = 0.0
+    agents: float = 0.0
+    write: float = 0.0
+
+
+class AgentCost(Strict):
+    """What the agents cost: calls, tokens (zero for the offline rules), seconds."""
+
+    agent: str
+    implementation: str
+    calls: int = 0
+    input_tokens: int = 0
+    output_tokens: int = 0
+    seconds: float = 0.0
+
+
+class Manifest(Strict):
+    """The run's passport.
+
+    Attributes:
+        format: Version of the folder's layout.
+        command: How it was started.
+        prompt: The sentence.
+        versions: Of this package and of what it computes with.
+        git_revision: Of the working tree, if it is one.
+        platform: Machine, processor, device kind.
+        seed: Master seed.
+        inputs: sha256 of each input file.
+        iterations: How many were made.
+        best_iteration: Which one the top-level files show.
+        verdict: The best iteration's verdict.
+        stages: Wall time summed over iterations.
+        agents: Cost per agent.
+        warnings: Everything the user should know.
+        complete: False while the run is under way (or was stopped).
+    """
+
+    format: int = 1
+    command: str
+    prompt: str
+    versions: dict[str, str]
+    git_revision: str | None = None
+    platform: str
+    seed: int
+    inputs: dict[str, str]
+    iterations: int = 0
+    best_iteration: int | None = None
+    verdict: str | None = None
+    stages: Stages = Stages()
+    agents: tuple[AgentCost, ...] = ()
+    warnings: tuple[str, ...] = ()
+    complete: bool = False
