@@ -108,7 +108,9 @@ class _Timed(Strict):
     @classmethod
     def _window(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
         if value is not None and not 0 <= value[0] < value[1]:
-            raise ValueError(f"`active_time` is [first, last] in frames with 0 <= first < last (got {list(value)})")
+            raise ValueError(
+                f"`active_time` is [first, last] in frames with 0 <= first < last (got {list(value)})"
+            )
         return value
 
 
@@ -153,6 +155,26 @@ class ForceField(Strict):
     default_drop: bool = False
     actions: tuple[Action, ...] = ()
     constraints: tuple[VelocityConstraint, ...] = ()
+
+
+class SkillScaling(Strict):
+    """What a magnitude of 1 means in SI units; recorded in a scene, so that it replays exactly.
+
+    Attributes:
+        translation: Acceleration [m/s^2].
+        scale: Acceleration [m/s^2].
+        impulse: Velocity change [m/s].
+        torque: Angular acceleration [rad/s^2].
+        velocity: Of ``enforce_particle_translation`` [m/s].
+        reason: How they were found.
+    """
+
+    translation: float = Field(gt=0)
+    scale: float = Field(gt=0)
+    impulse: float = Field(gt=0)
+    torque: float = Field(gt=0)
+    velocity: float = Field(gt=0)
+    reason: str = ""
 
 
 def unit_vector(value: Vector) -> Vector:

@@ -15,7 +15,7 @@ from typing import Annotated, Literal
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from physagent_jax.errors import UserError
-from physagent_jax.forces.schema import ForceField, Strict, Vector, unit_vector
+from physagent_jax.forces.schema import ForceField, SkillScaling, Strict, Vector, unit_vector
 
 FOREVER = 1e9  # [s]; the end of a window that never closes
 SignedAxis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
@@ -72,8 +72,12 @@ class Source(Strict):
 
     @model_validator(mode="after")
     def _paired(self) -> Source:
-        if len(self.rotation_degrees) != len(self.rotation_axes) or any(a not in (0, 1, 2) for a in self.rotation_axes):
-            raise ValueError("`rotation_degrees` and `rotation_axes` must have equal length, axes in {0, 1, 2}")
+        if len(self.rotation_degrees) != len(self.rotation_axes) or any(
+            a not in (0, 1, 2) for a in self.rotation_axes
+        ):
+            raise ValueError(
+                "`rotation_degrees` and `rotation_axes` must have equal length, axes in {0, 1, 2}"
+            )
         return self
 
 
@@ -83,6 +87,8 @@ class Filling(Strict):
     Attributes:
         enabled: Whether to fill the inside.
         cells: Cells of the filling grid along the object's longest side; None = twice the simulation's.
+        density_unit: What the thresholds are measured in: "coverage" = 10 (1 - exp(-overlap)), which does not
+            depend on how densely the object was sampled; "overlap" = PhysGaussian's plain sum of Gaussians.
         density_threshold: Cells whose density field exceeds it hold matter.
         search_threshold: Density that counts as a wall for the inside test.
         exclude_direction: Direction (0..5 = +x, -x, +y, -y, +z, -z) not required to hit a wall; None = all six.
@@ -95,6 +101,7 @@ class Filling(Strict):
 
     enabled: bool = True
     cells: int | None = Field(default=None, ge=4, le=512)
+    density_unit: Literal["coverage", "overlap"] = "coverage"
     density_threshold: Positive = 5.0
     search_threshold: Positive = 3.0
     exclude_direction: int | None = Field(default=5, ge=0, le=5)
@@ -285,9 +292,7 @@ class ParticleImpulse(Strict):
         return self
 
 
-Constraint = Annotated[
-    ParticleTranslation | ParticleRotation | ParticleImpulse, Field(discriminator="kind")
-]
+Constraint = Annotated[ParticleTranslation | ParticleRotation | ParticleImpulse, Field(discriminator="kind")]
 
 
 class Anchor(Strict):
@@ -316,26 +321,6 @@ class Anchor(Strict):
         if self.kind == "mask" and self.mask_path is None:
             raise ValueError('anchor kind "mask" needs `mask_path`')
         return self
-
-
-class SkillScaling(Strict):
-    """What a magnitude of 1 means in SI units (recorded, so that a scene replays exactly).
-
-    Attributes:
-        translation: [m/s^2].
-        scale: [m/s^2].
-        impulse: [m/s].
-        torque: [1/s^2].
-        velocity: Of `enforce_particle_translation` [m/s].
-        reason: How they were found.
-    """
-
-    translation: Positive
-    scale: Positive
-    impulse: Positive
-    torque: Positive
-    velocity: Positive
-    reason: str = ""
 
 
 class CameraConfig(Strict):
@@ -412,7 +397,9 @@ def load_scene(path: str | Path) -> SceneConfig:
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise UserError(f"cannot read the scene file {path}", got=error.strerror, do="Check the path") from None
+        raise UserError(
+            f"cannot read the scene file {path}", got=error.strerror, do="Check the path"
+        ) from None
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise UserError(f"{path} is not valid JSON", got=error, do="Mend the file or make it anew") from None
     return parse_scene(data, origin=str(path))
@@ -434,7 +421,9 @@ def validation_message(error: ValidationError, origin: str) -> UserError:
     more = error.error_count() - 1
     extra = f" ({more} more problem{'s' if more > 1 else ''} in the file)" if more else ""
     got = first["input"]
-    shown = repr(got) if isinstance(got, (str, int, float, bool, type(None), list, tuple)) else type(got).__name__
+    shown = (
+        repr(got) if isinstance(got, (str, int, float, bool, type(None), list, tuple)) else type(got).__name__
+    )
     return UserError(
         f"{origin}: field `{field}`: {message}{extra}",
         got=shown if len(shown) < 80 else shown[:77] + "...",

@@ -1,0 +1,42 @@
+"""Which particles a region means."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physagent_jax.errors import UserError
+from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region, SphereRegion
+
+
+def region_mask(region: Region, rest: np.ndarray, origin: str = "region") -> np.ndarray:
+    """Particles of ``region``.
+
+    Args:
+        region: In fractions of the bounding box of ``rest``.
+        rest: Rest positions [m], shape (n, 3).
+        origin: The region's place in the force field, for the message.
+
+    Returns:
+        Bool, shape (n,).
+
+    Raises:
+        UserError: No particle lies in the region.
+    """
+    low, high = rest.min(0), rest.max(0)
+    size = np.maximum(high - low, np.finfo(np.float32).tiny)
+    fraction = (rest - low) / size
+    match region:
+        case BoxRegion():
+            mask = np.all((fraction >= region.low) & (fraction <= region.high), axis=1)
+        case HalfSpaceRegion():
+            mask = (fraction - np.asarray(region.point)) @ np.asarray(region.normal) >= 0
+        case SphereRegion():
+            center = low + np.asarray(region.center) * size
+            mask = np.linalg.norm(rest - center, axis=1) <= region.radius * size.max()
+    if not mask.any():
+        raise UserError(
+            f"`{origin}` selects no particle of the object",
+            got=region.model_dump_json(),
+            do="Regions are fractions of the bounding box: (0,0,0) is its low corner, (1,1,1) its high corner",
+        )
+    return mask

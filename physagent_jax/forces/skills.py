@@ -1,0 +1,153 @@
+"""The Force Field Skill Library: from dimensionless JSON to terms with units (paper, appendix A.2).
+
+With L the object's longest extent, E and rho its mean stiffness and density and T the clip's duration, a
+magnitude of M = 1 means
+
+| skill       | field at x                                    | k            | so that, unopposed,              |
+|-------------|-----------------------------------------------|--------------|----------------------------------|
+| translation | a = k M v                                     | 2 L / T^2    | one body length by the clip's end |
+| scale       | a = k M sgn(d) v, d = (x - x_c) . v           | 4 E e/(rho L) | mean static strain e = 0.3        |
+| impulse     | velocity change k M v over its window         | L / T        | one body length by the clip's end |
+| torque      | a = k M (v x r), r = x - x_c                  | pi / T^2     | a quarter turn by the clip's end  |
+
+They are forces per unit mass: filling density and particle count do not change the motion (the paper's
+impulse divides by particle mass). x_c is the present mass centre.
+"""
+
+from __future__ import annotations
+
+import math
+
+import jax.numpy as jnp
+import numpy as np
+
+from physagent_jax.errors import UserError
+from physagent_jax.forces.regions import region_mask
+from physagent_jax.forces.schema import (
+    Action,
+    ActionType,
+    ConstraintType,
+    ForceField,
+    SkillScaling,
+    VelocityConstraint,
+)
+from physagent_jax.forces.terms import Stretch, Torque, UniformAcceleration
+from physagent_jax.mpm.constraints import PrescribedMotion
+
+STATIC_STRAIN = 0.3  # mean over a free linear bar under `scale` with M = 1
+RAMP = 0.4  # share of a `scale` window over which the pull grows
+
+
+def closed_form_scaling(
+    *, extent: float, youngs_modulus: float, density: float, duration: float
+) -> SkillScaling:
+    """The k of the table above for a free object.
+
+    Args:
+        extent: Longest extent L [m].
+        youngs_modulus: Mean E [Pa].
+        density: Mean rho [kg/m^3].
+        duration: The clip's duration T [s].
+    """
+    return SkillScaling(
+        translation=2 * extent / duration**2,
+        scale=4 * youngs_modulus * STATIC_STRAIN / (density * extent),
+        impulse=extent / duration,
+        torque=math.pi / duration**2,
+        velocity=0.5 * extent / duration,
+        reason=f"closed form for L = {extent:.3g} m, E = {youngs_modulus:.3g} Pa, "
+        f"rho = {density:.3g} kg/m^3, T = {duration:.3g} s",
+    )
+
+
+def compile_force_field(
+    field: ForceField, scaling: SkillScaling, rest: np.ndarray, *, frame_dt: float, frame_count: int
+) -> tuple[tuple, tuple[PrescribedMotion, ...]]:
+    """Turns a force field into terms for `Model.forces` and constraints for `Model.constraints`.
+
+    Args:
+        field: The agents' force field.
+        scaling: What M = 1 means.
+        rest: Rest positions of the particles [m], shape (n, 3); its dtype is the terms'.
+        frame_dt: Seconds per frame [s].
+        frame_count: Frames of the clip; the last has index frame_count - 1.
+
+    Raises:
+        UserError: A region selects nothing, a window lies outside the clip, or an object id is unknown.
+    """
+    forces, constraints = [], []
+    for index, action in enumerate(field.actions):
+        bound = _Bound(action, f"force_field.actions[{index}]", rest, frame_dt, frame_count)
+        forces.append(_skill(action, scaling, bound))
+    for index, constraint in enumerate(field.constraints):
+        bound = _Bound(constraint, f"force_field.constraints[{index}]", rest, frame_dt, frame_count)
+        if constraint.constraint_type is ConstraintType.PARTICLE_IMPULSE:
+            forces.append(bound.blow(scaling.impulse))
+        else:
+            constraints.append(bound.held(scaling.velocity))
+    return tuple(forces), tuple(constraints)
+
+
+def _skill(action: Action, scaling: SkillScaling, bound: _Bound):
+    axis, (start, end), weight = bound.leaf(action.vector), bound.window, bound.weight
+    match action.action_type:
+        case ActionType.TRANSLATION:
+            return UniformAcceleration(bound.vector(scaling.translation), start, end, weight)
+        case ActionType.IMPULSE:
+            return bound.blow(scaling.impulse)
+        case ActionType.TORQUE:
+            return Torque(axis, bound.leaf(scaling.torque * action.magnitude), start, end, weight)
+        case ActionType.SCALE:
+            strength = bound.leaf(scaling.scale * action.magnitude)
+            return Stretch(axis, strength, start, end, RAMP * (end - start), weight)
+
+
+class _Bound:
+    """An action or constraint bound to particles and seconds."""
+
+    def __init__(
+        self,
+        timed: Action | VelocityConstraint,
+        place: str,
+        rest: np.ndarray,
+        frame_dt: float,
+        frame_count: int,
+    ):
+        if timed.object is not None:
+            raise UserError(
+                f"`{place}.object` names an object, but the scene holds a single one",
+                got=repr(timed.object),
+                do="Leave `object` out",
+            )
+        first, last = timed.active_time or (0, frame_count - 1)
+        if first >= frame_count - 1:
+            raise UserError(
+                f"`{place}.active_time` begins after the clip's last frame {frame_count - 1}",
+                got=[first, last],
+                do="Give frames inside the clip",
+            )
+        self._timed, self._dtype = timed, rest.dtype
+        self._mask = np.ones(len(rest), bool)
+        if timed.region is not None:
+            self._mask = region_mask(timed.region, rest, f"{place}.region")
+        self.window = self.leaf(first * frame_dt), self.leaf(last * frame_dt)
+        self.weight = None if timed.region is None else self.leaf(self._mask)
+
+    def leaf(self, value) -> jnp.ndarray:
+        """``value`` as an array of the particles' dtype."""
+        return jnp.asarray(value, self._dtype)
+
+    def vector(self, k: float) -> jnp.ndarray:
+        """K M v, shape (3,)."""
+        return self.leaf(k * self._timed.magnitude * np.asarray(self._timed.vector))
+
+    def blow(self, k: float) -> UniformAcceleration:
+        """The velocity change k M v, spread evenly over the window."""
+        start, end = self.window
+        return UniformAcceleration(self.vector(k) / (end - start), start, end, self.weight)
+
+    def held(self, k: float) -> PrescribedMotion:
+        """The particles move with k M v during the window."""
+        particles = jnp.asarray(np.flatnonzero(self._mask), jnp.int32)
+        zero = self.leaf(np.zeros(3))
+        return PrescribedMotion(particles, self.vector(k), zero, zero, *self.window)

@@ -1,0 +1,48 @@
+"""What a constitutive model is, and what all of them share."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import jax
+import jax.numpy as jnp
+
+
+class Material(Protocol):
+    """A hyperelastic solid with per-particle parameters, shape (n,) each.
+
+    Implementations are registered dataclasses; their arrays cover one contiguous block of particles.
+    """
+
+    @property
+    def count(self) -> int:
+        """Particles in the block."""
+        ...
+
+    def energy(self, F: jax.Array) -> jax.Array:
+        """Strain energy per rest volume psi(F) [J/m^3], shape (n,)."""
+        ...
+
+    def stress(self, F: jax.Array) -> jax.Array:
+        """Kirchhoff stress tau = (d psi / d F) F^T [Pa], shape (n, 3, 3), symmetric."""
+        ...
+
+    def stiffness(self, F: jax.Array) -> jax.Array:
+        """Largest eigenvalue of the Kirchhoff tangent d tau_i / d ln lambda_j [Pa], shape (n,).
+
+        An upper bound suffices; it governs the stable time step (`mpm.timestep`). At rest it is
+        3 lam + 2 mu.
+        """
+        ...
+
+
+def lame_parameters(youngs_modulus, poissons_ratio):
+    """Lame parameters (mu, lam) [Pa] from E [Pa] and nu."""
+    mu = youngs_modulus / (2 * (1 + poissons_ratio))
+    lam = youngs_modulus * poissons_ratio / ((1 + poissons_ratio) * (1 - 2 * poissons_ratio))
+    return mu, lam
+
+
+def principal_stretches_squared(F: jax.Array) -> jax.Array:
+    """Eigenvalues of F^T F, ascending, shape (n, 3). For time-step control, not for the inner loop."""
+    return jnp.linalg.eigvalsh(jnp.swapaxes(F, -1, -2) @ F)

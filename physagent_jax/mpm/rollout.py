@@ -1,0 +1,211 @@
+"""Two drivers of the same `step`: `simulate` for frames, `rollout` for gradients.
+
+`simulate` adapts: it fits substeps and the grid window to each frame, checks the result on the device,
+and redoes a frame from its start with smaller steps if the check fails. `rollout` is a pure function with
+static counts, made for `jax.grad` and `jax.vmap`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Iterator
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from physagent_jax.errors import UserError
+from physagent_jax.mpm.linalg import determinant
+from physagent_jax.mpm.state import Model, State
+from physagent_jax.mpm.step import step
+from physagent_jax.mpm.timestep import check_explicit_dt, kinematic_dt, stable_dt, substeps_for
+from physagent_jax.mpm.window import fit_window
+
+MAX_RETRIES = 6  # halvings of the step before a frame is given up
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Health:
+    """What went on during a frame's substeps, kept on the device.
+
+    Attributes:
+        max_speed: Largest particle speed in any substep [m/s].
+        min_J, max_J: Extremes of det F in any substep.
+        outside: Particle-steps with a stencil beyond the grid window, int32.
+        finite: Whether the last state is finite.
+    """
+
+    max_speed: jax.Array
+    min_J: jax.Array
+    max_J: jax.Array
+    outside: jax.Array
+    finite: jax.Array
+
+
+@dataclasses.dataclass(frozen=True)
+class Frame:
+    """One frame handed to the host.
+
+    Attributes:
+        index: Frame number; 0 is the initial state.
+        state: The state at the end of the frame, on the device.
+        substeps: Substeps that led here from the frame before.
+        dt: Their length [s].
+        min_J, max_J: Extremes of det F on the way.
+        retries: Reasons for which this frame was redone, oldest first.
+        grid_shape: The window used.
+        seconds: Wall time of the frame, redone attempts included [s].
+    """
+
+    index: int
+    state: State
+    substeps: int
+    dt: float
+    min_J: float
+    max_J: float
+    retries: tuple[str, ...]
+    grid_shape: tuple[int, int, int]
+    seconds: float
+
+
+@jax.jit
+def advance(model: Model, state: State, substeps: jax.Array) -> tuple[State, Health]:
+    """``substeps`` steps in a row (a traced count: no recompilation when it changes), watched."""
+
+    def body(_, carry):
+        state, health = carry
+        state = step(model, state)
+        return state, _watch(model, state, health)
+
+    dtype = state.x.dtype
+    health = Health(
+        jnp.zeros((), dtype),
+        jnp.ones((), dtype),
+        jnp.ones((), dtype),
+        jnp.zeros((), jnp.int32),
+        jnp.array(True),
+    )
+    return jax.lax.fori_loop(0, substeps, body, (state, health))
+
+
+def _watch(model: Model, state: State, health: Health) -> Health:
+    J = determinant(state.F)
+    low = jnp.floor(state.x / model.grid.dx - 0.5).astype(jnp.int32) - model.grid.origin
+    outside = (low < 0) | (low + 3 > jnp.asarray(model.grid.shape))
+    return Health(
+        max_speed=jnp.maximum(health.max_speed, jnp.sqrt((state.v**2).sum(-1).max())),
+        min_J=jnp.minimum(health.min_J, J.min()),
+        max_J=jnp.maximum(health.max_J, J.max()),
+        outside=health.outside + outside.any(-1).sum(dtype=jnp.int32),
+        finite=jnp.isfinite(state.x).all() & jnp.isfinite(state.v).all() & jnp.isfinite(state.F).all(),
+    )
+
+
+def simulate(
+    model: Model,
+    state: State,
+    *,
+    frame_count: int,
+    frame_dt: float,
+    substep_dt: float | None = None,
+    safety: float = 0.7,
+) -> Iterator[Frame]:
+    """Yields ``frame_count`` frames, the initial state first.
+
+    Args:
+        model: Its ``dt`` and ``grid.origin``/``grid.shape`` are chosen anew for each frame.
+        state: The initial state.
+        frame_count: Frames in all; frame_count - 1 intervals are simulated.
+        frame_dt: Time between frames [s].
+        substep_dt: Fixed substep [s], shortened to fit the frame; None = ``safety`` times the bound.
+        safety: Fraction of the stable bound, in (0, 1].
+
+    Raises:
+        UserError: ``substep_dt`` is above the stable bound, or a frame fails even with steps
+            2**MAX_RETRIES times smaller (the message says what the check saw).
+    """
+    dtype = state.x.dtype
+    if substep_dt is not None:
+        check_explicit_dt(substep_dt, float(stable_dt(model, state)))
+    yield Frame(0, state, 0, 0.0, 1.0, 1.0, (), model.grid.shape, 0.0)
+    for index in range(1, frame_count):
+        begun = time.perf_counter()
+        dt = substep_dt or safety * float(stable_dt(model, state))
+        dt = min(dt, float(kinematic_dt(model, state, jnp.asarray(frame_dt, dtype))))
+        substeps, retries, margin = substeps_for(frame_dt, dt), [], 1.0
+        while True:
+            grid = _follow(model, state, frame_dt, margin)
+            model = model.replace(grid=grid, dt=jnp.asarray(frame_dt / substeps, dtype))
+            after, health = advance(model, state, jnp.asarray(substeps, jnp.int32))
+            breach = _breach(model, health)
+            if breach is None:
+                break
+            retries.append(f"{breach} at dt = {frame_dt / substeps:.3g} s")
+            if len(retries) > MAX_RETRIES:
+                raise UserError(
+                    f"frame {index} cannot be simulated: {'; '.join(retries)}",
+                    do="Use a stiffer material, a weaker force, or a finer grid",
+                )
+            if health.finite and int(health.outside) > 0:
+                margin *= 2.5  # the window was too tight, not the step too long
+            else:
+                substeps *= 2
+        state = after
+        yield Frame(
+            index,
+            state,
+            substeps,
+            frame_dt / substeps,
+            float(health.min_J),
+            float(health.max_J),
+            tuple(retries),
+            grid.shape,
+            time.perf_counter() - begun,
+        )
+
+
+def _follow(model: Model, state: State, frame_dt: float, margin: float):
+    """The grid window for the coming frame."""
+    x = np.asarray(state.x)
+    speed = float(jnp.linalg.norm(state.v, axis=-1).max())
+    reach = margin * (speed * frame_dt + 2 * model.grid.dx)
+    return fit_window(model.grid, x.min(0), x.max(0), reach)
+
+
+def _breach(model: Model, health: Health) -> str | None:
+    """Why the frame cannot be trusted, or None."""
+    if not bool(health.finite):
+        return "a value is not finite"
+    if float(health.min_J) <= 0:
+        return f"matter is turned inside out (det F = {float(health.min_J):.3g})"
+    if int(health.outside) > 0:
+        return "particles left the grid window"
+    cells = float(health.max_speed) * float(model.dt) / model.grid.dx
+    if cells >= 1:
+        return f"a particle crosses {cells:.2g} cells in one substep"
+    return None
+
+
+@partial(jax.jit, static_argnames=("frame_count", "substeps"))
+def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> tuple[State, State]:
+    """``frame_count`` frames of ``substeps`` steps of ``model.dt`` each; differentiable in reverse.
+
+    Each frame is checkpointed, and each step within it: the reverse pass stores one state per frame and,
+    for one frame at a time, one per step; grids are recomputed.
+
+    Returns:
+        The final state, and the states at the end of every frame stacked along a new first axis.
+    """
+
+    def substep(state, _):
+        return jax.checkpoint(step)(model, state), None
+
+    @jax.checkpoint
+    def frame(state, _):
+        state, _ = jax.lax.scan(substep, state, None, length=substeps)
+        return state, state
+
+    return jax.lax.scan(frame, state, None, length=frame_count)

@@ -1,0 +1,128 @@
+"""The simulator's pytrees: `Grid`, `Model` (what does not change during a rollout) and `State` (what does)."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, Literal
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.mpm.materials.base import Material
+
+_STATIC = dict(static=True)
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Grid:
+    """A window of nodes in the domain [0, cells * dx]^3; node (i, j, k) sits at (origin + (i, j, k)) * dx.
+
+    The window moves with the object (`mpm.window`), so its cost follows the object's size, not the
+    domain's. Moving it is exact: the grid holds nothing between steps.
+
+    Attributes:
+        origin: Domain index of the window's low corner, int32, shape (3,).
+        shape: Nodes of the window, static.
+        dx: Spacing [m], static.
+        cells: Cells along a side of the domain, static; its nodes are 0..cells.
+    """
+
+    origin: jax.Array
+    shape: tuple[int, int, int] = dataclasses.field(metadata=_STATIC)
+    dx: float = dataclasses.field(metadata=_STATIC)
+    cells: int = dataclasses.field(metadata=_STATIC)
+
+    @staticmethod
+    def whole(size: float, cells: int) -> Grid:
+        """The window that covers the whole domain of side ``size`` [m]."""
+        return Grid(jnp.zeros(3, jnp.int32), (cells + 1,) * 3, size / cells, cells)
+
+    def node_positions(self, dtype) -> tuple[jax.Array, jax.Array, jax.Array]:
+        """Node coordinates [m], shapes (nx, 1, 1), (1, ny, 1), (1, 1, nz): they broadcast, never materialise."""
+        indices = self.node_indices()
+        return tuple(i.astype(dtype) * self.dx for i in indices)  # type: ignore[return-value]
+
+    def node_indices(self) -> tuple[jax.Array, jax.Array, jax.Array]:
+        """Domain indices of the nodes, int32, broadcastable as `node_positions`."""
+        out = []
+        for axis, count in enumerate(self.shape):
+            shape = [1, 1, 1]
+            shape[axis] = count
+            out.append((self.origin[axis] + jnp.arange(count, dtype=jnp.int32)).reshape(shape))
+        return tuple(out)
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Model:
+    """Everything that `step` needs and does not change.
+
+    Attributes:
+        grid: The window of nodes.
+        dt: Substep [s], scalar.
+        gravity: [m/s^2], shape (3,); None = none (skipped).
+        mass: Particle mass [kg], shape (n,).
+        volume: Rest volume [m^3], shape (n,).
+        materials: One `Material` per contiguous block of particles, in particle order.
+        forces: Body-force terms (`mpm.protocols.BodyForce`), summed.
+        boundaries: `mpm.protocols.Boundary`, applied to grid velocities in order.
+        constraints: `mpm.constraints.PrescribedMotion`, later ones win.
+        transfer: "apic" or "pic" (C is discarded), static.
+        rpic_damping: 0 = APIC, 1 = only the rotational part of C; static.
+        damping_rate: Global damping of grid velocities [1/s], static; 0 = none (skipped).
+        wall: Cells from the domain's faces at which particles are stopped, static.
+    """
+
+    grid: Grid
+    dt: jax.Array
+    gravity: jax.Array | None
+    mass: jax.Array
+    volume: jax.Array
+    materials: tuple[Material, ...]
+    forces: tuple[Any, ...] = ()
+    boundaries: tuple[Any, ...] = ()
+    constraints: tuple[Any, ...] = ()
+    transfer: Literal["apic", "pic"] = dataclasses.field(default="apic", metadata=_STATIC)
+    rpic_damping: float = dataclasses.field(default=0.0, metadata=_STATIC)
+    damping_rate: float = dataclasses.field(default=0.0, metadata=_STATIC)
+    wall: int = dataclasses.field(default=2, metadata=_STATIC)
+
+    def replace(self, **changes) -> Model:
+        """A copy with ``changes``."""
+        return dataclasses.replace(self, **changes)
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class State:
+    """Everything that changes during a rollout; a run restarts exactly from it.
+
+    Attributes:
+        x: Positions [m], shape (n, 3).
+        v: Velocities [m/s], shape (n, 3).
+        C: Affine velocity matrices (APIC) [1/s], shape (n, 3, 3).
+        F: Deformation gradients, shape (n, 3, 3).
+        time: [s], scalar.
+        stopped: Particle-steps at which a particle was stopped at the domain's wall, int32 scalar.
+    """
+
+    x: jax.Array
+    v: jax.Array
+    C: jax.Array
+    F: jax.Array
+    time: jax.Array
+    stopped: jax.Array
+
+    @staticmethod
+    def at_rest(x: jax.Array, v: jax.Array | None = None) -> State:
+        """Undeformed particles at ``x`` [m] with velocity ``v`` [m/s] (default zero), shapes (n, 3)."""
+        count, dtype = x.shape[0], x.dtype
+        return State(
+            x=x,
+            v=jnp.zeros_like(x) if v is None else v,
+            C=jnp.zeros((count, 3, 3), dtype),
+            F=jnp.broadcast_to(jnp.eye(3, dtype=dtype), (count, 3, 3)),
+            time=jnp.zeros((), dtype),
+            stopped=jnp.zeros((), jnp.int32),
+        )

@@ -1,0 +1,66 @@
+"""How long a substep may be.
+
+An explicit MPM step is limited first by its worst-supported particle, one alone on its nodes, not by the
+bulk's sound speed. For quadratic B-splines and MLS stress, C' = -(4 / dx^2) tau(F) / rho0 whatever the
+particle's place in its cell, so with the largest Kirchhoff tangent k = d tau / d ln lambda the symplectic
+step is stable up to
+
+    dt_c = dx sqrt(rho0 / k),   k = 3 lam + 2 mu = E / (1 - 2 nu) at rest,
+
+a little below dx / c_p. Stretch stiffens k (twice for a neo-Hookean stretched by 1.4), so the bound is
+taken at the current F. Advection and the velocity gradient add their own limits. No formula guarantees
+stability for APIC (Bai & Schroeder 2022); `simulate` therefore also checks every frame.
+"""
+
+from __future__ import annotations
+
+import math
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.errors import UserError
+from physagent_jax.mpm.state import Model, State
+from physagent_jax.mpm.step import body_acceleration, per_material
+
+ADVECTION_LIMIT = 0.5  # cells a particle may cross in one substep
+GRADIENT_LIMIT = 0.3  # of |grad v| dt: det(I + dt grad v) > 0 needs < 1
+
+
+@jax.jit
+def stable_dt(model: Model, state: State) -> jax.Array:
+    """The closed-form bound dt_c [s] at the current deformation, least over the particles."""
+    stiffness = per_material(model, state.F, lambda material, F: material.stiffness(F))
+    density = model.mass / model.volume
+    return (model.grid.dx * jnp.sqrt(density / stiffness)).min()
+
+
+@jax.jit
+def kinematic_dt(model: Model, state: State, horizon: jax.Array) -> jax.Array:
+    """The advection and velocity-gradient limits [s], with the speed that forces can add within ``horizon`` [s]."""
+    acceleration = jnp.broadcast_to(body_acceleration(model, state), state.v.shape)
+    speed = jnp.linalg.norm(state.v, axis=-1) + horizon * jnp.linalg.norm(acceleration, axis=-1)
+    gradient = jnp.sqrt((state.C**2).sum((-1, -2)))
+    tiny = jnp.finfo(state.x.dtype).tiny
+    return jnp.minimum(
+        ADVECTION_LIMIT * model.grid.dx / jnp.maximum(speed.max(), tiny),
+        GRADIENT_LIMIT / jnp.maximum(gradient.max(), tiny),
+    )
+
+
+def substeps_for(frame_dt: float, dt: float) -> int:
+    """Substeps of at most ``dt`` [s] that fit ``frame_dt`` [s] exactly."""
+    return max(1, math.ceil(frame_dt / dt * (1 - 1e-6)))
+
+
+def check_explicit_dt(dt: float, bound: float) -> None:
+    """Refuses an explicit substep above the stable bound.
+
+    Raises:
+        UserError: ``dt`` exceeds ``bound``.
+    """
+    if dt > bound:
+        raise UserError(
+            f"`substep_dt` = {dt:.3g} s is above the stable bound of {bound:.3g} s for this material and grid",
+            do=f'Use `substep_dt` <= {0.9 * bound:.2g}, or "auto", or a softer or denser material, or fewer grid cells',
+        )

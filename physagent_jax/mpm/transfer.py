@@ -1,0 +1,119 @@
+"""Particle-to-grid and grid-to-particle transfers with quadratic B-splines (Jiang et al. 2016, section 7).
+
+One window of 3x3x3 nodes is scattered (gathered) per particle as a whole: XLA on CPU handles that an
+order of magnitude faster than 27 single updates per particle.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+
+from physagent_jax.mpm.state import Grid
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Stencil:
+    """Where each particle touches the grid.
+
+    Attributes:
+        base: Window index of the lowest of the three nodes per axis, int32, shape (n, 3).
+        weights: B-spline weights per axis and node, shape (n, 3, 3).
+        offsets: Node minus particle position per axis and node [m], shape (n, 3, 3).
+    """
+
+    base: jax.Array
+    weights: jax.Array
+    offsets: jax.Array
+
+
+def stencil(x: jax.Array, grid: Grid) -> Stencil:
+    """Quadratic B-spline stencils of particles at ``x`` [m], shape (n, 3)."""
+    scaled = x / grid.dx
+    low = jnp.floor(scaled - 0.5)
+    f = scaled - low  # distance to the lowest node in cells, in [0.5, 1.5)
+    weights = jnp.stack([0.5 * (1.5 - f) ** 2, 0.75 - (f - 1.0) ** 2, 0.5 * (f - 0.5) ** 2], axis=-1)
+    offsets = (jnp.arange(3, dtype=x.dtype) - f[..., None]) * grid.dx
+    return Stencil(low.astype(jnp.int32) - grid.origin, weights, offsets)
+
+
+def p2g(s: Stencil, grid: Grid, mass: jax.Array, momentum: jax.Array, affine: jax.Array) -> jax.Array:
+    """Scatters mass and momentum; node i gets w_i (momentum + affine (x_i - x)) and w_i mass.
+
+    Args:
+        s: Stencils of the n particles.
+        grid: The window; particles outside it deposit on its rim (`rollout` notices and redoes the frame).
+        mass: [kg], shape (n,).
+        momentum: [kg m/s], shape (n, 3).
+        affine: m C plus the stress impulse of MLS-MPM (Hu et al. 2018, eq. 29) [kg/s], shape (n, 3, 3).
+
+    Returns:
+        Momentum and mass at the nodes, shape (nx, ny, nz, 4).
+    """
+    w = _outer(s.weights)
+    components = []
+    for d in range(3):
+        q = (
+            momentum[:, d, None, None, None]
+            + affine[:, d, 0, None, None, None] * s.offsets[:, 0, :, None, None]
+            + affine[:, d, 1, None, None, None] * s.offsets[:, 1, None, :, None]
+            + affine[:, d, 2, None, None, None] * s.offsets[:, 2, None, None, :]
+        )
+        components.append(w * q)
+    components.append(w * mass[:, None, None, None])
+    return _scatter(s.base, jnp.stack(components, axis=-1), grid.shape)
+
+
+def scatter_mass(s: Stencil, grid: Grid, mass: jax.Array) -> jax.Array:
+    """Scatters ``mass`` [kg], shape (n,), alone; returns shape (nx, ny, nz)."""
+    values = _outer(s.weights) * mass[:, None, None, None]
+    return _scatter(s.base, values[..., None], grid.shape)[..., 0]
+
+
+def g2p(s: Stencil, grid: Grid, velocity: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Gathers v = sum w_i v_i and C = 4/dx^2 sum w_i v_i (x_i - x)^T.
+
+    Args:
+        s: Stencils of the n particles.
+        grid: The window.
+        velocity: Node velocities [m/s], shape (nx, ny, nz, 3).
+
+    Returns:
+        Particle velocities [m/s], shape (n, 3), and affine matrices [1/s], shape (n, 3, 3).
+    """
+    v = _gather(s.base, velocity)
+    w, wd = s.weights, s.weights * s.offsets
+    # Contracting one axis after the other costs 2 * (27 + 9 + 3) products instead of 4 * 27.
+    x0 = (v * w[:, 0, :, None, None, None]).sum(1)
+    x1 = (v * wd[:, 0, :, None, None, None]).sum(1)
+    y0 = (x0 * w[:, 1, :, None, None]).sum(1)
+    y1 = (x0 * wd[:, 1, :, None, None]).sum(1)
+    yx = (x1 * w[:, 1, :, None, None]).sum(1)
+    wz, wdz = w[:, 2, :, None], wd[:, 2, :, None]
+    moments = jnp.stack([(yx * wz).sum(1), (y1 * wz).sum(1), (y0 * wdz).sum(1)], axis=-1)
+    return (y0 * wz).sum(1), moments * (4 / grid.dx**2)
+
+
+def _outer(weights: jax.Array) -> jax.Array:
+    """Tensor-product weights, shape (n, 3, 3, 3)."""
+    return weights[:, 0, :, None, None] * weights[:, 1, None, :, None] * weights[:, 2, None, None, :]
+
+
+def _scatter(base: jax.Array, values: jax.Array, shape: tuple[int, int, int]) -> jax.Array:
+    numbers = lax.ScatterDimensionNumbers(
+        update_window_dims=(1, 2, 3, 4), inserted_window_dims=(), scatter_dims_to_operand_dims=(0, 1, 2)
+    )
+    zeros = jnp.zeros((*shape, values.shape[-1]), values.dtype)
+    # CLIP, because an out-of-range negative index would otherwise wrap to the opposite face.
+    return lax.scatter_add(zeros, base, values, numbers, mode=lax.GatherScatterMode.CLIP)
+
+
+def _gather(base: jax.Array, values: jax.Array) -> jax.Array:
+    numbers = lax.GatherDimensionNumbers(
+        offset_dims=(1, 2, 3, 4), collapsed_slice_dims=(), start_index_map=(0, 1, 2)
+    )
+    return lax.gather(values, base, numbers, (3, 3, 3, values.shape[-1]), mode=lax.GatherScatterMode.CLIP)

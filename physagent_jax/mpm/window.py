@@ -1,0 +1,52 @@
+"""The grid window: as many nodes as the object needs, where it needs them.
+
+The grid carries nothing from step to step, so between frames the window may follow the object freely.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import jax.numpy as jnp
+import numpy as np
+
+from physagent_jax.mpm.state import Grid
+
+_GRANULE = 4  # window sides are multiples of this, so that few shapes are compiled
+
+
+def fit_window(grid: Grid, low: np.ndarray, high: np.ndarray, reach: float) -> Grid:
+    """The window for particles within ``low``..``high`` [m] that travel at most ``reach`` [m].
+
+    The window never shrinks, because a new shape means a new compilation.
+
+    Args:
+        grid: The present window.
+        low: Smallest particle coordinates [m], shape (3,).
+        high: Largest particle coordinates [m], shape (3,).
+        reach: How far particles may travel before the next fit [m].
+
+    Returns:
+        A window inside the domain; ``grid`` itself if it still fits.
+    """
+    nodes = grid.cells + 1
+    first = np.floor((low - reach) / grid.dx - 0.5).astype(int)
+    last = np.floor((high + reach) / grid.dx - 0.5).astype(int) + 2
+    first, last = np.clip(first, 0, nodes - 3), np.clip(last, 2, nodes - 1)
+    origin = np.asarray(grid.origin)
+    if np.all(origin <= first) and np.all(last < origin + np.asarray(grid.shape)):
+        return grid
+    needed = last - first + 1
+    shape = tuple(
+        min(nodes, max(have, _GRANULE * math.ceil(int(need) / _GRANULE)))
+        for need, have in zip(needed, grid.shape)
+    )
+    slack = np.asarray(shape) - needed
+    origin = np.clip(first - slack // 2, 0, nodes - np.asarray(shape))
+    return dataclasses.replace(grid, origin=jnp.asarray(origin, jnp.int32), shape=shape)
+
+
+def smallest_window(size: float, cells: int) -> Grid:
+    """A minimal window of a domain of side ``size`` [m]; `fit_window` grows it to the object."""
+    return Grid(jnp.zeros(3, jnp.int32), (_GRANULE,) * 3, size / cells, cells)

@@ -1,0 +1,33 @@
+"""Shared fixtures: a small elastic block, double precision on request."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import jax
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+ROBOT = REPOSITORY / "examples" / "assets" / "robot.ply"
+
+
+@pytest.fixture
+def x64():
+    """Double precision for one test: exact answers deserve exact arithmetic."""
+    with jax.enable_x64(True):
+        yield
+
+
+@pytest.fixture(scope="session")
+def robot_path() -> Path:
+    """The bundled 3D Gaussian object."""
+    return ROBOT
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """Real captures that are not part of the package."""
+    path = REPOSITORY.parent / "shared" / "data"
+    if not path.is_dir():
+        pytest.skip("the folder of real captures is not present")
+    return path

@@ -1,0 +1,180 @@
+"""What M = 1 means for each skill, measured on simulated bodies; conservation; regions; windows."""
+
+import jax
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from physagent_jax.errors import UserError
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.forces.skills import closed_form_scaling, compile_force_field
+from physagent_jax.mpm import step
+from physagent_jax.mpm.energy import angular_momentum, momentum
+from tests.mpm.blocks import block
+
+FRAMES, FRAME_DT = 21, 0.02
+DURATION = (FRAMES - 1) * FRAME_DT
+LENGTH = 0.2
+
+
+def field(**action):
+    return ForceField.model_validate({"actions": [{"magnitude": 1.0, "vector": [1, 0, 0], **action}]})
+
+
+def moved(
+    force_field, *, cells=(4, 4, 4), E=1e6, density=1000.0, per_frame=20, extent=LENGTH, seconds=DURATION
+):
+    """Simulates a block of longest side 0.2 m under ``force_field``; returns (model, start, end)."""
+    model, state = block(
+        cells,
+        size=1.5,
+        grid_cells=30,
+        low=(0.6, 0.6, 0.6),
+        youngs_modulus=E,
+        density=density,
+        dt=FRAME_DT / per_frame,
+        dtype=np.float64,
+    )
+    scaling = closed_form_scaling(extent=extent, youngs_modulus=E, density=density, duration=DURATION)
+    forces, constraints = compile_force_field(
+        force_field, scaling, np.asarray(state.x), frame_dt=FRAME_DT, frame_count=FRAMES
+    )
+    model = model.replace(forces=forces, constraints=constraints)
+    steps = round(seconds / FRAME_DT * per_frame)
+    return model, state, jax.jit(lambda s: jax.lax.fori_loop(0, steps, lambda _, s: step(model, s), s))(state)
+
+
+def test_translation_moves_one_body_length_over_the_clip(x64):
+    _, start, end = moved(field(action_type="translation"))
+    np.testing.assert_allclose((end.x - start.x).mean(0), [LENGTH, 0, 0], rtol=0.01, atol=1e-9)
+
+
+def test_motion_does_not_depend_on_density_or_stiffness(x64):
+    for density, E in ((300.0, 1e5), (3000.0, 3e6)):
+        _, start, end = moved(field(action_type="translation"), density=density, E=E)
+        np.testing.assert_allclose((end.x - start.x).mean(0), [LENGTH, 0, 0], rtol=0.01, atol=1e-9)
+
+
+@pytest.mark.parametrize("magnitude", [0.7, -1.3])
+def test_impulse_gives_exactly_its_velocity_change(magnitude, x64):
+    push = field(action_type="impulse", vector=[0, 0, 2], magnitude=magnitude, active_time=[3.37, 4.13])
+    model, _, end = moved(push)
+    change = momentum(model, end) / model.mass.sum()
+    np.testing.assert_allclose(change, [0, 0, magnitude * LENGTH / DURATION], rtol=1e-9, atol=1e-12)
+
+
+def test_torque_turns_a_quarter_and_adds_the_angular_momentum_it_should(x64):
+    model, start, end = moved(field(action_type="torque", vector=[0, 0, 1]))
+    a = np.asarray(start.x - start.x.mean(0))
+    b = np.asarray(end.x - end.x.mean(0))
+    turn = np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a[:, :2] * b[:, :2]).sum())
+    np.testing.assert_allclose(np.degrees(turn), 90, rtol=0.02)
+    # APIC particles have an own moment of inertia of m dx^2 / 2 about each axis.
+    inertia = float((model.mass * ((a[:, :2] ** 2).sum(1) + 0.05**2 / 2)).sum())
+    spin = angular_momentum(model, end, end.x.mean(0))[2]
+    np.testing.assert_allclose(spin, inertia * np.pi / DURATION, rtol=0.02)
+    np.testing.assert_allclose(momentum(model, end), 0, atol=1e-9)
+
+
+@pytest.mark.parametrize("magnitude", [0.4, -0.4])
+def test_scale_strains_a_bar_by_the_stated_amount(magnitude, x64):
+    """Linear bar under opposed body forces on its halves: mean strain 0.3 M (rho a L / 4 E)."""
+    _, start, end = moved(
+        field(action_type="scale", magnitude=magnitude),
+        cells=(8, 2, 2),
+        E=1e5,
+        seconds=0.8 * DURATION,
+        extent=0.4,
+    )
+    extent = [float(s.x[:, 0].max() - s.x[:, 0].min()) for s in (start, end)]
+    np.testing.assert_allclose(
+        extent[1] / extent[0] - 1, 0.3 * magnitude, rtol=0.25
+    )  # 12 % is not quite linear
+
+
+def test_scale_changes_neither_momentum_nor_angular_momentum(x64):
+    lopsided = ForceField.model_validate(
+        {
+            "actions": [
+                {
+                    "action_type": "scale",
+                    "vector": [1, 1, 0],
+                    "magnitude": 1.0,
+                    "region": {"kind": "half_space", "point": [0.4, 0.3, 0.5], "normal": [1, 0.5, 0.2]},
+                }
+            ]
+        }
+    )
+    model, _, end = moved(lopsided, E=1e5)
+    scale = float(model.mass.sum()) * LENGTH / DURATION
+    np.testing.assert_allclose(momentum(model, end), 0, atol=1e-6 * scale)
+    np.testing.assert_allclose(angular_momentum(model, end, end.x.mean(0)), 0, atol=1e-6 * scale * LENGTH)
+
+
+def test_a_region_confines_the_force(x64):
+    top = field(
+        action_type="translation",
+        region={"kind": "half_space", "point": [0.5, 0.5, 0.5], "normal": [0, 0, 1]},
+    )
+    model, start, end = moved(top)
+    change = momentum(model, end)[0] / model.mass.sum()
+    np.testing.assert_allclose(change, 0.5 * 2 * LENGTH / DURATION, rtol=1e-9)  # half of the mass is pushed
+
+
+def test_velocity_constraints_are_exact(x64):
+    pull = ForceField.model_validate(
+        {
+            "constraints": [
+                {
+                    "constraint_type": "enforce_particle_translation",
+                    "vector": [1, 0, 0],
+                    "magnitude": 1.0,
+                    "active_time": [0, 10],
+                },
+                {
+                    "constraint_type": "particle_impulse",
+                    "vector": [0, 1, 0],
+                    "magnitude": 1.0,
+                    "active_time": [10, 11],
+                },
+            ]
+        }
+    )
+    _, start, end = moved(pull)
+    travelled = 0.5 * LENGTH / DURATION * DURATION  # held speed for half of the clip, then coasting on
+    np.testing.assert_allclose((end.x - start.x).mean(0)[0], travelled, rtol=1e-6)
+    np.testing.assert_allclose(end.v.mean(0)[1], LENGTH / DURATION, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "field_name"),
+    [
+        ({"vector": [0, 0, 0]}, "vector"),
+        ({"vector": [1, float("nan"), 0]}, "vector"),
+        ({"magnitude": 3.0}, "magnitude"),
+        ({"magnitude": 0.0}, "magnitude"),
+        ({"action_type": "teleport"}, "action_type"),
+        ({"active_time": [5, 5]}, "active_time"),
+        ({"active_time": [-1, 5]}, "active_time"),
+        ({"strength": 2}, "strength"),
+        ({"region": {"kind": "box", "low": [0, 0, 0], "high": [1, 0, 1]}}, "region"),
+        ({"region": {"kind": "blob"}}, "region"),
+    ],
+)
+def test_schema_errors_name_the_field(change, field_name):
+    with pytest.raises(ValidationError) as error:
+        field(**{"action_type": "translation", **change})
+    assert field_name in str(error.value.errors()[0]["loc"])
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"region": {"kind": "sphere", "center": [5, 5, 5], "radius": 0.1}}, "selects no particle"),
+        ({"active_time": [40, 50]}, "begins after the clip's last frame 20"),
+        ({"object": "teapot"}, "names an object"),
+    ],
+)
+def test_impossible_actions_are_refused(change, message):
+    with pytest.raises(UserError, match=message):
+        moved(field(action_type="translation", **change))

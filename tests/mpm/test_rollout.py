@@ -1,0 +1,136 @@
+"""The frame driver adapts without changing the answer; the pure driver has exact gradients."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from physagent_jax.errors import UserError
+from physagent_jax.forces.terms import UniformAcceleration
+from physagent_jax.mpm import (
+    DomainBox,
+    NeoHookean,
+    lame_parameters,
+    rollout,
+    simulate,
+    smallest_window,
+    stable_dt,
+)
+from tests.mpm.blocks import block
+
+
+def isolated(poissons_ratio, courant):
+    """Growth of a lone particle's small strain over 400 steps at ``courant`` times the stable bound."""
+    model, state = block(youngs_modulus=1e5, poissons_ratio=poissons_ratio, dtype=np.float64, boundaries=())
+    model = model.replace(
+        mass=model.mass[:1],
+        volume=model.volume[:1],
+        materials=(NeoHookean(*(jnp.full(1, a) for a in lame_parameters(1e5, poissons_ratio))),),
+    )
+    state = jax.tree.map(lambda a: a[:1] if a.ndim else a, state)
+    state = dataclasses.replace(state, F=state.F * (1 + 1e-6))
+    model = model.replace(dt=courant * stable_dt(model, state))
+    end, _ = rollout(model, state, frame_count=1, substeps=400)
+    return float(jnp.abs(jnp.linalg.det(end.F) - 1).max())
+
+
+@pytest.mark.parametrize("poissons_ratio", [0.0, 0.3, 0.45])
+def test_the_bound_is_where_a_lone_particle_becomes_unstable(poissons_ratio, x64):
+    assert isolated(poissons_ratio, 0.97) < 1e-3
+    assert not isolated(poissons_ratio, 1.1) < 1e-3
+
+
+def falling(frame_count=6, **options):
+    model, state = block(
+        gravity=jnp.array([0.0, 0.0, -9.8]),
+        low=(0.4, 0.4, 0.45),
+        dtype=np.float64,
+        boundaries=(DomainBox(8),),
+    )
+    return list(simulate(model, state, frame_count=frame_count, frame_dt=0.02, **options))
+
+
+def test_the_moving_window_changes_nothing(x64):
+    model, state = block(gravity=jnp.array([3.0, 0.0, -9.8]), low=(0.3, 0.4, 0.5), dtype=np.float64)
+    small = model.replace(grid=smallest_window(1.0, 20))
+    whole = list(simulate(model, state, frame_count=8, frame_dt=0.02, substep_dt=1e-3))
+    moving = list(simulate(small, state, frame_count=8, frame_dt=0.02, substep_dt=1e-3))
+    assert np.prod(moving[-1].grid_shape) < 0.5 * np.prod(whole[-1].grid_shape)
+    np.testing.assert_allclose(moving[-1].state.x, whole[-1].state.x, atol=1e-12)
+
+
+def test_frames_fit_exactly_and_start_with_the_initial_state(x64):
+    frames = falling()
+    assert [f.index for f in frames] == list(range(6))
+    for frame in frames:
+        np.testing.assert_allclose(float(frame.state.time), 0.02 * frame.index, rtol=1e-12)
+    assert all(f.substeps * f.dt == pytest.approx(0.02) for f in frames[1:])
+
+
+def test_an_explicit_step_above_the_bound_is_refused(x64):
+    with pytest.raises(UserError, match="above the stable bound.*Use `substep_dt` <="):
+        falling(substep_dt=0.01)
+
+
+def test_a_failing_frame_is_redone_with_smaller_steps(x64):
+    """A blow in the middle of a frame cannot be foreseen when the frame's step is chosen."""
+    blow = UniformAcceleration(jnp.array([2e4, 0.0, 0.0]), jnp.array(0.0165), jnp.array(0.0175))
+    model, state = block(youngs_modulus=2e4, dtype=np.float64, forces=(blow,), low=(0.2, 0.4, 0.4))
+    frames = list(simulate(model, state, frame_count=3, frame_dt=0.01, safety=1.0))
+    assert "cells in one substep" in frames[2].retries[0] and not frames[1].retries
+    assert frames[2].substeps > frames[1].substeps
+    fine = list(simulate(model, state, frame_count=3, frame_dt=0.01, substep_dt=2e-4))
+    np.testing.assert_allclose(frames[2].state.v.mean(0), [20, 0, 0], atol=1e-9)
+    np.testing.assert_allclose(fine[2].state.v.mean(0), [20, 0, 0], atol=1e-9)
+
+
+def test_a_hopeless_frame_ends_with_a_clear_error(x64):
+    model, state = block(dtype=np.float64)
+    broken = dataclasses.replace(state, F=state.F.at[0].set(jnp.diag(jnp.array([-1.0, 1.0, 1.0]))))
+    with pytest.raises(UserError, match="frame 1 cannot be simulated"):
+        list(simulate(model, broken, frame_count=2, frame_dt=0.01))
+
+
+def test_rollout_equals_the_frame_driver(x64):
+    model, state = block(gravity=jnp.array([0.0, 0.0, -9.8]), dtype=np.float64, dt=1e-3)
+    frames = list(simulate(model, state, frame_count=4, frame_dt=0.01, substep_dt=1e-3))
+    end, path = rollout(model, state, frame_count=3, substeps=10)
+    np.testing.assert_allclose(end.x, frames[-1].state.x, atol=1e-14)
+    np.testing.assert_allclose(path.x[0], frames[1].state.x, atol=1e-14)
+
+
+def test_gradients_match_central_differences(x64):
+    """dLoss with respect to force, initial velocity, stiffness and density, over 60 steps from F = I."""
+    model, state = block((3, 3, 3), dtype=np.float64, dt=1e-3, boundaries=())
+    weight = jnp.asarray(np.random.default_rng(0).normal(size=(len(state.x), 3)))
+
+    def loss(p):
+        force = UniformAcceleration(p["a"], jnp.array(0.01), jnp.array(0.04), (state.x[:, 0] > 0.45) * 1.0)
+        mu, lam = lame_parameters(jnp.exp(p["log_E"]), 0.3)
+        count = len(state.x)
+        changed = model.replace(
+            forces=(force,),
+            mass=model.mass * p["rho"],
+            materials=(NeoHookean(jnp.full(count, mu), jnp.full(count, lam)),),
+        )
+        start = dataclasses.replace(state, v=state.v + p["v"])
+        end, _ = rollout(changed, start, frame_count=6, substeps=10)
+        return (weight * end.x).sum() + (end.x[:, 2] ** 2).sum()
+
+    point = {
+        "a": jnp.array([2.0, -1.0, 3.0]),
+        "log_E": jnp.log(2e4),
+        "rho": jnp.array(1.1),
+        "v": jnp.array([0.1, 0.2, 0]),
+    }
+    gradient = jax.grad(loss)(point)
+    h = 1e-5
+
+    def shifted(name, index, amount):
+        return {**point, name: point[name].at[index].add(amount)}
+
+    for name, index in [("a", 0), ("a", 2), ("log_E", ()), ("rho", ()), ("v", 1)]:
+        difference = (loss(shifted(name, index, h)) - loss(shifted(name, index, -h))) / (2 * h)
+        np.testing.assert_allclose(gradient[name][index], difference, rtol=1e-6, atol=1e-9)
