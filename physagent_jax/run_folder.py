@@ -1,17 +1,17 @@
 """The files that a run leaves, as schemas: what the loop writes, the report reads and a resumed run trusts.
 
-    run/manifest.json                      versions, seeds, hashes, timings, which iteration is best
-    run/semantic.json                      the semantic agent's reply
-    run/scene.json                         the best iteration's fused scene, replayable
-    run/iterations/k/scene.json            fused scene of iteration k
-    run/iterations/k/force_field.json      what was simulated
-    run/iterations/k/motion_report.json    what perception saw
-    run/iterations/k/judgement.json        what the planner concluded
-    run/iterations/k/rewrite.json          what the executor changed for k + 1 (absent after the last)
-    run/iterations/k/simulation.json       `SimulationRecord`
-    run/iterations/k/video.mp4, motion.npz
-    run/video.mp4, motion.npz, frames/     the best iteration's
-    run/report.html
+run/manifest.json                      versions, seeds, hashes, timings, which iteration is best
+run/semantic.json                      the semantic agent's reply
+run/scene.json                         the best iteration's fused scene, replayable
+run/iterations/k/scene.json            fused scene of iteration k
+run/iterations/k/force_field.json      what was simulated
+run/iterations/k/motion_report.json    what perception saw
+run/iterations/k/judgement.json        what the planner concluded
+run/iterations/k/rewrite.json          what the executor changed for k + 1 (absent after the last)
+run/iterations/k/simulation.json       `SimulationRecord`
+run/iterations/k/video.mp4, motion.npz
+run/video.mp4, motion.npz, frames/     the best iteration's
+run/report.html
 """
 
 from __future__ import annotations

@@ -193,6 +193,9 @@ def _breach(model: Model, health: Health) -> str | None:
 def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> tuple[State, State]:
     """``frame_count`` frames of ``substeps`` steps of ``model.dt`` each; differentiable in reverse.
 
+    Nothing adapts: ``model.grid`` must cover the whole motion (`Grid.whole` always does) and ``model.dt``
+    must be stable throughout.
+
     Each frame is checkpointed, and each step within it: the reverse pass stores one state per frame and,
     for one frame at a time, one per step; grids are recomputed.
 

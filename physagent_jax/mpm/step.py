@@ -89,9 +89,15 @@ def damped_affine(model: Model, C: jax.Array) -> jax.Array:
 
 
 def grid_velocity(model: Model, nodes: jax.Array) -> jax.Array:
-    """Node velocities [m/s] from momentum and mass, damped; empty nodes stay at zero."""
+    """Node velocities [m/s] from momentum and mass, damped; empty nodes stay at zero.
+
+    A node counts as empty below eps^1.5 of the lightest particle's mass. Every particle's weight there is
+    smaller still, so that its velocity would be lost in round-off; but the derivative of momentum / mass
+    divides by the mass squared, which in float32 underflows.
+    """
     mass = nodes[..., 3:]
-    occupied = mass > 0
+    lightest = jax.lax.stop_gradient(model.mass.min())
+    occupied = mass > jnp.finfo(mass.dtype).eps ** 1.5 * lightest
     velocity = jnp.where(occupied, nodes[..., :3] / jnp.where(occupied, mass, 1.0), 0.0)
     if model.damping_rate > 0:
         velocity = velocity * jnp.exp(-model.damping_rate * model.dt)

@@ -13,7 +13,9 @@ import numpy as np
 
 from physagent_jax.mpm.state import Grid
 
-_GRANULE = 4  # window sides are multiples of this, so that few shapes are compiled
+# A new shape means a new compilation: sides are multiples of a granule, and grow by a good share at once.
+_GRANULE = 8
+_GROWTH = 1.3
 
 
 def fit_window(grid: Grid, low: np.ndarray, high: np.ndarray, reach: float) -> Grid:
@@ -38,13 +40,17 @@ def fit_window(grid: Grid, low: np.ndarray, high: np.ndarray, reach: float) -> G
     if np.all(origin <= first) and np.all(last < origin + np.asarray(grid.shape)):
         return grid
     needed = last - first + 1
-    shape = tuple(
-        min(nodes, max(have, _GRANULE * math.ceil(int(need) / _GRANULE)))
-        for need, have in zip(needed, grid.shape)
-    )
+    shape = tuple(_side(int(need), have, nodes) for need, have in zip(needed, grid.shape))
     slack = np.asarray(shape) - needed
     origin = np.clip(first - slack // 2, 0, nodes - np.asarray(shape))
     return dataclasses.replace(grid, origin=jnp.asarray(origin, jnp.int32), shape=shape)
+
+
+def _side(need: int, have: int, most: int) -> int:
+    if need <= have:
+        return have
+    grown = max(need, _GROWTH * have) if have > _GRANULE else need
+    return min(most, _GRANULE * math.ceil(grown / _GRANULE))
 
 
 def smallest_window(size: float, cells: int) -> Grid:

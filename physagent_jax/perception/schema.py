@@ -86,7 +86,8 @@ class Quality(Strict):
     """How far the report can be trusted.
 
     Attributes:
-        tracks_kept: Smallest fraction of frame-0 tracks still followed in any frame.
+        tracks_kept: Smallest fraction of tracks still followed in any frame while the object is in view;
+            after a re-seeding it counts the new tracks.
         fit_residual: Largest RMS residual of the per-frame affine fit [body lengths].
         depth_noise: Median absolute depth difference within 3x3 neighbourhoods on the mask [body lengths].
         mask_fraction: Object's share of frame 0's pixels.
@@ -144,4 +145,5 @@ class MotionReport(Strict):
         for window in self.windows:
             if (window.first, window.last) == (first, last):
                 return window
-        raise KeyError(f"window ({first}, {last}) is not in the report; have {[(w.first, w.last) for w in self.windows]}")
+        have = [(w.first, w.last) for w in self.windows]
+        raise KeyError(f"window ({first}, {last}) is not in the report; have {have}")

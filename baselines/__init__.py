@@ -1,0 +1,1 @@
+"""Gradient and score-distillation methods on the same simulator and the same scenes as the agent loop."""

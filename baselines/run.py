@@ -1,0 +1,127 @@
+"""`python -m baselines.run --method oracle_gradient --task push`: solve a task and leave a run folder."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import sys
+from pathlib import Path
+from typing import Literal
+
+import tyro
+
+from baselines.oracle_gradient import Step, optimise
+from baselines.tasks import TASKS, Parameters, Task, make_task
+from physagent_jax.cli import enable_compile_cache
+from physagent_jax.cli.console import FrameBar
+from physagent_jax.errors import UserError
+from physagent_jax.output.files import check_writable, replacing, write_text
+from physagent_jax.output.motion_file import write_motion
+from physagent_jax.output.run_files import motion_of
+from physagent_jax.output.video import write_video
+from physagent_jax.provenance import make_manifest, settings_hash
+from physagent_jax.report.html import write_report
+from physagent_jax.run_store import RunStore
+from physagent_jax.scene.compile import compile_scene
+from physagent_jax.scene.config import dump_scene
+from physagent_jax.simulation import play
+from physagent_jax.stopwatch import Stopwatch
+
+
+@dataclasses.dataclass(frozen=True)
+class Command:
+    """Solve a benchmark task with a baseline method."""
+
+    task: Literal["push", "drop"]
+    """Which task."""
+    method: Literal["oracle_gradient"] = "oracle_gradient"
+    """Which method."""
+    out: Path | None = None
+    """Run folder; default: runs/<method>_<task>."""
+    iterations: int = 40
+    """Gradients at most."""
+    learning_rate: float = 0.1
+    """Of Adam."""
+    overwrite: bool = False
+    """Replace another run in the folder."""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs the command line; returns the exit code."""
+    command = tyro.cli(Command, prog="python -m baselines.run", args=arguments)
+    enable_compile_cache()
+    try:
+        solve(command)
+    except UserError as error:
+        print(f"baselines: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def solve(command: Command) -> RunStore:
+    """Optimises, prints every iteration, and plays the solution into a run folder."""
+    if command.iterations < 1:
+        raise UserError("`--iterations` must be at least 1", got=command.iterations)
+    out = command.out or Path("runs") / f"{command.method}_{command.task}"
+    settings = {"method": command.method, "task": command.task, "lr": command.learning_rate}
+    settings["iterations"] = command.iterations
+    manifest = make_manifest(
+        command=f"python -m baselines.run --method {command.method} --task {command.task}",
+        prompt=TASKS[command.task].prompt,
+        seed=0,
+        inputs={"settings": settings_hash(settings)},
+    )
+    check_writable(out)
+    store = RunStore.open(out, manifest, overwrite=command.overwrite)
+    if store.manifest.complete:
+        print(f"{out} is complete; pass --overwrite to make it again")
+        return store
+    store.update()
+    watch = Stopwatch()
+    with watch("prepare"):
+        task = make_task(TASKS[command.task], out)
+    print(f"{'iteration':>9}  {'loss [L^2]':>11}  {'|gradient|':>10}  {'M':>5}  direction              seconds")
+    with watch("simulate"):
+        parameters, history = optimise(
+            task, iterations=command.iterations, learning_rate=command.learning_rate, on_step=_print
+        )
+    _write(store, task, parameters, history, watch)
+    print(f"best loss {min(step.loss for step in history):.3g} body lengths^2; report: {write_report(out)}")
+    return store
+
+
+def _print(step: Step) -> None:
+    x, y, z = step.vector
+    print(
+        f"{step.iteration:9d}  {step.loss:11.4e}  {step.gradient_norm:10.3e}  {step.magnitude:5.2f}  "
+        f"({x:+.3f} {y:+.3f} {z:+.3f})  {step.seconds:7.2f}",
+        flush=True,
+    )
+
+
+def _write(store: RunStore, task: Task, parameters: Parameters, history: list[Step], watch: Stopwatch) -> None:
+    """Leaves the files of a run with one iteration: the solution, played with the adaptive driver."""
+    config = task.solution(parameters)
+    scene = compile_scene(config, task.body, store.path)
+    bar = FrameBar("playing the solution")
+    try:
+        recording = play(scene, watch, bar)
+    finally:
+        bar.close()
+    with watch("write"):
+        folder = store.iteration(0)
+        write_text(folder / "scene.json", dump_scene(config))
+        write_text(store.path / "scene.json", dump_scene(config))
+        store.write("iterations/0/force_field.json", config.force_field)
+        store.write("iterations/0/simulation.json", recording.record)
+        steps = [dataclasses.asdict(step) for step in history]
+        write_text(store.path / "optimisation.json", json.dumps(steps, indent=2) + "\n")
+        for place in (folder, store.path):
+            write_video(place / "video.mp4", recording.rgb, 1 / config.timing.frame_dt)
+            with replacing(place / "motion.npz") as temporary:
+                write_motion(temporary, motion_of(scene, recording))
+    store.update(stages=watch.stages(), iterations=1, best_iteration=0, complete=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,66 @@
+"""The `physagent` command."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+from physagent_jax.errors import UserError
+
+_CACHE_VARIABLE = "PHYSAGENT_COMPILE_CACHE"
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs a command; returns the exit code: 0, or 2 for input that a person can mend.
+
+    ``--debug`` anywhere on the line shows the traceback of an error.
+    """
+    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    debug = "--debug" in arguments
+    arguments = [argument for argument in arguments if argument != "--debug"]
+    try:
+        import tyro
+
+        from physagent_jax.cli.commands import COMMANDS, DESCRIPTION
+
+        enable_compile_cache()
+        command = tyro.extras.subcommand_cli_from_dict(
+            COMMANDS, prog="physagent", description=DESCRIPTION, args=arguments or ["--help"]
+        )
+        return command()
+    except UserError as error:
+        if debug:
+            raise
+        print(f"physagent: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("physagent: stopped; the same command takes the run up again", file=sys.stderr)
+        return 130
+
+
+def enable_compile_cache() -> None:
+    """Keeps compiled programs between processes, so that only the first run pays for compilation.
+
+    ``PHYSAGENT_COMPILE_CACHE`` names another folder, or turns it off with ``off``. A folder set through
+    JAX's own configuration is left alone. The folder is private to the user: JAX loads code from it.
+    """
+    setting = os.environ.get(_CACHE_VARIABLE, "")
+    if setting.lower() in ("off", "0", "no", "none", "false"):
+        return
+    import jax
+
+    if jax.config.jax_compilation_cache_dir is not None:
+        return
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    folder = Path(setting) if setting else home / "physagent_jax" / "compiled"
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    except OSError:
+        return  # a read-only home costs compile time, nothing else
+    jax.config.update("jax_compilation_cache_dir", str(folder))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

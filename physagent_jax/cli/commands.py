@@ -1,0 +1,98 @@
+"""The table of commands, and the small ones."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Literal
+
+import tyro
+
+from physagent_jax.cli.run import Run
+from physagent_jax.cli.simulate import ImportPhysGaussian, Simulate
+
+DESCRIPTION = "Physically simulated 4D video from 3D Gaussians and a sentence."
+
+
+@dataclasses.dataclass(frozen=True)
+class Make:
+    """Make an object to play with: 3D Gaussians written by seeded code."""
+
+    what: tyro.conf.Positional[Literal["plant", "loaf", "jelly"]]
+    """A potted plant, a loaf of bread, or a jelly."""
+    out: Path
+    """PLY to write; its card is written beside it."""
+    seed: int = 0
+    """Another seed, another individual."""
+
+    def __call__(self) -> int:
+        """Runs the command; returns the exit code."""
+        from physagent_jax.gaussians.ply import write_ply
+        from physagent_jax.output.files import replacing, write_text
+        from physagent_jax.scene.card import ObjectCard
+        from physagent_jax.scene.priors import guess_kind
+        from physagent_jax.scene.procedural import PROCEDURAL
+
+        with replacing(self.out) as temporary:
+            write_ply(temporary, PROCEDURAL[self.what](self.seed))
+        card = ObjectCard(name=self.what, kind=guess_kind(self.what), up="+z")
+        write_text(self.out.with_suffix(".card.json"), card.model_dump_json(indent=2, exclude_none=True) + "\n")
+        print(self.out)
+        return 0
+
+
+@dataclasses.dataclass(frozen=True)
+class Schema:
+    """Print the JSON Schema of one of the file formats."""
+
+    what: tyro.conf.Positional[
+        Literal["scene", "force-field", "semantic", "motion-report", "judgement", "rewrite", "simulation", "manifest"]
+    ] = "scene"
+    """Which format."""
+
+    def __call__(self) -> int:
+        """Runs the command; returns the exit code."""
+        from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
+        from physagent_jax.forces.schema import ForceField
+        from physagent_jax.perception.schema import MotionReport
+        from physagent_jax.run_folder import Manifest, SimulationRecord
+        from physagent_jax.scene.config import SceneConfig
+
+        formats = {
+            "scene": SceneConfig,
+            "force-field": ForceField,
+            "semantic": SemanticReply,
+            "motion-report": MotionReport,
+            "judgement": Judgement,
+            "rewrite": Rewrite,
+            "simulation": SimulationRecord,
+            "manifest": Manifest,
+        }
+        print(json.dumps(formats[self.what].model_json_schema(), indent=2))
+        return 0
+
+
+@dataclasses.dataclass(frozen=True)
+class Report:
+    """Write report.html of a run folder again, for instance after an upgrade."""
+
+    run: tyro.conf.Positional[Path]
+    """The run folder."""
+
+    def __call__(self) -> int:
+        """Runs the command; returns the exit code."""
+        from physagent_jax.report.html import write_report
+
+        print(write_report(self.run))
+        return 0
+
+
+COMMANDS = {
+    "run": Run,
+    "simulate": Simulate,
+    "make": Make,
+    "import-physgaussian": ImportPhysGaussian,
+    "schema": Schema,
+    "report": Report,
+}

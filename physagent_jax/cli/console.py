@@ -1,0 +1,87 @@
+"""What the commands say while they work: progress on standard error, results on standard output."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+from physagent_jax.agents.schema import Judgement, Verdict
+from physagent_jax.synthesis import Observer
+
+stderr = Console(stderr=True, highlight=False, soft_wrap=True)
+
+
+def warn(message: object) -> None:
+    """One line about something that the user should know."""
+    stderr.print(f"[yellow]warning:[/] {_plain(message)}")
+
+
+def _plain(message: object) -> str:
+    """Text without rich's markup."""
+    return str(message).replace("[", r"\[")
+
+
+class FrameBar:
+    """A progress bar over frames; a plain terminal or a pipe gets no control characters."""
+
+    def __init__(self, text: str):
+        self._text = text
+        self._progress = Progress(
+            TextColumn("[bold]{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("frames"),
+            TimeElapsedColumn(),
+            console=stderr,
+            transient=True,
+        )
+        self._task = None
+
+    def __call__(self, done: int, total: int) -> None:
+        """``done`` of ``total`` frames are finished."""
+        if self._task is None:
+            self._progress.start()
+            self._task = self._progress.add_task(self._text, total=total)
+        self._progress.update(self._task, completed=done)
+        if done == total:
+            self.close()
+
+    def close(self) -> None:
+        """Takes the bar off the screen."""
+        self._progress.stop()
+
+
+class ConsoleObserver(Observer):
+    """Tells the loop's progress."""
+
+    def __init__(self):
+        self._bar: FrameBar | None = None
+
+    def stage(self, text: str) -> None:
+        """Prints the stage; its frames, if any, get a bar."""
+        self.close()
+        stderr.print(f"[dim]·[/] {_plain(text)}")
+        self._bar = FrameBar(text)
+
+    def frame(self, done: int, total: int) -> None:
+        """Moves the bar."""
+        if self._bar is not None:
+            self._bar(done, total)
+
+    def judged(self, index: int, judgement: Judgement) -> None:
+        """Prints the planner's verdict and its suggestion."""
+        self.close()
+        good = judgement.verdict is Verdict.SUCCESS
+        colour = "green" if good else "yellow"
+        stderr.print(
+            f"[{colour}]{'✓' if good else '✗'}[/] round {index + 1}: [{colour}]{judgement.verdict.value}[/] "
+            f"(score {judgement.score:.2f})"
+        )
+        if judgement.suggestion:
+            stderr.print(f"  {_plain(judgement.suggestion)}")
+
+    def close(self) -> None:
+        """Removes a bar that is still on the screen."""
+        if self._bar is not None:
+            self._bar.close()
+            self._bar = None

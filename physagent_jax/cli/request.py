@@ -1,0 +1,122 @@
+"""From the command line's options to a `synthesis.Request`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pydantic import ValidationError
+
+from physagent_jax.agents.rule_executor import RuleExecutor
+from physagent_jax.agents.rule_planner import RulePlanner
+from physagent_jax.agents.rule_semantic import RuleSemanticAgent
+from physagent_jax.errors import UserError
+from physagent_jax.provenance import make_manifest, settings_hash
+from physagent_jax.scene.card import load_card
+from physagent_jax.scene.config import Anchor, CameraConfig, Material, Source, validation_message
+from physagent_jax.scene.fuse import Ingredients
+from physagent_jax.scene.load import file_sha256
+from physagent_jax.scene.priors import anchor_for, guess_kind, material_for
+from physagent_jax.synthesis import Agents, Request
+
+if TYPE_CHECKING:
+    from physagent_jax.cli.run import Run
+
+
+def offline_agents() -> Agents:
+    """The deterministic agents: no model, no network."""
+    return Agents(RuleSemanticAgent(), RulePlanner(), RuleExecutor())
+
+
+def make_request(command: Run, command_line: str) -> Request:
+    """Gathers everything that the loop needs.
+
+    Raises:
+        UserError: The object file is missing or an option is out of range.
+    """
+    from physagent_jax.cli.run import preset_of
+
+    path = command.object
+    if not path.is_file():
+        raise UserError(f"there is no object file {path}", do="Check --object")
+    sha256 = file_sha256(path)
+    card = load_card(path)
+    name = card.name or path.stem.replace("_", " ")
+    kind = command.kind or card.kind or guess_kind(name)
+    try:
+        source = Source(
+            path=str(path.resolve()),
+            sha256=sha256,
+            name=name,
+            kind=kind,
+            up=command.up or card.up or "+z",
+            opacity_threshold=command.opacity_threshold,
+        )
+        ingredients = Ingredients(
+            prompt=command.prompt,
+            preset_name=command.preset.value,
+            preset=preset_of(command),
+            source=source,
+            material=_material(command, kind),
+            anchor=_anchor(command, kind),
+            camera=_camera(command, card.azimuth_degrees),
+            friction=command.friction,
+        )
+    except ValidationError as error:
+        raise validation_message(error, "command line") from None
+    inputs = {"object": sha256, "settings": settings_hash(_settings(command, ingredients))}
+    manifest = make_manifest(command=command_line, prompt=command.prompt, seed=command.seed, inputs=inputs)
+    return Request(
+        prompt=command.prompt,
+        ingredients=ingredients,
+        choose_anchor=lambda asked, words: _anchor(command, kind, asked, words),
+        base_dir=Path.cwd(),
+        out=command.out,
+        manifest=manifest,
+        max_iterations=command.max_iterations,
+        overwrite=command.overwrite,
+        save_frames=command.save_frames,
+        save_splats=command.save_splats,
+    )
+
+
+def _material(command: Run, kind: str) -> Material:
+    prior = material_for(kind)
+    options = {
+        "model": command.material,
+        "youngs_modulus": command.youngs_modulus,
+        "poissons_ratio": command.poissons_ratio,
+        "density": command.density,
+    }
+    given = {key: value for key, value in options.items() if value is not None}
+    if not given:
+        return prior
+    reason = f"{', '.join(given)} from the command line, the rest: {prior.reason}"
+    return Material.model_validate({**prior.model_dump(), **given, "reason": reason})
+
+
+def _anchor(command: Run, kind: str, asked: str | None = None, words: str = "") -> Anchor:
+    if command.anchor == "auto":
+        return anchor_for(kind, asked, words)
+    return anchor_for(kind, command.anchor).model_copy(update=dict(reason="set on the command line"))
+
+
+def _camera(command: Run, azimuth: float | None) -> CameraConfig:
+    if command.azimuth is not None:
+        azimuth = command.azimuth
+    return CameraConfig(azimuth_degrees=azimuth or 0.0, elevation_degrees=command.elevation)
+
+
+def _settings(command: Run, ingredients: Ingredients) -> dict:
+    """What makes two runs the same; where the object lies on the disk is not part of it."""
+    parts = {
+        "preset": {name: getattr(ingredients.preset, name).model_dump(mode="json") for name in _PRESET_PARTS},
+        "source": ingredients.source.model_dump(mode="json", exclude={"path"}),
+        "material": ingredients.material.model_dump(mode="json"),
+        "camera": ingredients.camera.model_dump(mode="json"),
+    }
+    options = (command.prompt, command.anchor, command.friction, command.max_iterations, command.seed)
+    return {**parts, "options": options, "save": (command.save_frames, command.save_splats)}
+
+
+_PRESET_PARTS = ("domain", "filling", "timing", "transfer", "rendering")

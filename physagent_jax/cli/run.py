@@ -1,0 +1,152 @@
+"""`physagent run`: an object and a sentence in, a run folder out."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import shlex
+import sys
+import time
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from physagent_jax.cli.console import ConsoleObserver, stderr, warn
+from physagent_jax.errors import UserError
+from physagent_jax.scene.config import MaterialModel, SignedAxis
+from physagent_jax.scene.presets import PRESETS, PresetName
+
+AnchorChoice = Literal["auto", "none", "base", "top"]
+
+
+@dataclasses.dataclass(frozen=True)
+class Run:
+    """Turn an object and a sentence into a simulated 4D video.
+
+    Simulates, looks at its own pictures, judges them against the sentence and tries again, up to three
+    rounds. The folder then holds video.mp4, motion.npz, scene.json and report.html. A stopped run goes on
+    when the same command is given again.
+    """
+
+    object: Path
+    """3DGS PLY or mesh (.obj, .glb, .stl, .ply)."""
+    prompt: str
+    """What should happen, in everyday English."""
+    out: Path
+    """Run folder to make."""
+    preset: PresetName = PresetName.FAST
+    """fast: a laptop's processor; paper: the paper's resolution."""
+    up: SignedAxis | None = None
+    """The file's up axis; default: its card, else +z. 3DGS captures are often -y."""
+    kind: str | None = None
+    """plant, food, robot, ... (decides matter and anchor); default: its card, else from the file's name."""
+    azimuth: float | None = None
+    """Where the camera stands, in degrees about the vertical; default: the card's, else 0."""
+    elevation: float = 10.0
+    """The camera's height above the horizon, in degrees."""
+    anchor: AnchorChoice = "auto"
+    """What is held fixed; auto: what the sentence says, else what the kind implies."""
+    material: MaterialModel | None = None
+    """Constitutive model; default: the kind's."""
+    youngs_modulus: float | None = None
+    """E [Pa]; default: the kind's."""
+    poissons_ratio: float | None = None
+    """nu; default: the kind's."""
+    density: float | None = None
+    """[kg/m^3]; default: the kind's."""
+    friction: float = 0.0
+    """Of the ground, for objects that fall."""
+    opacity_threshold: float = 0.02
+    """Gaussians with less opacity are left out."""
+    frames: int | None = None
+    """Pictures of the clip; default: the preset's 50."""
+    particles: int | None = None
+    """Particles at most; default: the preset's."""
+    resolution: int | None = None
+    """Width and height of the pictures; default: the preset's."""
+    max_iterations: int = 3
+    """Rounds at most."""
+    seed: int = 0
+    """Of everything random."""
+    save_frames: bool = False
+    """Also leave the frames as PNG."""
+    save_splats: bool = False
+    """Also leave one 3DGS PLY per frame."""
+    overwrite: bool = False
+    """Replace another run in the folder."""
+    json_line: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one line of JSON instead of sentences."""
+
+    def __call__(self) -> int:
+        """Runs the command; returns the exit code."""
+        # Imported here, so that --help does not wait for JAX.
+        from physagent_jax.cli.request import make_request, offline_agents
+        from physagent_jax.report.html import write_report
+        from physagent_jax.synthesis import synthesize
+
+        if self.max_iterations < 1:
+            raise UserError("`--max-iterations` must be at least 1", got=self.max_iterations)
+        begun = time.perf_counter()
+        observer = ConsoleObserver()
+        try:
+            store = synthesize(make_request(self, " ".join(map(shlex.quote, sys.argv))), offline_agents(), observer)
+        finally:
+            observer.close()
+        report = write_report(store.path)
+        for text in store.manifest.warnings:
+            warn(text)
+        summary = summarise(store, time.perf_counter() - begun)
+        if self.json_line:
+            print(json.dumps(summary))
+        else:
+            stderr.print(f"[bold]{summary['verdict']}[/] after {summary['iterations']} round(s)")
+            print(f"video:  {store.path / 'video.mp4'}\nreport: {report}")
+        return 0
+
+
+def summarise(store, seconds: float) -> dict:
+    """The line that ``--json`` prints."""
+    from physagent_jax.run_folder import SimulationRecord
+
+    manifest = store.manifest
+    records = [
+        store.read(f"iterations/{index}/simulation.json", SimulationRecord) for index in range(manifest.iterations)
+    ]
+    best = records[manifest.best_iteration]
+    return {
+        "verdict": manifest.verdict,
+        "iterations": manifest.iterations,
+        "frames": len(best.kinetic_energy),
+        "particle_count": best.particle_count,
+        "substeps": sum(record.substeps for record in records),
+        "wall_s": {**manifest.stages.model_dump(), "total": round(seconds, 3)},
+        "out": str(store.path),
+    }
+
+
+def preset_of(command: Run):
+    """The chosen preset with the command line's changes."""
+    preset = PRESETS[command.preset]
+    changes = {
+        "timing": {"frame_count": command.frames},
+        "filling": {"max_particles": command.particles, "seed": command.seed},
+        "rendering": {"width": command.resolution, "height": command.resolution},
+    }
+    for part, values in changes.items():
+        given = {key: value for key, value in values.items() if value is not None}
+        if given:
+            old = getattr(preset, part)
+            preset = dataclasses.replace(preset, **{part: _validated(old, given)})
+    return preset
+
+
+def _validated(model, changes: dict):
+    from pydantic import ValidationError
+
+    from physagent_jax.scene.config import validation_message
+
+    try:
+        return type(model).model_validate({**model.model_dump(), **changes})
+    except ValidationError as error:
+        raise validation_message(error, "command line") from None

@@ -1,0 +1,113 @@
+"""`physagent simulate` and `physagent import-physgaussian`: scenes without agents."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import time
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from physagent_jax.cli.console import FrameBar, stderr, warn
+from physagent_jax.errors import UserError
+
+
+@dataclasses.dataclass(frozen=True)
+class Simulate:
+    """Play a scene file (ours, or a PhysGaussian config): video, motion and figures, no agents."""
+
+    scene: tyro.conf.Positional[Path]
+    """scene.json of a run, or a PhysGaussian config."""
+    out: Path
+    """Folder to write to."""
+    object: Path | None = None
+    """The object's file, where the scene does not name it (PhysGaussian) or it has moved."""
+    save_frames: bool = False
+    """Also leave the frames as PNG."""
+    save_splats: bool = False
+    """Also leave one 3DGS PLY per frame."""
+    json_line: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one line of JSON instead of sentences."""
+
+    def __call__(self) -> int:
+        """Runs the command; returns the exit code."""
+        from physagent_jax.cli.playing import play_scene
+
+        begun = time.perf_counter()
+        config, warnings = read_scene(self.scene, self.object)
+        for text in warnings:
+            warn(text)
+        bar = FrameBar("simulating and rendering")
+        try:
+            record, stages = play_scene(
+                config,
+                self.scene.parent,
+                self.out,
+                bar,
+                save_frames=self.save_frames,
+                save_splats=self.save_splats,
+            )
+        finally:
+            bar.close()
+        if self.json_line:
+            wall = {**stages.model_dump(), "total": round(time.perf_counter() - begun, 3)}
+            summary = {
+                "frames": len(record.kinetic_energy),
+                "particle_count": record.particle_count,
+                "substeps": record.substeps,
+                "redone_frames": len(record.redone_frames),
+                "wall_s": wall,
+                "out": str(self.out),
+            }
+            print(json.dumps(summary))
+        else:
+            print(f"video: {self.out / 'video.mp4'}")
+        return 0
+
+
+@dataclasses.dataclass(frozen=True)
+class ImportPhysGaussian:
+    """Translate a PhysGaussian config into a scene file."""
+
+    config: tyro.conf.Positional[Path]
+    """PhysGaussian's JSON."""
+    object: Path
+    """The 3DGS PLY that it is meant for."""
+    out: Path
+    """Scene file to write."""
+
+    def __call__(self) -> int:
+        """Runs the command; returns the exit code."""
+        from physagent_jax.output.files import write_text
+        from physagent_jax.scene.config import dump_scene
+
+        scene, warnings = read_scene(self.config, self.object)
+        for text in warnings:
+            warn(text)
+        write_text(self.out, dump_scene(scene))
+        stderr.print(f"{len(warnings)} key(s) had no meaning here")
+        print(self.out)
+        return 0
+
+
+def read_scene(path: Path, object_path: Path | None):
+    """A scene file in either format, and warnings about what was not understood.
+
+    Raises:
+        UserError: The file is not a scene, or the object it needs is not given.
+    """
+    from physagent_jax.scene.config import load_json, parse_scene
+    from physagent_jax.scene.physgaussian import import_physgaussian, is_physgaussian
+
+    data = load_json(path)
+    if not is_physgaussian(data):
+        scene = parse_scene(data, origin=str(path))
+        if object_path is not None:
+            source = scene.source.model_copy(update=dict(path=str(object_path.resolve())))
+            scene = scene.model_copy(update=dict(source=source))
+        return scene, []
+    if object_path is None:
+        raise UserError(f"{path} is a PhysGaussian config, which names no object", do="Pass --object x.ply")
+    return import_physgaussian(data, object_path=str(object_path.resolve()))

@@ -1,0 +1,82 @@
+"""What the loop leaves in the run folder besides JSON: videos, motion, overlays, splats."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from physagent_jax.agents.schema import Judgement
+from physagent_jax.output.files import replacing, write_text
+from physagent_jax.output.motion_file import Motion, read_motion, write_motion
+from physagent_jax.output.splats import write_splat_frames
+from physagent_jax.output.video import read_video, write_frames, write_video
+from physagent_jax.perception.measure import Perception
+from physagent_jax.perception.overlay import overlay
+from physagent_jax.run_store import RunStore
+from physagent_jax.scene.body import Body
+from physagent_jax.scene.compile import Scene
+from physagent_jax.scene.config import SceneConfig, dump_scene
+from physagent_jax.simulation import Recording
+
+FILMSTRIP_FRAMES = 6
+
+
+def write_attempt(
+    store: RunStore, index: int, scene: Scene, recording: Recording, seen: Perception, judgement: Judgement
+) -> None:
+    """Leaves one round's files; ``judgement.json`` comes last and marks it complete."""
+    folder = store.iteration(index)
+    timing = scene.config.timing
+    write_text(folder / "scene.json", dump_scene(scene.config))
+    store.write(f"iterations/{index}/force_field.json", scene.config.force_field)
+    store.write(f"iterations/{index}/motion_report.json", seen.report)
+    store.write(f"iterations/{index}/simulation.json", recording.record)
+    write_video(folder / "video.mp4", recording.rgb, 1 / timing.frame_dt)
+    write_motion(folder / "motion.npz", motion_of(scene, recording))
+    write_filmstrip(folder / "overlay.png", recording.rgb, seen)
+    store.write(f"iterations/{index}/judgement.json", judgement)
+
+
+def write_best(store: RunStore, index: int, body: Body, *, save_frames: bool, save_splats: bool) -> None:
+    """Copies round ``index`` to the top of the folder, and writes what was asked for on top."""
+    folder = store.iteration(index)
+    for name in ("scene.json", "video.mp4", "motion.npz"):
+        with replacing(store.path / name) as temporary:
+            shutil.copyfile(folder / name, temporary)
+    if save_frames:
+        write_frames(store.path / "frames", read_video(folder / "video.mp4"))
+    if save_splats:
+        motion = read_motion(folder / "motion.npz")
+        write_splat_frames(store.path / "splats", body, motion.x, motion.F)
+
+
+def motion_of(scene: Scene, recording: Recording) -> Motion:
+    """The recording as a motion file's contents, particles in the body's order."""
+    body, cloud = scene.body, scene.body.cloud
+    back = np.argsort(scene.order)
+    return Motion(
+        times=np.arange(len(recording.x)) * scene.config.timing.frame_dt,
+        x=recording.x[:, back],
+        F=recording.F[:, back],
+        binding_indices=np.asarray(body.binding.indices),
+        binding_weights=np.asarray(body.binding.weights),
+        binding_offsets=np.asarray(body.binding.offsets),
+        cloud_means=np.asarray(cloud.means),
+        cloud_quats=np.asarray(cloud.quats),
+        cloud_scales=np.asarray(cloud.scales),
+        cloud_opacities=np.asarray(cloud.opacities),
+        cloud_sh=np.asarray(cloud.sh),
+        cloud_rotation=body.placement.rotation,
+    )
+
+
+def write_filmstrip(path: Path, rgb: np.ndarray, seen: Perception) -> None:
+    """A strip of evenly spaced frames with perception's mask and tracks drawn on them."""
+    drawn = overlay(rgb, seen.masks, seen.tracks, seen.visible)
+    chosen = np.linspace(0, len(rgb) - 1, min(FILMSTRIP_FRAMES, len(rgb))).round().astype(int)
+    strip = np.concatenate([drawn[t] for t in chosen], axis=1)
+    with replacing(path) as temporary:
+        cv2.imwrite(str(temporary), cv2.cvtColor(strip, cv2.COLOR_RGB2BGR))

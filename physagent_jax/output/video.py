@@ -1,0 +1,120 @@
+"""Videos that every browser plays, and numbered pictures."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import imageio.v3 as iio
+import numpy as np
+from av.container import OutputContainer
+from av.error import FFmpegError
+from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc
+
+from physagent_jax.errors import UserError
+from physagent_jax.output.files import replacing
+
+# Constant rate factor 18 is visually lossless for H.264; "yuv420p" and the index in front ("faststart")
+# are what browsers and phones need.
+QUALITY = {"crf": "18", "preset": "medium"}
+
+
+def write_video(path: str | Path, frames: np.ndarray, fps: float) -> Path:
+    """Writes frames as an H.264 mp4 (yuv420p, BT.709, limited range).
+
+    Odd sizes are padded by repeating the last row or column, because 4:2:0 colour needs even ones.
+
+    Args:
+        path: Where to, ending in ``.mp4``.
+        frames: Pictures, uint8, shape (T, H, W, 3), T >= 1.
+        fps: Frames per second [1/s].
+
+    Returns:
+        ``path``.
+
+    Raises:
+        UserError: The file cannot be written.
+        ValueError: The frames are not uint8 RGB, or ``fps`` is not positive.
+    """
+    frames = _checked(frames)
+    if not fps > 0:
+        raise ValueError(f"`fps` must be positive (got {fps})")
+    path = Path(path)
+    padded = np.pad(frames, ((0, 0), (0, frames.shape[1] % 2), (0, frames.shape[2] % 2), (0, 0)), mode="edge")
+    with (
+        replacing(path) as temporary,
+        av.open(str(temporary), "w", options={"movflags": "+faststart"}) as file,
+    ):
+        stream = _h264_stream(file, padded.shape[2], padded.shape[1], fps)
+        for picture in padded:
+            file.mux(stream.encode(_to_yuv(picture)))
+        file.mux(stream.encode(None))
+    return path
+
+
+def read_video(path: str | Path) -> np.ndarray:
+    """All frames of a video, uint8, shape (T, H, W, 3).
+
+    Raises:
+        UserError: The file is missing or is not a video.
+    """
+    try:
+        with av.open(str(path)) as file:
+            pictures = [frame.to_ndarray(format="rgb24") for frame in file.decode(video=0)]
+    except (OSError, FFmpegError, IndexError) as error:
+        raise UserError(
+            f"cannot read the video {path}", got=error, do="Check that it is a finished mp4"
+        ) from None
+    if not pictures:
+        raise UserError(f"the video {path} holds no frames", do="Render it again")
+    return np.stack(pictures)
+
+
+def write_frames(folder: str | Path, frames: np.ndarray) -> list[Path]:
+    """Writes ``frame_0000.png`` and so on; frames left by an earlier, longer clip are removed.
+
+    Args:
+        folder: Where to; made if absent.
+        frames: Pictures, uint8, shape (T, H, W, 3).
+
+    Returns:
+        The files' paths in order.
+
+    Raises:
+        UserError: The folder cannot be written to.
+        ValueError: The frames are not uint8 RGB.
+    """
+    folder = Path(folder)
+    paths = [folder / f"frame_{index:04d}.png" for index in range(len(_checked(frames)))]
+    for path, picture in zip(paths, frames, strict=True):
+        with replacing(path) as temporary:
+            temporary.write_bytes(iio.imwrite("<bytes>", picture, extension=".png"))
+    for stale in set(folder.glob("frame_*.png")) - set(paths):
+        stale.unlink()
+    return paths
+
+
+def _checked(frames: np.ndarray) -> np.ndarray:
+    frames = np.asarray(frames)
+    if frames.ndim != 4 or frames.shape[-1] != 3 or frames.dtype != np.uint8 or frames.size == 0:
+        raise ValueError(
+            f"`frames` must be uint8 of shape (T, H, W, 3) with T >= 1 (got {frames.dtype} {frames.shape})"
+        )
+    return frames
+
+
+def _h264_stream(file: OutputContainer, width: int, height: int, fps: float):
+    stream = file.add_stream("libx264", rate=Fraction(fps).limit_denominator(1001), options=QUALITY)
+    stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+    # Untagged files are shown with BT.601 or BT.709 by taste of the player: colours would shift.
+    context = stream.codec_context
+    context.color_primaries, context.color_trc = ColorPrimaries.BT709, ColorTrc.BT709
+    context.colorspace, context.color_range = Colorspace.ITU709, ColorRange.MPEG
+    return stream
+
+
+def _to_yuv(picture: np.ndarray) -> av.VideoFrame:
+    return av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(
+        format="yuv420p", dst_colorspace=Colorspace.ITU709, dst_color_range=ColorRange.MPEG
+    )

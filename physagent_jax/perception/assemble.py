@@ -1,0 +1,119 @@
+"""Poses, masks and depth put together into measures per frame, with a reason where there is none."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from physagent_jax.perception import lift
+from physagent_jax.perception.fit import hidden_spread
+from physagent_jax.perception.follow import Path
+from physagent_jax.perception.windows import Frames
+from physagent_jax.render.camera import Camera
+
+LEAST_AREA = 0.35
+"""A cut-off object with less than this share of its first area left says nothing about its centre."""
+LEAST_RELIEF = 0.04
+"""Relief of the visible surface needed to see stretch along the view [body lengths]."""
+THINNEST = 0.03
+"""Box edges are taken as at least this long, so that a flat front gives no infinite ratio [body lengths]."""
+LOOSEST = 0.05
+"""Parts that are this far off the best affine motion share no rotation or stretch [body lengths]."""
+CUT = "the object is cut off by the picture's border"
+GONE = "the object is not in the picture"
+LOST = "too few points could be followed"
+LOOSE = "the parts move too differently to share one rotation or stretch"
+
+
+def touches_border(mask: np.ndarray) -> bool:
+    """Whether the object reaches the picture's border."""
+    return bool(mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any())
+
+
+def _leaving(masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Frames in which the object is cut off by the border, and those in which it is mostly out; each (T,).
+
+    Once mostly out, it stays out until its area is back: a splinter that is left inside is not the object.
+    """
+    area = masks.sum((1, 2))
+    cut, out = np.array([touches_border(m) for m in masks]), np.zeros(len(masks), bool)
+    for t in range(len(masks)):
+        gone_before = t > 0 and (out[t - 1] or area[t - 1] == 0)
+        out[t] = area[t] < LEAST_AREA * area[0] and (cut[t] or gone_before)
+    return cut | out, out
+
+
+def in_view(masks: np.ndarray) -> np.ndarray:
+    """Frames in which enough of the object shows to follow it, shape (T,)."""
+    return masks.any((1, 2)) & ~_leaving(masks)[1]
+
+
+def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarray, camera: Camera) -> Frames:
+    """Measures every frame.
+
+    Args:
+        path: The object's poses.
+        masks: The object, bool, shape (T, H, W).
+        depth: z-depth [m], nan where unknown, shape (T, H, W).
+        trusted: Its trusted part, nan elsewhere, shape (T, H, W).
+        camera: The camera.
+    """
+    nothing = np.full(3, np.nan)
+    edges = np.stack([lift.extents(d, m, camera) if m.any() else nothing for d, m in zip(depth, masks)])
+    size, center = float(edges[0].max()), lift.center(trusted[0], masks[0], camera)
+    points = [lift.surface(d, camera)[::7] for d in trusted]
+    loose = np.array([p is not None and p.residual > LOOSEST * size for p in path.poses])
+    path = dataclasses.replace(path, poses=[None if bad else p for p, bad in zip(path.poses, loose)])
+    area, cut, out = masks.sum((1, 2)), *_leaving(masks)
+    centroid = (_centroids(path, points, cut, center) - center) / size
+    centroid[out] = np.nan
+    forward = camera.forward.astype(float)
+
+    def why(*conditions):
+        """The first reason that holds, per frame."""
+        return [next((reason for bad, reason in conditions if bad[t]), "") for t in range(len(masks))]
+
+    gone, lost = (area == 0, GONE), (np.array([p is None for p in path.poses]), LOST)
+
+    return Frames(
+        size=size, center=center, centroid=centroid, poses=path.poses, chain=path.chain,
+        box=np.where(cut[:, None], np.nan, np.maximum(edges / size, THINNEST)),
+        depth_shown=np.array([len(p) > 3 and hidden_spread(p, forward) > LEAST_RELIEF * size for p in points]),
+        reasons={"centroid": why(gone, (~np.isfinite(centroid[:, 0]), CUT)),
+                 "rotation": why(gone, (loose, LOOSE), lost),
+                 "box": why(gone, (cut, CUT))})
+
+
+def _centroids(path: Path, points: list[np.ndarray], cut: np.ndarray, center: np.ndarray) -> np.ndarray:
+    """World position of the object's centre per frame [m], shape (T, 3); nan where it cannot be told.
+
+    The centre rides on the fitted motion. Where no points could be followed, it moves by as much as the
+    mean of the visible surface, which is less exact as another side comes into view, and tells nothing
+    while the object is cut off.
+
+    Args:
+        path: The poses.
+        points: Visible surface per frame [m], each (n, 3).
+        cut: Whether the object is cut off by the border, shape (T,).
+        center: Centre in frame 0 [m], shape (3,).
+    """
+    centers, start, whole = np.full((len(points), 3), np.nan), {}, None
+    for t, (pose, chain) in enumerate(zip(path.poses, path.chain)):
+        if len(points[t]) == 0:
+            continue
+        middle, here = lift.middle(points[t]), None
+        if t == 0:
+            here = center
+        elif pose is not None and chain in start:
+            here = pose(start[chain])
+        elif whole is not None and not cut[t]:
+            here = whole[0] + middle - whole[1]
+        if here is None:
+            continue
+        centers[t] = here
+        if pose is not None and chain not in start:
+            start[chain] = np.linalg.solve(pose.matrix, here - pose.offset)
+        if not cut[t]:
+            whole = here, middle
+    return centers

@@ -1,0 +1,138 @@
+"""Rigid and affine motions fitted to pairs of 3D points, and angles that do not wrap."""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+
+@dataclasses.dataclass(frozen=True)
+class Affine:
+    """The map x -> matrix @ x + offset, with its rotation beside it.
+
+    Attributes:
+        matrix: Shape (3, 3).
+        offset: [m], shape (3,).
+        rotation: R of matrix = R S, multiplied on along a chain of maps, shape (3, 3).
+        residual: RMS distance of the fitted from the given points [m].
+    """
+
+    matrix: np.ndarray
+    offset: np.ndarray
+    rotation: np.ndarray
+    residual: float = 0.0
+
+    @classmethod
+    def identity(cls) -> Affine:
+        """The map that leaves all as it is."""
+        return cls(np.eye(3), np.zeros(3), np.eye(3))
+
+    def __call__(self, x: np.ndarray) -> np.ndarray:
+        """Maps points, shape (..., 3)."""
+        return x @ self.matrix.T + self.offset
+
+    def after(self, first: Affine) -> Affine:
+        """This map after ``first``; the residual is the larger one."""
+        return Affine(self.matrix @ first.matrix, self(first.offset), self.rotation @ first.rotation,
+                      max(self.residual, first.residual))
+
+
+def fit_affine(
+    a: np.ndarray, b: np.ndarray, trust: np.ndarray | None = None, *, prior: float = 0.015, iterations: int = 10
+) -> Affine:
+    """Robust affine map a -> b that falls back to the rigid one where the points cannot tell.
+
+    Huber weights, reweighted least squares. A visible surface that is nearly flat says nothing about
+    stretch along its normal, so the matrix is pulled towards its own rotation with the strength of points
+    spread over ``prior`` times the extent. The rotation comes from the polar decomposition: Kabsch's, which
+    starts the iteration, reads a squash of a lopsided visible side as a turn (by 20 degrees at half height).
+
+    Args:
+        a: Points before [m], shape (n, 3), n >= 4.
+        b: The same points after [m], shape (n, 3).
+        trust: Weight of each point, shape (n,); equal by default.
+        prior: Strength of the pull [extents].
+        iterations: Of reweighting.
+
+    Returns:
+        The map.
+    """
+    extent = np.linalg.norm(np.ptp(a, axis=0))
+    trust = np.ones(len(a)) if trust is None else trust
+    w, matrix = trust, None
+    for _ in range(iterations):
+        total = w.sum()
+        a0, b0 = w @ a / total, w @ b / total
+        x, y = a - a0, b - b0
+        rotation = rigid_rotation(x, y, w) if matrix is None else polar(matrix)[0]
+        pull = total * (prior * extent) ** 2
+        cross, square = (w[:, None] * y).T @ x, (w[:, None] * x).T @ x
+        matrix = (cross + pull * rotation) @ np.linalg.inv(square + pull * np.eye(3))
+        distance = np.linalg.norm(x @ matrix.T - y, axis=1)
+        fitted = Affine(matrix, b0 - matrix @ a0, rotation, float(np.sqrt(trust @ distance**2 / trust.sum())))
+        before, w = w, trust * huber(distance, floor=0.003 * extent)
+        if np.abs(w - before).max() < 1e-2:
+            break
+    return fitted
+
+
+def huber(distance: np.ndarray, *, floor: float) -> np.ndarray:
+    """Huber weights for residuals, full up to two robust standard deviations, at least ``floor``."""
+    limit = max(2 * 1.4826 * float(np.median(distance)), floor)
+    return limit / np.maximum(distance, limit)
+
+
+def rigid_rotation(x: np.ndarray, y: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Rotation matrix that best turns centred points x into y (Kabsch), shape (3, 3)."""
+    if not (np.any(x) and np.any(y)):
+        return np.eye(3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # points on a line: any twist about it is as good
+        return Rotation.align_vectors(y, x, weights=weights)[0].as_matrix()
+
+
+def polar(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Splits ``matrix`` = R S into a rotation and a symmetric stretch, both (3, 3)."""
+    u, s, vt = np.linalg.svd(matrix)
+    flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
+    return u @ flip @ vt, vt.T @ np.diag(s) @ flip @ vt
+
+
+def hidden_spread(points: np.ndarray, direction: np.ndarray) -> float:
+    """Standard deviation of points along ``direction`` that the other two directions do not explain [m]."""
+    cov = np.cov(points.T)
+    cov += (1e-12 * np.trace(cov) + 1e-30) * np.eye(3)
+    return float(1 / np.sqrt(direction @ np.linalg.inv(cov) @ direction))
+
+
+def unwrapped(rotations: list[np.ndarray | None]) -> list[np.ndarray | None]:
+    """Rotation vectors of a sequence of rotation matrices, whose angle may grow beyond 180 degrees.
+
+    Of all vectors that stand for the same rotation, the one nearest to the previous frame's is taken.
+
+    Args:
+        rotations: Rotation matrices (3, 3), or None where unknown.
+
+    Returns:
+        Rotation vectors [rad], shape (3,), None where unknown.
+    """
+    previous, vectors = np.zeros(3), []
+    for matrix in rotations:
+        if matrix is None:
+            vectors.append(None)
+            continue
+        vector = Rotation.from_matrix(matrix).as_rotvec()
+        angle = float(np.linalg.norm(vector))
+        axis = vector / angle if angle > 1e-9 else _unit(previous)
+        turns = np.round((previous @ axis - angle) / (2 * np.pi))
+        previous = (angle + 2 * np.pi * turns) * axis
+        vectors.append(previous)
+    return vectors
+
+
+def _unit(vector: np.ndarray) -> np.ndarray:
+    length = np.linalg.norm(vector)
+    return vector / length if length > 1e-9 else np.array([0.0, 0.0, 1.0])

@@ -1,0 +1,138 @@
+"""The object's pose from frame to frame: tracks lifted to 3D, in links of a chain that is re-seeded on the way.
+
+Points of frame 0 are followed as long as they serve: comparison with one and the same frame does not
+drift. When too many are lost, or the object has turned so far out of the picture plane that it shows
+another side, new points are seeded and the motion since then is put after the motion until then.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import cv2
+import numpy as np
+
+from physagent_jax.perception import lift
+from physagent_jax.perception.fit import Affine, fit_affine
+from physagent_jax.perception.protocols import Tracker
+from physagent_jax.render.camera import Camera
+
+SEEDS = 300
+"""Points seeded per link, about."""
+FEWEST = 12
+"""Pairs of points below which no motion is fitted."""
+KEPT_LINK = 0.6
+"""A new link starts when a smaller fraction of the seeds is left."""
+KEPT_FIT = 0.35
+"""No motion is fitted to a smaller fraction of the seeds."""
+LARGEST_TILT = 20.0
+"""A new link starts when the object has turned further out of the picture plane [deg]."""
+LEAST_CORNER = 1e-5
+"""Smallest eigenvalue of the gradient's covariance that counts as texture (as `cv2.cornerMinEigenVal` scales it)."""
+
+
+@dataclasses.dataclass
+class Path:
+    """The object's motion, frame by frame.
+
+    Attributes:
+        poses: Map from the chain's first frame to this one, None where unknown.
+        chain: Which chain a frame belongs to: poses of different chains cannot be compared. Shape (T,).
+        kept: Fraction of the link's seeds that the fit used, shape (T,).
+        tracks: All links' points [px], shape (T, N, 2).
+        visible: Which of them were followed, shape (T, N).
+        texture: Share of the first seeds that lie on enough texture to be told from their neighbours.
+    """
+
+    poses: list[Affine | None]
+    chain: np.ndarray
+    kept: np.ndarray
+    tracks: np.ndarray
+    visible: np.ndarray
+    texture: float = 0.0
+
+
+def follow(frames: np.ndarray, masks: np.ndarray, depths: np.ndarray, camera: Camera, tracker: Tracker) -> Path:
+    """Follows the object through the clip.
+
+    Args:
+        frames: Pictures, uint8, shape (T, H, W, 3).
+        masks: The object, bool, shape (T, H, W).
+        depths: Trusted z-depth [m], nan elsewhere, shape (T, H, W).
+        camera: The camera.
+        tracker: Follows points in pictures.
+    """
+    count = len(frames)
+    path = Path([None] * count, np.full(count, -1), np.zeros(count), np.zeros((count, 0, 2)),
+                np.zeros((count, 0), bool))
+    start, base, chain, horizon = 0, Affine.identity(), 0, count
+    while start < count and not (start == count - 1 and path.poses[start] is not None):
+        seeds, corner = seed_points(frames[start], depths[start])
+        if start == 0 and len(seeds):
+            path.texture = float(np.mean(corner > LEAST_CORNER))
+        reached = start
+        if len(seeds) >= FEWEST:
+            path.poses[start], path.chain[start] = base, chain
+            path.kept[start] = path.kept[start] or 1.0
+            span = slice(start, min(start + horizon, count))
+            reached = _link(path, span, base, chain, seeds, frames, masks, depths, camera, tracker)
+        if reached > start:
+            horizon = max(4, 2 * (reached - start))  # tracking further than the next link goes would be wasted
+            start, base = reached, path.poses[reached]
+        else:  # nothing could be followed from here: what comes later is another chain
+            start, base, chain = start + 1, Affine.identity(), chain + 1
+    return path
+
+
+def _link(path, span, base, chain, seeds, frames, masks, depths, camera, tracker) -> int:
+    """Follows one set of seeds, writes what it finds into ``path``; returns the last frame that it reached."""
+    tracks, visible = tracker(frames[span], seeds, masks[span])
+    start = reached = span.start
+    before = lift.unproject(seeds, lift.sample(depths[start], seeds), camera)
+    face = lift.facing(depths[start], seeds, camera)
+    forward = camera.forward
+    for t in range(start + 1, span.stop):
+        at, on = tracks[t - start], visible[t - start]
+        after = lift.unproject(at, lift.sample(depths[t], at), camera)
+        pairs = on & np.isfinite(after[:, 0])
+        kept = pairs.sum() / len(seeds)
+        if pairs.sum() < FEWEST or kept < KEPT_FIT:
+            break
+        # Where the surface is steep, a pixel off is far off in depth.
+        trust = np.minimum(face, lift.facing(depths[t], at, camera))[pairs] + 0.05
+        step = fit_affine(before[pairs], after[pairs], trust)
+        path.poses[t], path.chain[t], path.kept[t] = step.after(base), chain, kept
+        reached = t
+        tilt = np.degrees(np.arccos(np.clip(forward @ step.rotation @ forward, -1, 1)))
+        if kept < KEPT_LINK or tilt > LARGEST_TILT:
+            break
+    full = np.zeros((len(frames), *seeds.shape))
+    shown = np.zeros(full.shape[:2], bool)
+    full[span], shown[start : reached + 1] = tracks, visible[: reached + 1 - start]
+    path.tracks = np.concatenate([path.tracks, full], 1)
+    path.visible = np.concatenate([path.visible, shown], 1)
+    return reached
+
+
+def seed_points(frame: np.ndarray, depth: np.ndarray, count: int = SEEDS) -> tuple[np.ndarray, np.ndarray]:
+    """The best-textured pixel of each cell of a grid over the trusted surface.
+
+    Args:
+        frame: Picture, uint8, shape (H, W, 3).
+        depth: Trusted z-depth, nan elsewhere, shape (H, W).
+        count: How many, about.
+
+    Returns:
+        Points [px], shape (N, 2), and their corner strength, shape (N,).
+    """
+    known = cv2.erode(np.isfinite(depth).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    cell = max(3, round(float(np.sqrt(known.sum() / count))))
+    corner = cv2.cornerMinEigenVal(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), 5)
+    score = np.where(known, corner, -1.0)
+    h, w = (n // cell * cell for n in score.shape)
+    cells = score[:h, :w].reshape(h // cell, cell, w // cell, cell).transpose(0, 2, 1, 3).reshape(-1, cell * cell)
+    best = cells.argmax(1)
+    index = np.flatnonzero(cells[np.arange(len(cells)), best] >= 0)
+    row, column = np.divmod(index, w // cell)
+    y, x = row * cell + best[index] // cell, column * cell + best[index] % cell
+    return np.stack([x + 0.5, y + 0.5], 1), corner[y, x]

@@ -1,0 +1,148 @@
+"""From pixels to the world: trusted depth, unprojection, extents and centre of the visible surface."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from physagent_jax.render.camera import Camera
+
+_KERNEL = np.ones((3, 3), np.uint8)
+
+
+def trusted_depth(depth: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, float]:
+    """Keeps depth where it can be trusted: inside an eroded mask and close to its 3x3 median.
+
+    Depth at an object's edge is a blend of what is in front and what is behind. Where erosion would eat a
+    thin object, it is lessened.
+
+    Args:
+        depth: z-depth [m], nan where unknown, shape (H, W).
+        mask: The object, shape (H, W).
+
+    Returns:
+        depth: Smoothed by a 3x3 median, nan where not trusted, float32, shape (H, W).
+        noise: Median absolute difference from the 3x3 median [m].
+    """
+    seen = mask & np.isfinite(depth)
+    if not seen.any():
+        return np.full_like(depth, np.nan), 0.0
+    inner = seen
+    for times in (2, 1):
+        eroded = cv2.erode(seen.astype(np.uint8), _KERNEL, iterations=times) > 0
+        if eroded.sum() > 0.4 * seen.sum():
+            inner = eroded
+            break
+    else:
+        return np.where(seen, depth, np.nan).astype(np.float32), 0.0
+    median = cv2.medianBlur(np.where(seen, depth, 0).astype(np.float32), 3)
+    off = np.abs(depth - median)
+    noise = float(np.median(off[inner]))
+    extent = np.subtract(*np.percentile(depth[inner], [95, 5]))
+    trusted = inner & (off <= 3 * 1.4826 * noise + 0.02 * extent)  # slopes are no outliers
+    return np.where(trusted, median, np.nan).astype(np.float32), noise
+
+
+def unproject(xy: np.ndarray, depth: np.ndarray, camera: Camera) -> np.ndarray:
+    """World points of pixels: p = K^-1 [x, y, 1] D, then camera to world.
+
+    Args:
+        xy: Pixel positions, centres at +0.5 [px], shape (..., 2).
+        depth: z-depth [m], shape (...).
+        camera: The camera.
+
+    Returns:
+        World points [m], shape (..., 3).
+    """
+    rays = np.concatenate([xy, np.ones_like(xy[..., :1])], -1) @ np.linalg.inv(np.asarray(camera.K, float)).T
+    view = np.asarray(camera.viewmat, float)
+    return (rays * depth[..., None] - view[:3, 3]) @ view[:3, :3]
+
+
+def surface(depth: np.ndarray, camera: Camera) -> np.ndarray:
+    """World points of all pixels with finite depth [m], shape (n, 3)."""
+    y, x = np.nonzero(np.isfinite(depth))
+    return unproject(np.stack([x + 0.5, y + 0.5], 1), depth[y, x].astype(float), camera)
+
+
+def sample(depth: np.ndarray, xy: np.ndarray) -> np.ndarray:
+    """Bilinear depth at pixel positions [m], shape (N,); nan where any of the four pixels is."""
+    h, w = depth.shape
+    x, y = np.nan_to_num(xy[:, 0], nan=-1.0) - 0.5, np.nan_to_num(xy[:, 1], nan=-1.0) - 0.5
+    x0, y0 = np.floor(x).astype(int), np.floor(y).astype(int)
+    inside = (x0 >= 0) & (y0 >= 0) & (x0 < w - 1) & (y0 < h - 1)
+    x0, y0 = np.clip(x0, 0, w - 2), np.clip(y0, 0, h - 2)
+    fx, fy = x - x0, y - y0
+    top = depth[y0, x0] * (1 - fx) + depth[y0, x0 + 1] * fx
+    bottom = depth[y0 + 1, x0] * (1 - fx) + depth[y0 + 1, x0 + 1] * fx
+    return np.where(inside, top * (1 - fy) + bottom * fy, np.nan)
+
+
+def facing(depth: np.ndarray, xy: np.ndarray, camera: Camera, *, reach: float = 1.5) -> np.ndarray:
+    """Cosine of the angle between the surface's normal and the viewing axis, shape (N,).
+
+    Args:
+        depth: Trusted depth [m], nan elsewhere, shape (H, W).
+        xy: Pixel positions [px], shape (N, 2).
+        camera: The camera.
+        reach: Depth differences are taken this far on either side [px]; 0 is returned where that leaves the surface.
+    """
+    steps = [sample(depth, xy + s) - sample(depth, xy - s) for s in ((reach, 0.0), (0.0, reach))]
+    slope = np.hypot(*steps) / (2 * reach) * float(np.asarray(camera.K)[0, 0]) / sample(depth, xy)
+    return np.nan_to_num(1 / np.sqrt(1 + slope**2))
+
+
+def extents(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
+    """Edge lengths of the world-axis box around the visible surface [m], shape (3,).
+
+    Takes the whole mask with its untouched depth: the trusted part is too small by the eroded rim.
+
+    Args:
+        depth: z-depth [m], nan where unknown, shape (H, W).
+        mask: The object, shape (H, W).
+        camera: The camera.
+    """
+    low, high = np.percentile(surface(np.where(mask, depth, np.nan), camera), [0.03, 99.97], axis=0)
+    return high - low
+
+
+def middle(points: np.ndarray) -> np.ndarray:
+    """Trimmed mean of points: without the outer tenth by distance from the median, shape (3,)."""
+    distance = np.linalg.norm(points - np.median(points, axis=0), axis=1)
+    return points[distance <= np.quantile(distance, 0.9)].mean(axis=0)
+
+
+def rim_depth(depth: np.ndarray, mask: np.ndarray) -> float:
+    """z-depth of the outline, where the surface turns away from the camera [m].
+
+    The outline of a round body runs around its middle, so its depth tells where the hidden half ends;
+    that of a plate is the plate's own depth. A smooth surface meets its outline as
+    ``z = z_rim - c sqrt(d)``, d being the distance from it, which is fitted and extrapolated to d = 0.
+
+    Args:
+        depth: Trusted depth [m], nan elsewhere, shape (H, W).
+        mask: The object, shape (H, W).
+    """
+    reach = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 3)
+    near = np.isfinite(depth) & (reach < max(0.35 * reach.max(), 4.0))
+    bins = np.round(reach[near]).astype(int)
+    d, z = zip(*((b, np.median(depth[near][bins == b])) for b in np.unique(bins)))
+    if len(d) < 3:
+        return float(np.median(depth[np.isfinite(depth)]))
+    slope, rim = np.polyfit(np.sqrt(d), z, 1)
+    front, back = np.percentile(depth[np.isfinite(depth)], [5, 100])
+    return float(np.clip(rim, front, back + 0.5 * (back - front)))
+
+
+def center(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
+    """The object's likely centre: middle of the mask, at the depth of its rim; world [m], shape (3,).
+
+    The mean of the visible surface lies too near. It would seem to travel when the object turns on the spot.
+
+    Args:
+        depth: Trusted depth [m], nan elsewhere, shape (H, W).
+        mask: The object, shape (H, W).
+        camera: The camera.
+    """
+    y, x = np.nonzero(mask)
+    return unproject(np.array([x.mean() + 0.5, y.mean() + 0.5]), np.array(rim_depth(depth, mask)), camera)

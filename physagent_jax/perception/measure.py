@@ -1,0 +1,192 @@
+"""From pictures to the motion report: segment, follow, lift, measure, tell."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from physagent_jax.errors import UserError
+from physagent_jax.perception import lift, timing
+from physagent_jax.perception.assemble import GONE, assemble, in_view, touches_border
+from physagent_jax.perception.follow import follow
+from physagent_jax.perception.protocols import DepthEstimator, DepthSensor, Segmenter, Tracker
+from physagent_jax.perception.schema import MotionReport, Quality
+from physagent_jax.perception.segment import ColorSegmenter
+from physagent_jax.perception.track import FlowTracker
+from physagent_jax.perception.windows import Frames, measure_window
+from physagent_jax.perception.words import ViewerWords, tell
+from physagent_jax.render.camera import Camera
+
+VISIBLE = 0.01
+"""Least motion that counts as seen [body lengths]; one pixel, if that is more."""
+LEAST_PIXELS = 8
+"""Fewer pixels in frame 0 are no object [px]."""
+MISSED = 0.4
+"""Share of the depth picture that colour may miss before its mask is dropped. A soft rim of splats alone, which
+has depth but is mostly background, can make a quarter."""
+
+LEAST_TEXTURE = 0.5
+"""Share of points on texture below which the report warns."""
+
+_SENSOR = "Depth comes from the renderer's depth channel, as from an RGB-D camera; only the visible side is measured."
+
+
+@dataclasses.dataclass(frozen=True)
+class Perception:
+    """The report, and the intermediate results that can be drawn over the pictures.
+
+    Attributes:
+        report: What the agents read.
+        masks: The object, bool, shape (T, H, W).
+        tracks: Followed points, pixel centres at +0.5 [px], shape (T, N, 2); points that were seeded later
+            are added behind the earlier ones.
+        visible: Where a point was followed and used, bool, shape (T, N).
+    """
+
+    report: MotionReport
+    masks: np.ndarray
+    tracks: np.ndarray
+    visible: np.ndarray
+
+
+def perceive(
+    rgb: np.ndarray,
+    depth: np.ndarray | DepthEstimator,
+    camera: Camera,
+    *,
+    frame_dt: float,
+    up: Sequence[float] = (0.0, 0.0, 1.0),
+    windows: Sequence[tuple[int, int]] = (),
+    segmenter: Segmenter | None = None,
+    tracker: Tracker | None = None,
+) -> Perception:
+    """Measures how the object in the pictures moves.
+
+    Args:
+        rgb: Pictures, uint8, shape (T, H, W, 3).
+        depth: z-depth [m] as from an RGB-D camera, nan or 0 where there is no surface, shape (T, H, W);
+            or a model that estimates it from the pictures.
+        camera: The fixed camera.
+        frame_dt: Seconds per frame [s].
+        up: World up, for the words.
+        windows: Further windows of interest as (first, last) frames, inclusive.
+        segmenter: Finds the object; `ColorSegmenter` by default.
+        tracker: Follows points; `FlowTracker` by default.
+
+    Returns:
+        The report with masks and tracks.
+
+    Raises:
+        UserError: Shapes do not fit, or a window lies outside of the clip.
+    """
+    rgb = _checked(rgb, depth, camera, windows)
+    sensor = depth if callable(depth) else DepthSensor(depth)
+    z = sensor(rgb, camera)
+    masks, notes = _masks(rgb, z, segmenter or ColorSegmenter())
+    if not callable(depth):
+        notes.insert(0, _SENSOR)
+    spans = _spans(len(rgb), windows)
+    if masks[0].sum() < LEAST_PIXELS:
+        return _nothing(rgb, masks, frame_dt, spans, notes)
+    trusted, noise = zip(*(lift.trusted_depth(d, m) for d, m in zip(z, masks)))
+    trusted = np.stack(trusted)
+    path = follow(rgb, masks, trusted, camera, tracker or FlowTracker())
+    if path.texture < LEAST_TEXTURE:
+        notes.append("The surface has little texture: rotation and shape are guessed from its outline and shading.")
+    frames = assemble(path, masks, z, trusted, camera)
+    size = frames.size
+    quality = Quality(
+        tracks_kept=float(path.kept[in_view(masks)].min()),
+        fit_residual=max((p.residual for p in path.poses if p is not None), default=0.0) / size,
+        depth_noise=noise[0] / size, mask_fraction=float(masks[0].mean()),
+        leaves_frame=next((t for t, m in enumerate(masks) if touches_border(m)), None),
+        notes=(*notes, *frames.weaknesses(in_view(masks))))
+    pixel = float(np.nanmedian(trusted[0]) / np.asarray(camera.K)[0, 0]) / size
+    report = _report(frames, lift.surface(trusted[0], camera)[::17], frame_dt, spans, quality,
+                     threshold=max(VISIBLE, pixel))
+    return Perception(report.model_copy(update={"text": tell(report, ViewerWords(camera, up))}),
+                      masks, path.tracks, path.visible)
+
+
+def _checked(rgb, depth, camera: Camera, windows) -> np.ndarray:
+    rgb = np.asarray(rgb)
+    if rgb.ndim != 4 or rgb.shape[-1] != 3 or rgb.dtype != np.uint8 or len(rgb) == 0:
+        raise UserError("`rgb` must be uint8 of shape (T, H, W, 3) with T >= 1", got=f"{rgb.dtype} {rgb.shape}")
+    if rgb.shape[1:3] != (camera.height, camera.width):
+        raise UserError("`rgb` and `camera` differ in size", got=f"{rgb.shape[1:3]}, {(camera.height, camera.width)}",
+                        do="pass the camera that the pictures were taken with")
+    if not callable(depth) and np.shape(depth) != rgb.shape[:3]:
+        raise UserError("`depth` must have the shape (T, H, W) of `rgb`", got=np.shape(depth))
+    for first, last in windows:
+        if not 0 <= first <= last < len(rgb):
+            raise UserError(f"window ({first}, {last}) is outside of the clip", do=f"stay within 0..{len(rgb) - 1}")
+    return rgb
+
+
+def _spans(count: int, windows) -> list[tuple[int, int]]:
+    """Whole clip, its quarters (neighbours share a frame, so that displacements add up), windows asked for."""
+    marks = [round(k * (count - 1) / 4) for k in range(5)]
+    spans = [(0, count - 1), *zip(marks, marks[1:])]
+    return spans + [w for w in dict.fromkeys((int(a), int(b)) for a, b in windows) if w not in spans]
+
+
+def _masks(rgb, z, segmenter: Segmenter) -> tuple[np.ndarray, list[str]]:
+    """The segmenter's masks where there is depth; all depth, if colour misses much of a lone object."""
+    surface = np.isfinite(z)
+    masks = segmenter(rgb) & surface
+    missed = 1 - masks.sum() / max(surface.sum(), 1)
+    alone = not touches_border(surface[0])  # nothing else, like a floor, is in the depth picture
+    if alone and missed > MISSED:
+        return surface, [f"Colour missed {missed:.0%} of the object: its mask was taken from the depth picture."]
+    return masks, []
+
+
+def _report(frames: Frames, rest: np.ndarray, frame_dt, spans, quality, *, threshold: float) -> MotionReport:
+    """The report without its text; ``rest`` are surface points of frame 0 [m], shape (n, 3)."""
+    turn = frames.rotation_from(0, len(frames.centroid) - 1)
+    begun = timing.onset(_distances(frames, rest, 0), threshold)
+    volume = [frames.volume(t) for t in range(len(turn))]
+    return MotionReport(
+        frame_count=len(turn), frame_dt=frame_dt, object_size=frames.size, object_center=tuple(frames.center.tolist()),
+        windows=tuple(measure_window(frames, *span) for span in spans),
+        centroid=tuple(tuple(c.tolist()) if np.isfinite(c).all() else None for c in frames.centroid),
+        rotation_degrees=tuple(None if v is None else float(np.degrees(np.linalg.norm(v))) for v in turn),
+        volume_ratio=tuple(v if np.isfinite(v) else None for v in volume),
+        oscillation=timing.oscillation(frames.centroid, frame_dt, threshold + quality.fit_residual),
+        onset_frame=begun, settle_frame=timing.settled(_distances(frames, rest, -1), threshold),
+        quality=quality, text="")
+
+
+def _distances(frames: Frames, rest: np.ndarray, frame: int) -> np.ndarray:
+    """How far the object is in each frame from where it is in ``frame`` [body lengths], shape (T,).
+
+    RMS distance of its points, which also sees it turn or stretch on the spot. Without a common pose: the
+    centroid's distance or the change of the box's half edges, whichever is larger.
+    """
+    def distance(t):
+        pose, other = frames.poses[t], frames.poses[frame]
+        if pose is None or other is None or frames.chain[t] != frames.chain[frame]:
+            box = np.nan_to_num(np.linalg.norm(frames.box[t] - frames.box[frame]) / 2)
+            return np.maximum(np.linalg.norm(frames.centroid[t] - frames.centroid[frame]), box)
+        return np.sqrt(np.mean(np.sum((pose(rest) - other(rest)) ** 2, axis=1))) / frames.size
+
+    return np.array([distance(t) for t in range(len(frames.poses))])
+
+
+def _nothing(rgb, masks, frame_dt, spans, notes) -> Perception:
+    """The report of a clip whose first frame shows no object."""
+    count, why = len(rgb), f"{GONE} in frame 0"
+    nan = np.full((count, 3), np.nan)
+    frames = Frames(0.0, np.zeros(3), nan, [None] * count, np.full(count, -1), nan, np.zeros(count, bool),
+                    {topic: [why] * count for topic in ("centroid", "rotation", "box")})
+    quality = Quality(tracks_kept=0.0, fit_residual=0.0, depth_noise=0.0, mask_fraction=0.0, leaves_frame=None,
+                      notes=(*notes, "No object was found in frame 0, so there is nothing to compare with."))
+    report = MotionReport(
+        frame_count=count, frame_dt=frame_dt, object_size=0.0, object_center=(0.0, 0.0, 0.0),
+        windows=tuple(measure_window(frames, *span) for span in spans), centroid=(None,) * count,
+        rotation_degrees=(None,) * count, volume_ratio=(None,) * count, oscillation=None, onset_frame=None,
+        settle_frame=None, quality=quality,
+        text="No object is visible in the initial frame, so its motion is not observable.")
+    return Perception(report, masks, np.zeros((count, 0, 2)), np.zeros((count, 0), bool))

@@ -1,0 +1,102 @@
+"""Segmentation without weights: distance from the border's colour, then a matte or GrabCut at the edge."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import cv2
+import numpy as np
+
+_SPECK, _FLOATER = 8, 0.004
+"""Connected pieces smaller than this [px], or than this share of the object, are noise or a capture's stray splats."""
+
+
+@dataclasses.dataclass(frozen=True)
+class ColorSegmenter:
+    """The object is what differs in colour from the picture's border.
+
+    Over a plain background the edge is where an estimated coverage exceeds one half: the colour there is
+    taken as a blend of the background and of the nearest interior colour. Over a busy one, the first guess
+    is refined by GrabCut (Rother et al. 2004) on a reduced crop.
+
+    Attributes:
+        threshold: Colour distance that counts as different [8-bit levels].
+        plain_spread: Border colours with a median deviation below this are a plain background [8-bit levels].
+        grabcut_size: GrabCut runs on a crop reduced to this longest side [px].
+    """
+
+    threshold: float = 12.0
+    plain_spread: float = 6.0
+    grabcut_size: int = 112
+
+    def __call__(self, frames: np.ndarray) -> np.ndarray:
+        """Masks of the object; see `protocols.Segmenter`."""
+        background, spread = border_colour(frames)
+        threshold = max(self.threshold, min(3 * spread, 5 * self.threshold))  # a busy border must not hide all
+        masks = []
+        for frame in frames:
+            difference = frame.astype(np.float32) - background
+            guess = np.einsum("hwc,hwc->hw", difference, difference) > threshold**2
+            if guess.any():
+                guess = _matte(difference, guess) if spread < self.plain_spread else self._grabcut(frame, guess)
+            masks.append(_without_specks(guess))
+        return np.stack(masks)
+
+    def _grabcut(self, frame: np.ndarray, guess: np.ndarray) -> np.ndarray:
+        """GrabCut on a reduced crop around ``guess``, with a sure rim of background."""
+        x, y, w, h = cv2.boundingRect(guess.astype(np.uint8))
+        x0, y0 = max(x - 8, 0), max(y - 8, 0)
+        box = np.s_[y0 : y + h + 8, x0 : x + w + 8]
+        crop, start = frame[box], guess[box].astype(np.uint8)
+        scale = min(1.0, self.grabcut_size / max(start.shape))
+        small = cv2.resize(crop, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+        labels = cv2.resize(start, small.shape[1::-1], interpolation=cv2.INTER_NEAREST)
+        labels = np.where(labels > 0, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
+        labels[cv2.dilate(np.uint8(labels == cv2.GC_PR_FGD), np.ones((9, 9), np.uint8)) == 0] = cv2.GC_BGD
+        if min((labels == k).sum() for k in (cv2.GC_PR_FGD, cv2.GC_BGD)) < 10:
+            return guess  # too little of one class to learn colours from
+        models = np.zeros((1, 65)), np.zeros((1, 65))
+        cv2.setRNGSeed(0)  # GrabCut's clustering draws from a global generator
+        cv2.grabCut(small, labels, None, *models, 2, cv2.GC_INIT_WITH_MASK)
+        inside = np.isin(labels, (cv2.GC_FGD, cv2.GC_PR_FGD)).astype(np.float32)
+        refined = np.zeros_like(guess)
+        refined[box] = cv2.resize(inside, start.shape[::-1], interpolation=cv2.INTER_LINEAR) > 0.5
+        return refined
+
+
+def border_colour(frames: np.ndarray) -> tuple[np.ndarray, float]:
+    """Median colour of the border over all frames, shape (3,), and its median absolute deviation."""
+    edges = [frames[:, 0], frames[:, -1], frames[:, :, 0], frames[:, :, -1]]
+    border = np.concatenate([e.reshape(-1, 3) for e in edges]).astype(np.float32)
+    median = np.median(border, axis=0)
+    return median, float(np.median(np.linalg.norm(border - median, axis=1)))
+
+
+def _matte(difference: np.ndarray, guess: np.ndarray) -> np.ndarray:
+    """Keeps the pixels of ``guess`` whose coverage is above one half.
+
+    Args:
+        difference: Colour minus background, shape (H, W, 3).
+        guess: First guess, too wide by the soft edge, shape (H, W).
+    """
+    core = cv2.erode(guess.astype(np.uint8), np.ones((5, 5), np.uint8))
+    if not core.any():
+        return guess
+    reach, label = cv2.distanceTransformWithLabels(1 - core, cv2.DIST_L2, 3, labelType=cv2.DIST_LABEL_PIXEL)
+    owner = np.zeros(label.max() + 1, np.int64)
+    owner[label[core > 0]] = np.flatnonzero(core)
+    band = np.flatnonzero(guess & (core == 0) & (reach < 5))  # thin parts have no core near: kept as guessed
+    flat = difference.reshape(-1, 3)
+    inner = flat[owner[label.ravel()[band]]]
+    coverage = np.einsum("ic,ic->i", flat[band], inner) / np.maximum(np.einsum("ic,ic->i", inner, inner), 1.0)
+    mask = guess.copy()
+    mask.ravel()[band[coverage < 0.5]] = False
+    return mask
+
+
+def _without_specks(mask: np.ndarray) -> np.ndarray:
+    """``mask`` without pieces smaller than a speck."""
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
+    keep = stats[:, cv2.CC_STAT_AREA] >= max(_SPECK, _FLOATER * mask.sum())
+    keep[0] = False
+    return keep[labels]

@@ -1,0 +1,136 @@
+"""Point tracks without weights: dense optical flow, anchored on the first frame so that it does not drift."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import cv2
+import numpy as np
+
+_MARGIN = 16
+"""Background kept around the object in a flow crop [px]."""
+
+_STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 10, 0.02)
+"""Lucas-Kanade ends after so many steps, or below this one [px]."""
+
+
+@dataclasses.dataclass
+class FlowTracker:
+    """DIS optical flow (Kroeger et al. 2016) from frame to frame, corrected against the first frame.
+
+    Chained flow drifts. So each frame is warped back by the affine map of the tracks (RANSAC), and what is
+    left is found by Lucas-Kanade between the first frame and the warped one, both ways. Crops follow the
+    mask, which takes most of a fast motion off the flow.
+
+    Attributes:
+        round_trip: Largest forward-backward error of the flow [px].
+        anchor_round_trip: Largest forward-backward error of the correction [px].
+        patience: Frames for which a point may go without correction.
+        give_up: The remaining frames are left invisible when fewer than this fraction of points is visible.
+    """
+
+    round_trip: float = 1.0
+    anchor_round_trip: float = 0.3
+    patience: int = 3
+    give_up: float = 0.35
+
+    def __post_init__(self):
+        self._dis = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
+
+    def __call__(self, frames: np.ndarray, queries: np.ndarray, masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Tracks of ``queries``; see `protocols.Tracker`."""
+        tracks = np.repeat(np.asarray(queries, np.float64)[None], len(frames), axis=0)
+        visible = np.zeros(tracks.shape[:2], bool)
+        visible[0] = True
+        missed = np.zeros(len(queries), int)
+        first = previous = cv2.cvtColor(frames[0], cv2.COLOR_RGB2GRAY)
+        for t in range(1, len(frames)):
+            if not (masks[t - 1].any() and masks[t].any()):
+                break
+            current = cv2.cvtColor(frames[t], cv2.COLOR_RGB2GRAY)
+            moved, found = self._flow(previous, current, masks[t - 1], masks[t], tracks[t - 1])
+            found &= visible[t - 1]
+            anchored = self._anchor(first, current, masks[0], tracks[0], moved, found)
+            good = np.isfinite(anchored[:, 0])
+            missed = np.where(good, 0, missed + 1)
+            tracks[t] = np.where(good[:, None], anchored, moved)
+            visible[t] = (found | good) & (missed <= self.patience) & _inside(masks[t], tracks[t])
+            if visible[t].sum() < self.give_up * len(queries):
+                visible[t] = False
+                break
+            previous = current
+        return tracks, visible
+
+    def _flow(self, before, after, mask_before, mask_after, points):
+        """Moves ``points`` from frame to frame; returns them and whether the way back agrees."""
+        (xa, ya, wa, ha), (xb, yb, wb, hb) = (cv2.boundingRect(m.astype(np.uint8)) for m in (mask_before, mask_after))
+        w, h = max(wa, wb, 32) + 2 * _MARGIN, max(ha, hb, 32) + 2 * _MARGIN
+        corner_a = np.array([xa + wa // 2 - w // 2, ya + ha // 2 - h // 2])
+        corner_b = np.array([xb + wb // 2 - w // 2, yb + hb // 2 - h // 2])
+        a, b = _crop(before, corner_a, w, h), _crop(after, corner_b, w, h)
+        forth, back = self._dis.calc(a, b, None), self._dis.calc(b, a, None)
+        start = points - corner_a
+        moved = start + _lookup(forth, start)
+        error = np.linalg.norm(moved + _lookup(back, moved) - start, axis=1)
+        return moved + corner_b, error < self.round_trip + 0.05 * np.linalg.norm(moved - start, axis=1)
+
+    def _anchor(self, first, current, mask, queries, moved, found):
+        """Positions in ``current`` found by comparison with ``first``; nan where that fails.
+
+        Args:
+            first: Grey first frame, shape (H, W).
+            current: Grey frame to search, shape (H, W).
+            mask: The object in ``first``, shape (H, W).
+            queries: Points in ``first`` [px], shape (N, 2).
+            moved: Their positions by flow [px], shape (N, 2).
+            found: Which of these can be trusted, shape (N,).
+        """
+        anchored = np.full_like(queries, np.nan)
+        if found.sum() < 6:
+            return anchored
+        affine, _ = cv2.estimateAffine2D(queries[found], moved[found], ransacReprojThreshold=3.0, maxIters=200)
+        if affine is None or np.linalg.det(affine[:, :2]) < 0.02:
+            return anchored
+        x, y, w, h = cv2.boundingRect(mask.astype(np.uint8))
+        corner, w, h = np.array([x - _MARGIN, y - _MARGIN]), w + 2 * _MARGIN, h + 2 * _MARGIN
+        to_current = affine.copy()  # crop's pixel indices -> picture's pixel indices
+        to_current[:, 2] = affine[:, :2] @ (corner + 0.5) + affine[:, 2] - 0.5
+        back = cv2.warpAffine(current, to_current, (w, h), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+                              borderMode=cv2.BORDER_REPLICATE)
+        start = (queries - corner - 0.5).astype(np.float32)
+        guess = ((moved - affine[:, 2]) @ np.linalg.inv(affine[:, :2]).T - corner - 0.5).astype(np.float32)
+        guess[~found] = start[~found]  # lost points may come back where the affine map expects them
+        here = _crop(first, corner, w, h)
+        end, ok, _ = _lucas_kanade(here, back, start, guess)
+        again, ok_back, _ = _lucas_kanade(back, here, end, start)
+        good = (ok & ok_back).ravel() > 0
+        good &= np.linalg.norm(again - start, axis=1) < self.anchor_round_trip
+        good &= np.linalg.norm(end - guess, axis=1) < 8
+        anchored[good] = ((end + corner + 0.5) @ affine[:, :2].T + affine[:, 2])[good]
+        return anchored
+
+
+def _lucas_kanade(a, b, points, guess):
+    return cv2.calcOpticalFlowPyrLK(a, b, points, guess.copy(), winSize=(15, 15), maxLevel=1, criteria=_STOP,
+                                    flags=cv2.OPTFLOW_USE_INITIAL_FLOW)
+
+
+def _crop(image: np.ndarray, corner: np.ndarray, w: int, h: int) -> np.ndarray:
+    """The w x h window at integer ``corner``, continued beyond the picture by its edge."""
+    shift = np.array([[1, 0, corner[0]], [0, 1, corner[1]]], np.float64)
+    return cv2.warpAffine(image, shift, (w, h), flags=cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP,
+                          borderMode=cv2.BORDER_REPLICATE)
+
+
+def _lookup(flow: np.ndarray, xy: np.ndarray) -> np.ndarray:
+    """Bilinear flow at positions (pixel centres at +0.5), shape (N, 2)."""
+    at = (xy - 0.5).astype(np.float32)
+    return cv2.remap(flow, at[:, None, 0], at[:, None, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)[:, 0]
+
+
+def _inside(mask: np.ndarray, xy: np.ndarray) -> np.ndarray:
+    """Whether positions lie on the mask, shape (N,)."""
+    h, w = mask.shape
+    x, y = np.floor(xy[:, 0]).astype(int), np.floor(xy[:, 1]).astype(int)
+    on = (x >= 0) & (y >= 0) & (x < w) & (y < h)
+    return on & mask[np.clip(y, 0, h - 1), np.clip(x, 0, w - 1)]

@@ -1,0 +1,139 @@
+"""What the measured frames say about a window of them."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from physagent_jax.perception import fit
+from physagent_jax.perception.fit import Affine
+from physagent_jax.perception.schema import WindowMotion
+
+PATH_STEP = 0.005
+"""Steps below are noise and do not lengthen a path [body lengths]."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Frames:
+    """All that was measured, frame by frame; nan or None where not observable.
+
+    Attributes:
+        size: Longest visible extent in frame 0: the body length [m].
+        center: Likely centre in frame 0 [m], shape (3,).
+        centroid: Displacement from frame 0 [body lengths], shape (T, 3).
+        poses: Map from the chain's first frame [m].
+        chain: Which chain a pose belongs to, shape (T,).
+        box: Edge lengths of the world-axis box around the visible surface [body lengths], shape (T, 3).
+        depth_shown: Whether the visible surface has enough relief to show stretch along the view, shape (T,).
+        reasons: Why a frame is not observable, keyed by "centroid", "rotation", "box"; each of length T.
+    """
+
+    size: float
+    center: np.ndarray
+    centroid: np.ndarray
+    poses: list[Affine | None]
+    chain: np.ndarray
+    box: np.ndarray
+    depth_shown: np.ndarray
+    reasons: dict[str, list[str]]
+
+    def volume(self, frame: int, first: int = 0) -> float:
+        """Volume of the box over that in frame ``first``."""
+        return float(np.prod(self.box[frame] / self.box[first]))
+
+    def rotation_from(self, first: int, last: int) -> list[np.ndarray | None]:
+        """Unwrapped rotation vectors of frames first..last relative to ``first`` [rad]."""
+        return fit.unwrapped([self._turn(first, t) for t in range(first, last + 1)])
+
+    def _turn(self, first: int, t: int) -> np.ndarray | None:
+        a, b = self.poses[first], self.poses[t]
+        if a is None or b is None or self.chain[first] != self.chain[t]:
+            return None
+        return b.rotation @ a.rotation.T
+
+    def weaknesses(self, in_view: np.ndarray) -> list[str]:
+        """Plain sentences about what weakened the measurement; ``in_view`` says where the object shows, (T,)."""
+        notes = []
+        lost = [t for t, pose in enumerate(self.poses) if pose is None and in_view[t]]
+        if lost:
+            notes.append(f"Rotation and shape are unknown in {len(lost)} frames (first: {lost[0]}), because "
+                         f"{self.reasons['rotation'][lost[0]]}; the centroid there is the visible surface's.")
+        out = [t for t, reason in enumerate(self.reasons["box"]) if reason]
+        if out:
+            notes.append("The object touches the picture's border or is out of it in "
+                         f"{len(out)} frames (first: {out[0]}).")
+        if not self.depth_shown[0]:
+            notes.append("The visible side has too little relief to show stretch along the viewing direction.")
+        return notes
+
+
+def measure_window(frames: Frames, first: int, last: int) -> WindowMotion:
+    """Motion over frames first..last, relative to ``first``."""
+    found, missing = {}, {}
+    for measure, fields, topic in (
+        (_travel, ("displacement", "path_length"), "centroid"),
+        (_peak, ("peak_displacement", "peak_frame"), "centroid"),
+        (_turn, ("rotation_axis", "rotation_degrees"), "rotation"),
+        (_stretch, ("stretch",), "rotation"),
+        (_volume, ("volume_ratio",), "box"),
+    ):
+        values = measure(frames, first, last) if last > first else None
+        if values is None:
+            reason = "the window has one frame only" if last == first else _why(frames, topic, first, last)
+            missing |= dict.fromkeys(fields, reason)
+            values = (None,) * len(fields)
+        found |= dict(zip(fields, values))
+    shown = bool(found["stretch"] is not None and frames.depth_shown[first])
+    return WindowMotion(first=first, last=last, stretch_view_axis_observable=shown, unobservable=missing, **found)
+
+
+def _why(frames: Frames, topic: str, first: int, last: int) -> str:
+    """The reason at the later end of the window, else at its start, else between."""
+    why = frames.reasons[topic]
+    between = next((why[t] for t in range(first, last + 1) if why[t]), "")
+    return why[last] or why[first] or between or "the points were lost in between"
+
+
+def _travel(frames: Frames, first: int, last: int):
+    c = frames.centroid[first : last + 1]
+    if not np.isfinite(c[[0, -1]]).all():
+        return None
+    length, here = 0.0, c[0]
+    for there in c[np.isfinite(c[:, 0])]:
+        step = np.linalg.norm(there - here)
+        if step > PATH_STEP:
+            length, here = length + step, there
+    return tuple((c[-1] - c[0]).tolist()), float(length)
+
+
+def _peak(frames: Frames, first: int, last: int):
+    away = frames.centroid[first : last + 1] - frames.centroid[first]
+    if not np.isfinite(away[:, 0]).any():
+        return None
+    k = int(np.nanargmax(np.linalg.norm(away, axis=1)))
+    return tuple(away[k].tolist()), first + k
+
+
+def _turn(frames: Frames, first: int, last: int):
+    vector = frames.rotation_from(first, last)[-1]
+    if vector is None:
+        return None
+    angle = float(np.linalg.norm(vector))
+    axis = vector / angle if angle > 1e-6 else np.array([0.0, 0.0, 1.0])
+    return tuple(axis.tolist()), float(np.degrees(angle))
+
+
+def _stretch(frames: Frames, first: int, last: int):
+    a, b = frames.poses[first], frames.poses[last]
+    if a is None or b is None or frames.chain[first] != frames.chain[last]:
+        return None
+    if np.linalg.cond(a.matrix) > 100:
+        return None
+    S = fit.polar(b.matrix @ np.linalg.inv(a.matrix))[1]
+    return (tuple(map(tuple, S.tolist())),)
+
+
+def _volume(frames: Frames, first: int, last: int):
+    ratio = frames.volume(last, first)
+    return (ratio,) if np.isfinite(ratio) else None

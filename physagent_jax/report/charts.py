@@ -1,0 +1,153 @@
+"""Which curves the report shows: what moved (seen and true) and what the simulator computed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.perception.schema import MotionReport
+from physagent_jax.report.directions import viewer_directions, world_axis_labels
+from physagent_jax.report.formats import prefix
+from physagent_jax.report.markup import Markup, div
+from physagent_jax.report.plot import Plot, Series, draw
+from physagent_jax.report.run_data import Iteration
+from physagent_jax.run_folder import SimulationRecord, TrueMotion
+from physagent_jax.scene.config import SceneConfig
+
+AXIS_NAMES = ("x", "y", "z")
+
+
+def motion_charts(iteration: Iteration) -> Markup | None:
+    """Displacement, rotation, volume and stretch: perceived (solid) against true (dashed)."""
+    report = iteration.motion
+    truth = iteration.simulation.truth if iteration.simulation else None
+    if report is None and truth is None:
+        return None
+    plots = [
+        _displacement(report, truth, iteration.scene),
+        _rotation(report, truth),
+        _volume(report, truth),
+        _stretch(report, truth),
+    ]
+    return _grid(plots, iteration)
+
+
+def physics_charts(iteration: Iteration) -> Markup | None:
+    """Energy, momentum, substep and volume change of the particles."""
+    record = iteration.simulation
+    if record is None:
+        return None
+    return _grid([_energy(record), _momentum(record), _substep(record), _det_f(record)], iteration)
+
+
+def active_windows(force_field: ForceField | None, last_frame: int) -> list[tuple[float, float]]:
+    """When forces act, in frames, overlapping windows merged."""
+    if force_field is None:
+        return []
+    timed = (*force_field.actions, *force_field.constraints)
+    spans = sorted(item.active_time or (0.0, float(last_frame)) for item in timed)
+    merged: list[tuple[float, float]] = []
+    for first, last in spans:
+        if merged and first <= merged[-1][1]:
+            merged[-1] = (merged[-1][0], max(last, merged[-1][1]))
+        else:
+            merged.append((first, last))
+    return merged
+
+
+def _grid(plots: Sequence[tuple[str, str, list[Series], dict]], iteration: Iteration) -> Markup:
+    last = max((len(s.values) - 1 for _, _, series, _ in plots for s in series if s.xs is None), default=0)
+    bands = active_windows(iteration.force_field, last)
+    figures = [
+        draw(Plot(title, unit, last, series, bands=bands, clip=iteration.clip, **options))
+        for title, unit, series, options in plots
+        if series
+    ]
+    return div("plots", *figures)
+
+
+def _seen_and_true(seen, true, color: int, name: str = "") -> list[Series]:
+    series = []
+    if seen is not None:
+        series.append(Series(name or "perceived", seen, color))
+    if true is not None:
+        # Beside its perceived twin a bare "true" says enough, and keeps the legend short.
+        series.append(Series("true" if series else f"{name} true".strip(), true, color, dashed=True))
+    return series
+
+
+def _column(rows: Sequence[Sequence[float] | None], axis: int) -> list[float | None]:
+    return [None if row is None else row[axis] for row in rows]
+
+
+def _displacement(report: MotionReport | None, truth: TrueMotion | None, scene: SceneConfig | None):
+    labels = world_axis_labels(viewer_directions(scene.camera)) if scene else AXIS_NAMES
+    series = []
+    for axis, label in enumerate(labels):
+        seen = _column(report.centroid, axis) if report else None
+        true = _column(truth.centroid, axis) if truth else None
+        series += _seen_and_true(seen, true, axis, label)
+    return "Displacement of the centre", "body lengths", series, {"least_span": 0.05}
+
+
+def _rotation(report: MotionReport | None, truth: TrueMotion | None):
+    series = _seen_and_true(
+        report.rotation_degrees if report else None, truth.rotation_degrees if truth else None, 2
+    )
+    return "Rotation", "degrees", series, {"least_span": 5.0}
+
+
+def _volume(report: MotionReport | None, truth: TrueMotion | None):
+    series = _seen_and_true(report.volume_ratio if report else None, truth.volume_ratio if truth else None, 1)
+    return "Bounding-box volume", "ratio to frame 0", series, {"least_span": 0.1}
+
+
+def _stretch(report: MotionReport | None, truth: TrueMotion | None):
+    series = []
+    # Perception fits a stretch per window; those that begin at frame 0 compare with the true curve.
+    from_start = [(w.last, w.stretch) for w in report.windows if w.first == 0 and w.stretch] if report else []
+    ends = [last for last, _ in from_start]
+    for axis, name in enumerate(AXIS_NAMES):
+        if from_start:
+            seen = [stretch[axis][axis] for _, stretch in from_start]
+            series.append(Series(name, seen, axis, xs=ends, shape="points"))
+        if truth:
+            label = "true" if from_start else f"{name} true"
+            series.append(Series(label, _column(truth.stretch, axis), axis, dashed=True))
+    return "Stretch along the world axes", "ratio to frame 0", series, {"least_span": 0.1}
+
+
+def _energy(record: SimulationRecord):
+    factor, letter = prefix(max((*record.kinetic_energy, *record.elastic_energy), default=0.0))
+    series = [
+        Series("kinetic", [e * factor for e in record.kinetic_energy], 0),
+        Series("elastic", [e * factor for e in record.elastic_energy], 2),
+    ]
+    return "Energy", f"{letter}J", series, {}
+
+
+def _momentum(record: SimulationRecord):
+    series = [Series(name, _column(record.momentum, axis), axis) for axis, name in enumerate(AXIS_NAMES)]
+    return "Momentum", "kg m/s", series, {}
+
+
+def _substep(record: SimulationRecord):
+    factor, letter = prefix(max((record.stable_dt, *record.substep_dt)))
+    # The k-th interval leads to frame k + 1.
+    ends = [k + 1 for k in range(len(record.substep_dt))]
+    series = [Series("substep", [dt * factor for dt in record.substep_dt], 0, xs=ends, shape="step")]
+    options = {"level": (record.stable_dt * factor, "bound at the start"), "marks": record.redone_frames}
+    return "Time step", f"{letter}s", series, options
+
+
+def _det_f(record: SimulationRecord):
+    series = [
+        Series("largest", record.max_volume_ratio, 0),
+        Series("smallest", record.min_volume_ratio, 2),
+    ]
+    return (
+        "Volume change of particles, det F",
+        "ratio",
+        series,
+        {"level": (1.0, "unchanged"), "least_span": 0.1},
+    )

@@ -1,0 +1,86 @@
+"""Directions in the viewer's words, derived from the reference camera and world up."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from physagent_jax.agents.schema import DirectionTable
+from physagent_jax.scene.config import CameraConfig
+
+# A component below this share of a unit vector is not worth a word (about 9 degrees).
+NEGLIGIBLE = 0.15
+SLIGHT = 0.45
+ALIGNED = 0.95
+
+WORDS = (("right", "left"), ("up", "down"), ("towards us", "away from us"))
+AXES = ("left\u2013right", "vertical", "viewing")
+# What a positive (right-hand) turn about right, up and toward looks like to the viewer.
+TURNS = (
+    ("the top tips towards us", "the top tips away from us"),
+    ("counter-clockwise seen from above", "clockwise seen from above"),
+    ("counter-clockwise as we see it", "clockwise as we see it"),
+)
+
+
+def viewer_directions(camera: CameraConfig) -> DirectionTable:
+    """The viewer's six directions as unit world vectors; azimuth 0 looks along +y with +x to the right."""
+    azimuth = math.radians(camera.azimuth_degrees)
+    right = (math.cos(azimuth), math.sin(azimuth), 0.0)
+    toward = (math.sin(azimuth), -math.cos(azimuth), 0.0)
+    up = (0.0, 0.0, 1.0)
+    return DirectionTable(
+        right=right, left=_opposite(right), up=up, down=_opposite(up), toward=toward, away=_opposite(toward)
+    )
+
+
+def components(vector: Sequence[float], table: DirectionTable) -> tuple[float, float, float]:
+    """A world vector along the viewer's (right, up, toward)."""
+    return _dot(vector, table.right), _dot(vector, table.up), _dot(vector, table.toward)
+
+
+def direction_words(vector: Sequence[float], table: DirectionTable) -> str:
+    """A unit direction in words: "left", "right and slightly up"."""
+    ranked = sorted(zip(components(vector, table), WORDS), key=lambda pair: -abs(pair[0]))
+    words = []
+    for value, (positive, negative) in ranked:
+        if abs(value) < NEGLIGIBLE:
+            continue
+        word = positive if value > 0 else negative
+        words.append(f"slightly {word}" if abs(value) < SLIGHT else word)
+    return " and ".join(words) if len(words) < 3 else f"{words[0]}, {words[1]} and {words[2]}"
+
+
+def axis_words(axis: Sequence[float], table: DirectionTable) -> str:
+    """An axis without sense, in words: "the left-right axis"."""
+    values = [abs(value) for value in components(axis, table)]
+    largest = max(range(3), key=values.__getitem__)
+    if values[largest] >= ALIGNED:
+        return f"the {AXES[largest]} axis"
+    return f"an axis pointing {direction_words(axis, table)}"
+
+
+def turn_words(axis: Sequence[float], table: DirectionTable) -> str:
+    """A right-hand turn about ``axis`` as the viewer sees it."""
+    values = components(axis, table)
+    largest = max(range(3), key=lambda i: abs(values[i]))
+    sense = TURNS[largest][0 if values[largest] > 0 else 1]
+    return sense if abs(values[largest]) >= ALIGNED else f"mostly {sense}"
+
+
+def world_axis_labels(table: DirectionTable) -> tuple[str, str, str]:
+    """The world axes with the viewer's word for each: ("x (right)", "y (away from us)", "z (up)")."""
+    labels = []
+    for name, unit in zip("xyz", ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
+        aligned = max(abs(value) for value in components(unit, table)) >= ALIGNED
+        labels.append(f"{name} ({direction_words(unit, table)})" if aligned else name)
+    return tuple(labels)
+
+
+def _opposite(vector: Sequence[float]) -> tuple[float, float, float]:
+    x, y, z = vector
+    return -x + 0.0, -y + 0.0, -z + 0.0
+
+
+def _dot(a: Sequence[float], b: Sequence[float]) -> float:
+    return sum(p * q for p, q in zip(a, b))

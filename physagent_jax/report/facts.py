@@ -1,0 +1,298 @@
+"""Facts about the scene, the simulation, the cost and how to make the run again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from physagent_jax.report.formats import (
+    UNKNOWN,
+    count,
+    number,
+    percent,
+    plain,
+    plural,
+    quantity,
+    seconds,
+    vector,
+)
+from physagent_jax.report.layout import facts, fold, missing, table
+from physagent_jax.report.markup import Child, Markup, div, join, span, tag
+from physagent_jax.report.run_data import Iteration
+from physagent_jax.run_folder import AgentCost, Manifest, SimulationRecord, Stages
+from physagent_jax.scene.config import FOREVER, Anchor, Boundary, Constraint, Material, SceneConfig
+
+STAGE_NAMES = {
+    "prepare": "prepare the scene",
+    "compile": "compile",
+    "simulate": "simulate",
+    "render": "render",
+    "perceive": "perceive",
+    "agents": "agents",
+    "write": "write files",
+}
+
+
+def scene_facts(scene: SceneConfig, record: SimulationRecord | None) -> list[Markup]:
+    """What was simulated and why with these values."""
+    columns = [
+        _column("Object", _object_rows(scene, record)),
+        _column("Material", _material_rows(scene.material)),
+        _column("World", _world_rows(scene)),
+        _column("Camera and clip", _camera_rows(scene)),
+    ]
+    parts = [div("columns", *columns)]
+    if scene.material_regions:
+        head = ["centre [m]", "half size [m]", "model", "Young\u2019s modulus", "Poisson", "density", "why"]
+        rows = [
+            [vector(region.point), vector(region.half_size), *_material_cells(region.material)]
+            for region in scene.material_regions
+        ]
+        parts += [tag("h3", "Regions of other material"), table(head, rows)]
+    return parts
+
+
+def simulation_facts(iteration: Iteration) -> Markup:
+    """What the best rollout did."""
+    record = iteration.simulation
+    if record is None:
+        return missing(f"simulation.json of iteration {iteration.index} is missing: no simulation facts.")
+    smallest, largest = min(record.substep_dt, default=None), max(record.substep_dt, default=None)
+    used = quantity(smallest, "s")
+    if smallest != largest:
+        used = f"{used} to {quantity(largest, 's')}"
+    share = (
+        "" if largest is None or record.stable_dt <= 0 else f" ({percent(largest / record.stable_dt)} of it)"
+    )
+    return join(
+        facts(
+            [
+                (
+                    "substeps",
+                    f"{count(record.substeps)} over {plural(len(record.substep_dt), 'frame interval')}",
+                ),
+                ("grid window", " \u00d7 ".join(count(nodes) for nodes in record.grid_shape) + " nodes"),
+                ("stable bound at the start", quantity(record.stable_dt, "s")),
+                ("substep used", used + share),
+                ("particles stopped at the wall", _stopped(record.stopped_particles)),
+                ("redone frames", "none" if not record.redone_frames else str(len(record.redone_frames))),
+            ]
+        ),
+        _redone(record),
+    )
+
+
+def cost_facts(manifest: Manifest) -> Markup:
+    """Where the time and the tokens went."""
+    return div("columns", _stages(manifest.stages), _agents(manifest.agents))
+
+
+def reproduction(manifest: Manifest) -> list[Child]:
+    """How to make the run again, and what it was made with."""
+    return [
+        tag("p", "The run was started with"),
+        tag("pre", tag("code", manifest.command), class_="command"),
+        tag("p", "In this folder, its best scene replays without any agent with"),
+        tag("pre", tag("code", "physagent simulate scene.json"), class_="command"),
+        facts(
+            [
+                ("seed", str(manifest.seed)),
+                ("revision", manifest.git_revision or "not a git working tree"),
+                ("platform", manifest.platform),
+                ("versions", _versions(manifest)),
+            ]
+        ),
+        _inputs(manifest),
+    ]
+
+
+def _column(title: str, rows: Sequence[tuple[str, Child] | None]) -> Markup:
+    return tag("section", tag("h3", title), facts(rows), class_="column")
+
+
+def _with_reason(value: Child, reason: str) -> Markup:
+    return join(value, tag("small", reason, class_="reason") if reason else None)
+
+
+def _object_rows(scene: SceneConfig, record: SimulationRecord | None) -> list[tuple[str, Child] | None]:
+    source = scene.source
+    return [
+        ("name", f"{source.name or source.path} ({source.kind})"),
+        ("file", tag("code", source.path)),
+        ("longest side", quantity(source.extent, "m")),
+        ("Gaussians", count(record.gaussian_count)) if record else None,
+        ("particles", count(record.particle_count)) if record else None,
+        ("inside", "filled with particles" if scene.filling.enabled else "not filled"),
+        ("anchor", _with_reason(_anchor_words(scene.anchor), scene.anchor.reason)),
+    ]
+
+
+def _material_rows(material: Material) -> list[tuple[str, Child]]:
+    reason = [("from", material.reason)] if material.reason else []
+    return [
+        ("model", plain(material.model.value)),
+        ("Young\u2019s modulus", quantity(material.youngs_modulus, "Pa")),
+        ("Poisson\u2019s ratio", number(material.poissons_ratio)),
+        ("density", f"{number(material.density)} kg/m\u00b3"),
+        *reason,
+    ]
+
+
+def _material_cells(material: Material) -> list[Child]:
+    """The material's rows without their names."""
+    return [value for _, value in _material_rows(material)] + ([] if material.reason else [UNKNOWN])
+
+
+def _world_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
+    acts = scene.always_gravity or scene.force_field.default_drop
+    gravity = f"on, {vector(scene.gravity, 1)} m/s\u00b2" if acts else "off"
+    transfer = scene.transfer
+    damping = f", damping {number(transfer.damping_rate)} 1/s" if transfer.damping_rate else ""
+    walls = [tag("li", boundary_words(boundary)) for boundary in scene.boundaries]
+    held = [tag("li", constraint_words(constraint)) for constraint in scene.constraints]
+    return [
+        ("domain", f"{number(scene.domain.size)} m cube, {count(scene.domain.cells)} cells a side"),
+        ("grid spacing dx", quantity(scene.domain.dx, "m")),
+        ("transfer", f"{transfer.scheme.upper()}{damping}"),
+        ("gravity", gravity),
+        ("boundaries", tag("ul", walls) if walls else "none"),
+        ("constraints", tag("ul", held)) if held else None,
+    ]
+
+
+def _camera_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
+    camera, timing, picture = scene.camera, scene.timing, scene.rendering
+    view = (
+        f"azimuth {number(camera.azimuth_degrees)}\u00b0, elevation {number(camera.elevation_degrees)}\u00b0"
+    )
+    target = "the domain\u2019s centre" if camera.target is None else f"{vector(camera.target)} m"
+    scaling = scene.scaling
+    return [
+        ("clip", f"{clip_words(scene)}, {quantity(timing.frame_dt, 's')} a frame"),
+        ("pictures", f"{picture.width} \u00d7 {picture.height} px"),
+        ("view", view),
+        ("looks at", f"{target} from {quantity(camera.distance, 'm')}"),
+        ("field of view", f"{number(camera.fov_degrees)}\u00b0, vertical"),
+        ("preset", scene.preset),
+        ("what magnitude 1 means", scaling.reason) if scaling and scaling.reason else None,
+    ]
+
+
+def _anchor_words(anchor: Anchor) -> str:
+    if anchor.kind == "none":
+        return "none: the object is free"
+    if anchor.kind == "box":
+        return f"a box about {vector(anchor.point)} m, half size {vector(anchor.half_size)} m"
+    if anchor.kind == "mask":
+        return f"the Gaussians of {anchor.mask_path}"
+    where = "lowest" if anchor.kind == "base" else "highest"
+    return f"the {where} {number(100 * anchor.fraction)} % of its height"
+
+
+def clip_words(scene: SceneConfig) -> str:
+    """How long the clip is."""
+    timing = scene.timing
+    return f"{plural(timing.frame_count, 'frame')}, {seconds((timing.frame_count - 1) * timing.frame_dt)}"
+
+
+def boundary_words(boundary: Boundary) -> str:
+    """A boundary in words."""
+    if boundary.kind == "domain_box":
+        return f"walls of the domain, {boundary.padding} cells thick"
+    if boundary.kind == "half_space":
+        surface = boundary.surface.value
+        friction = f", friction {number(boundary.friction)}" if boundary.friction else ""
+        words = f"plane through {vector(boundary.point)} m facing {vector(boundary.normal)}, "
+        words += surface + friction
+    else:
+        words = f"box about {vector(boundary.point)} m, half size {vector(boundary.half_size)} m"
+        if any(boundary.velocity):
+            words += f", moving at {vector(boundary.velocity)} m/s"
+    return words + _span_words(boundary.start, boundary.end)
+
+
+def constraint_words(constraint: Constraint) -> str:
+    """A particle constraint in words."""
+    where = f"particles about {vector(constraint.point)} m"
+    if constraint.kind == "particle_impulse":
+        if constraint.delta_velocity is not None:
+            return f"{where} get {vector(constraint.delta_velocity)} m/s at {seconds(constraint.start)}"
+        return f"{where} get {vector(constraint.force)} N each at {seconds(constraint.start)}"
+    if constraint.kind == "particle_translation":
+        words = f"{where} move at {vector(constraint.velocity)} m/s"
+    else:
+        speed = f"{number(constraint.angular_velocity)} rad/s"
+        words = f"{where} turn about {vector(constraint.normal)} at {speed}"
+    return words + _span_words(constraint.start, constraint.end)
+
+
+def _span_words(start: float, end: float) -> str:
+    if start == 0 and end >= FOREVER:
+        return ""
+    return f", from {seconds(start)}" if end >= FOREVER else f", {seconds(start)} to {seconds(end)}"
+
+
+def _stopped(particle_steps: int) -> str:
+    return "none" if particle_steps == 0 else f"{count(particle_steps)} times"
+
+
+def _redone(record: SimulationRecord) -> Markup | None:
+    if not record.redone_frames:
+        return None
+    rows = [[str(frame), why] for frame, why in sorted(record.redone_frames.items())]
+    return table(["redone frame", "because"], rows)
+
+
+def _stages(stages: Stages) -> Markup:
+    entries = [(title, getattr(stages, name)) for name, title in STAGE_NAMES.items()]
+    total = sum(value for _, value in entries)
+    bar = div(
+        "stack",
+        *[
+            tag("i", style=f"flex-grow:{value:.4g}", class_=f"s{index}", title=f"{title}: {seconds(value)}")
+            for index, (title, value) in enumerate(entries)
+            if value > 0
+        ],
+    )
+    rows = [
+        [
+            join(span(f"swatch block s{index}"), title),
+            seconds(value),
+            percent(value / total if total else None),
+        ]
+        for index, (title, value) in enumerate(entries)
+    ]
+    rows.append([tag("strong", "in all"), tag("strong", seconds(total)), ""])
+    time = table(["stage", "wall time", "share"], rows, numeric=(1, 2), class_="compact")
+    return tag("section", tag("h3", "Time"), bar if total else None, time, class_="column")
+
+
+def _agents(agents: tuple[AgentCost, ...]) -> Markup:
+    head = ["agent", "made by", "calls", "tokens in", "tokens out", "time"]
+    rows = [
+        [
+            a.agent,
+            a.implementation,
+            count(a.calls),
+            count(a.input_tokens),
+            count(a.output_tokens),
+            seconds(a.seconds),
+        ]
+        for a in agents
+    ]
+    body = (
+        table(head, rows, numeric=(2, 3, 4, 5), class_="compact") if rows else tag("p", "No agent took part.")
+    )
+    return tag("section", tag("h3", "Agents"), body, class_="column")
+
+
+def _versions(manifest: Manifest) -> str:
+    return ", ".join(f"{name}\u00a0{version}" for name, version in manifest.versions.items()) or UNKNOWN
+
+
+def _inputs(manifest: Manifest) -> Markup | None:
+    if not manifest.inputs:
+        return None
+    rows = [
+        [tag("code", name), tag("code", digest, class_="hash")] for name, digest in manifest.inputs.items()
+    ]
+    return fold("Input files and their SHA-256", table(["file", "hash"], rows))

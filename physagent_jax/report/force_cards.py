@@ -1,0 +1,237 @@
+"""A force field as cards that a person can read."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+from physagent_jax.agents.schema import DirectionTable
+from physagent_jax.forces.schema import (
+    MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
+    Action,
+    ActionType,
+    BoxRegion,
+    ConstraintType,
+    ForceField,
+    HalfSpaceRegion,
+    Region,
+    SkillScaling,
+    VelocityConstraint,
+)
+from physagent_jax.report.directions import axis_words, direction_words, turn_words, viewer_directions
+from physagent_jax.report.formats import fixed, number, plain, vector, window
+from physagent_jax.report.icons import action_icon
+from physagent_jax.report.layout import json_fold
+from physagent_jax.report.markup import Markup, div, span, tag
+from physagent_jax.scene.config import CameraConfig, SceneConfig
+
+Timed = Action | VelocityConstraint
+UNITS = {
+    "translation": "m/s\u00b2",
+    "scale": "m/s\u00b2",
+    "impulse": "m/s",
+    "torque": "rad/s\u00b2",
+    "velocity": "m/s",
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Setting:
+    """What a card needs to know about the scene.
+
+    Attributes:
+        directions: The viewer's directions.
+        last_frame: Last frame of the clip; None if unknown.
+        frame_dt: Seconds per frame [s]; None if unknown.
+        scaling: What a magnitude of 1 means; None if not recorded.
+        always_gravity: Gravity acts whatever the force field says.
+    """
+
+    directions: DirectionTable
+    last_frame: int | None = None
+    frame_dt: float | None = None
+    scaling: SkillScaling | None = None
+    always_gravity: bool = False
+
+
+def setting_of(scene: SceneConfig | None) -> Setting:
+    """The setting of a scene; the reference camera's defaults if the scene is not known."""
+    if scene is None:
+        return Setting(viewer_directions(CameraConfig()))
+    timing = scene.timing
+    return Setting(
+        viewer_directions(scene.camera),
+        timing.frame_count - 1,
+        timing.frame_dt,
+        scene.scaling,
+        scene.always_gravity,
+    )
+
+
+def force_cards(
+    force_field: ForceField, setting: Setting, *, previous: ForceField | None = None, name: str = ""
+) -> Markup:
+    """Cards of all actions and constraints, gravity, and the JSON behind a fold.
+
+    Args:
+        force_field: What to show.
+        setting: About the scene.
+        previous: The force field before it, to mark what changed.
+        name: Prefix of the cards' ids ("{name}-actions-0").
+    """
+    cards = []
+    for kind in ("actions", "constraints"):
+        before = getattr(previous, kind) if previous else ()
+        for index, item in enumerate(getattr(force_field, kind)):
+            old = before[index] if index < len(before) and _kind(before[index]) == _kind(item) else None
+            cards.append(_card(item, setting, old, id_=f"{name}-{kind}-{index}" if name else None))
+    if not cards:
+        cards.append(div("card force quiet", "No force acts on the object."))
+    return div(
+        "forces",
+        div("cards", *cards),
+        _gravity(force_field, setting),
+        json_fold("Force field as JSON", force_field),
+    )
+
+
+def region_words(region: Region | None) -> str:
+    """Where an action acts."""
+    if region is None:
+        return "the whole object"
+    if isinstance(region, BoxRegion):
+        limited = [axis for axis in range(3) if region.low[axis] > 0 or region.high[axis] < 1]
+        if len(limited) == 1:
+            return _slab_words(region, limited[0])
+        return f"a box from {vector(region.low)} to {vector(region.high)} of the bounding box"
+    if isinstance(region, HalfSpaceRegion):
+        return f"beyond {vector(region.point)} of the bounding box, towards {vector(region.normal)}"
+    ball = f"a ball of radius {number(region.radius)} body lengths"
+    return f"{ball} about {vector(region.center)} of the bounding box"
+
+
+def _slab_words(region: BoxRegion, axis: int) -> str:
+    low, high = max(0.0, region.low[axis]), min(1.0, region.high[axis])
+    percent = f"{number(100 * (high - low))} % along {'xyz'[axis]}"
+    if high == 1.0:
+        return f"the {'upper' if axis == 2 else 'high'} {percent}"
+    if low == 0.0:
+        return f"the {'lower' if axis == 2 else 'low'} {percent}"
+    return f"{number(100 * low)}\u2013{number(100 * high)} % along {'xyz'[axis]}"
+
+
+def _kind(item: Timed) -> str:
+    return item.action_type.value if isinstance(item, Action) else item.constraint_type.value
+
+
+def _effect(item: Timed, table: DirectionTable) -> str:
+    """What the item does, in the viewer's words, the sign of its magnitude taken into account."""
+    sign = 1.0 if item.magnitude > 0 else -1.0
+    pointing = tuple(sign * component for component in item.vector)
+    if isinstance(item, VelocityConstraint):
+        steady = item.constraint_type is ConstraintType.PARTICLE_TRANSLATION
+        verb = "keeps moving" if steady else "is knocked once"
+        return f"{verb} {direction_words(pointing, table)}"
+    if item.action_type is ActionType.SCALE:
+        return f"{'stretches' if sign > 0 else 'squeezes'} along {axis_words(item.vector, table)}"
+    if item.action_type is ActionType.TORQUE:
+        return f"turns {turn_words(pointing, table)}"
+    verb = "pushes" if item.action_type is ActionType.TRANSLATION else "kicks"
+    return f"{verb} {direction_words(pointing, table)}"
+
+
+def _card(
+    item: Timed,
+    setting: Setting,
+    old: Timed | None,
+    id_: str | None,
+) -> Markup:
+    action = item.action_type if isinstance(item, Action) else None
+    head = div(
+        "force-head",
+        action_icon(action, item.vector, setting.directions, reversed_=item.magnitude < 0),
+        div("", tag("strong", plain(_kind(item)).capitalize()), tag("p", _effect(item, setting.directions))),
+    )
+    rows = [
+        ("direction" if action is not ActionType.TORQUE else "axis", _direction(item, old)),
+        ("magnitude", _magnitude(item, old, setting.scaling)),
+        ("active", _timeline(item, old, setting)),
+        ("acts on", [region_words(item.region), f" of {item.object}" if item.object else None]),
+    ]
+    return div("card force", head, tag("dl", *[(tag("dt", k), tag("dd", v)) for k, v in rows]), id=id_)
+
+
+def _direction(item: Timed, old: Timed | None) -> list:
+    return [span("mono", vector(item.vector)), _was(old, item, "vector", vector)]
+
+
+def _magnitude(item: Timed, old: Timed | None, scaling: SkillScaling | None) -> list:
+    ghost = None
+    if old is not None and old.magnitude != item.magnitude:
+        ghost = tag("i", class_="ghost", style=f"left:{_share(old.magnitude):.1f}%")
+    bar = div(
+        "bar",
+        tag("i", class_="fill", style=f"width:{_share(item.magnitude):.1f}%"),
+        tag("i", class_="one", style=f"left:{_share(1.0):.1f}%"),
+        ghost,
+        title=f"from {MAGNITUDE_MIN} (slight) over 1 (plain) to {MAGNITUDE_MAX} (violent)",
+    )
+    note = " reversed" if item.magnitude < 0 else ""
+    return [
+        span("number", fixed(item.magnitude)),
+        span("quiet", note) if note else None,
+        _was(old, item, "magnitude", fixed),
+        bar,
+        _physical(item, scaling),
+    ]
+
+
+def _physical(item: Timed, scaling: SkillScaling | None) -> Markup | None:
+    """The magnitude in SI units, if the run recorded what 1 means."""
+    if scaling is None:
+        return None
+    if isinstance(item, Action):
+        name = item.action_type.value
+    else:
+        steady = item.constraint_type is ConstraintType.PARTICLE_TRANSLATION
+        name = "velocity" if steady else "impulse"
+    one = getattr(scaling, name)
+    unit = UNITS[name]
+    return span("quiet", f"{number(abs(item.magnitude) * one)} {unit} (1 means {number(one)})")
+
+
+def _timeline(item: Timed, old: Timed | None, setting: Setting) -> list:
+    strip = None
+    if setting.last_frame:
+        first, last = item.active_time or (0.0, float(setting.last_frame))
+        left, right = (100 * min(1.0, value / setting.last_frame) for value in (first, last))
+        strip = div("strip", tag("i", style=f"left:{left:.1f}%;width:{max(1.0, right - left):.1f}%"))
+    return [
+        _window_words(item.active_time, setting.frame_dt),
+        _was(old, item, "active_time", _window_words),
+        strip,
+    ]
+
+
+def _window_words(active: tuple[float, float] | None, frame_dt: float | None = None) -> str:
+    return "the whole clip" if active is None else window(*active, frame_dt)
+
+
+def _was(old: Timed | None, item: Timed, field: str, words: Callable[[Any], str]) -> Markup | None:
+    """The value before, if it was another."""
+    if old is None or getattr(old, field) == getattr(item, field):
+        return None
+    return span("was", f"was {words(getattr(old, field))}")
+
+
+def _share(magnitude: float) -> float:
+    """Where a magnitude lies on the bar [%]."""
+    return 100 * min(1.0, max(0.0, (abs(magnitude) - MAGNITUDE_MIN) / (MAGNITUDE_MAX - MAGNITUDE_MIN)))
+
+
+def _gravity(force_field: ForceField, setting: Setting) -> Markup:
+    acts = force_field.default_drop or setting.always_gravity
+    text = "Gravity acts: the object has weight." if acts else "Gravity is off: the object floats."
+    return tag("p", text, class_="quiet gravity")

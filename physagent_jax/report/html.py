@@ -1,0 +1,248 @@
+"""One page that tells a run: what was asked, understood, tried, seen and decided, and what it cost."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from importlib import resources
+from pathlib import Path
+
+from physagent_jax import __version__
+from physagent_jax.report.charts import motion_charts, physics_charts
+from physagent_jax.report.facts import clip_words, cost_facts, reproduction, scene_facts, simulation_facts
+from physagent_jax.output.files import write_text
+from physagent_jax.report.force_cards import setting_of
+from physagent_jax.report.formats import count, fixed, seconds
+from physagent_jax.report.iterations import iteration_card, overview
+from physagent_jax.report.layout import badge, facts, json_fold, listing, missing, paragraphs, section
+from physagent_jax.report.markup import Markup, div, join, raw, tag
+from physagent_jax.report.media import Clip, filmstrip, load_clip, player
+from physagent_jax.report.run_data import Iteration, Run, load_run
+from physagent_jax.report.truth import truth_table
+from physagent_jax.report.words import words_section
+
+SECTIONS = {
+    "words": "From words to forces",
+    "iterations": "Iterations",
+    "measurements": "Measurements",
+    "scene": "Scene",
+    "cost": "Cost",
+    "again": "Make it again",
+}
+
+
+def write_report(run_dir: str | Path) -> Path:
+    """Writes ``report.html`` into a run folder, from the folder's files alone.
+
+    The page needs no other file and no network: style, script, pictures and videos are inside it (a video
+    above 22 MB is linked by its name in the folder, because browsers refuse it inside a page). Files that
+    are missing or broken are named on the page, and the rest is shown.
+
+    Args:
+        run_dir: The run folder.
+
+    Returns:
+        The page's path.
+
+    Raises:
+        UserError: The folder holds nothing of a run, or the page cannot be written.
+    """
+    run = load_run(run_dir)
+    path = Path(run_dir) / "report.html"
+    write_text(path, render_page(run))
+    return path
+
+
+def render_page(run: Run) -> str:
+    """The whole page as text."""
+    players = _Players(run)
+    body = tag(
+        "main",
+        _header(run),
+        _notices(run),
+        _hero(run, players),
+        _words(run),
+        _iterations(run, players),
+        _measurements(run),
+        _scene(run),
+        _cost(run),
+        _again(run),
+        tag("footer", f"Written by physagent-jax {__version__} from the files of this run folder."),
+    )
+    script = _asset("report.js")
+    head = [
+        tag("meta", charset="utf-8"),
+        tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        tag("meta", http_equiv="Content-Security-Policy", content=_policy(script)),
+        tag("meta", name="color-scheme", content="light dark"),
+        tag("title", run.prompt or "PhysAgent run"),
+        tag("style", raw(_asset("report.css"))),
+    ]
+    page = tag("html", tag("head", *head), tag("body", body, tag("script", raw(script))), lang="en")
+    return f"<!DOCTYPE html>\n{page}\n"
+
+
+class _Players:
+    """Video elements; the best iteration's video, which the folder holds twice, is embedded once."""
+
+    def __init__(self, run: Run):
+        self.run = run
+        self.hero_clip = load_clip(run.video) or load_clip(run.best.video if run.best else None)
+        self.hero_group = run.best.clip if run.best else "clip"
+
+    def hero(self) -> Markup:
+        if self.hero_clip is None:
+            return missing("There is no video yet.")
+        return self._player(self.hero_clip, self.hero_group)
+
+    def of(self, iteration: Iteration) -> Markup:
+        clip = load_clip(iteration.video)
+        if clip is None:
+            return missing("The video of this iteration is missing.")
+        same = self.hero_clip is not None and clip.digest == self.hero_clip.digest
+        return self._player(clip, iteration.clip, f"player-{self.hero_group}" if same else None)
+
+    def _player(self, clip: Clip, group: str, same_as: str | None = None) -> Markup:
+        return player(clip, group=group, frame_dt=self.run.frame_dt, folder=self.run.folder, same_as=same_as)
+
+
+def _header(run: Run) -> Markup:
+    verdict = run.manifest.verdict if run.manifest else None
+    scene = run.best_scene
+    name = (scene.source.name or Path(scene.source.path).stem) if scene else ""
+    links = [tag("a", title, href=f"#{id_}") for id_, title in SECTIONS.items()]
+    # The quotation marks belong to the page, not to the prompt.
+    title = tag("h1", join("\u201c", run.prompt, "\u201d") if run.prompt else "A run without a prompt")
+    kicker = tag("p", " \u00b7 ".join(filter(None, ["PhysAgent run", name])), class_="kicker")
+    return tag("header", kicker, title, badge(verdict), tag("nav", *links, class_="contents"), class_="page")
+
+
+def _notices(run: Run) -> list[Markup | None]:
+    manifest = run.manifest
+    notices = []
+    if manifest and not manifest.complete:
+        notices.append(
+            div("notice", tag("strong", "This run is not complete. "), "It is under way, or was stopped.")
+        )
+    if manifest and manifest.warnings:
+        notices.append(div("notice", listing("Warnings", manifest.warnings)))
+    if run.problems:
+        notices.append(div("notice", listing("Missing from the run folder", run.problems)))
+    return notices
+
+
+def _hero(run: Run, players: _Players) -> Markup:
+    best = run.best
+    text = best.motion.text if best and best.motion else ""
+    story = paragraphs(text) if text else missing("The motion report is missing.")
+    strip = filmstrip(players.hero_clip, run.frame_dt) if players.hero_clip else None
+    side = div("side", tag("h2", "What happened"), story, tag("h2", "At a glance"), _glance(run))
+    return tag("section", div("hero-grid", div("clip", players.hero()), side), strip, class_="hero")
+
+
+def _glance(run: Run) -> Markup:
+    manifest, best, scene = run.manifest, run.best, run.best_scene
+    record = best.simulation if best else None
+    tokens = sum(a.input_tokens + a.output_tokens for a in manifest.agents) if manifest else 0
+    total = sum(manifest.stages.model_dump().values()) if manifest else 0
+    return facts(
+        [
+            ("score", f"{fixed(best.judgement.score)} of 1") if best and best.judgement else None,
+            ("iterations", f"{len(run.iterations)}, best is {best.index}") if best else None,
+            ("clip", clip_words(scene)) if scene else None,
+            ("particles", count(record.particle_count)) if record else None,
+            ("Gaussians", count(record.gaussian_count)) if record else None,
+            ("wall time", seconds(total)) if total else None,
+            ("tokens", count(tokens) if tokens else "none, rules only")
+            if manifest and manifest.agents
+            else None,
+        ]
+    )
+
+
+def _words(run: Run) -> Markup:
+    lead = "What the semantic agent understood, word by word, and the force field that it compiled."
+    if run.semantic is None:
+        body = [missing("semantic.json is missing: what was understood is not known.")]
+    else:
+        body = words_section(run.prompt, run.semantic, setting_of(run.best_scene))
+    return section("words", SECTIONS["words"], *body, lead=lead)
+
+
+def _iterations(run: Run, players: _Players) -> Markup:
+    lead = (
+        "Each round simulates a force field, looks at the pictures, and judges them against the sentence. "
+        "If they fail, the force field is rewritten for the next round."
+    )
+    cards, previous = [], None
+    for iteration in run.iterations:
+        is_best = iteration is run.best
+        video = players.of(iteration)
+        cards.append(
+            iteration_card(iteration, previous, is_best=is_best, video=video, with_plots=not is_best)
+        )
+        previous = iteration
+    if not cards:
+        cards.append(missing("There is no iteration yet."))
+    return section(
+        "iterations", SECTIONS["iterations"], overview(run.iterations, run.best), *cards, lead=lead
+    )
+
+
+def _measurements(run: Run) -> Markup:
+    best = run.best
+    if best is None:
+        return section("measurements", SECTIONS["measurements"], missing("Nothing has been measured yet."))
+    truth = best.simulation.truth if best.simulation else None
+    compared = truth_table(best.motion, truth) if best.motion and truth else None
+    lead = (
+        f"Iteration {best.index}. Solid lines are what perception saw in the pictures, dashed lines what the "
+        "particles did. Point at a plot to read values; click to go to that frame of the video."
+    )
+    return section(
+        "measurements",
+        SECTIONS["measurements"],
+        tag("h3", "Motion"),
+        motion_charts(best) or missing("Neither perceived nor true motion is stored."),
+        tag("h3", "Perception against truth"),
+        compared or missing("The comparison needs both the motion report and the true motion."),
+        tag("h3", "Physics"),
+        physics_charts(best) or missing("simulation.json is missing: no physics to plot."),
+        simulation_facts(best) if best.simulation else None,
+        lead=lead,
+    )
+
+
+def _scene(run: Run) -> Markup:
+    scene = run.best_scene
+    if scene is None:
+        return section("scene", SECTIONS["scene"], missing("scene.json is missing: the scene is not known."))
+    record = run.best.simulation if run.best else None
+    return section("scene", SECTIONS["scene"], *scene_facts(scene, record), json_fold("Scene as JSON", scene))
+
+
+def _cost(run: Run) -> Markup:
+    body = cost_facts(run.manifest) if run.manifest else missing("manifest.json is missing.")
+    return section("cost", SECTIONS["cost"], body)
+
+
+def _again(run: Run) -> Markup:
+    manifest = run.manifest
+    if manifest is None:
+        return section("again", SECTIONS["again"], missing("manifest.json is missing."))
+    return section(
+        "again", SECTIONS["again"], *reproduction(manifest), json_fold("Manifest as JSON", manifest)
+    )
+
+
+def _policy(script: str) -> str:
+    """Lets the browser refuse any other source, and any script but the page's own."""
+    digest = base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
+    return (
+        "default-src 'none'; img-src data:; media-src data: 'self' file:; style-src 'unsafe-inline'; "
+        f"script-src 'sha256-{digest}'"
+    )
+
+
+def _asset(name: str) -> str:
+    return resources.files("physagent_jax.report").joinpath("assets", name).read_text(encoding="utf-8")

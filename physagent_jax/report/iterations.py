@@ -1,0 +1,201 @@
+"""The loop, round by round: what was tried and seen, what the planner said, what the executor changed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from physagent_jax.agents.schema import Check, Judgement, Rewrite
+from physagent_jax.perception.schema import MotionReport, Oscillation, WindowMotion
+from physagent_jax.report.charts import motion_charts, physics_charts
+from physagent_jax.report.force_cards import Setting, force_cards, setting_of
+from physagent_jax.report.formats import fixed, number, percent, plain, plural, vector
+from physagent_jax.report.layout import badge, facts, fold, json_fold, listing, missing, paragraphs, table
+from physagent_jax.report.markup import Child, Markup, div, join, span, tag
+from physagent_jax.report.media import image
+from physagent_jax.report.run_data import Iteration
+
+MARKS = {True: ("pass", "\u2713 pass"), False: ("failed", "\u2717 fail"), None: ("open", "? not observable")}
+
+
+def overview(iterations: Sequence[Iteration], best: Iteration | None) -> Markup:
+    """The rounds as linked chips in order."""
+    chips = [_chip(iteration, is_best=iteration is best) for iteration in iterations]
+    return tag("nav", *chips, class_="rounds", aria_label="Iterations")
+
+
+def iteration_card(
+    iteration: Iteration,
+    previous: Iteration | None,
+    *,
+    is_best: bool,
+    video: Child,
+    with_plots: bool,
+) -> Markup:
+    """One round.
+
+    Args:
+        iteration: Which.
+        previous: The round before, to mark what changed in the force field.
+        is_best: Whether the top of the page shows this one.
+        video: Its player.
+        with_plots: Whether to add its plots (the best round's stand in a section of their own).
+    """
+    setting = setting_of(iteration.scene)
+    parts = [
+        _head(iteration, is_best),
+        div("split", div("clip", video), _forces(iteration, previous, setting)),
+        _overlay(iteration),
+        _judgement(iteration.judgement),
+        _rewrite(iteration.rewrite, iteration.index),
+        _perception(iteration.motion),
+        _plots(iteration) if with_plots else None,
+    ]
+    return tag("article", *parts, class_="iteration", id=iteration.clip)
+
+
+def _chip(iteration: Iteration, *, is_best: bool) -> Markup:
+    judgement = iteration.judgement
+    score = f"score {fixed(judgement.score)}" if judgement else "not judged"
+    kind = "open" if judgement is None else "success" if judgement.verdict == "SUCCESS" else "fail"
+    return tag(
+        "a",
+        tag("strong", f"Iteration {iteration.index}"),
+        span("quiet", score),
+        span("quiet star", "shown above") if is_best else None,
+        href=f"#{iteration.clip}",
+        class_=f"chip {kind}",
+    )
+
+
+def _head(iteration: Iteration, is_best: bool) -> Markup:
+    judgement = iteration.judgement
+    score = span("score", "score ", tag("b", fixed(judgement.score))) if judgement else None
+    star = span("badge best", "best") if is_best else None
+    title = tag("h3", f"Iteration {iteration.index}")
+    return tag("header", title, badge(judgement.verdict if judgement else None), star, score)
+
+
+def _forces(iteration: Iteration, previous: Iteration | None, setting: Setting) -> Markup:
+    if iteration.force_field is None:
+        return missing("The force field of this iteration is missing.")
+    return force_cards(iteration.force_field, setting, previous=previous.force_field if previous else None)
+
+
+def _overlay(iteration: Iteration) -> Markup | None:
+    if iteration.overlay is None:
+        return None
+    caption = tag("figcaption", "What perception followed: the object\u2019s mask and the tracked points.")
+    return tag(
+        "figure", image(iteration.overlay, "mask and tracks drawn on frames"), caption, class_="overlay"
+    )
+
+
+def _judgement(judgement: Judgement | None) -> list[Markup | None] | Markup:
+    if judgement is None:
+        return missing("The planner\u2019s judgement of this iteration is missing.")
+    rows = [_check(check) for check in judgement.checks]
+    suggestion = None
+    if judgement.suggestion:
+        suggestion = div("callout", tag("strong", "The planner suggests"), paragraphs(judgement.suggestion))
+    checks = table(
+        ["question", "expected", "observed", "result", "score"], rows, class_="checks", numeric=(4,)
+    )
+    title = tag("h4", "What the planner checked")
+    return [title, checks if rows else missing("It checked nothing."), suggestion]
+
+
+def _check(check: Check) -> list[Child]:
+    kind, word = MARKS[check.passed]
+    remedy = tag("small", check.remedy, class_="remedy") if check.remedy else None
+    result = span(f"result {kind}", word)
+    return [join(check.question, remedy), check.expected, check.observed, result, fixed(check.score)]
+
+
+def _rewrite(rewrite: Rewrite | None, index: int) -> Markup | None:
+    if rewrite is None:
+        return None
+    rules = None
+    if rewrite.rules_applied:
+        chips = [span("rule", plain(name)) for name in rewrite.rules_applied]
+        rules = div("rules", span("quiet", "hard rules applied:"), join(*chips))
+    changes = tag("ul", [tag("li", change) for change in rewrite.changes])
+    if not rewrite.changes:
+        changes = tag("p", "Nothing was changed.")
+    title = tag("strong", f"The executor changed, for iteration {index + 1}")
+    return div("callout executor", title, changes, rules)
+
+
+def _perception(report: MotionReport | None) -> Markup:
+    if report is None:
+        return missing("The motion report of this iteration is missing.")
+    return fold(
+        "What perception measured",
+        paragraphs(report.text),
+        _windows(report.windows),
+        div("columns", _course(report), _quality(report)),
+        listing("What weakened a measurement", report.quality.notes),
+        json_fold("Motion report as JSON", report),
+    )
+
+
+def _windows(windows: Sequence[WindowMotion]) -> Markup:
+    head = ["frames", "net displacement", "path", "farthest", "turn", "stretch", "volume", "not observable"]
+    rows = []
+    for w in windows:
+        stretch = None if w.stretch is None else [w.stretch[axis][axis] for axis in range(3)]
+        turn = "\u2014" if w.rotation_degrees is None else f"{fixed(w.rotation_degrees, 1)}\u00b0"
+        reasons = "; ".join(f"{plain(name)}: {why}" for name, why in w.unobservable.items())
+        farthest = vector(w.peak_displacement)
+        if w.peak_frame is not None:
+            farthest += f" at frame {w.peak_frame}"
+        rows.append(
+            [
+                f"{w.first}\u2013{w.last}",
+                vector(w.displacement),
+                fixed(w.path_length),
+                farthest,
+                turn,
+                vector(stretch),
+                fixed(w.volume_ratio),
+                reasons or "\u2014",
+            ]
+        )
+    note = tag("p", "Lengths in body lengths; vectors and stretch along world x, y, z.", class_="quiet")
+    return join(table(head, rows, class_="dense"), note)
+
+
+def _course(report: MotionReport) -> Markup:
+    onset, settle = report.onset_frame, report.settle_frame
+    rows = [
+        ("first visible motion", "none seen" if onset is None else f"frame {onset}"),
+        ("at rest again", "not within the clip" if settle is None else f"frame {settle}"),
+        ("oscillation", _oscillation(report.oscillation)),
+    ]
+    return facts(rows)
+
+
+def _oscillation(swing: Oscillation | None) -> str:
+    if swing is None:
+        return "none"
+    size = f"{number(swing.frequency_hz)} Hz, amplitude {number(swing.amplitude)} body lengths"
+    return f"{size} along {vector(swing.direction)}, {plural(swing.reversals, 'reversal')}"
+
+
+def _quality(report: MotionReport) -> Markup:
+    quality = report.quality
+    leaves = quality.leaves_frame
+    rows = [
+        ("tracks kept", percent(quality.tracks_kept)),
+        ("fit residual", f"{number(quality.fit_residual)} body lengths"),
+        ("depth noise", f"{number(quality.depth_noise)} body lengths"),
+        ("object in frame 0", f"{percent(quality.mask_fraction)} of the picture"),
+        ("leaves the picture", "never" if leaves is None else f"from frame {leaves}"),
+    ]
+    return facts(rows)
+
+
+def _plots(iteration: Iteration) -> Markup | None:
+    charts = [motion_charts(iteration), physics_charts(iteration)]
+    if not any(charts):
+        return None
+    return fold("Plots of this iteration", *charts)

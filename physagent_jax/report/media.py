@@ -1,0 +1,127 @@
+"""Videos and pictures inside the page, as data URIs."""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import hashlib
+import io
+from pathlib import Path
+
+import imageio.v3 as iio
+import numpy as np
+
+from physagent_jax.errors import UserError
+from physagent_jax.report.formats import fixed
+from physagent_jax.report.markup import Markup, div, join, tag
+from physagent_jax.output.video import read_video
+
+# Firefox plays no data URI above 32 MB, and base64 makes four bytes of three.
+MAX_EMBEDDED_BYTES = 22 * 2**20
+STRIP_FRAMES, STRIP_HEIGHT = 8, 140
+
+
+def data_uri(content: bytes, mime: str) -> str:
+    """Bytes as a URI that needs no file."""
+    return f"data:{mime};base64,{base64.b64encode(content).decode('ascii')}"
+
+
+def image(path: Path, alt: str) -> Markup:
+    """A picture file inside the page."""
+    return tag("img", src=data_uri(path.read_bytes(), "image/png"), alt=alt)
+
+
+@dataclasses.dataclass(frozen=True)
+class Clip:
+    """A video to be shown, read once.
+
+    Attributes:
+        path: The file.
+        content: Its bytes.
+        frames: Its pictures, uint8, shape (T, H, W, 3); None if they cannot be decoded.
+    """
+
+    path: Path
+    content: bytes
+    frames: np.ndarray | None
+
+    @property
+    def digest(self) -> str:
+        """Tells equal videos, which are embedded once."""
+        return hashlib.sha256(self.content).hexdigest()
+
+
+def load_clip(path: Path | None) -> Clip | None:
+    """Reads a video; None if there is none."""
+    if path is None:
+        return None
+    try:
+        frames = read_video(path)
+    except UserError:
+        frames = None
+    return Clip(path, path.read_bytes(), frames)
+
+
+def player(
+    clip: Clip, *, group: str, frame_dt: float | None, folder: Path, same_as: str | None = None
+) -> Markup:
+    """A video element.
+
+    Args:
+        clip: What to play.
+        group: Which plots' cursors follow it.
+        frame_dt: Seconds per frame [s].
+        folder: The page's folder, against which a video too large to embed is linked.
+        same_as: Id of the player that holds the same bytes already; the script then shares them.
+    """
+    if clip.frames is None:
+        return div("missing", f"{clip.path.name} cannot be played: it is not a finished video.")
+    if same_as is not None:
+        source = None
+    elif len(clip.content) > MAX_EMBEDDED_BYTES:
+        source = clip.path.relative_to(folder).as_posix()
+    else:
+        source = data_uri(clip.content, "video/mp4")
+    height, width = clip.frames.shape[1:3]
+    return tag(
+        "video",
+        src=source,
+        poster=_jpeg(clip.frames[len(clip.frames) // 2]),
+        width=width,
+        height=height,
+        controls=True,
+        loop=True,
+        autoplay=True,
+        muted=True,
+        playsinline=True,
+        data_clip=group,
+        data_frame_dt=frame_dt,
+        data_same_as=same_as,
+        id=f"player-{group}" if same_as is None else None,
+    )
+
+
+def filmstrip(clip: Clip, frame_dt: float | None) -> Markup | None:
+    """A row of pictures evenly through the clip, for print and for a glance."""
+    if clip.frames is None:
+        return None
+    last = len(clip.frames) - 1
+    chosen = sorted({round(i * last / (STRIP_FRAMES - 1)) for i in range(STRIP_FRAMES)})
+    cells = []
+    for index in chosen:
+        time = "" if frame_dt is None else f", {fixed(index * frame_dt)} s"
+        picture = tag("img", src=_jpeg(clip.frames[index], STRIP_HEIGHT), alt=f"frame {index}")
+        cells.append(tag("figure", picture, tag("figcaption", f"{index}{time}")))
+    return div("filmstrip", join(cells))
+
+
+def _jpeg(picture: np.ndarray, height: int | None = None) -> str:
+    if height is not None and picture.shape[0] > height:
+        # Whole-number steps: plain averaging is enough for a thumbnail.
+        step = max(1, picture.shape[0] // height)
+        rows, columns = (size // step * step for size in picture.shape[:2])
+        blocks = picture[:rows, :columns].reshape(rows // step, step, columns // step, step, 3)
+        picture = blocks.mean(axis=(1, 3)).round().astype(np.uint8)
+    buffer = io.BytesIO()
+    iio.imwrite(buffer, picture, extension=".jpg", quality=85)
+    return data_uri(buffer.getvalue(), "image/jpeg")

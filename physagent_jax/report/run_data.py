@@ -1,0 +1,156 @@
+"""Reading a run folder: whatever is there, and a list of what is not."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
+from physagent_jax.errors import UserError
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.perception.schema import MotionReport
+from physagent_jax.run_folder import Manifest, SimulationRecord
+from physagent_jax.scene.config import SceneConfig
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+@dataclasses.dataclass(frozen=True)
+class Iteration:
+    """One round of the loop; None where the file is missing or broken."""
+
+    index: int
+    scene: SceneConfig | None
+    force_field: ForceField | None
+    motion: MotionReport | None
+    judgement: Judgement | None
+    rewrite: Rewrite | None
+    simulation: SimulationRecord | None
+    video: Path | None
+    overlay: Path | None
+
+    @property
+    def clip(self) -> str:
+        """The name under which the page's script groups this iteration's video and plots."""
+        return f"iteration-{self.index}"
+
+
+@dataclasses.dataclass(frozen=True)
+class Run:
+    """A run folder's contents.
+
+    Attributes:
+        folder: Where it is.
+        manifest, semantic, scene: Top-level files; None where missing or broken.
+        video: The best iteration's video.
+        iterations: In order.
+        problems: What is missing or broken, a sentence each.
+    """
+
+    folder: Path
+    manifest: Manifest | None
+    semantic: SemanticReply | None
+    scene: SceneConfig | None
+    video: Path | None
+    iterations: tuple[Iteration, ...]
+    problems: tuple[str, ...]
+
+    @property
+    def best(self) -> Iteration | None:
+        """The iteration that the top-level files show; the best judged one if the manifest does not say."""
+        named = self.manifest.best_iteration if self.manifest else None
+        for iteration in self.iterations:
+            if iteration.index == named:
+                return iteration
+        return max(
+            self.iterations,
+            key=lambda it: (it.judgement.score if it.judgement else -1.0, it.index),
+            default=None,
+        )
+
+    @property
+    def best_scene(self) -> SceneConfig | None:
+        """The best iteration's scene, from the top level or its own folder."""
+        return self.scene or (self.best.scene if self.best else None)
+
+    @property
+    def prompt(self) -> str:
+        """The sentence."""
+        if self.manifest:
+            return self.manifest.prompt
+        return self.best_scene.prompt if self.best_scene else ""
+
+    @property
+    def frame_dt(self) -> float | None:
+        """Seconds per frame [s]."""
+        return self.best_scene.timing.frame_dt if self.best_scene else None
+
+
+def load_run(folder: str | Path) -> Run:
+    """Reads a run folder; missing and broken files become notes, not errors.
+
+    Raises:
+        UserError: The folder does not exist or holds nothing of a run.
+    """
+    folder = Path(folder)
+    reader = _Reader(folder)
+    manifest = reader.model("manifest.json", Manifest)
+    semantic = reader.model("semantic.json", SemanticReply)
+    scene = reader.model("scene.json", SceneConfig)
+    video = reader.file("video.mp4")
+    indices = sorted(int(p.name) for p in folder.glob("iterations/*") if p.is_dir() and p.name.isdecimal())
+    iterations = tuple(_iteration(reader, index, is_last=index == indices[-1]) for index in indices)
+    if manifest is None and scene is None and not iterations:
+        raise UserError(f"{folder} is not a run folder", do="Name the folder that holds manifest.json")
+    if not iterations:
+        reader.problems.append("No iteration has been stored yet.")
+    return Run(folder, manifest, semantic, scene, video, iterations, tuple(reader.problems))
+
+
+def _iteration(reader: _Reader, index: int, *, is_last: bool) -> Iteration:
+    base = f"iterations/{index}"
+    return Iteration(
+        index=index,
+        scene=reader.model(f"{base}/scene.json", SceneConfig),
+        force_field=reader.model(f"{base}/force_field.json", ForceField),
+        motion=reader.model(f"{base}/motion_report.json", MotionReport),
+        judgement=reader.model(f"{base}/judgement.json", Judgement),
+        # The last iteration has no successor, and pictures for people are a courtesy.
+        rewrite=reader.model(f"{base}/rewrite.json", Rewrite, optional=is_last),
+        simulation=reader.model(f"{base}/simulation.json", SimulationRecord),
+        video=reader.file(f"{base}/video.mp4"),
+        overlay=reader.file(f"{base}/overlay.png", optional=True),
+    )
+
+
+class _Reader:
+    """Reads files of one folder and keeps account of those that fail."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self.problems: list[str] = []
+
+    def file(self, name: str, *, optional: bool = False) -> Path | None:
+        path = self.folder / name
+        if path.is_file():
+            return path
+        if not optional:
+            self.problems.append(f"{name} is missing.")
+        return None
+
+    def model(self, name: str, schema: type[Model], *, optional: bool = False) -> Model | None:
+        path = self.file(name, optional=optional)
+        if path is None:
+            return None
+        try:
+            return schema.model_validate_json(path.read_bytes())
+        except ValidationError as error:
+            first = error.errors()[0]
+            place = ".".join(str(part) for part in first["loc"]) or "top level"
+            self.problems.append(f"{name} cannot be used: {place}: {first['msg']}.")
+        except OSError as error:
+            self.problems.append(f"{name} cannot be read: {error.strerror}.")
+        return None

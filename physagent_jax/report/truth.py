@@ -1,0 +1,74 @@
+"""Perception against the particles' own motion: a check for people, never seen by an agent."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from physagent_jax.perception.schema import MotionReport
+from physagent_jax.report.formats import UNKNOWN, fixed
+from physagent_jax.report.layout import table
+from physagent_jax.report.markup import Markup, div, tag
+from physagent_jax.run_folder import TrueMotion
+
+NOTE = "The truth is for your eyes only; no agent saw it. Agents judge by the pictures alone."
+DECIMALS = 3
+
+
+def truth_table(report: MotionReport, truth: TrueMotion) -> Markup:
+    """What perception measured beside what the particles did, at the end of the clip and over it."""
+    head = ["measure", "perceived", "true", "difference", "unit"]
+    rows = table(head, _rows(report, truth), numeric=(1, 2, 3))
+    return div("truth", tag("p", NOTE, class_="truth-note"), rows)
+
+
+def centroid_error(report: MotionReport, truth: TrueMotion) -> tuple[float, float] | None:
+    """Root mean square and largest distance of the two centres over the clip [body lengths]."""
+    pairs = zip(report.centroid, truth.centroid)
+    distances = [math.dist(seen, true) for seen, true in pairs if seen is not None]
+    if not distances:
+        return None
+    return math.sqrt(sum(d * d for d in distances) / len(distances)), max(distances)
+
+
+def _rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]]:
+    last = min(len(report.centroid), len(truth.centroid)) - 1
+    yield _row("Longest extent in frame 0", report.object_size, truth.object_size, "m")
+    if last < 0:
+        return
+    end = report.centroid[last]
+    for axis, name in enumerate("xyz"):
+        seen = None if end is None else end[axis]
+        title = f"Displacement along {name} in frame {last}"
+        yield _row(title, seen, truth.centroid[last][axis], "body lengths")
+    farthest = _farthest(report.centroid), _farthest(truth.centroid)
+    yield _row("Farthest from the start", *farthest, "body lengths")
+    rotation = _at(report.rotation_degrees, last), _at(truth.rotation_degrees, last)
+    yield _row(f"Rotation in frame {last}", *rotation, "degrees")
+    volume = _at(report.volume_ratio, last), _at(truth.volume_ratio, last)
+    yield _row(f"Volume in frame {last}", *volume, "of frame 0")
+    error = centroid_error(report, truth)
+    if error is not None:
+        mean, largest = error
+        yield ["Distance between the two centres, RMS", "", "", fixed(mean, DECIMALS), "body lengths"]
+        yield ["Distance between the two centres, largest", "", "", fixed(largest, DECIMALS), "body lengths"]
+
+
+def _row(name: str, seen: float | None, true: float | None, unit: str) -> list[str]:
+    if seen is None or true is None:
+        shown = "not observable" if seen is None else fixed(seen, DECIMALS)
+        return [name, shown, fixed(true, DECIMALS), UNKNOWN, unit]
+    return [name, fixed(seen, DECIMALS), fixed(true, DECIMALS), _signed(seen - true), unit]
+
+
+def _signed(value: float) -> str:
+    text = fixed(value, DECIMALS)
+    return text if value <= 0 or float(text) == 0 else f"+{text}"
+
+
+def _at(values: Sequence[float | None], index: int) -> float | None:
+    return values[index] if index < len(values) else None
+
+
+def _farthest(path: Sequence[Sequence[float] | None]) -> float | None:
+    return max((math.hypot(*point) for point in path if point is not None), default=None)

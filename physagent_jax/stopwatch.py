@@ -1,0 +1,63 @@
+"""Wall time per stage, with JAX's compilation told apart from running."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import jax
+
+from physagent_jax.run_folder import Stages
+
+_COMPILE_EVENTS = "/jax/core/compile/"
+_compile_seconds = 0.0
+
+
+def _listen(event: str, seconds: float, **_) -> None:
+    global _compile_seconds
+    if event.startswith(_COMPILE_EVENTS):
+        _compile_seconds += seconds
+
+
+jax.monitoring.register_event_duration_secs_listener(_listen)
+
+
+class Stopwatch:
+    """Charges time to named stages; what JAX spends on tracing and compiling goes to "compile" instead.
+
+    Args:
+        earlier: Seconds to count on from, when a stopped run is taken up.
+    """
+
+    def __init__(self, earlier: Stages | None = None):
+        self._seconds: dict[str, float] = earlier.model_dump() if earlier else {}
+
+    @contextmanager
+    def __call__(self, stage: str):
+        """Charges the time of the ``with`` block to ``stage``."""
+        begun, compiled = time.perf_counter(), _compile_seconds
+        try:
+            yield
+        finally:
+            seconds = time.perf_counter() - begun
+            compiling = min(_compile_seconds - compiled, seconds)
+            self._charge(stage, seconds - compiling)
+            self._charge("compile", compiling)
+
+    def timed(self, stage: str, items: Iterator) -> Iterator:
+        """Yields ``items``, charging the time that making each takes to ``stage``."""
+        sentinel = object()
+        while True:
+            with self(stage):
+                item = next(items, sentinel)
+            if item is sentinel:
+                return
+            yield item
+
+    def stages(self) -> Stages:
+        """The seconds so far."""
+        return Stages(**{name: round(seconds, 4) for name, seconds in self._seconds.items()})
+
+    def _charge(self, stage: str, seconds: float) -> None:
+        self._seconds[stage] = self._seconds.get(stage, 0.0) + seconds

@@ -1,0 +1,274 @@
+"""The closed loop: a sentence and an object in, a simulated 4D video and its reasons out.
+
+    sentence -> semantic agent -> force field -> scene -> rollout -> pictures -> perception -> motion report
+                                      ^                                                          |
+                                      +----- executor <- suggestion <- planner (FAIL) <-----------+
+
+Thin host code; everything that computes lives in the layers below.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+
+from physagent_jax.agents.bands import expectation_windows
+from physagent_jax.agents.protocols import ExecutorAgent, PlannerAgent, SemanticAgent
+from physagent_jax.agents.schema import DirectionTable, Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.output.run_files import write_attempt, write_best
+from physagent_jax.perception.measure import perceive
+from physagent_jax.perception.schema import MotionReport
+from physagent_jax.run_folder import AgentCost, Manifest, Stages
+from physagent_jax.run_store import RunStore
+from physagent_jax.scene.body import Body, make_body
+from physagent_jax.scene.camera import viewer_directions
+from physagent_jax.scene.compile import compile_scene
+from physagent_jax.scene.config import Anchor, SceneConfig
+from physagent_jax.scene.fuse import Ingredients, fuse
+from physagent_jax.simulation import play
+from physagent_jax.stopwatch import Stopwatch
+
+
+@dataclasses.dataclass(frozen=True)
+class Agents:
+    """The three agents."""
+
+    semantic: SemanticAgent
+    planner: PlannerAgent
+    executor: ExecutorAgent
+
+
+@dataclasses.dataclass(frozen=True)
+class Request:
+    """What to make.
+
+    Attributes:
+        prompt: The sentence.
+        ingredients: Object, matter, cost, camera; its anchor is what the object's kind asks for.
+        choose_anchor: From what the sentence says about holding (kind or None, words) to the anchor.
+        base_dir: Folder that relative paths of the ingredients start from.
+        out: Run folder.
+        manifest: Passport; its ``inputs`` identify the run.
+        max_iterations: Rounds at most.
+        overwrite: Replace another run in ``out``.
+        save_frames, save_splats: Also leave PNG frames, and one PLY per frame.
+    """
+
+    prompt: str
+    ingredients: Ingredients
+    choose_anchor: Callable[[str | None, str], Anchor]
+    base_dir: Path
+    out: Path
+    manifest: Manifest
+    max_iterations: int = 3
+    overwrite: bool = False
+    save_frames: bool = False
+    save_splats: bool = False
+
+
+class Observer:
+    """What a user sees while it runs; override what is of interest."""
+
+    def stage(self, text: str) -> None:
+        """A new stage begins."""
+
+    def frame(self, done: int, total: int) -> None:
+        """``done`` of ``total`` frames are simulated and rendered."""
+
+    def judged(self, index: int, judgement: Judgement) -> None:
+        """Iteration ``index`` was judged."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Attempt:
+    """One round of the loop, just made or read back."""
+
+    scene: SceneConfig
+    report: MotionReport
+    judgement: Judgement
+
+
+def synthesize(request: Request, agents: Agents, observer: Observer | None = None) -> RunStore:
+    """Runs the loop until the planner is satisfied or the rounds are used up; resumes a stopped run.
+
+    Returns:
+        The finished run folder. The report page is the caller's to write (`report.html.write_report`).
+
+    Raises:
+        UserError: Input that a person can mend; a run folder is only begun once object and sentence
+            are understood.
+    """
+    observer = observer or Observer()
+    store = RunStore.open(request.out, request.manifest, overwrite=request.overwrite)
+    if store.manifest.complete:
+        return store
+    loop = _Loop(request, agents, observer, store)
+    reply = loop.read_sentence()
+    body = loop.load_object()
+    store.update()
+    store.write("semantic.json", reply)
+    ingredients = loop.with_anchor(reply)
+
+    attempts: list[Attempt] = []
+    force_field = reply.force_field
+    for index in range(request.max_iterations):
+        attempt = loop.recall(index) or loop.attempt(index, ingredients, body, force_field, reply)
+        attempts.append(attempt)
+        observer.judged(index, attempt.judgement)
+        if attempt.judgement.verdict is Verdict.SUCCESS or index + 1 == request.max_iterations:
+            break
+        # The camera of the first round stays, so that the rounds' pictures can be compared.
+        ingredients = dataclasses.replace(ingredients, camera=attempts[0].scene.camera)
+        force_field = loop.rewrite(index, attempts, reply).force_field
+    loop.finish(attempts, body)
+    return store
+
+
+class _Loop:
+    """The loop's steps, each timed, each leaving its files."""
+
+    def __init__(self, request: Request, agents: Agents, observer: Observer, store: RunStore):
+        self._request, self._agents, self._observer, self._store = request, agents, observer, store
+        self._watch = Stopwatch(store.manifest.stages)
+        self._costs = {cost.agent: cost for cost in store.manifest.agents}
+        self._anchor = request.ingredients.anchor
+
+    def read_sentence(self) -> SemanticReply:
+        """The semantic agent's reply, from the folder if it is there."""
+        reply = self._store.read("semantic.json", SemanticReply)
+        if reply is None:
+            self._observer.stage("reading the sentence")
+            reply = self._ask("semantic", "compile", self._request.prompt, self._brief())
+        return reply
+
+    def load_object(self) -> Body:
+        """The object at rest, filled and bound."""
+        self._observer.stage("loading and filling the object")
+        ingredients = self._request.ingredients
+        with self._watch("prepare"):
+            preset = ingredients.preset
+            return make_body(ingredients.source, preset.filling, preset.domain, self._request.base_dir)
+
+    def with_anchor(self, reply: SemanticReply) -> Ingredients:
+        """The ingredients with what the sentence says about holding."""
+        self._anchor = self._request.choose_anchor(reply.anchor.kind, reply.anchor.words)
+        return dataclasses.replace(self._request.ingredients, anchor=self._anchor)
+
+    def attempt(
+        self, index: int, ingredients: Ingredients, body: Body, force_field: ForceField, reply: SemanticReply
+    ) -> Attempt:
+        """Simulates ``force_field``, looks at the pictures, judges them, and leaves the round's files."""
+        with self._watch("prepare"):
+            config = fuse(ingredients, body, force_field)
+            scene = compile_scene(config, body, self._request.base_dir)
+        self._observer.stage(f"round {index + 1}: simulating and rendering")
+        recording = play(scene, self._watch, self._observer.frame)
+        self._observer.stage(f"round {index + 1}: measuring the motion")
+        windows = expectation_windows(reply.expectations, config.timing.frame_count)
+        with self._watch("perceive"):
+            seen = perceive(
+                recording.rgb,
+                recording.depth,
+                scene.camera,
+                frame_dt=config.timing.frame_dt,
+                windows=windows,
+            )
+        judgement = self._ask(
+            "planner",
+            "judge",
+            self._request.prompt,
+            reply.expectations,
+            seen.report,
+            force_field,
+            self._brief(),
+        )
+        with self._watch("write"):
+            write_attempt(self._store, index, scene, recording, seen, judgement)
+        self._save_costs()
+        return Attempt(config, seen.report, judgement)
+
+    def recall(self, index: int) -> Attempt | None:
+        """Round ``index`` from the folder, if it is complete."""
+        folder = f"iterations/{index}"
+        judgement = self._store.read(f"{folder}/judgement.json", Judgement)
+        scene = self._store.read(f"{folder}/scene.json", SceneConfig)
+        report = self._store.read(f"{folder}/motion_report.json", MotionReport)
+        if judgement is None or scene is None or report is None:
+            return None
+        return Attempt(scene, report, judgement)
+
+    def rewrite(self, index: int, attempts: list[Attempt], reply: SemanticReply) -> Rewrite:
+        """The executor's next force field, from the folder if it is there."""
+        name = f"iterations/{index}/rewrite.json"
+        rewrite = self._store.read(name, Rewrite)
+        if rewrite is None:
+            last = attempts[-1]
+            history = [(attempt.scene.force_field, attempt.judgement) for attempt in attempts[:-1]]
+            rewrite = self._ask(
+                "executor",
+                "rewrite",
+                self._request.prompt,
+                reply.expectations,
+                last.scene.force_field,
+                last.report,
+                last.judgement,
+                self._brief(),
+                history,
+            )
+            self._store.write(name, rewrite)
+        return rewrite
+
+    def finish(self, attempts: list[Attempt], body: Body) -> None:
+        """Puts the best round's files at the top of the folder and closes the manifest."""
+        best = max(range(len(attempts)), key=lambda index: (attempts[index].judgement.score, -index))
+        self._observer.stage("writing the results")
+        with self._watch("write"):
+            write_best(
+                self._store,
+                best,
+                body,
+                save_frames=self._request.save_frames,
+                save_splats=self._request.save_splats,
+            )
+        self._save_costs(
+            iterations=len(attempts),
+            best_iteration=best,
+            verdict=attempts[best].judgement.verdict.value,
+            complete=True,
+        )
+
+    def _ask(self, role: str, method: str, *arguments):
+        """Calls an agent and notes what it cost."""
+        agent = getattr(self._agents, role)
+        before = self._watch.stages()
+        with self._watch("agents"):
+            answer = getattr(agent, method)(*arguments)
+        cost = self._costs.get(role) or AgentCost(agent=role, implementation=type(agent).__name__)
+        seconds = self._watch.stages().agents - before.agents
+        self._costs[role] = cost.model_copy(
+            update=dict(calls=cost.calls + 1, seconds=round(cost.seconds + seconds, 4))
+        )
+        return answer
+
+    def _save_costs(self, **changes) -> None:
+        self._store.update(stages=self._watch.stages(), agents=tuple(self._costs.values()), **changes)
+
+    def _brief(self) -> SceneBrief:
+        ingredients = self._request.ingredients
+        timing = ingredients.preset.timing
+        held = self._anchor
+        return SceneBrief(
+            object_name=ingredients.source.name,
+            object_kind=ingredients.source.kind,
+            anchored=None if held.kind == "none" else held.reason or held.kind,
+            frame_count=timing.frame_count,
+            frame_dt=timing.frame_dt,
+            directions=DirectionTable(**viewer_directions(ingredients.camera)),
+        )
+
+
+def total_seconds(stages: Stages) -> float:
+    """All stages together [s]."""
+    return sum(stages.model_dump().values())
