@@ -23,13 +23,13 @@ class Verdict(enum.StrEnum):
 class MotionKind(enum.StrEnum):
     """The kinds of motion that a sentence can ask for and pictures can show."""
 
-    MOVE = "move"          # net displacement along `direction` (push, pull, blow, kick)
-    SWAY = "sway"          # bend away from rest and come back, once or repeatedly
-    FALL = "fall"          # move along gravity, perhaps bounce
-    STRETCH = "stretch"    # extent along +-`direction` grows
-    SQUEEZE = "squeeze"    # extent along +-`direction` shrinks
-    ROTATE = "rotate"      # turn about `direction` (right-hand rule)
-    STILL = "still"        # nothing moves
+    MOVE = "move"  # net displacement along `direction` (push, pull, blow, kick)
+    SWAY = "sway"  # bend away from rest and come back, once or repeatedly
+    FALL = "fall"  # move along gravity, perhaps bounce
+    STRETCH = "stretch"  # extent along +-`direction` grows
+    SQUEEZE = "squeeze"  # extent along +-`direction` shrinks
+    ROTATE = "rotate"  # turn about `direction` (right-hand rule)
+    STILL = "still"  # nothing moves
 
 
 class DirectionTable(Strict):
@@ -86,11 +86,14 @@ class ExpectedMotion(Strict):
 
     Attributes:
         kind: What should be seen.
-        direction: World direction or axis; None where the kind needs none (fall, still).
+        direction: World direction or axis; None where the kind needs none (fall, still) and for a stretch
+            or squeeze in all directions.
         strength: 0.4 (slight) .. 1.0 (plain) .. 1.6 (violent).
         window: [first, last] frames in which it should be seen.
         repeats: How often the motion should reverse or recur; 1 = once.
         released: True if the cause stops before the clip ends ("then lets go").
+        sudden: True if the motion starts with a blow rather than from rest.
+        partial: True if only a part of the object is acted on, so that the whole moves less.
         words: The words that led to it.
     """
 
@@ -100,6 +103,8 @@ class ExpectedMotion(Strict):
     window: tuple[float, float]
     repeats: int = Field(default=1, ge=1)
     released: bool = False
+    sudden: bool = False
+    partial: bool = False
     words: str = ""
 
 
@@ -148,6 +153,7 @@ class Check(Strict):
         expected: The acceptable range, in words.
         observed: What was seen, in words.
         passed: None if not observable.
+        aspect: Which property of the motion was compared; tells the executor which remedies apply.
         score: 0 (contrary) .. 1 (as asked).
         gain: Factor by which the cause's magnitude should change to meet the expectation; negative =
             reverse it; None = magnitude is not the remedy.
@@ -159,6 +165,7 @@ class Check(Strict):
     expected: str
     observed: str
     passed: bool | None
+    aspect: Literal["amount", "direction", "repeats", "return", "stillness"] = "amount"
     score: float = Field(ge=0, le=1)
     gain: float | None = None
     remedy: str = ""

@@ -6,7 +6,7 @@ magnitude of M = 1 means
 | skill       | field at x                                    | k            | so that, unopposed,              |
 |-------------|-----------------------------------------------|--------------|----------------------------------|
 | translation | a = k M v                                     | 2 L / T^2    | one body length by the clip's end |
-| scale       | a = k M sgn(d) v, d = (x - x_c) . v           | 4 E e/(rho L) | mean static strain e = 0.3        |
+| scale       | a = k M sgn(d) v, d = (x - x_c) . v           | 4 E e/(rho L) | linear mean strain e = 0.2       |
 | impulse     | velocity change k M v over its window         | L / T        | one body length by the clip's end |
 | torque      | a = k M (v x r), r = x - x_c                  | pi / T^2     | a quarter turn by the clip's end  |
 
@@ -34,7 +34,9 @@ from physagent_jax.forces.schema import (
 from physagent_jax.forces.terms import Stretch, Torque, UniformAcceleration
 from physagent_jax.mpm.constraints import PrescribedMotion
 
-STATIC_STRAIN = 0.3  # mean over a free linear bar under `scale` with M = 1
+# Mean strain of a free linear bar under `scale` with M = 1. Soft solids stretch more than linearly: a
+# neo-Hookean bar shows about 0.3, and with 0.3 here it would tear at M = 1.6.
+STATIC_STRAIN = 0.2
 RAMP = 0.4  # share of a `scale` window over which the pull grows
 
 

@@ -1,0 +1,37 @@
+"""3D Gaussians: the cloud and its files, and how it follows a deformation."""
+
+from physagent_jax.gaussians.binding import Binding, bind, deform
+from physagent_jax.gaussians.cloud import GaussianCloud, Splats
+from physagent_jax.gaussians.covariance import (
+    covariance_matrices,
+    decompose_covariances,
+    matrix_to_quat,
+    quat_to_matrix,
+    quats_scales_to_covariances,
+    transform_covariances,
+)
+from physagent_jax.gaussians.export import splats_to_cloud
+from physagent_jax.gaussians.ply import read_ply, write_ply
+from physagent_jax.gaussians.polar import polar_rotation
+from physagent_jax.gaussians.sh import eval_sh, rotate_sh, sh_basis
+
+__all__ = [
+    "Binding",
+    "GaussianCloud",
+    "Splats",
+    "bind",
+    "covariance_matrices",
+    "decompose_covariances",
+    "deform",
+    "eval_sh",
+    "matrix_to_quat",
+    "polar_rotation",
+    "quat_to_matrix",
+    "quats_scales_to_covariances",
+    "read_ply",
+    "rotate_sh",
+    "sh_basis",
+    "splats_to_cloud",
+    "transform_covariances",
+    "write_ply",
+]

@@ -1,0 +1,7 @@
+"""Rendering of splats: camera, projection, tiles, differentiable rasteriser."""
+
+from physagent_jax.render.camera import Camera, look_at
+from physagent_jax.render.project import Projected, project
+from physagent_jax.render.renderer import Rendering, pair_capacity, rasterize, render
+
+__all__ = ["Camera", "Projected", "Rendering", "look_at", "pair_capacity", "project", "rasterize", "render"]

@@ -1,0 +1,1 @@
+"""Scenes: configuration, object loading and placement, filling, material priors, anchors, imports."""

@@ -96,6 +96,8 @@ class Filling(Strict):
         particles_per_cell: Particles placed per inside cell of the filling grid.
         max_particles: Hard cap on all particles, surface and filled.
         smooth: Whether to smooth the density field before thresholding.
+        volumes: "matter" = particles share the object's volume; "cells" = PhysGaussian's rule, the volume of the
+            simulation cell over the particles in it, which overestimates (imported scenes).
         seed: Seed of every random choice.
     """
 
@@ -109,6 +111,7 @@ class Filling(Strict):
     particles_per_cell: int = Field(default=1, ge=1, le=64)
     max_particles: int = Field(default=20_000, ge=8)
     smooth: bool = False
+    volumes: Literal["matter", "cells"] = "matter"
     seed: int = 0
 
 
@@ -393,16 +396,26 @@ def load_scene(path: str | Path) -> SceneConfig:
     Raises:
         UserError: The file is missing, not JSON, or breaks the schema (the message names the field).
     """
+    return parse_scene(load_json(path), origin=str(path))
+
+
+def load_json(path: str | Path) -> object:
+    """Decodes a JSON file.
+
+    Raises:
+        UserError: The file is missing or not JSON (NaN and Infinity are not).
+    """
     path = Path(path)
+
+    def refuse(constant: str):
+        raise UserError(f"{path} holds {constant}, which is not a number", do="Replace it with a finite number")
+
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(path.read_text(encoding="utf-8"), parse_constant=refuse)
     except OSError as error:
-        raise UserError(
-            f"cannot read the scene file {path}", got=error.strerror, do="Check the path"
-        ) from None
+        raise UserError(f"cannot read {path}", got=error.strerror, do="Check the path") from None
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise UserError(f"{path} is not valid JSON", got=error, do="Mend the file or make it anew") from None
-    return parse_scene(data, origin=str(path))
 
 
 def parse_scene(data: object, *, origin: str = "scene") -> SceneConfig:

@@ -78,7 +78,7 @@ def test_torque_turns_a_quarter_and_adds_the_angular_momentum_it_should(x64):
 
 @pytest.mark.parametrize("magnitude", [0.4, -0.4])
 def test_scale_strains_a_bar_by_the_stated_amount(magnitude, x64):
-    """Linear bar under opposed body forces on its halves: mean strain 0.3 M (rho a L / 4 E)."""
+    """Linear bar under opposed body forces on its halves: mean strain 0.2 M (rho a L / 4 E)."""
     _, start, end = moved(
         field(action_type="scale", magnitude=magnitude),
         cells=(8, 2, 2),

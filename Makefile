@@ -1,0 +1,29 @@
+# make demo: from a fresh machine to the first video.   make test: the test suite.
+PYTHON ?= python3
+VENV ?= .venv
+RUN := $(VENV)/bin
+DEMO_OUT ?= runs/demo
+DEMO_PROMPT ?= a strong wind pushes the robot to the left
+
+.PHONY: demo test lint clean
+
+demo: $(VENV)/.installed
+	$(RUN)/physagent run --object examples/assets/robot.ply --prompt "$(DEMO_PROMPT)" --out $(DEMO_OUT) --overwrite
+
+test: $(VENV)/.installed
+	$(RUN)/python -m pytest $(PYTEST_ARGS)
+
+lint: $(VENV)/.installed
+	$(RUN)/ruff check .
+	$(RUN)/ruff format --check .
+	$(RUN)/pyright
+
+$(VENV)/.installed: pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "Python 3.11 or newer is needed; pass PYTHON=python3.x"; exit 2; }
+	$(PYTHON) -m venv $(VENV)
+	$(RUN)/python -m pip install --quiet --editable '.[dev]'
+	touch $@
+
+clean:
+	rm -rf $(VENV) runs

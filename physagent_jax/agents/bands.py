@@ -1,0 +1,128 @@
+"""Commonsense ranges: how much motion a viewer expects for a kind, a strength and a window.
+
+Units are body lengths, degrees and strain. A plain push (strength 1) of a free object over the whole
+clip is expected to move it about one body length, and M = 1 is scaled to do so, for a steady push and for a
+blow; from rest the distance goes with the square of the window, after a blow with its length.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from physagent_jax.agents.schema import ExpectedMotion
+
+VISIBLE = 0.02  # [body lengths] less is not seen as motion
+VISIBLE_DEGREES = 3.0
+VISIBLE_STRAIN = 0.02
+STILL = 0.05  # [body lengths] more is not seen as stillness
+STILL_DEGREES = 5.0
+STILL_STRAIN = 0.08
+_BRAKED = 0.7  # between a push that goes on (1) and one that is braked half-way (1/2)
+_PART = 0.3  # how much less the whole shows if only a part is acted on
+
+
+@dataclass(frozen=True)
+class Band:
+    """An acceptable range and the value to aim at.
+
+    Attributes:
+        low, high: Inclusive limits.
+        target: What a correction aims at.
+        unit: For people.
+    """
+
+    low: float
+    target: float
+    high: float
+    unit: str
+
+    def score(self, value: float) -> float:
+        """1 inside, falling with the ratio outside, 0 for the contrary sign."""
+        if self.low <= value <= self.high:
+            return 1.0
+        ratio = value / self.low if value < self.low else self.high / value
+        return 0.9 * max(ratio, 0.0)
+
+    def gain(self, value: float) -> float:
+        """Factor on the cause that would bring ``value`` to the target, if the response is proportional.
+
+        What cannot be told from nothing is taken as just visible, so that the step stays finite.
+        """
+        floor = 0.1 * self.low
+        return self.target / (value if abs(value) > floor else floor)
+
+    def text(self) -> str:
+        """The range in words."""
+        if self.high == float("inf"):
+            return f"at least {self.low:.2g} {self.unit}"
+        return f"{self.low:.2g} to {self.high:.2g} {self.unit}"
+
+
+def expectation_windows(expectations: Sequence[ExpectedMotion], frame_count: int) -> list[tuple[int, int]]:
+    """Windows that the planner needs in the motion report: one per expectation, in whole frames, without repeats."""
+    windows: list[tuple[int, int]] = []
+    for expectation in expectations:
+        window = whole_window(expectation, frame_count)
+        if window not in windows:
+            windows.append(window)
+    return windows
+
+
+def whole_window(expectation: ExpectedMotion, frame_count: int) -> tuple[int, int]:
+    """The expectation's window rounded to frames, at least one frame long if the clip has two."""
+    last = max(frame_count - 1, 0)
+    end = min(max(round(expectation.window[1]), 1), last)
+    first = min(max(round(expectation.window[0]), 0), max(end - 1, 0))
+    return first, end
+
+
+def _fraction(expectation: ExpectedMotion, frame_count: int) -> float:
+    first, last = whole_window(expectation, frame_count)
+    return (last - first) / max(frame_count - 1, 1)
+
+
+def move_band(expectation: ExpectedMotion, frame_count: int, anchored: bool) -> Band:
+    """Distance along the direction [body lengths]."""
+    strength, part = expectation.strength, _PART if expectation.partial else 1.0
+    if anchored:
+        low, high = 0.05 * strength, 0.5 * strength
+        return Band(part * low, part * 0.2 * strength + (1 - part) * low, high, "body lengths")
+    fraction = _fraction(expectation, frame_count)
+    steady = fraction**2 * (1.0 if fraction > 0.99 else _BRAKED)
+    target = strength * (fraction if expectation.sudden else steady)
+    low = max(0.5 * part * target, VISIBLE)
+    return Band(low, max(target, 1.5 * low), max(2.0 * target, 3.0 * low), "body lengths")
+
+
+def rotate_band(expectation: ExpectedMotion, frame_count: int, anchored: bool) -> Band:
+    """Angle about the axis [degrees]: a quarter turn for a plain torque over the whole clip."""
+    part = _PART if expectation.partial else 1.0
+    if anchored:
+        return Band(5.0 * part * expectation.strength, 25.0 * expectation.strength, 150.0, "degrees")
+    fraction = _fraction(expectation, frame_count)
+    target = 90.0 * expectation.strength * fraction**2 * (1.0 if fraction > 0.99 else _BRAKED)
+    low = max(0.5 * part * target, VISIBLE_DEGREES)
+    return Band(low, max(target, 1.5 * low), max(2.5 * target, 3.0 * low), "degrees")
+
+
+def strain_band(expectation: ExpectedMotion, squeeze: bool) -> Band:
+    """Relative change of length along the direction; M = 1 is scaled to 30 % static strain."""
+    strength, part = expectation.strength, _PART if expectation.partial else 1.0
+    high = min(0.45 * strength + 0.15, 0.85) if squeeze else 0.75 * strength + 0.1
+    return Band(0.1 * part * strength, 0.3 * strength, high, "of its length")
+
+
+def sway_band(expectation: ExpectedMotion) -> Band:
+    """Half of the peak-to-peak excursion [body lengths]."""
+    strength, part = expectation.strength, _PART if expectation.partial else 1.0
+    low = max(VISIBLE * strength * part, 0.008)
+    return Band(
+        low, max(0.1 * strength * part, 1.5 * low), 0.6 * max(strength, 0.7), "body lengths to either side"
+    )
+
+
+def fall_band(expectation: ExpectedMotion, frame_count: int) -> Band:
+    """Distance downwards [body lengths]; how far depends on the height of the ground, so there is no upper limit."""
+    low = 0.1 * min(1.0, 2.0 * _fraction(expectation, frame_count)) + VISIBLE
+    return Band(low, 5.0 * low, float("inf"), "body lengths")

@@ -1,0 +1,351 @@
+"""The hard rules: what every force field must satisfy, whoever wrote it (paper, appendix B.2).
+
+A rule is a pure function from the entries of a force field, as plain JSON data, to repaired entries and
+the reasons for each repair. `apply_hard_rules` runs all of them in the order of `RULES` and validates;
+it accepts a `ForceField` or raw JSON, so that a language model's reply is mended by the same rules.
+"""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import ValidationError
+
+from physagent_jax.agents.matching import agrees, all_causes, causes_of
+from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.agents.vectors import add, clamp, cosine, normalised, scaled
+from physagent_jax.forces.schema import (
+    MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
+    Action,
+    ActionType,
+    ConstraintType,
+    ForceField,
+    Vector,
+    VelocityConstraint,
+)
+
+LONGEST_IMPULSE = 2.0  # frames
+_GROUPS = {
+    "actions": ("action_type", ActionType, Action),
+    "constraints": ("constraint_type", ConstraintType, VelocityConstraint),
+}
+_IMPULSES = (ActionType.IMPULSE.value, ConstraintType.PARTICLE_IMPULSE.value)
+_SAME_VECTOR = 0.9999
+_PARALLEL = 0.9
+
+Entries = dict[str, Any]  # {"default_drop": bool, "actions": [dict], "constraints": [dict]}
+
+
+@dataclass(frozen=True)
+class Repair:
+    """One change that a rule made.
+
+    Attributes:
+        rule: The rule's name.
+        why: What was wrong and what was done, in a sentence.
+    """
+
+    rule: str
+    why: str
+
+
+@dataclass(frozen=True)
+class Context:
+    """What the rules may look at besides the force field.
+
+    Attributes:
+        brief: The scene.
+        expectations: What the sentence asks for; empty = unknown, and the rules about it rest.
+    """
+
+    brief: SceneBrief
+    expectations: tuple[ExpectedMotion, ...] = ()
+
+
+def apply_hard_rules(
+    force_field: ForceField | Mapping[str, Any],
+    brief: SceneBrief,
+    expectations: Sequence[ExpectedMotion] = (),
+) -> tuple[ForceField, tuple[Repair, ...]]:
+    """The nearest force field that obeys every rule, and what had to be repaired.
+
+    Args:
+        force_field: A force field, or JSON data that should have been one.
+        brief: The scene.
+        expectations: What the sentence asks for.
+    """
+    raw = force_field.model_dump(mode="json") if isinstance(force_field, ForceField) else dict(force_field)
+    entries, repairs = raw, []
+    context = Context(brief, tuple(expectations))
+    for name, rule in RULES.items():
+        entries, reasons = rule(copy.deepcopy(entries), context)
+        repairs += [Repair(name, why) for why in reasons]
+    return ForceField.model_validate(entries), tuple(repairs)
+
+
+def base_directions(table: DirectionTable) -> list[Vector]:
+    """The six directions and all their normalised sums: the only ones that actions may use."""
+    lines = [(table.right, table.left), (table.up, table.down), (table.toward, table.away)]
+    vectors = []
+    for choice in itertools.product(*[((0.0, 0.0, 0.0), *line) for line in lines]):
+        unit = normalised(add(choice))
+        if unit is not None:
+            vectors.append(unit)
+    return vectors
+
+
+def known_skills(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
+    """Only the library's skills and keys: unknown keys are removed, unknown or malformed entries dropped."""
+    reasons: list[str] = []
+    drop = entries.get("default_drop", False)
+    clean: Entries = {"default_drop": drop if isinstance(drop, bool) else str(drop).lower() == "true"}
+    reasons += [
+        f"'{key}' is not part of a force field: removed"
+        for key in entries
+        if key not in ("default_drop", *_GROUPS)
+    ]
+    for group, (type_key, types, model) in _GROUPS.items():
+        clean[group] = []
+        items = entries.get(group) or []
+        for index, item in enumerate(items if isinstance(items, (list, tuple)) else []):
+            if not isinstance(item, Mapping) or item.get(type_key) not in {t.value for t in types}:
+                reasons.append(f"{group}[{index}] is not a known skill: dropped")
+                continue
+            unknown = [key for key in item if key not in model.model_fields]
+            reasons += [f"{group}[{index}].{key} is not a field of a skill: removed" for key in unknown]
+            clean[group].append({key: value for key, value in item.items() if key in model.model_fields})
+    return clean, reasons
+
+
+def unit_vectors(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
+    """||v|| = 1: vectors are normalised; an entry without a usable direction is dropped."""
+    reasons: list[str] = []
+    for group in _GROUPS:
+        kept = []
+        for index, item in enumerate(entries[group]):
+            vector = _numbers(item.get("vector"), 3)
+            unit = normalised(vector) if vector else None
+            if unit is None:
+                reasons.append(f"{group}[{index}].vector is no direction: the entry is dropped")
+                continue
+            if abs(math.dist(unit, vector)) > 1e-6:
+                reasons.append(f"{group}[{index}].vector is normalised")
+            kept.append({**item, "vector": list(unit)})
+        entries[group] = kept
+    return entries, reasons
+
+
+def magnitude_range(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
+    """0.4 <= |M| <= 1.6 with the sign kept; something that is no number becomes 1."""
+    reasons: list[str] = []
+    for group, index, item in _each(entries):
+        given = _numbers([item.get("magnitude", 1.0)], 1)
+        value = given[0] if given else 1.0
+        kept = math.copysign(clamp(abs(value), MAGNITUDE_MIN, MAGNITUDE_MAX), value)
+        if not given or abs(kept - value) > 1e-9:
+            reasons.append(f"{group}[{index}].magnitude {item.get('magnitude')} becomes {kept:g}")
+        item["magnitude"] = kept
+    return entries, reasons
+
+
+def window_in_clip(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
+    """0 <= first < last <= last frame; a window that is no window becomes the whole clip."""
+    reasons: list[str] = []
+    end = float(context.brief.frame_count - 1)
+    for group, index, item in _each(entries):
+        if item.get("active_time") is None:
+            continue
+        window = _numbers(item["active_time"], 2)
+        kept = None
+        if window and end >= 1:
+            first, last = clamp(min(window), 0.0, end), clamp(max(window), 0.0, end)
+            kept = (
+                [first, last] if last - first > 1e-6 else [min(first, end - 1.0), min(first, end - 1.0) + 1.0]
+            )
+        if kept is None or window is None or list(window) != kept:
+            reasons.append(
+                f"{group}[{index}].active_time {item['active_time']} becomes {kept or 'the whole clip'}"
+            )
+        item["active_time"] = kept
+    return entries, reasons
+
+
+def known_regions(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
+    """Regions must be well formed: what cannot be read as one is removed, and the whole object is used."""
+    reasons: list[str] = []
+    for group, index, item in _each(entries):
+        model = _GROUPS[group][2]
+        try:
+            model.model_validate(item)
+        except ValidationError as error:
+            bad = {str(detail["loc"][0]) for detail in error.errors() if detail["loc"]} & {"region", "object"}
+            for key in sorted(bad):
+                reasons.append(f"{group}[{index}].{key} is malformed: removed")
+                item[key] = None
+    return entries, reasons
+
+
+def brief_impulse(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
+    """An impulse is sudden: its window spans at most two frames."""
+    reasons: list[str] = []
+    end = float(context.brief.frame_count - 1)
+    for group, index, item in _each(entries):
+        type_key = _GROUPS[group][0]
+        if item[type_key] not in _IMPULSES or end < 1:
+            continue
+        first, last = item.get("active_time") or (0.0, end)
+        if last - first > LONGEST_IMPULSE:
+            item["active_time"] = [first, first + 1.0]
+            reasons.append(f"{group}[{index}] is an impulse: its window becomes {item['active_time']}")
+    return entries, reasons
+
+
+def directional_rigidity(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
+    """Base vectors are immutable; composites are their normalised sums.
+
+    World axes and the directions that the sentence names are allowed too; anything else is moved to the
+    nearest of these.
+    """
+    reasons: list[str] = []
+    allowed = base_directions(context.brief.directions)
+    for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
+        allowed += [axis, scaled(axis, -1.0)]
+    for expectation in context.expectations:
+        if expectation.direction is not None:
+            allowed += [expectation.direction, scaled(expectation.direction, -1.0)]
+    for group, index, item in _each(entries):
+        nearest = max(allowed, key=lambda v: cosine(v, tuple(item["vector"])))
+        if cosine(nearest, tuple(item["vector"])) < _SAME_VECTOR:
+            item["vector"] = list(nearest)
+            reasons.append(f"{group}[{index}].vector is no sum of base directions: moved to {_text(nearest)}")
+    return entries, reasons
+
+
+def sentence_direction(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
+    """Fallback protocol: the fixed mapping from the sentence takes precedence.
+
+    It acts where every cause of an expected motion goes against the sentence; brakes and alternations
+    have a cause that agrees, and stay.
+    """
+    reasons: list[str] = []
+    for expectation in context.expectations:
+        if expectation.kind in (MotionKind.SWAY, MotionKind.FALL, MotionKind.STILL):
+            continue
+        causes = causes_of(expectation, ForceField.model_validate(entries))
+        if not causes or any(agrees(cause, expectation) for cause in causes):
+            continue
+        for cause in causes:
+            item = entries[cause.group][cause.index]
+            axial = expectation.kind in (MotionKind.STRETCH, MotionKind.SQUEEZE)
+            reversed_ = axial or cosine(cause.direction, expectation.direction) < -_PARALLEL
+            if reversed_:
+                item["magnitude"] = -item["magnitude"]
+            else:
+                item["vector"], item["magnitude"] = list(expectation.direction), abs(item["magnitude"])
+            reasons.append(
+                f"{cause.name} goes against '{expectation.words}': "
+                + (
+                    "its sign is flipped"
+                    if reversed_
+                    else f"its vector becomes {_text(expectation.direction)}"
+                )
+            )
+    return entries, reasons
+
+
+def paired_translation(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
+    """A stretch or squeeze by constraints is exactly two, symmetrically opposed.
+
+    A single `enforce_particle_translation` gets its mirror image; of several that are no such pair, the
+    first and its mirror image stay.
+    """
+    reasons: list[str] = []
+    for expectation in context.expectations:
+        if expectation.kind not in (MotionKind.STRETCH, MotionKind.SQUEEZE) or expectation.direction is None:
+            continue
+        field = ForceField.model_validate(entries)
+        slabs = [
+            cause
+            for cause in all_causes(field)
+            if cause.type is ConstraintType.PARTICLE_TRANSLATION
+            and cause.item.region is not None
+            and abs(cosine(cause.item.vector, expectation.direction)) > _PARALLEL
+        ]
+        if not slabs or _is_pair(slabs):
+            continue
+        first = entries["constraints"][slabs[0].index]
+        gone = {cause.index for cause in slabs[1:]}
+        kept = [item for i, item in enumerate(entries["constraints"]) if i not in gone]
+        entries["constraints"] = [*kept, _mirrored(first)]
+        reasons.append(
+            f"{slabs[0].name} is given its symmetrically opposed partner; {len(gone)} others are removed"
+        )
+    return entries, reasons
+
+
+def _is_pair(slabs: list) -> bool:
+    if len(slabs) != 2:
+        return False
+    one, two = (cause.item for cause in slabs)
+    speeds = [scaled(item.vector, item.magnitude) for item in (one, two)]
+    return math.dist(speeds[0], scaled(speeds[1], -1.0)) < 1e-6 and one.active_time == two.active_time
+
+
+def _mirrored(item: dict[str, Any]) -> dict[str, Any]:
+    """The same constraint on the opposite side of the object's middle, moving the other way."""
+    region = copy.deepcopy(item["region"])
+    if region["kind"] == "half_space":
+        region["point"] = [1.0 - c for c in region["point"]]
+        region["normal"] = [-c for c in region["normal"]]
+    elif region["kind"] == "box":
+        region["low"], region["high"] = [1.0 - c for c in region["high"]], [1.0 - c for c in region["low"]]
+    else:
+        region["center"] = [1.0 - c for c in region["center"]]
+    return {**item, "region": region, "vector": [-c + 0.0 for c in item["vector"]]}
+
+
+def _each(entries: Entries):
+    """(group, index, item) of every entry."""
+    for group in _GROUPS:
+        for index, item in enumerate(entries[group]):
+            yield group, index, item
+
+
+def _numbers(value: Any, count: int) -> tuple[float, ...] | None:
+    """``value`` as that many finite numbers, or None."""
+    if not isinstance(value, (list, tuple)) or len(value) != count:
+        return None
+    try:
+        numbers = tuple(float(v) for v in value)
+    except (TypeError, ValueError, OverflowError):
+        return None
+    return numbers if all(math.isfinite(v) and abs(v) < 1e12 for v in numbers) else None
+
+
+def _text(vector: Vector) -> str:
+    return "[" + ", ".join(f"{c:.3g}" for c in vector) + "]"
+
+
+Rule = Callable[[Entries, Context], tuple[Entries, list[str]]]
+
+# In order: form before content, so that later rules can rely on valid entries.
+RULES: dict[str, Rule] = {
+    rule.__name__: rule
+    for rule in (
+        known_skills,
+        unit_vectors,
+        magnitude_range,
+        window_in_clip,
+        known_regions,
+        brief_impulse,
+        directional_rigidity,
+        sentence_direction,
+        paired_translation,
+    )
+}

@@ -1,0 +1,360 @@
+"""Lexicon of everything that is not a verb: directions, intensities, places, counts, connectives.
+
+Direction values are names of `DirectionTable` fields; several names are added as vectors.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+Names = tuple[str, ...]
+
+
+class Join(enum.Enum):
+    """How a clause relates to the one before it."""
+
+    THEN = "then"  # follows in time
+    COMMA = "comma"  # follows if a verb comes, else continues the clause
+    AND = "and"  # at the same time
+    WHILE = "while"  # at the same time, whatever stands between
+    RESULT = "result"  # says what the clause before brings about
+    BUT = "but"  # contrasts with a negated clause
+    BEFORE = "before"
+    AFTER = "after"
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """How often, and whether the direction alternates.
+
+    Attributes:
+        count: Number of cycles or repetitions; None leaves the verb's own.
+        alternate: To and fro instead of again and again.
+        names: The direction of the first swing, if the phrase names it.
+    """
+
+    count: int | None = None
+    alternate: bool = False
+    names: Names = ()
+
+
+@dataclass(frozen=True)
+class Place:
+    """A part of the object.
+
+    Attributes:
+        names: The direction in which it lies from the middle; empty = the middle band.
+        start: Fraction of the extent along that direction at which it begins.
+    """
+
+    names: Names
+    start: float = 0.5
+
+
+def _spread(rows: dict[str, object]) -> dict[str, object]:
+    return {phrase.strip(): value for phrases, value in rows.items() for phrase in phrases.split(",")}
+
+
+DIRECTIONS: dict[str, Names] = _spread(
+    {
+        "left, leftward, leftwards, to the viewer left": ("left",),
+        "right, rightward, rightwards, to the viewer right": ("right",),
+        "up, upward, upwards, above, skyward, into the air, overhead, toward the sky, towards the sky, "
+        "to the sky,"
+        "toward the ceiling, towards the ceiling, to the ceiling": ("up",),
+        "down, downward, downwards, below, underneath, to the ground, to the floor, toward the ground,"
+        "towards the ground, towards the floor, toward the floor, into the ground, onto the ground, "
+        "beneath": ("down",),
+        "forward, forwards, toward us, towards us, toward me, towards me, at us, toward the camera, "
+        "towards the camera,"
+        "to the camera, at the camera, toward the viewer, towards the viewer, to the viewer, "
+        "out of the screen, closer,"
+        "out of the picture, toward you, towards you, frontward, frontwards, nearer": ("toward",),
+        "away, backward, backwards, away from us, away from the camera, away from the viewer, "
+        "away from me, behind,"
+        "into the screen, into the picture, into the distance, rearward, rearwards, into the background": (
+            "away",
+        ),
+        "upper left, top left": ("up", "left"),
+        "upper right, top right": ("up", "right"),
+        "lower left, bottom left": ("down", "left"),
+        "lower right, bottom right": ("down", "right"),
+    }
+)
+# Words for an end of the object that also serve as directions after "to the" and "from the".
+ENDS: dict[str, Names] = _spread(
+    {
+        "top": ("up",),
+        "bottom": ("down",),
+        "front": ("toward",),
+        "back, rear": ("away",),
+    }
+)
+# An axis named as a line: stretching goes along it, rotation about it.
+AXES: dict[str, Names] = _spread(
+    {
+        "vertical axis, upright axis, height, its own axis, its axis, long axis, vertical": ("up",),
+        "horizontal axis, width, length, horizontal, lengthwise, lengthways": ("right",),
+        "depth, viewing axis, viewing direction, line of sight, view axis, depth axis, viewer axis, "
+        "crosswise": ("toward",),
+        "x axis": ("x",),
+        "y axis": ("y",),
+        "z axis": ("z",),
+    }
+)
+# An axis named as the plane of the motion: rotation in it is about its normal.
+PLANES: dict[str, Names] = _spread(
+    {
+        "horizontally, sideways, sideway, laterally": ("right",),
+        "vertically": ("up",),
+        "diagonally": ("up", "left"),
+    }
+)
+# All around: (names, isotropic).
+SIDES: dict[str, bool] = _spread(
+    {
+        "sides, both sides, both ends, left and right sides, opposite sides, opposite ends, "
+        "opposite directions, either side, two sides": False,
+        "all sides, every side, all directions, every direction, outward, outwards, inward, inwards": True,
+    }
+)
+
+SENSES: dict[str, int] = _spread(
+    {
+        "clockwise": -1,
+        "counterclockwise, anticlockwise, counter clockwise, anti clockwise": 1,
+    }
+)
+VIEWS: dict[str, Names] = _spread(
+    {
+        "seen from above, viewed from above, from a bird eye view": ("up",),
+        "seen from below, viewed from below": ("down",),
+        "seen from the front, as we see it, as seen by the viewer, seen by the viewer, in the picture,"
+        "in the picture plane, in the image plane": ("toward",),
+    }
+)
+
+INTENSITIES: dict[str, float] = _spread(
+    {
+        "slightly, slight, barely, minimally, faint, faintly, a tiny bit, a touch, a tad": 0.4,
+        "gently, gentle, softly, soft, a bit, a little, a little bit, weak, weakly, lightly, light, "
+        "mild, mildly, little,"
+        "tiny, delicately, delicate, subtle, subtly, small, calm, calmly, carefully, tender, tenderly": 0.5,
+        "slowly, slow, lazily, leisurely": 0.6,
+        "moderate, moderately, somewhat, medium": 0.8,
+        "a quarter turn, quarter of a turn, a quarter of a turn": 1.0,
+        "quickly, quick, fast, rapidly, rapid, swiftly, swift, briskly": 1.3,
+        "strong, strongly, hard, firmly, firm, heavily, forcefully, forceful, powerfully, powerful, "
+        "big, much, severely,"
+        "severe, vigorously, vigorous, a lot, far, intense, intensely, sharply, sharp, considerably, "
+        "large, high, deeply,"
+        "heavy, with force, mighty, great, greatly, energetically, significantly": 1.3,
+        "violently, violent, fiercely, fierce, extremely strong, extreme, brutally, brutal, furiously, "
+        "furious, wildly,"
+        "wild, massive, massively, tremendous, enormous, huge, ferocious, with all its force, "
+        "completely, hugely,"
+        "ferociously, drastically, immense, as hard as possible, with full force, half a turn, "
+        "a half turn, a full turn, one full turn, a whole turn, dramatically, enormously": 1.6,
+    }
+)
+DEGREES: dict[str, float] = _spread(
+    {
+        "very, really, quite, so, too, particularly, rather": 1.5,
+        "extremely, incredibly, super, ever so": 2.0,
+    }
+)
+# Relative to the clause before.
+COMPARATIVES: dict[str, float] = _spread(
+    {
+        "harder, stronger, more strongly, faster, more violently, more forcefully, more, quicker, "
+        "speed up, with more force": 1.4,
+        "gentler, softer, weaker, more gently, slower, more slowly, less, slow down, lighter, "
+        "more softly": 0.6,
+    }
+)
+
+REPEATS: dict[str, Repeat] = _spread(
+    {
+        "twice": Repeat(2),
+        "thrice": Repeat(3),
+        "once": Repeat(1),
+        "repeatedly, again and again, several times, a few times, many times, multiple times, "
+        "a couple of times,"
+        "over and over, over and over again": Repeat(3),
+        "back and forth, to and fro, alternating, alternatingly, alternately, rhythmically, "
+        "periodically, and back,"
+        "and back again": Repeat(None, alternate=True),
+        "side to side, left and right, left and then right, from left to right and back, from side to side,"
+        "left to right and back": Repeat(None, True, ("left",)),
+        "right and left": Repeat(None, True, ("right",)),
+        "up and down": Repeat(None, True, ("up",)),
+        "forward and backward, forwards and backwards, backward and forward, backwards and forwards": Repeat(
+            None, True, ("toward",)
+        ),
+    }
+)
+
+# Parts that name their own place.
+PLACES: dict[str, Place] = _spread(
+    {
+        "leaf, leaves, branches, branch, foliage, crown, canopy, flowers, flower, blossoms, petals, "
+        "fronds": Place(("up",), 0.4),
+        "head, face, hat, ears, antenna, neck, hair": Place(("up",), 0.72),
+        "tip, peak, summit": Place(("up",), 0.8),
+        "base, pot, roots, flowerpot, vase base, stand": Place(("down",), 0.75),
+        "feet, foot, legs, wheels, trunk base": Place(("down",), 0.65),
+        "middle, center, centre, waist, belly, torso, midsection": Place(()),
+    }
+)
+# Nouns that take a direction in front: "the left arm", "its upper half"; value = where the part begins.
+PARTS: dict[str, float] = _spread(
+    {
+        "half, side, part, portion, section, region, area": 0.5,
+        "third": 2 / 3,
+        "quarter": 0.75,
+        "end, edge, tip, corner, slab": 0.8,
+        "arm, hand, wing, shoulder, ear, fist, leg, foot, eye, branch, leaf": 0.65,
+    }
+)
+PART_ADJECTIVES: dict[str, Names] = _spread(
+    {
+        "upper, uppermost, topmost": ("up",),
+        "lower, bottommost, lowermost": ("down",),
+        "front": ("toward",),
+        "rear, back, hind": ("away",),
+        "top": ("up",),
+        "bottom": ("down",),
+        "left": ("left",),
+        "right": ("right",),
+        "left hand": ("left",),
+        "right hand": ("right",),
+        "leftmost": ("left",),
+        "rightmost": ("right",),
+        "upper left, top left": ("up", "left"),
+        "upper right, top right": ("up", "right"),
+        "lower left, bottom left": ("down", "left"),
+        "lower right, bottom right": ("down", "right"),
+    }
+)
+
+GRAVITY: dict[str, bool] = _spread(
+    {
+        "gravity, own weight, its weight, from a height, from height, from high up, from the sky, "
+        "from a great height,"
+        "free fall": True,
+        "weightless, weightlessly, weightlessness, zero gravity, in space, outer space, in zero g": False,
+    }
+)
+ANCHORS: dict[str, str] = _spread(
+    {
+        "rooted, potted, planted, stuck to the ground, attached to the ground, fixed to the ground, "
+        "in a pot, in its pot": "base",
+        "fixed at the bottom, fixed at the base, fixed at its base, fixed at its bottom, "
+        "anchored at the base": "base",
+        "hanging from the ceiling, fixed at the top, held at the top, fixed at its top": "top",
+        "unattached, detached, free floating, freely floating, unanchored, loose, free, freely, "
+        "unsupported": "none",
+    }
+)
+
+JOINS: dict[str, Join] = _spread(
+    {
+        "then, and then, after that, afterwards, afterward, finally, next, later, followed by, "
+        "subsequently, lastly, at last,"
+        "eventually, after a while, after a moment, a moment later, thereafter, followed, and finally, "
+        "thereupon, and after that": Join.THEN,
+        "while, as, when, whilst, at the same time, simultaneously, meanwhile, "
+        "and at the same time": Join.WHILE,
+        "and, plus, with": Join.AND,
+        "so that, making, causing, which makes, such that, to make, until, that makes, in order to, "
+        "which, because of,"
+        "caused by, due to": Join.RESULT,
+        "but, however, yet": Join.BUT,
+        "before": Join.BEFORE,
+        "after": Join.AFTER,
+    }
+)
+NEGATIONS = frozenset(
+    {"not", "no", "never", "without", "neither", "nor", "none", "instead of", "rather than"}
+)
+
+UNITS: dict[str, str] = {
+    "second": "second",
+    "seconds": "second",
+    "sec": "second",
+    "secs": "second",
+    "s": "second",
+    "frame": "frame",
+    "frames": "frame",
+}
+CLIP_PARTS: dict[str, float] = {"half": 0.5, "third": 1 / 3, "quarter": 0.25}
+NUMBERS: dict[str, float] = {
+    "a": 1,
+    "an": 1,
+    "one": 1,
+    "two": 2,
+    "three": 3,
+    "four": 4,
+    "five": 5,
+    "six": 6,
+    "seven": 7,
+    "eight": 8,
+    "nine": 9,
+    "ten": 10,
+    "twelve": 12,
+    "twenty": 20,
+    "half": 0.5,
+    "few": 3,
+    "several": 3,
+    "couple": 2,
+}
+# Fixed phrases about time: (start, length) in fractions of the clip, None = as the sequence gives.
+MOMENTS: dict[str, tuple[float | None, float | None]] = _spread(
+    {
+        "briefly, for a moment, shortly, momentarily, for an instant, for a split second": (None, -1.0),
+        "suddenly, sudden, abruptly, instantly": (None, None),
+        "at the end, towards the end, near the end": (0.75, 0.25),
+        "at the beginning, at the start, at first, in the beginning, initially": (None, None),
+        "immediately, right away, at once, right now, from the start": (0.0, None),
+        "halfway through, midway, halfway, in the middle of the clip, half way through": (0.5, None),
+        "the whole time, throughout, all the time, the entire time, until the end, continuously, "
+        "constantly, steadily,"
+        "forever, during the whole clip, for the whole clip": (None, None),
+    }
+)
+
+FUNCTION_WORDS = frozenset(
+    "a an the this that these those it its it's itself he she him her his they them their we us "
+    "our i me my you your "
+    "is are was were be been being am do does did done has have had having will would can could "
+    "should shall may might must "
+    "of to in into on onto at by for from with within under over against through across along "
+    "about around off out near "
+    "and or if than there here where what who whom whose how why which as so also just only even "
+    "again still all each every "
+    "both some any own other one ones let lets letting make makes made making cause causes caused "
+    "causing get gets got "
+    "getting give gives gave given giving take takes took taken put puts keep keeps kept start "
+    "starts started begin begins "
+    "began starting beginning become becomes became try tries continue continues please ok object "
+    "thing model subject "
+    "scene video clip camera viewer axis direction side someone something somebody person people "
+    "invisible me's s t "
+    "come comes came coming coming act acts acting applied apply applies applying receive receives "
+    "received undergo "
+    "undergoes experience experiences feel feels first second straight directly toward towards way "
+    "bit touch touching touched "
+    "ground floor table ceiling sky wall whole entire entirely place motion movement hand hands "
+    "finger fingers fist fists "
+    "hammer ball foot feet giant rope string effect shape position original rest time times much "
+    "due because while suddenly "
+    "arrive arrives reach reaches body part end ends stay itself themselves seconds frames frame "
+    "toward happen happens "
+    "slow nothing anything everything wants want like likes now degrees side's being until upon up".split()
+)
+FUNCTION_PHRASES = frozenset(
+    {"not only", "end up", "ends up", "kind of", "sort of", "as if", "as though", "lots of", "each other"}
+)
+# Words for whoever acts; with "a" or "an" in front they are not parts of the object.
+AGENT_NOUNS = frozenset("hand hands finger fingers fist foot arm leg head hammer stick ball".split())

@@ -1,0 +1,295 @@
+"""Lexicon of verbs and causes: what a word makes the object do.
+
+Every row is data: lemmas, then the `Verb` that they stand for. ``~`` in a phrase stands for up to four
+words ("let ~ go" = "let it go", "lets the plant go"). Inflections are derived in `words`.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+
+class Doing(enum.Enum):
+    """The ways in which a verb acts on the object; each is compiled by one function of `compilation`."""
+
+    PUSH = "push"  # steady force along a direction
+    LEAN = "lean"  # the upper end goes along a direction
+    SWAY = "sway"  # to and fro
+    SCALE = "scale"  # stretch or squeeze along one axis
+    SWELL = "swell"  # stretch or squeeze along all axes
+    STRIKE = "strike"  # sudden velocity along a direction
+    BURST = "burst"  # sudden outward force
+    TURN = "turn"  # rotation about an axis
+    ROLL = "roll"  # rotation with travel
+    FALL = "fall"  # gravity
+    TOPPLE = "topple"  # gravity and a lean
+    JUMP = "jump"  # a leap against gravity
+    HOLD = "hold"  # something is held fixed
+    RELEASE = "release"  # what acted before stops, the object comes back
+    STILL = "still"  # nothing moves
+
+
+@dataclass(frozen=True)
+class Verb:
+    """What a verb (or a noun that names a cause) means.
+
+    Attributes:
+        doing: How it acts.
+        strength: Factor on the magnitude that the word itself carries ("tap" is weak, "smash" is not).
+        direction: The direction (or axis) assumed if the sentence names none; None = left, the most
+            visible one, with a note.
+        sign: +1 stretches, -1 squeezes.
+        pulls: The cause stands where the object goes: "pulled from the left" moves left.
+        gravity: Gravity acts with it (a thrown thing comes down).
+        cycles: How often a sway goes to and fro unless the sentence counts.
+        abrupt: A sway by jolts rather than by smooth pushes.
+        brief: The cause lasts only a part of its time ("gust").
+        generic: Adds nothing to a more telling verb beside it: "a kick *sends* it *flying*",
+            "squash it *flat*", "*stands* swaying".
+        wind: A cause that pushes whatever verb it "does" ("the wind hits the plant").
+        holds: The end that a HOLD verb or adjective fixes unless the sentence names one.
+    """
+
+    doing: Doing
+    strength: float = 1.0
+    direction: str | None = None
+    sign: int = 1
+    pulls: bool = False
+    gravity: bool = False
+    cycles: int = 2
+    abrupt: bool = False
+    brief: bool = False
+    generic: bool = False
+    wind: bool = False
+    holds: str = "base"
+
+
+_D = Doing
+_VERB_ROWS: tuple[tuple[str, Verb], ...] = (
+    # steady motion
+    ("push, drive, sweep, propel, force, shift, displace, thrust", Verb(_D.PUSH)),
+    (
+        "move, slide, glide, go, travel, carry, send, fly, drift, accelerate, slip",
+        Verb(_D.PUSH, generic=True),
+    ),
+    ("shove", Verb(_D.PUSH, strength=1.3)),
+    ("nudge, ease, creep", Verb(_D.PUSH, strength=0.5)),
+    ("pull, drag, tug, draw, haul, tow, attract, suck", Verb(_D.PUSH, pulls=True)),
+    ("yank, jerk", Verb(_D.PUSH, strength=1.3, pulls=True)),
+    ("blow", Verb(_D.PUSH, wind=True)),
+    ("lift, raise, rise, hoist, elevate, ascend, climb, pick up, pick ~ up", Verb(_D.PUSH, direction="up")),
+    ("float, levitate, hover", Verb(_D.PUSH, strength=0.5, direction="up")),
+    ("soar, take off", Verb(_D.PUSH, strength=1.3, direction="up")),
+    ("lower, sink, descend", Verb(_D.PUSH, direction="down")),
+    # the upper end goes somewhere
+    ("bend, lean, tilt, tip, droop", Verb(_D.LEAN)),
+    ("bow, slump", Verb(_D.LEAN, direction="toward")),
+    # to and fro
+    ("sway, swing, rock, oscillate", Verb(_D.SWAY)),
+    ("wave, waggle, wag, flap", Verb(_D.SWAY, cycles=3)),
+    ("wobble, wiggle, flutter", Verb(_D.SWAY, cycles=3, strength=0.8)),
+    ("shake, rattle", Verb(_D.SWAY, cycles=4, abrupt=True)),
+    ("jiggle, vibrate, quake", Verb(_D.SWAY, cycles=4, strength=0.8, abrupt=True)),
+    ("tremble, shiver, quiver, shudder, rustle", Verb(_D.SWAY, cycles=4, strength=0.5, abrupt=True)),
+    ("bob", Verb(_D.SWAY, direction="up")),
+    ("nod", Verb(_D.SWAY, direction="toward")),
+    # deformation
+    ("stretch, elongate, extend, lengthen, widen, broaden", Verb(_D.SCALE, direction="right")),
+    (
+        "pull apart, pull ~ apart, spread, draw out, pull ~ in opposite directions",
+        Verb(_D.SCALE, direction="right"),
+    ),
+    (
+        "tear, tear apart, tear ~ apart, rip, rip apart, rip ~ apart, split",
+        Verb(_D.SCALE, strength=1.6, direction="right"),
+    ),
+    ("press, compress, squash, flatten, squish", Verb(_D.SCALE, sign=-1, direction="up")),
+    ("crush, crumple", Verb(_D.SCALE, sign=-1, strength=1.3, direction="up")),
+    (
+        "squeeze, pinch, narrow, push together, push ~ together, press together, press ~ together",
+        Verb(_D.SCALE, sign=-1, direction="right"),
+    ),
+    ("expand, inflate, swell, enlarge, grow, puff up", Verb(_D.SWELL)),
+    ("shrink, contract, deflate, shrivel", Verb(_D.SWELL, sign=-1)),
+    # blows
+    ("hit, strike, kick, punch, knock, bump, bat, swat, collide, impact", Verb(_D.STRIKE)),
+    ("slap, poke, prod, bounce off", Verb(_D.STRIKE, strength=0.8)),
+    ("tap, flick, pat", Verb(_D.STRIKE, strength=0.5)),
+    ("jolt, whack, smack, bang, ram, crash into, run into", Verb(_D.STRIKE, strength=1.3)),
+    ("smash, slam, pound, hammer", Verb(_D.STRIKE, strength=1.6)),
+    ("throw, toss", Verb(_D.STRIKE, direction="up", gravity=True)),
+    ("fling, hurl", Verb(_D.STRIKE, strength=1.3, direction="up", gravity=True)),
+    ("launch, shoot, catapult", Verb(_D.STRIKE, strength=1.3, direction="up")),
+    ("explode, burst, blow up, pop, erupt, detonate, blow ~ apart", Verb(_D.BURST, strength=1.6)),
+    # rotation
+    (
+        "twist, spin, swirl, stir, wring, whirl, twirl, screw, turn around, turn ~ around",
+        Verb(_D.TURN, direction="up"),
+    ),
+    ("turn, pivot", Verb(_D.TURN, direction="up")),
+    ("rotate, revolve", Verb(_D.TURN, direction="up")),
+    (
+        "flip, somersault, tumble, cartwheel, turn over, turn ~ over, turn upside down, turn ~ upside down",
+        Verb(_D.TURN, direction="toward"),
+    ),
+    ("roll", Verb(_D.ROLL)),
+    # gravity
+    (
+        "drop, fall, plummet, plunge, land, let fall, let ~ fall, fall down, collapse, bounce, "
+        "release ~ from, "
+        "let ~ drop, hit the ground, hit the floor, strike the ground, touch the ground, reach the ground, "
+        "hit the table, crash to the ground, crash down, come down, crash to the floor, drop down, crash",
+        Verb(_D.FALL),
+    ),
+    (
+        "topple, fall over, tip over, tip ~ over, keel over, topple over, overturn, knock over, "
+        "knock ~ over, "
+        "push over, push ~ over, blow over, blow ~ over, kick over, kick ~ over",
+        Verb(_D.TOPPLE),
+    ),
+    ("jump, leap, hop", Verb(_D.JUMP, direction="up", gravity=True)),
+    # states
+    (
+        "hold, fix, anchor, clamp, pin, attach, glue, nail, bolt, root, fasten, tie, stick, secure, mount, "
+        "hold ~ in place, keep ~ in place, keep ~ fixed, hold ~ fixed, hold ~ still, keep ~ still",
+        Verb(_D.HOLD),
+    ),
+    ("hang, suspend, dangle", Verb(_D.HOLD, holds="top")),
+    (
+        "let go, let ~ go, release, rebound, recoil, recover, relax, spring back, snap back, "
+        "swing back, bounce back, "
+        "come back, return, go back, move back to, let ~ spring back, let ~ snap back, "
+        "let ~ swing back, let loose, "
+        "regain its shape, let ~ relax, let ~ recover, set free, die down, subside, calm down, "
+        "fall back, free itself",
+        Verb(_D.RELEASE),
+    ),
+    ("stand, sit, stay, remain, rest, lie", Verb(_D.STILL, generic=True)),
+    (
+        "stop, halt, cease, freeze, wait, pause, stand still, stay still, remain still, keep still, "
+        "hold still, come to rest, "
+        "come to a stop, come to a halt, settle, be still, is still, nothing happens, nothing moves, "
+        "stay put, "
+        "stay in place, remain in place, remain motionless, lie still, sit still, is motionless, "
+        "is at rest, at rest, motionless, immobile, "
+        "motionlessly, do nothing, does nothing, without motion, stationary",
+        Verb(_D.STILL),
+    ),
+)
+
+# Nouns that name a cause; used as the verb if the clause has no other.
+_CAUSE_ROWS: tuple[tuple[str, Verb], ...] = (
+    ("wind, winds, air, airflow, fan, wind gusts, draft, draught, current", Verb(_D.PUSH, wind=True)),
+    ("breeze, breezes, puff, puff of air", Verb(_D.PUSH, strength=0.6, wind=True)),
+    (
+        "gust, gusts, gust of wind, gusts of wind, blast of wind, blast of air",
+        Verb(_D.PUSH, strength=1.2, brief=True, wind=True),
+    ),
+    ("storm, hurricane, gale, tornado, typhoon, tempest, blizzard", Verb(_D.PUSH, strength=1.6, wind=True)),
+    ("explosion, blast, detonation, bomb", Verb(_D.BURST, strength=1.6)),
+    ("collision, blow, impact, uppercut, header", Verb(_D.STRIKE)),
+    ("earthquake, tremor", Verb(_D.SWAY, cycles=4, strength=1.3, abrupt=True)),
+    ("compression, pressure", Verb(_D.SCALE, sign=-1, direction="up")),
+    ("tension", Verb(_D.SCALE, direction="right")),
+    ("rotation, torsion, torque", Verb(_D.TURN, direction="up")),
+    ("vibration, vibrations, oscillation", Verb(_D.SWAY, cycles=4, abrupt=True)),
+    ("force", Verb(_D.PUSH)),
+)
+
+# Adjectives that say how the object becomes: "it gets taller".
+_RESULT_ROWS: tuple[tuple[str, Verb], ...] = (
+    ("taller, higher", Verb(_D.SCALE, direction="up", generic=True)),
+    ("wider, longer, broader", Verb(_D.SCALE, direction="right", generic=True)),
+    ("shorter, flatter, flat", Verb(_D.SCALE, sign=-1, direction="up", generic=True)),
+    ("thinner, narrower, slimmer", Verb(_D.SCALE, sign=-1, direction="right", generic=True)),
+    ("bigger, larger, fatter", Verb(_D.SWELL, generic=True)),
+    ("smaller", Verb(_D.SWELL, sign=-1, generic=True)),
+)
+
+# Past forms that rules do not derive.
+IRREGULAR_FORMS: dict[str, str] = {
+    "blow": "blew blown",
+    "shake": "shook shaken",
+    "swing": "swung",
+    "strike": "struck stricken",
+    "hit": "hit",
+    "throw": "threw thrown",
+    "shoot": "shot",
+    "spin": "spun",
+    "fall": "fell fallen",
+    "bend": "bent",
+    "lean": "leant",
+    "sink": "sank sunk",
+    "rise": "rose risen",
+    "shrink": "shrank shrunk shrunken",
+    "tear": "tore torn",
+    "fling": "flung",
+    "hold": "held",
+    "hang": "hung",
+    "stick": "stuck",
+    "wring": "wrung",
+    "spring": "sprang sprung",
+    "let": "let",
+    "go": "went gone goes",
+    "come": "came come",
+    "draw": "drew drawn",
+    "fly": "flew flown",
+    "drive": "drove driven",
+    "sweep": "swept",
+    "send": "sent",
+    "slide": "slid",
+    "swell": "swollen",
+    "grow": "grew grown",
+    "leap": "leapt",
+    "creep": "crept",
+    "burst": "burst",
+    "stand": "stood",
+    "sit": "sat",
+    "lie": "lay lying lain",
+    "keep": "kept",
+    "freeze": "froze frozen",
+    "be": "is are was",
+    "tie": "tying",
+    "do": "does did done",
+    "run": "ran",
+    "take": "took taken",
+    "split": "split",
+    "thrust": "thrust",
+    "spread": "spread",
+    "set": "set",
+    "put": "put",
+    "slip": "slipped",
+    "free": "frees",
+}
+
+
+def _table(rows: tuple[tuple[str, Verb], ...]) -> dict[str, Verb]:
+    return {phrase.strip(): verb for phrases, verb in rows for phrase in phrases.split(",")}
+
+
+VERBS = _table(_VERB_ROWS) | _table(_RESULT_ROWS)
+CAUSES = _table(_CAUSE_ROWS)
+
+# Verbs whose clockwise is meant in the picture plane; the others turn about the vertical, seen from above.
+PICTURE_PLANE_TURNS = frozenset({"rotate", "revolve", "flip", "tumble", "cartwheel", "somersault", "roll"})
+# After "the", these are things rather than verbs ("the rock rocks").
+NOUNS_AFTER_THE = frozenset(
+    {
+        "rock",
+        "wave",
+        "bow",
+        "land",
+        "hammer",
+        "bat",
+        "screw",
+        "fly",
+        "root",
+        "nail",
+        "bolt",
+        "rest",
+        "tip",
+        "stick",
+        "ram",
+    }
+)

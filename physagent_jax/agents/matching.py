@@ -1,0 +1,119 @@
+"""Which actions and constraints of a force field are meant to cause an expected motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from physagent_jax.agents.schema import ExpectedMotion, MotionKind
+from physagent_jax.agents.vectors import cosine, scaled
+from physagent_jax.forces.schema import (
+    Action,
+    ActionType,
+    ConstraintType,
+    ForceField,
+    Vector,
+    VelocityConstraint,
+)
+
+_LINEAR = (
+    ActionType.TRANSLATION,
+    ActionType.IMPULSE,
+    ConstraintType.PARTICLE_TRANSLATION,
+    ConstraintType.PARTICLE_IMPULSE,
+)
+FITTING_TYPES: dict[MotionKind, tuple[ActionType | ConstraintType, ...]] = {
+    MotionKind.MOVE: _LINEAR,
+    MotionKind.SWAY: _LINEAR,
+    MotionKind.FALL: _LINEAR,
+    MotionKind.STRETCH: (ActionType.SCALE, ConstraintType.PARTICLE_TRANSLATION),
+    MotionKind.SQUEEZE: (ActionType.SCALE, ConstraintType.PARTICLE_TRANSLATION),
+    MotionKind.ROTATE: (ActionType.TORQUE,),
+    MotionKind.STILL: (),
+}
+_ALIGNED = 0.5
+_AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)
+
+
+@dataclass(frozen=True)
+class Cause:
+    """One entry of a force field.
+
+    Attributes:
+        group: "actions" or "constraints".
+        index: Place in the group.
+        item: The entry.
+    """
+
+    group: str
+    index: int
+    item: Action | VelocityConstraint
+
+    @property
+    def name(self) -> str:
+        """Place in the JSON, like "actions[0]"."""
+        return f"{self.group}[{self.index}]"
+
+    @property
+    def type(self) -> ActionType | ConstraintType:
+        """Its action or constraint type."""
+        return self.item.action_type if isinstance(self.item, Action) else self.item.constraint_type
+
+    @property
+    def direction(self) -> Vector:
+        """The vector with the magnitude's sign."""
+        return scaled(self.item.vector, 1.0 if self.item.magnitude > 0 else -1.0)
+
+
+def all_causes(force_field: ForceField) -> list[Cause]:
+    """Every entry of a force field."""
+    return [Cause("actions", i, a) for i, a in enumerate(force_field.actions)] + [
+        Cause("constraints", i, c) for i, c in enumerate(force_field.constraints)
+    ]
+
+
+def overlaps(cause: Cause, window: tuple[float, float]) -> bool:
+    """Whether a cause acts inside a window; absent times mean the whole clip."""
+    if cause.item.active_time is None:
+        return True
+    first, last = cause.item.active_time
+    return first < window[1] and last > window[0]
+
+
+def causes_of(expectation: ExpectedMotion, force_field: ForceField) -> list[Cause]:
+    """Entries of a fitting type that act in the window: those along the expected line, else all of them."""
+    fitting = [
+        cause
+        for cause in all_causes(force_field)
+        if cause.type in FITTING_TYPES[expectation.kind] and overlaps(cause, expectation.window)
+    ]
+    if expectation.direction is None:
+        return fitting
+    aligned = [c for c in fitting if abs(cosine(c.item.vector, expectation.direction)) >= _ALIGNED]
+    return aligned or fitting
+
+
+def misfits(
+    expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion], force_field: ForceField
+) -> list[Cause]:
+    """Actions in the window whose type cannot cause this motion and that no other expectation needs."""
+    needed = {
+        c.name for other in expectations if other is not expectation for c in causes_of(other, force_field)
+    }
+    return [
+        cause
+        for cause in all_causes(force_field)
+        if cause.group == "actions"
+        and cause.type not in FITTING_TYPES[expectation.kind]
+        and overlaps(cause, expectation.window)
+        and cause.name not in needed
+    ]
+
+
+def agrees(cause: Cause, expectation: ExpectedMotion) -> bool:
+    """Whether a cause drives the motion the way that the sentence says (its sign, for stretch and squeeze)."""
+    if expectation.kind in _AXIAL:
+        if cause.group == "constraints":
+            return True
+        return (cause.item.magnitude > 0) == (expectation.kind is MotionKind.STRETCH)
+    return expectation.direction is None or cosine(cause.direction, expectation.direction) >= _ALIGNED

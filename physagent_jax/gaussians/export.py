@@ -1,0 +1,28 @@
+"""Deformed splats as a cloud again, for files and viewers."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+
+from physagent_jax.gaussians.cloud import GaussianCloud, Splats
+from physagent_jax.gaussians.covariance import decompose_covariances
+from physagent_jax.gaussians.sh import rotate_sh
+
+
+def splats_to_cloud(splats: Splats) -> GaussianCloud:
+    """A cloud that an ordinary 3DGS viewer shows as the renderer shows the splats. Runs on the host.
+
+    Covariances are decomposed into quaternions and scales, and the SH coefficients are rotated into the
+    world frame, in which a viewer evaluates them.
+
+    Args:
+        splats: Gaussians in world space.
+    """
+    quats, scales = decompose_covariances(splats.covariances)
+    return GaussianCloud(
+        means=splats.means,
+        quats=jnp.asarray(quats, jnp.float32),
+        scales=jnp.asarray(scales, jnp.float32),
+        opacities=splats.opacities,
+        sh=rotate_sh(splats.sh, splats.rotations),
+    )

@@ -1,0 +1,134 @@
+"""Images of splats: the differentiable pipeline, and the convenient call that sizes its buffers."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from physagent_jax.errors import UserError
+from physagent_jax.gaussians.cloud import Splats
+from physagent_jax.render.camera import Camera
+from physagent_jax.render.project import project
+from physagent_jax.render.rasterize import blend
+from physagent_jax.render.tiles import build_tile_lists, count_pairs, tile_grid, tile_rectangles
+
+TILE_SIZE = 16
+
+# More pairs than this would need gigabytes for one image.
+_MAX_CAPACITY = 1 << 28
+
+# Capacity that sufficed for clouds of this size at this resolution: the next frame needs about as much,
+# and the same capacity means the same compiled program.
+_capacities: dict[tuple[int, int, int], int] = {}
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Rendering:
+    """One RGB-D image.
+
+    Attributes:
+        rgb: Colour over the background; not negative, may exceed 1 where the SH do, shape (h, w, 3).
+        depth: Expected z-depth of what was hit [m]; 0 where no Gaussian contributes, shape (h, w).
+        alpha: Coverage in [0, 1]; 0 or at least 1/255, shape (h, w).
+    """
+
+    rgb: jax.Array
+    depth: jax.Array
+    alpha: jax.Array
+
+
+def render(splats: Splats, camera: Camera, *, background=(1.0, 1.0, 1.0)) -> Rendering:
+    """Renders on whatever device JAX uses, sizing buffers as needed. Not for use inside `jit`.
+
+    Args:
+        splats: Gaussians in world space.
+        camera: Pinhole camera.
+        background: Colour behind the splats, shape (3,).
+
+    Raises:
+        UserError: The Gaussians overlap so many tiles that the image does not fit into memory.
+    """
+    key = (splats.means.shape[0], camera.width, camera.height)
+    if key not in _capacities:
+        _capacities[key] = pair_capacity(splats, camera)
+    background = np.asarray(background, np.float32)
+    rendering, total = _rasterize_jit(splats, camera, background, capacity=_capacities[key])
+    if int(total) > _capacities[key]:
+        _capacities[key] = _roomy(int(total))
+        rendering, _ = _rasterize_jit(splats, camera, background, capacity=_capacities[key])
+    return rendering
+
+
+def pair_capacity(splats: Splats, camera: Camera) -> int:
+    """A capacity for `rasterize` with room for about a quarter more pairs than these splats need.
+
+    Raises:
+        UserError: The Gaussians overlap so many tiles that the image does not fit into memory.
+    """
+    return _roomy(int(_count(splats, camera)))
+
+
+def rasterize(
+    splats: Splats,
+    camera: Camera,
+    background: np.ndarray | jax.Array,
+    *,
+    capacity: int,
+    tile_size: int = TILE_SIZE,
+    lanes: int | None = None,
+) -> tuple[Rendering, jax.Array]:
+    """Renders; may be jitted and differentiated with respect to splats, camera pose and background.
+
+    The order of the Gaussians and their box on the image carry no gradient.
+
+    Args:
+        splats: Gaussians in world space.
+        camera: Pinhole camera.
+        background: Colour behind the splats, shape (3,).
+        capacity: Room for pairs (Gaussian, tile), static; see `pair_capacity`.
+        tile_size: Edge of a tile [px].
+        lanes: Tiles blended in lockstep; default one on the CPU, all elsewhere.
+
+    Returns:
+        The image, and the number of pairs it needed. If that exceeds ``capacity`` the image is NaN
+        everywhere: call again with more room.
+    """
+    width, height = camera.width, camera.height
+    if lanes is None:
+        lanes = 1 if jax.default_backend() == "cpu" else int(np.prod(tile_grid(width, height, tile_size)))
+    with jax.named_scope("project"):
+        projected = project(splats, camera)
+    with jax.named_scope("tile_lists"):
+        lists = build_tile_lists(projected, width, height, capacity=capacity, tile_size=tile_size)
+    with jax.named_scope("blend"):
+        features, transmittance = blend(projected, lists, width, height, tile_size=tile_size, lanes=lanes)
+    valid = jnp.where(lists.total <= capacity, 1.0, jnp.nan).astype(features.dtype)
+    alpha = 1 - transmittance
+    rgb = features[..., :3] + transmittance[..., None] * jnp.asarray(background, features.dtype)
+    depth = jnp.where(alpha > 0, features[..., 3] / jnp.where(alpha > 0, alpha, 1), 0)
+    return Rendering(rgb * valid, depth * valid, alpha * valid), lists.total
+
+
+_rasterize_jit = jax.jit(rasterize, static_argnames=("capacity", "tile_size", "lanes"))
+
+
+@jax.jit
+def _count(splats: Splats, camera: Camera) -> jax.Array:
+    return count_pairs(tile_rectangles(project(splats, camera), camera.width, camera.height, TILE_SIZE))
+
+
+def _roomy(total: int) -> int:
+    """A quarter more than ``total``, rounded up to a few steps per power of two to compile rarely."""
+    if total > _MAX_CAPACITY:
+        raise UserError(
+            "the Gaussians cover too many tiles to render",
+            got="more than 2^31 pairs" if total == np.iinfo(np.int32).max else f"{total} pairs",
+            do="Move the camera out of the object, or lower the resolution",
+        )
+    wanted = max(1024, total + total // 4)
+    step = 1 << (wanted.bit_length() - 3)
+    return -(-wanted // step) * step

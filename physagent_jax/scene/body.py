@@ -1,0 +1,69 @@
+"""The object at rest in the domain: Gaussians, particles, and how they hang together."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+
+from physagent_jax.gaussians.binding import Binding, bind
+from physagent_jax.gaussians.cloud import GaussianCloud
+from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
+from physagent_jax.scene.filling import Particles, fill
+from physagent_jax.scene.load import load_object
+from physagent_jax.scene.placement import Placement, place
+
+
+@dataclasses.dataclass(frozen=True)
+class Body:
+    """An object at rest. It does not depend on the force field, so all iterations of the loop share it.
+
+    Attributes:
+        cloud: Gaussians in the world (SH still in the captured frame).
+        placement: From the file's frame to the world.
+        particles: Matter.
+        binding: Which particles each Gaussian follows.
+    """
+
+    cloud: GaussianCloud
+    placement: Placement
+    particles: Particles
+    binding: Binding
+
+    @property
+    def low(self) -> np.ndarray:
+        """Low corner of the Gaussians' bounding box [m], shape (3,)."""
+        return np.asarray(self.cloud.means).min(0)
+
+    @property
+    def high(self) -> np.ndarray:
+        """High corner of the Gaussians' bounding box [m], shape (3,)."""
+        return np.asarray(self.cloud.means).max(0)
+
+    @property
+    def extent(self) -> float:
+        """Longest side of the bounding box [m]."""
+        return float((self.high - self.low).max())
+
+
+def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | Path) -> Body:
+    """Loads, places, fills and binds an object.
+
+    Args:
+        source: The file; relative paths start from ``base_dir``.
+        filling: How to make particles of it.
+        domain: Where it must fit, and the simulation's cell size.
+        base_dir: Folder of the scene file.
+
+    Raises:
+        UserError: The file is unreadable, is not the one that was hashed, or leaves no Gaussians.
+    """
+    cloud, placement = place(load_object(source, base_dir), source, domain)
+    particles = fill(cloud, filling, dx=domain.dx)
+    return Body(cloud, placement, particles, bind(cloud.means, particles.x))
+
+
+def body_of(config: SceneConfig, base_dir: str | Path) -> Body:
+    """The body of a complete scene."""
+    return make_body(config.source, config.filling, config.domain, base_dir)

@@ -1,0 +1,51 @@
+"""Object cards: what a file cannot say about itself, in a small JSON beside it.
+
+`robot.card.json` next to `robot.ply` gives the object's name, kind, up axis and best viewing side, so that
+nobody has to pass them on the command line.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from physagent_jax.errors import UserError
+from physagent_jax.forces.schema import Strict
+from physagent_jax.scene.config import SignedAxis, validation_message
+
+
+class ObjectCard(Strict):
+    """Facts about an object file; every field is optional.
+
+    Attributes:
+        name: What it is called.
+        kind: Class with a physical prior (`scene.priors`).
+        up: The file's up axis.
+        azimuth_degrees: Where to look from (`CameraConfig.azimuth_degrees`).
+        credit: Source and licence.
+    """
+
+    name: str | None = None
+    kind: str | None = None
+    up: SignedAxis | None = None
+    azimuth_degrees: float | None = None
+    credit: str | None = None
+
+
+def load_card(object_path: str | Path) -> ObjectCard:
+    """The card beside an object file; an empty one if there is none.
+
+    Raises:
+        UserError: The card is not valid.
+    """
+    path = Path(object_path)
+    path = path.with_name(path.name.removesuffix(path.suffix) + ".card.json")
+    if not path.is_file():
+        return ObjectCard()
+    try:
+        return ObjectCard.model_validate_json(path.read_text(encoding="utf-8"))
+    except ValidationError as error:
+        raise validation_message(error, str(path)) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"cannot read the object card {path}", got=error, do="Mend or remove it") from None

@@ -1,0 +1,148 @@
+"""Deterministic fusion: object, material, surroundings and force field become one `SceneConfig` (paper, appendix A.3)."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from physagent_jax.forces.schema import ActionType, ForceField
+from physagent_jax.forces.skills import closed_form_scaling
+from physagent_jax.scene.body import Body
+from physagent_jax.scene.camera import framing
+from physagent_jax.scene.config import (
+    Anchor,
+    CameraConfig,
+    DomainBox,
+    HalfSpace,
+    Material,
+    SceneConfig,
+    Source,
+    Surface,
+)
+from physagent_jax.scene.presets import Preset
+
+DROP_HEIGHT = 0.5  # clear height under a falling object, in body lengths
+SWEEP_LIMIT = 1.6  # furthest that the camera looks ahead, in body lengths
+ANCHORED_TIME = 1.0  # [s]
+ANCHORED_SWEEP = 0.35  # the same for what is held somewhere
+
+
+@dataclasses.dataclass(frozen=True)
+class Ingredients:
+    """What is fused with a force field; the same for all iterations of a run.
+
+    Attributes:
+        prompt: The sentence, for the record.
+        preset_name, preset: Grid, particles, time, transfer, pictures.
+        source: The object.
+        material: Its matter.
+        anchor: What is held.
+        camera: Direction and lens; with ``target`` None it is placed to show the expected motion.
+        friction: Of the ground, for falling objects.
+        seed: For the record; it is the filling's.
+    """
+
+    prompt: str
+    preset_name: str
+    preset: Preset
+    source: Source
+    material: Material
+    anchor: Anchor
+    camera: CameraConfig
+    friction: float = 0.0
+
+
+def fuse(ingredients: Ingredients, body: Body, force_field: ForceField) -> SceneConfig:
+    """The scene that simulates ``force_field``; the same input gives the same bytes."""
+    preset, material = ingredients.preset, ingredients.material
+    scaling = closed_form_scaling(
+        extent=body.extent,
+        youngs_modulus=material.youngs_modulus,
+        density=material.density,
+        duration=_reference_time(ingredients),
+    )
+    boundaries: tuple = (DomainBox(),)
+    if force_field.default_drop:
+        boundaries += (ground(body, ingredients.anchor, ingredients.friction),)
+    config = SceneConfig(
+        prompt=ingredients.prompt,
+        preset=ingredients.preset_name,
+        source=ingredients.source,
+        filling=preset.filling,
+        material=material,
+        domain=preset.domain,
+        timing=preset.timing,
+        transfer=preset.transfer,
+        boundaries=boundaries,
+        anchor=ingredients.anchor,
+        force_field=force_field,
+        scaling=scaling,
+        camera=ingredients.camera,
+        rendering=preset.rendering,
+    )
+    if config.camera.target is not None:
+        return config
+    points = expected_sweep(config, body)
+    return config.model_copy(update=dict(camera=framing(points, config.camera, config.rendering)))
+
+
+def _reference_time(ingredients: Ingredients) -> float:
+    """T of the skill table [s]: the clip for a free object, which should cross the picture once and no more.
+
+    What is held somewhere cannot leave, and needs a force that bends it: one second, as in a body that
+    would cover its own length in that time.
+    """
+    timing = ingredients.preset.timing
+    clip = (timing.frame_count - 1) * timing.frame_dt
+    return clip if ingredients.anchor.kind == "none" else ANCHORED_TIME
+
+
+def ground(body: Body, anchor: Anchor, friction: float) -> HalfSpace:
+    """The floor: half a body length under what can fall, right under what is held at its foot."""
+    clearance = 0.0 if anchor.kind == "base" else DROP_HEIGHT * body.extent
+    height = max(float(body.low[2]) - clearance, 0.15)
+    return HalfSpace(
+        point=(0.0, 0.0, round(height, 4)), normal=(0, 0, 1), surface=Surface.SEPARATE, friction=friction
+    )
+
+
+def expected_sweep(config: SceneConfig, body: Body) -> np.ndarray:
+    """Corners of where an unopposed object would be during the clip, for the camera [m], shape (m, 3).
+
+    Only a guess for the framing: pushes and blows integrated as for a free body, cut off where the camera
+    should no longer follow.
+    """
+    low, high, extent = body.low, body.high, body.extent
+    centre, half = 0.5 * (low + high), 0.5 * (high - low)
+    grown = half + 0.15 * extent * np.array([1.0, 1.0, 0.6])  # room to stretch, turn and sway
+    corners = centre + grown * np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T
+    limit = (SWEEP_LIMIT if config.anchor.kind == "none" else ANCHORED_SWEEP) * extent
+    path = _free_path(config)
+    reach = np.linalg.norm(path, axis=1)
+    path = path * np.minimum(1.0, limit / np.maximum(reach, 1e-12))[:, None]
+    points = [corners + shift for shift in (path.min(0), path.max(0), np.zeros(3))]
+    for boundary in config.boundaries:
+        if isinstance(boundary, HalfSpace):
+            floor = boundary.point[2] - 0.12 * extent  # the near edge of what lies on it hangs lower
+            points.append(np.column_stack([corners[:, :2], np.full(len(corners), floor)]))
+    return np.concatenate(points)
+
+
+def _free_path(config: SceneConfig) -> np.ndarray:
+    """Displacement of a free body per frame under the pushes and blows alone [m], shape (frames, 3)."""
+    timing, scaling = config.timing, config.scaling
+    assert scaling is not None
+    v, x, path = np.zeros(3), np.zeros(3), [np.zeros(3)]
+    for frame in range(timing.frame_count - 1):
+        for action in config.force_field.actions:
+            first, last = action.active_time or (0, timing.frame_count - 1)
+            share = max(0.0, min(frame + 1, last) - max(frame, first))
+            direction = action.magnitude * np.asarray(action.vector)
+            if action.action_type is ActionType.TRANSLATION:
+                v = v + scaling.translation * direction * share * timing.frame_dt
+            elif action.action_type is ActionType.IMPULSE:
+                v = v + scaling.impulse * direction * share / (last - first)
+        x = x + v * timing.frame_dt
+        path.append(x)
+    return np.asarray(path)

@@ -1,0 +1,105 @@
+"""Object files: which reader a file needs, and a hash that tells whether it changed."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+from physagent_jax.errors import UserError
+from physagent_jax.gaussians.cloud import GaussianCloud
+from physagent_jax.gaussians.ply import read_ply
+from physagent_jax.scene.config import Source
+from physagent_jax.scene.mesh import gaussians_from_mesh
+
+MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".stl", ".off")
+# Formats of splat viewers that are not read here.
+_OTHER_SPLATS = {
+    ".spz": "Niantic SPZ",
+    ".splat": "antimatter15 splat",
+    ".ksplat": "mkkellogg ksplat",
+    ".sog": "PlayCanvas SOG",
+}
+_GAUSSIAN_PROPERTIES = {"f_dc_0", "scale_0", "rot_0", "opacity"}
+_HEADER_BYTES = 65_536
+
+
+def load_object(source: Source, base_dir: str | Path) -> GaussianCloud:
+    """Reads the object's file, in its own frame and units.
+
+    Args:
+        source: Which file, and what to keep of it; a ``sha256`` in it is checked.
+        base_dir: Folder that a relative path starts from.
+
+    Raises:
+        UserError: The file is missing, of an unknown kind, unreadable, or not the one that was hashed.
+    """
+    path = Path(base_dir) / source.path
+    if not path.is_file():
+        raise UserError(f"there is no object file {path}", do="Check the path")
+    if source.sha256 is not None and (found := file_sha256(path)) != source.sha256.lower():
+        raise UserError(
+            f"{path} is not the file that this scene was made with",
+            got=f"sha256 {found[:12]}..., expected {source.sha256[:12]}...",
+            do="Restore the file, or remove `source.sha256` from the scene",
+        )
+    if _is_mesh(path):
+        return gaussians_from_mesh(path, count=source.surface_samples, seed=0, up=source.up)
+    return read_ply(path, opacity_threshold=source.opacity_threshold)
+
+
+def file_sha256(path: str | Path) -> str:
+    """SHA-256 of a file's bytes, in hexadecimal.
+
+    Raises:
+        UserError: The file cannot be read.
+    """
+    try:
+        with open(path, "rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise UserError(f"cannot read {path}", got=error.strerror, do="Check the path") from None
+
+
+def _is_mesh(path: Path) -> bool:
+    """Whether a file is a mesh rather than 3D Gaussians.
+
+    Raises:
+        UserError: It is neither.
+    """
+    suffix = path.suffix.lower()
+    if suffix in MESH_SUFFIXES:
+        return True
+    if suffix in _OTHER_SPLATS:
+        raise UserError(
+            f"{path} is a {_OTHER_SPLATS[suffix]} file, which is not supported",
+            do="Convert it to a 3DGS .ply, e.g. with `npx @playcanvas/splat-transform in.spz out.ply`",
+        )
+    if suffix != ".ply":
+        known = ", ".join((".ply", *MESH_SUFFIXES))
+        raise UserError(f"{path} is of an unknown kind", got=suffix or "no suffix", do=f"Give one of {known}")
+    faces, properties = _ply_contents(path)
+    if faces == 0 and not _GAUSSIAN_PROPERTIES & properties and "packed_position" not in properties:
+        raise UserError(
+            f"{path} holds neither faces nor 3D Gaussians",
+            got=f"vertex properties {sorted(properties)}",
+            do="Give a 3DGS .ply (with f_dc_*, scale_*, rot_*, opacity) or a mesh",
+        )
+    return faces > 0 and not _GAUSSIAN_PROPERTIES <= properties
+
+
+def _ply_contents(path: Path) -> tuple[int, set[str]]:
+    """Number of faces and names of the vertex properties, from a PLY header."""
+    with open(path, "rb") as file:
+        header = file.read(_HEADER_BYTES)
+    if not header.startswith(b"ply"):
+        raise UserError(f"{path} is no PLY file: it does not begin with `ply`", do="Export it again")
+    faces, element, properties = 0, "", set()
+    for line in header.split(b"end_header")[0].decode("ascii", "replace").splitlines():
+        words = line.split()
+        if words[:1] == ["element"] and len(words) == 3:
+            element = words[1]
+            if element == "face" and words[2].isdigit():
+                faces = int(words[2])
+        elif words[:1] == ["property"] and element == "vertex":
+            properties.add(words[-1])
+    return faces, properties

@@ -1,0 +1,258 @@
+"""PhysGaussian's boundary conditions, and checked access to its JSON."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from physagent_jax.errors import UserError
+from physagent_jax.forces.schema import Vector
+from physagent_jax.scene.config import (
+    Cuboid,
+    DomainBox,
+    HalfSpace,
+    ParticleImpulse,
+    ParticleRotation,
+    ParticleTranslation,
+    Surface,
+)
+
+STILL = (0.0, 0.0, 0.0)
+END = 1e3  # PhysGaussian's default end of a window [s]
+_SURFACES = {"sticky": Surface.STICKY, "slip": Surface.SLIP}  # anything else separates
+_MISSING = object()
+
+
+class Reader:
+    """Typed access to a JSON object; errors name the key, warnings collect at the root.
+
+    Args:
+        data: The object.
+        path: Its place in the file, for messages; empty at the root.
+        warnings: Where warnings go; None = a new list.
+    """
+
+    def __init__(self, data: dict, path: str, warnings: list[str] | None = None):
+        self.data, self.path = data, path
+        self.warnings = [] if warnings is None else warnings
+
+    def warn(self, message: str) -> None:
+        """Adds a warning."""
+        self.warnings.append(message)
+
+    def number(self, key: str, default: object = _MISSING) -> float:
+        """A finite number."""
+        return self._checked(key, self._get(key, default))
+
+    def integer(self, key: str, default: object = _MISSING) -> int:
+        """A whole number."""
+        value = self.number(key, default)
+        if value != int(value):
+            raise self._wrong(key, "must be a whole number", value)
+        return int(value)
+
+    def numbers(self, key: str, length: int | None, default: object = _MISSING) -> tuple[float, ...]:
+        """A list of finite numbers; of any length if ``length`` is None."""
+        value = self._get(key, default)
+        if not isinstance(value, list | tuple) or (length is not None and len(value) != length):
+            raise self._wrong(key, f"must be a list of {length or 'any number of'} numbers", value)
+        return tuple(self._checked(key, item) for item in value)
+
+    def vector(self, key: str, default: object = _MISSING) -> Vector:
+        """A list of three finite numbers."""
+        x, y, z = self.numbers(key, 3, default)
+        return (x, y, z)
+
+    def part(self, key: str) -> Reader:
+        """An object."""
+        return self._sub(key, self.data[key])
+
+    def parts(self, key: str) -> list[Reader]:
+        """A list of objects; empty if the key is missing or null."""
+        value = self.data.get(key)
+        if value is None:
+            return []
+        if not isinstance(value, list):
+            raise self._wrong(key, "must be a list", value)
+        return [self._sub(f"{key}[{i}]", item) for i, item in enumerate(value)]
+
+    def name(self, key: str) -> str:
+        """The full path of a key."""
+        return f"{self.path}{key}"
+
+    def _get(self, key: str, default: object) -> object:
+        if key in self.data:
+            return self.data[key]
+        if default is _MISSING:
+            raise UserError(f"PhysGaussian scene: `{self.name(key)}` is missing", do="Add it")
+        return default
+
+    def _checked(self, key: str, value: Any) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise self._wrong(key, "must be a finite number", value)
+        return float(value)
+
+    def _sub(self, key: str, value: object) -> Reader:
+        if not isinstance(value, dict):
+            raise self._wrong(key, "must be an object", value)
+        return Reader(value, f"{self.name(key)}.", self.warnings)
+
+    def _wrong(self, key: str, rule: str, value: object) -> UserError:
+        return UserError(
+            f"PhysGaussian scene: `{self.name(key)}` {rule}", got=repr(value)[:60], do="Mend the file"
+        )
+
+
+def conditions(reader: Reader, substep_dt: float) -> tuple[tuple, tuple]:
+    """Boundaries and constraints, in the file's order.
+
+    The domain's walls come last, whether there is a ``bounding_box`` or not: without them PhysGaussian writes
+    outside its grid when particles leave.
+
+    Args:
+        reader: The scene.
+        substep_dt: Duration of one step, which impulses are counted in [s].
+    """
+    boundaries, constraints = [], []
+    for part in reader.parts("boundary_conditions"):
+        kind = part.data.get("type")
+        if _never(part):
+            reader.warn(f"`{part.name('end_time')}` is not after `start_time`: the condition is left out")
+        elif kind in _BOUNDARIES:
+            boundaries += _BOUNDARIES[kind](part)
+        elif kind == "particle_impulse":
+            constraints.append(_impulse(part, substep_dt))
+        elif kind in _CONSTRAINTS:
+            constraints += _CONSTRAINTS[kind](part)
+        else:
+            reader.warn(f"`{part.name('type')}` = {kind!r} is left out: such a condition is not known")
+    return (*boundaries, DomainBox(padding=3)), tuple(constraints)
+
+
+def _never(part: Reader) -> bool:
+    return part.number("end_time", END) <= part.number("start_time", 0.0)
+
+
+def _window(part: Reader) -> dict[str, Any]:
+    return dict(start=part.number("start_time", 0.0), end=part.number("end_time", END))
+
+
+def _cuboid(part: Reader) -> list:
+    if part.number("reset", 0):
+        part.warn(f"`{part.name('reset')}` is ignored: it zeroes the whole grid outside the window")
+    return [
+        Cuboid(
+            point=part.vector("point"),
+            half_size=part.vector("size"),
+            velocity=part.vector("velocity"),
+            **_window(part),
+        )
+    ]
+
+
+def _surface_collider(part: Reader) -> list:
+    surface = part.data.get("surface", "sticky")
+    if surface == "cut":
+        part.warn(f"`{part.name('surface')}` = 'cut' is left out: it is tied to one scene of PhysGaussian")
+        return []
+    if surface != "sticky":
+        part.warn(
+            f"`{part.name('surface')}` = {surface!r} acts as declared here; in PhysGaussian it acts as sticky"
+        )
+    friction = part.number("friction", 0.0)
+    if surface in _SURFACES and friction:
+        part.warn(f"`{part.name('friction')}` is ignored: a {surface} surface has none here")
+        friction = 0.0
+    return [
+        HalfSpace(
+            point=part.vector("point"),
+            normal=part.vector("normal"),
+            surface=_SURFACES.get(surface, Surface.SEPARATE),
+            friction=friction,
+            **_window(part),
+        )
+    ]
+
+
+def _impulse(part: Reader, substep_dt: float) -> ParticleImpulse:
+    return ParticleImpulse(
+        point=part.vector("point", (1.0, 1.0, 1.0)),
+        half_size=part.vector("size", (1.0, 1.0, 1.0)),
+        force=part.vector("force"),
+        start=part.number("start_time", 0.0),
+        duration=part.integer("num_dt", 1) * substep_dt,
+    )
+
+
+def _translation(part: Reader) -> list:
+    return [
+        ParticleTranslation(
+            point=part.vector("point"),
+            half_size=part.vector("size"),
+            velocity=part.vector("velocity"),
+            **_window(part),
+        )
+    ]
+
+
+def _rotation(part: Reader) -> list:
+    """PhysGaussian turns from its first horizontal axis h towards h x normal: left-handed about the normal."""
+    half_height, radius = part.numbers("half_height_and_radius", 2)
+    return [
+        ParticleRotation(
+            point=part.vector("point"),
+            normal=part.vector("normal"),
+            half_height=half_height,
+            radius=radius,
+            angular_velocity=-part.number("rotation_scale"),
+            axial_velocity=part.number("translation_scale"),
+            **_window(part),
+        )
+    ]
+
+
+def _release(part: Reader) -> list:
+    """Nested boxes that end at ``end_position`` and hold still; the outermost layer is let go first.
+
+    ``num_layers`` is honoured (PhysGaussian overwrites it with 50). As there, the boxes span [0, 2] across the
+    axis, are centred on ``end_position``, and layer i is released at end_time (i + 1) / num_layers.
+    """
+    normal = part.vector("normal")
+    axes = [i for i in range(3) if normal[i] != 0]
+    if len(axes) != 1:
+        raise UserError(
+            f"PhysGaussian scene: `{part.name('normal')}` must lie along one axis",
+            got=list(normal),
+            do="Mend the file",
+        )
+    axis, layers = axes[0], part.integer("num_layers")
+    if layers < 1:
+        raise UserError(f"PhysGaussian scene: `{part.name('num_layers')}` must be positive", got=layers)
+    start, end = part.number("start_position"), part.number("end_position")
+    window = _window(part)
+    released = window["end"]
+    point, size = [1.0, 1.0, 1.0], [1.0, 1.0, 1.0]
+    point[axis] = end
+    boxes = []
+    for layer in range(layers):
+        size[axis] = abs(start - end) * (layers - layer) / layers
+        until = released * (layer + 1) / layers
+        if until > window["start"]:
+            window["end"] = until
+            boxes.append(
+                ParticleTranslation(
+                    point=(point[0], point[1], point[2]),
+                    half_size=(size[0], size[1], size[2]),
+                    velocity=STILL,
+                    **window,
+                )
+            )
+    return boxes
+
+
+_BOUNDARIES = {"bounding_box": lambda part: [], "cuboid": _cuboid, "surface_collider": _surface_collider}
+_CONSTRAINTS = {
+    "enforce_particle_translation": _translation,
+    "enforce_particle_velocity_rotation": _rotation,
+    "release_particles_sequentially": _release,
+}

@@ -1,0 +1,167 @@
+"""What an object of some kind is made of and whether it is held: defaults that a report can give reasons for.
+
+Stiffness is chosen for visible motion, not measured: at true scale a wooden guitar (E = 1e10 Pa) neither bends
+visibly nor allows a time step above a microsecond. With an object about 1 m long, a load of one body weight
+gives the strain rho g L / E, so that the values below put kinds in order, from a few tenths (jelly) to a few
+per cent (instrument). Densities are those of the real matter including its pores, within [50, 1000] kg/m^3.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from typing import Literal
+
+from physagent_jax.scene.config import Anchor, Material, MaterialModel
+
+UNKNOWN = "object"
+_PREPOSITIONS = frozenset(("of", "in", "on", "with", "at", "from", "for", "by", "under", "near"))
+
+
+@dataclasses.dataclass(frozen=True)
+class Prior:
+    """Defaults of one kind.
+
+    Attributes:
+        words: Nouns that name it (singular).
+        youngs_modulus: [Pa].
+        poissons_ratio: nu.
+        density: [kg/m^3].
+        reason: Why these values.
+        rooted: Whether the foot is held unless the prompt says otherwise; the reason, or None.
+        base_fraction: Height of the held foot over the object's.
+    """
+
+    words: tuple[str, ...]
+    youngs_modulus: float
+    poissons_ratio: float
+    density: float
+    reason: str
+    rooted: str | None = None
+    base_fraction: float = 0.12
+
+
+# Every word belongs to one kind.
+PRIORS: dict[str, Prior] = {
+    "jelly": Prior(
+        ("jelly", "jello", "gelatin", "gelatine", "pudding", "panna", "flan", "slime", "gel", "tofu"),
+        6e4, 0.42, 1000.0,
+        "a gel is mostly water (1000 kg/m^3, nearly incompressible); table gelatine has E of 1 to 20 kPa at 10 cm, "
+        "ten times that at 1 m sags and quivers alike (E / rho g L is what matters)",
+    ),
+    "plant": Prior(
+        ("plant", "ficus", "flower", "tree", "bonsai", "rose", "tulip", "carnation", "orchid", "cactus", "bush",
+         "shrub", "fern", "grass", "leaf", "sunflower", "alocasia"),
+        1e5, 0.3, 150.0,
+        "green stems and leaves with the air between them (150 kg/m^3); stiffness chosen for visible motion: "
+        "a trunk of 0.12 m that bends by some 20 degrees in a wind of 2 m/s^2",
+        rooted="plants are rooted: the pot or the foot of the stem does not move",
+        base_fraction=0.2,
+    ),
+    "food": Prior(
+        ("loaf", "bread", "cake", "food", "bun", "toast", "muffin", "donut", "doughnut", "cookie", "burger",
+         "sandwich", "pizza", "pancake", "baguette", "pie", "cheese"),
+        5e4, 0.25, 250.0,
+        "bread is an open foam (250 kg/m^3, low nu); crumb has E of 2 to 30 kPa",
+    ),
+    "pillow": Prior(
+        ("pillow", "cushion", "bolster", "mattress", "sofa", "couch", "beanbag", "sponge", "foam", "marshmallow"),
+        1.5e4, 0.2, 60.0,
+        "upholstery foam: 20 to 80 kg/m^3, E of 10 to 50 kPa, nearly no lateral strain",
+    ),
+    "cloth": Prior(
+        ("cloth", "fabric", "towel", "flag", "curtain", "shirt", "dress", "scarf", "blanket", "rope", "ribbon"),
+        1e4, 0.2, 200.0,
+        "soft enough to fold; cells are thicker than any cloth, so E stands for bending, chosen for visible motion",
+    ),
+    "ball": Prior(
+        ("ball", "balloon", "basketball", "football", "globe"),
+        5e4, 0.35, 200.0,
+        "a soft rubber ball that squashes visibly when it lands; chosen for visible motion",
+    ),
+    "animal": Prior(
+        ("animal", "cow", "spot", "bunny", "rabbit", "bear", "wolf", "dog", "cat", "horse", "duck", "bird", "fish",
+         "dragon", "elephant", "pig", "sheep", "fox", "lion", "frog", "dinosaur", "armadillo"),
+        4e4, 0.4, 500.0,
+        "soft tissue or a plush toy: muscle at rest has E of 10 to 100 kPa; chosen for visible motion",
+    ),
+    "instrument": Prior(
+        ("guitar", "violin", "cello", "ukulele", "banjo", "instrument", "drum", "piano", "trumpet"),
+        2e5, 0.3, 300.0,
+        "a hollow wooden body (300 kg/m^3); wood is 1e5 times stiffer: chosen for visible motion",
+    ),
+    "robot": Prior(
+        ("robot", "playbot", "android", "drone", "mech", "droid", "machine"),
+        1e5, 0.3, 300.0,
+        "a hollow shell as of plastic (300 kg/m^3); plastic is 1e4 times stiffer: chosen for visible motion",
+    ),
+    "furniture": Prior(
+        ("chair", "table", "stool", "desk", "shelf", "lamp", "bench", "bed", "cabinet"),
+        2e5, 0.3, 400.0,
+        "wood with hollows (400 kg/m^3); wood is 1e4 times stiffer: chosen for visible motion",
+    ),
+    "vessel": Prior(
+        ("cup", "mug", "vase", "pot", "bottle", "bowl", "glass", "teapot", "can", "jar"),
+        2e5, 0.3, 500.0,
+        "thin walls around air; ceramics are 1e5 times stiffer: chosen for visible motion",
+    ),
+    "vehicle": Prior(
+        ("car", "truck", "lego", "plane", "airplane", "boat", "ship", "train", "bike", "bicycle", "bulldozer"),
+        2e5, 0.3, 300.0,
+        "a hollow shell (300 kg/m^3), far softer than the real one: chosen for visible motion",
+    ),
+    "toy": Prior(
+        ("toy", "doll", "figurine", "puppet", "teddy", "plush", "statue", "person", "man", "woman", "head"),
+        5e4, 0.35, 300.0,
+        "soft vinyl or plush; chosen for visible motion",
+    ),
+    UNKNOWN: Prior(
+        (), 5e4, 0.3, 200.0,
+        "nothing is known of the object: PhysGaussian's default density, a stiffness chosen for visible motion",
+    ),
+}  # fmt: skip
+
+
+def guess_kind(name: str) -> str:
+    """The kind that a name or noun tells: "ficus_02.ply" -> "plant"; `UNKNOWN` if it tells none.
+
+    Words are compared whole (a plural is allowed), so that "carpet" is no car. A name of several nouns goes
+    by the last known one before any preposition, its head: "toy robot", "a loaf of rye", "plant in a pot".
+    """
+    words = re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).lower())
+    cut = next((i for i, word in enumerate(words) if word in _PREPOSITIONS), len(words))
+    for word in reversed(words[:cut]):
+        for kind, prior in PRIORS.items():
+            if {word, word.removesuffix("s"), word.removesuffix("es")} & set(prior.words):
+                return kind
+    return UNKNOWN
+
+
+def material_for(kind: str) -> Material:
+    """The material prior of a kind; that of `UNKNOWN` for one that is not listed."""
+    prior = PRIORS.get(kind, PRIORS[UNKNOWN])
+    return Material(
+        model=MaterialModel.NEO_HOOKEAN,
+        youngs_modulus=prior.youngs_modulus,
+        poissons_ratio=prior.poissons_ratio,
+        density=prior.density,
+        reason=f"prior for kind '{kind if kind in PRIORS else UNKNOWN}': {prior.reason}",
+    )
+
+
+def anchor_for(kind: str, requested: Literal["base", "top", "none"] | None = None, words: str = "") -> Anchor:
+    """What is held: what the prompt asks for, else what the kind implies.
+
+    Args:
+        kind: The object's kind.
+        requested: "base", "top", "none" (explicitly free), or None (the prompt says nothing).
+        words: The prompt's words that led to ``requested``, for the reason.
+    """
+    prior = PRIORS.get(kind, PRIORS[UNKNOWN])
+    if requested is not None:
+        said = f' ("{words}")' if words else ""
+        outcome = "lets the object go free" if requested == "none" else f"holds the {requested}"
+        return Anchor(kind=requested, fraction=prior.base_fraction, reason=f"the prompt{said} {outcome}")
+    if prior.rooted is not None:
+        return Anchor(kind="base", fraction=prior.base_fraction, reason=prior.rooted)
+    return Anchor(kind="none", reason=f"nothing holds an object of kind '{kind}'")

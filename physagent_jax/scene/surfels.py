@@ -1,0 +1,101 @@
+"""Flat Gaussians on surfaces: the common ground of sampled meshes and procedural objects."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+import numpy as np
+from scipy.ndimage import map_coordinates
+from scipy.spatial import cKDTree
+
+from physagent_jax.gaussians.cloud import GaussianCloud
+
+SH_DC = 0.28209479177387814  # Y_00; colour = SH_DC * sh[0] + 0.5
+FLATNESS = 0.15  # thickness over radius
+KEY_LIGHT = (-0.45, -0.65, 0.62)  # from the upper left front, in a z-up frame with the viewer at -y
+
+
+def surfels(points, normals, radius, rgb, *, opacity: float = 0.98) -> GaussianCloud:
+    """Builds discs that lie in the surface.
+
+    Args:
+        points: Centres [m], shape (n, 3).
+        normals: Unit normals, shape (n, 3).
+        radius: Standard deviation in the surface [m], scalar or shape (n,).
+        rgb: Colours in [0, 1], shape (n, 3).
+        opacity: In [0, 1].
+    """
+    count = len(points)
+    radius = np.broadcast_to(np.asarray(radius, np.float64), (count,))
+    scales = np.stack([radius, radius, FLATNESS * radius], axis=1)
+    sh = (np.clip(rgb, 0, 1) - 0.5) / SH_DC
+    return GaussianCloud(
+        means=jnp.asarray(points, jnp.float32),
+        quats=jnp.asarray(_quats_to(np.asarray(normals, np.float64)), jnp.float32),
+        scales=jnp.asarray(scales, jnp.float32),
+        opacities=jnp.full((count,), opacity, jnp.float32),
+        sh=jnp.asarray(sh[:, None, :], jnp.float32),
+    )
+
+
+def _quats_to(normals: np.ndarray) -> np.ndarray:
+    """Shortest rotations from +z to the normals as quaternions wxyz, shape (n, 4)."""
+    x, y, z = normals.T
+    half = np.stack([1 + z, -y, x, np.zeros_like(x)], axis=1)  # (1 + e_z.n, e_z x n)
+    half[z < -1 + 1e-9] = (0.0, 1.0, 0.0, 0.0)
+    return half / np.linalg.norm(half, axis=1, keepdims=True)
+
+
+def even_points(points: np.ndarray, count: int) -> np.ndarray:
+    """Indices of ``count`` well spread points out of a denser random set, in increasing order.
+
+    Repeatedly thins the set: of every pair of mutual nearest neighbours the second goes, closest pairs
+    first, which removes clumps and leaves the spacing of a blue-noise set.
+    """
+    keep = np.arange(len(points))
+    while len(keep) > count:
+        distance, neighbour = cKDTree(points[keep]).query(points[keep], k=2)
+        distance, neighbour = distance[:, 1], neighbour[:, 1]
+        mutual = np.flatnonzero(
+            (neighbour[neighbour] == np.arange(len(keep))) & (neighbour < np.arange(len(keep)))
+        )
+        if len(mutual) == 0:  # only exact duplicates lack mutual neighbours: drop the surplus
+            return keep[:count]
+        order = mutual[np.argsort(distance[mutual], kind="stable")]
+        keep = np.delete(keep, order[: len(keep) - count])
+    return keep
+
+
+def value_noise(points: np.ndarray, frequency: float, seed: int, *, octaves: int = 3) -> np.ndarray:
+    """Smooth noise in [0, 1]: cubic interpolation of a seeded, periodic lattice of random values.
+
+    Args:
+        points: Shape (n, 3) [m].
+        frequency: Lattice points per metre of the first octave; each further one doubles it at half weight.
+        seed: Seed of the lattice.
+        octaves: Number of octaves.
+
+    Returns:
+        Shape (n,); roughly uniform over [0, 1].
+    """
+    rng = np.random.default_rng(seed)
+    total = np.zeros(len(points))
+    for octave in range(octaves):
+        lattice = rng.uniform(-1, 1, (16, 16, 16))
+        at = np.asarray(points, np.float64).T * frequency * 2**octave + rng.uniform(0, 16, (3, 1))
+        total += 0.5**octave * map_coordinates(lattice, at, order=3, mode="grid-wrap")
+    return np.clip(0.5 + 0.5 * total / 0.9, 0, 1)
+
+
+def baked_light(normals: np.ndarray, *, ambient: float = 0.45, two_sided: bool = False) -> np.ndarray:
+    """Brightness from a key light, a sky that is brighter from above, and a faint rim; shape (n,).
+
+    Args:
+        normals: Unit normals in a z-up frame, shape (n, 3).
+        ambient: Brightness in full shade.
+        two_sided: Whether thin sheets let light through from the back.
+    """
+    key = np.asarray(KEY_LIGHT) / np.linalg.norm(KEY_LIGHT)
+    lambert = normals @ key
+    lambert = np.where(lambert < 0, -0.6 * lambert, lambert) if two_sided else np.maximum(lambert, 0)
+    sky = 0.5 + 0.5 * normals[:, 2]
+    return ambient + 0.55 * lambert + 0.22 * sky

@@ -1,0 +1,226 @@
+"""The offline semantic agent: what sentences lead to, and what no sentence may lead to."""
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from physagent_jax.agents.bands import STILL
+from physagent_jax.agents.language import modifiers, verbs
+from physagent_jax.agents.language.compilation import MAX_ACTIONS
+from physagent_jax.agents.schema import MotionKind
+from physagent_jax.agents.vectors import cosine
+from physagent_jax.errors import UserError
+from physagent_jax.forces.schema import ActionType
+from tests.agents.scenes import brief, described, read, table
+from tests.agents.sentences import SENTENCES
+
+
+@pytest.mark.parametrize(("prompt", "held", "actions", "seen"), SENTENCES, ids=[row[0] for row in SENTENCES])
+def test_sentence(prompt, held, actions, seen):
+    """Every sentence leads to the actions, order, windows, signs, anchor and expectations in the table."""
+    scene = brief(anchored="base" if held else None)
+    assert described(read(prompt, scene), scene) == (actions, seen)
+
+
+@pytest.mark.parametrize("degrees", [30.0, 90.0, 205.0])
+@pytest.mark.parametrize(
+    ("prompt", "held"), [row[:2] for row in SENTENCES if "x axis" not in row[0]], ids=lambda v: str(v)[:40]
+)
+def test_directions_follow_the_camera(prompt, held, degrees):
+    """The same words from another camera mean that camera's directions: nothing is hard-coded."""
+    texts = []
+    for scene in (brief(anchored=held or None), brief(anchored=held or None, directions=table(degrees))):
+        texts.append(described(read(prompt, scene), scene))
+    assert texts[0] == texts[1]
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    ["", "  \n\t", "asdf qwer", "12345", "The colour of mathematics", "?!...", "Schieb den Roboter nach links",
+     "推动机器人向左", "😀", "quickly", "the top of it", "\x00"],
+)  # fmt: skip
+def test_nonsense_is_refused_with_help(prompt):
+    """What names no motion is refused, with what was got and example sentences."""
+    with pytest.raises(UserError) as error:
+        read(prompt)
+    assert "push the robot to the left" in str(error.value)
+    assert not prompt.strip() or prompt.strip()[:5] in str(error.value).replace("\\x00", "\x00")
+
+
+@pytest.mark.parametrize(
+    ("words", "low", "high"),
+    [("very slightly", 0.4, 0.4), ("slightly", 0.4, 0.4), ("gently", 0.4, 0.6), ("slowly", 0.4, 0.7),
+     ("moderately", 0.8, 0.8), ("", 1.0, 1.0), ("not too hard", 0.7, 0.9), ("hard", 1.3, 1.3),
+     ("very hard", 1.4, 1.6), ("violently", 1.6, 1.6), ("extremely violently", 1.6, 1.6)],
+)  # fmt: skip
+def test_intensity_classes(words, low, high):
+    """Intensity words set the magnitude monotonically inside [0.4, 1.6]."""
+    action = read(f"push the robot to the left {words}").force_field.actions[0]
+    assert low <= action.magnitude <= high
+
+
+@pytest.mark.parametrize(
+    ("prompt", "window"),
+    [("push it left for one second", (0, 25)), ("push it left for half a second", (0, 12)),
+     ("push it left during the second half", (24, 48)), ("push it left in the first third", (0, 16)),
+     ("in the last second push it left", (23, 48)), ("push it left between 0.4 and 1.2 seconds", (10, 30)),
+     ("push it left at the end", (36, 48)), ("push it left after 20 frames", (20, 48)),
+     ("push it left briefly", (0, 7)), ("push it left for 99 seconds", (0, 48)),
+     ("push it left at frame 12", (12, 48)), ("push it left for a couple of frames", (0, 2))],
+)  # fmt: skip
+def test_told_times(prompt, window):
+    """Times in words are windows in frames of 0.04 s, kept inside the clip."""
+    assert read(prompt).force_field.actions[0].active_time == window
+
+
+def test_regions_are_on_the_named_side():
+    """Parts are half-spaces whose normal is the viewer's direction, and a box for the middle."""
+    scene = brief(directions=table(37.0))
+    left = read("push the left arm up", scene).force_field.actions[0].region
+    assert left.normal == pytest.approx(scene.directions.left)
+    top = read("push the upper half to the left", scene).force_field.actions[0].region
+    assert (top.point, top.normal) == ((0.5, 0.5, 0.5), (0, 0, 1))
+    corner = read("push the upper left corner away", scene).force_field.actions[0].region
+    assert cosine(corner.normal, scene.directions.left) == pytest.approx(math.sqrt(0.5))
+    middle = read("push the middle to the left", scene).force_field.actions[0].region
+    assert (middle.low[2], middle.high[2]) == pytest.approx((1 / 3, 2 / 3))
+
+
+def test_evidence_leads_from_words_to_values():
+    """Each field of each action has the words that led to it."""
+    reply = read("a strong wind pushes the robot to the left for one second")
+    found = {e.field: e.words for e in reply.evidence}
+    assert found == {
+        "actions[0].action_type": "pushes",
+        "actions[0].magnitude": "strong",
+        "actions[0].vector": "left",
+        "actions[0].active_time": "for one second",
+    }
+    drop = read("drop the robot").evidence
+    assert [(e.words, e.field, e.value) for e in drop] == [("drop", "default_drop", "true")]
+
+
+def test_unknown_words_are_reported():
+    """Content words that led to nothing are listed; function words and the object's name are not."""
+    assert read("the robot is pushed melodiously to the left").not_understood == ("melodiously",)
+    assert read("push the robot to the left").not_understood == ()
+    assert read("push the Ficus Tree left", brief(object_name="ficus_tree")).not_understood == ()
+
+
+def test_assumptions_are_noted():
+    """What the sentence leaves open is said."""
+    assert read("push the robot").notes == ("'push': no direction given, assumed left.",)
+    assert "taken to be the object" in read("push the elephant left").notes[0]
+
+
+def test_opposite_ends_of_a_sequence_do_not_overlap():
+    """Parts of a sequence follow each other and fill the clip."""
+    actions = read("squeeze it, then stretch it, then twist it, then push it up").force_field.actions
+    windows = [a.active_time for a in actions]
+    assert windows == [(0, 12), (12, 24), (24, 36), (36, 48)]
+
+
+def test_a_free_object_is_braked_before_it_turns_back():
+    """Acceleration and brake cancel, so that the next push starts from rest; a held object needs no brake."""
+    free = read("push it to the left, then to the right").force_field.actions
+    assert [a.vector[0] for a in free] == [-1, 1, 1]
+    held = read("push it to the left, then to the right", brief(anchored="base")).force_field.actions
+    assert [a.vector[0] for a in held] == [-1, 1]
+
+
+@pytest.mark.parametrize("words", ["twice", "three times", ""])
+def test_shaking_a_free_object_leaves_it_at_rest(words):
+    """The blows of a shake sum to zero velocity and bring the object back to its place."""
+    actions = read(f"shake the robot {words}", brief(frame_count=121)).force_field.actions
+    assert {a.action_type for a in actions} == {ActionType.IMPULSE}
+    assert sum(a.magnitude * a.vector[0] for a in actions) == pytest.approx(0)
+    drift = sum(a.magnitude * a.vector[0] * (120 - a.active_time[0]) for a in actions)
+    assert abs(drift) / 120 < STILL  # body lengths: M = 1 moves one during the clip
+
+
+def test_swaying_a_free_object_leaves_it_at_rest():
+    """Velocity and displacement of the alternating accelerations both come back to zero."""
+    actions = read("sway the robot left and right three times", brief(frame_count=121)).force_field.actions
+    velocity = position = 0.0
+    for action in actions:
+        span = action.active_time[1] - action.active_time[0]
+        push = action.magnitude * action.vector[0]
+        position += velocity * span + push * span**2 / 2
+        velocity += push * span
+    assert velocity == pytest.approx(0)
+    assert position == pytest.approx(0)
+
+
+@pytest.mark.parametrize("frame_count", [1, 2, 3, 5])
+def test_tiny_clips(frame_count):
+    """Clips too short for the sentence still give valid windows."""
+    scene = brief(frame_count=frame_count)
+    for prompt in ("push left, then right, then up, then kick it down, then stop", "shake it ten times", "jump"):
+        check_windows(read(prompt, scene), frame_count)
+
+
+def test_long_prompts_stay_small_and_quick():
+    """Thousands of clauses neither crash nor flood the simulator."""
+    reply = read("push it to the left, then kick it up, then " * 2000 + "stop")
+    assert len(reply.force_field.actions) <= MAX_ACTIONS
+    check_windows(reply, 49)
+
+
+def check_windows(reply, frame_count: int) -> None:
+    """All windows lie inside the clip; impulses are brief; magnitudes and strengths are in range."""
+    for action in reply.force_field.actions:
+        assert 0.4 <= abs(action.magnitude) <= 1.6
+        assert math.hypot(*action.vector) == pytest.approx(1.0)
+        if action.active_time is None:
+            assert frame_count == 1
+            continue
+        first, last = action.active_time
+        assert 0 <= first < last <= frame_count - 1
+        if action.action_type is ActionType.IMPULSE:
+            assert last - first <= 2
+    for expected in reply.expectations:
+        assert 0 <= expected.window[0] <= expected.window[1] <= frame_count - 1
+    assert reply.expectations
+
+
+LEXICON = sorted(
+    {word for words in (verbs.VERBS, verbs.CAUSES, modifiers.DIRECTIONS, modifiers.INTENSITIES, modifiers.REPEATS,
+                        modifiers.JOINS, modifiers.PLACES, modifiers.MOMENTS, modifiers.ANCHORS, modifiers.GRAVITY,
+                        modifiers.SENSES, modifiers.AXES, modifiers.SIDES, modifiers.COMPARATIVES)
+     for word in words}
+    | {"the", "a", "to", "from", "robot", "not", "no", ",", ".", "for 2 seconds", "half", "side", "its", "after 3 frames"}
+)  # fmt: skip
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.lists(st.sampled_from(LEXICON), max_size=14), st.integers(1, 200), st.booleans())
+def test_any_words_give_a_valid_field_or_an_error(words, frame_count, held):
+    """Any heap of known words is refused or gives a valid force field, and the same one twice."""
+    check_text(" ".join(words).replace("~", "it"), brief(frame_count=frame_count, anchored="base" if held else None))
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.text(max_size=200))
+def test_any_text_gives_a_valid_field_or_an_error(text):
+    """Any Unicode text is refused or gives a valid force field."""
+    check_text(text, brief())
+
+
+def check_text(text: str, scene) -> None:
+    try:
+        reply = read(text, scene)
+    except UserError:
+        return
+    check_windows(reply, scene.frame_count)
+    assert reply == read(text, scene)
+
+
+def test_every_verb_of_the_lexicon_does_something():
+    """Each lemma alone, said of the object, is understood."""
+    for phrase, verb in verbs.VERBS.items():
+        reply = read(f"{phrase.replace('~', 'it')} the robot to the left")
+        moves = reply.force_field.actions or reply.force_field.default_drop
+        still = {e.kind for e in reply.expectations} <= {MotionKind.STILL, MotionKind.FALL}
+        assert moves or still or reply.anchor.kind, (phrase, verb)

@@ -1,0 +1,61 @@
+import pytest
+
+from physagent_jax.scene.priors import PRIORS, UNKNOWN, anchor_for, guess_kind, material_for
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("ficus_02.ply", "plant"),
+        ("TelephonePlant", "plant"),
+        ("a potted plant", "plant"),
+        ("plant in a pot", "plant"),
+        ("the guitar", "instrument"),
+        ("spot", "animal"),
+        ("toy cows", "animal"),
+        ("toy robot", "robot"),
+        ("robot.ply", "robot"),
+        ("a loaf of rye", "food"),
+        ("jelly", "jelly"),
+        ("raspberry pudding", "jelly"),
+        ("basketball", "ball"),
+        ("Cushions", "pillow"),
+        ("dining chair", "furniture"),
+        ("teddy", "toy"),
+        ("carpet", UNKNOWN),  # no car
+        ("point_cloud.ply", UNKNOWN),
+        ("", UNKNOWN),
+    ],
+)
+def test_names_tell_kinds(name, kind):
+    assert guess_kind(name) == kind
+
+
+def test_no_word_belongs_to_two_kinds():
+    words = [word for prior in PRIORS.values() for word in prior.words]
+    assert len(words) == len(set(words))
+
+
+@pytest.mark.parametrize("kind", PRIORS)
+def test_materials_are_soft_enough_to_be_seen_moving_and_say_why(kind):
+    material = material_for(kind)
+    assert 5e3 <= material.youngs_modulus <= 2e5
+    assert 50 <= material.density <= 1000
+    assert material.reason and kind in material.reason
+
+
+def test_an_unlisted_kind_gets_the_material_of_an_unknown_object():
+    assert material_for("nebula") == material_for(UNKNOWN)
+
+
+def test_plants_are_rooted_and_others_are_free():
+    plant = anchor_for("plant")
+    assert plant.kind == "base" and 0 < plant.fraction < 0.5 and "rooted" in plant.reason
+    assert all(anchor_for(kind).kind == "none" for kind in PRIORS if kind != "plant")
+
+
+def test_the_prompt_wins_over_the_kind():
+    free = anchor_for("plant", "none", "is thrown")
+    assert free.kind == "none" and "is thrown" in free.reason
+    assert anchor_for("robot", "top", "hangs").kind == "top"
+    assert anchor_for("robot", "base", "glued to the table").kind == "base"
