@@ -10,15 +10,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from physagent_jax.agents.schema import ExpectedMotion
+from physagent_jax.agents.schema import ExpectedMotion, MotionKind
+from physagent_jax.agents.vectors import clamp
 
 VISIBLE = 0.02  # [body lengths] less is not seen as motion
 VISIBLE_DEGREES = 3.0
-VISIBLE_STRAIN = 0.02
 STILL = 0.05  # [body lengths] more is not seen as stillness
 STILL_DEGREES = 5.0
 STILL_STRAIN = 0.08
 _BRAKED = 0.7  # between a push that goes on (1) and one that is braked half-way (1/2)
+_LARGEST_GAIN = 10.0  # beyond it the response is not proportional anyway
+_SETTLE = 1 / 3  # of a later stillness that may still show what came before it
 _PART = 0.3  # how much less the whole shows if only a part is acted on
 
 
@@ -50,7 +52,8 @@ class Band:
         What cannot be told from nothing is taken as just visible, so that the step stays finite.
         """
         floor = 0.1 * self.low
-        return self.target / (value if abs(value) > floor else floor)
+        gain = self.target / (value if abs(value) > floor else floor)
+        return clamp(gain, -_LARGEST_GAIN, _LARGEST_GAIN)
 
     def text(self) -> str:
         """The range in words."""
@@ -70,10 +73,16 @@ def expectation_windows(expectations: Sequence[ExpectedMotion], frame_count: int
 
 
 def whole_window(expectation: ExpectedMotion, frame_count: int) -> tuple[int, int]:
-    """The expectation's window rounded to frames, at least one frame long if the clip has two."""
+    """The expectation's window rounded to frames, at least one frame long if the clip has two.
+
+    Stillness after motion is looked for once the motion has had time to settle.
+    """
     last = max(frame_count - 1, 0)
-    end = min(max(round(expectation.window[1]), 1), last)
-    first = min(max(round(expectation.window[0]), 0), max(end - 1, 0))
+    begin, finish = expectation.window
+    if expectation.kind is MotionKind.STILL and begin > 0.5:
+        begin += _SETTLE * (finish - begin)
+    end = min(max(round(finish), 1), last)
+    first = min(max(round(begin), 0), max(end - 1, 0))
     return first, end
 
 
@@ -82,17 +91,31 @@ def _fraction(expectation: ExpectedMotion, frame_count: int) -> float:
     return (last - first) / max(frame_count - 1, 1)
 
 
-def move_band(expectation: ExpectedMotion, frame_count: int, anchored: bool) -> Band:
-    """Distance along the direction [body lengths]."""
+def move_band(
+    expectation: ExpectedMotion, frame_count: int, anchored: bool, speed: float = 0.0, rises: bool = False
+) -> Band:
+    """Distance along the direction [body lengths].
+
+    Args:
+        expectation: The motion.
+        frame_count: Frames of the clip.
+        anchored: Whether the object is held.
+        speed: Of a free object along the direction when the window begins [body lengths per clip].
+        rises: Whether it is thrown up and comes down again, which halves the way.
+    """
     strength, part = expectation.strength, _PART if expectation.partial else 1.0
     if anchored:
         low, high = 0.05 * strength, 0.5 * strength
         return Band(part * low, part * 0.2 * strength + (1 - part) * low, high, "body lengths")
     fraction = _fraction(expectation, frame_count)
     steady = fraction**2 * (1.0 if fraction > 0.99 else _BRAKED)
-    target = strength * (fraction if expectation.sudden else steady)
+    blows = 0.5 * (expectation.repeats + 1) * fraction  # evenly spaced: the later ones act for a shorter time
+    target = strength * (blows if expectation.sudden else steady) * (0.5 if rises else 1.0)
     low = max(0.5 * part * target, VISIBLE)
-    return Band(low, max(target, 1.5 * low), max(2.0 * target, 3.0 * low), "body lengths")
+    drift = max(speed, 0.0) * fraction
+    return Band(
+        low, max(target, 1.5 * low) + drift, max(2.0 * target, 3.0 * low) + 2.0 * drift, "body lengths"
+    )
 
 
 def rotate_band(expectation: ExpectedMotion, frame_count: int, anchored: bool) -> Band:

@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 
 from physagent_jax.agents import bands
 from physagent_jax.agents.comparisons import View, compare_amount, compare_direction, reason, unseen
+from physagent_jax.agents.matching import thrown_up, together
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, cosine, dot, norm, scaled
 from physagent_jax.forces.schema import Vector
-from physagent_jax.perception.schema import WindowMotion
+from physagent_jax.perception.schema import Matrix, WindowMotion
 
 _SAME_WAY = 0.7  # cosine: within 45 degrees
 _SAME_AXIS = 0.6
@@ -23,8 +24,25 @@ def checks_of(index: int, expectation: ExpectedMotion, view: View) -> list[Check
     if window is None:
         first, last = bands.whole_window(expectation, view.report.frame_count)
         return [unseen(index, expectation, f"frames {first} to {last} are not in the motion report")]
+    if _against_each_other(expectation, view):
+        return [unseen(index, expectation, "parts that move against each other are not told apart")]
     checks = _CHECKERS[expectation.kind](index, expectation, window, view)
     return [*checks, *_came_back(index, expectation, window, view)]
+
+
+def _against_each_other(expectation: ExpectedMotion, view: View) -> bool:
+    """Whether another part is to move the other way at the same time: the report measures the whole object."""
+    if not expectation.partial or expectation.direction is None:
+        return False
+    others = (
+        other
+        for other in view.expectations
+        if other.partial and other.kind is expectation.kind and other.direction is not None
+    )
+    return any(
+        cosine(other.direction, expectation.direction) < -_SAME_WAY and together(other, expectation)
+        for other in others
+    )
 
 
 def _leaves(window: WindowMotion, view: View) -> bool:
@@ -39,12 +57,19 @@ def _move(index: int, expectation: ExpectedMotion, window: WindowMotion, view: V
         return [unseen(index, expectation, reason(window, "displacement"))]
     seen = window.displacement
     direction = expectation.direction
-    if window.peak_displacement is not None and (expectation.sudden or expectation.released):
-        reach = norm if direction is None else lambda v: dot(v, direction)
-        seen = max(seen, window.peak_displacement, key=reach)
+    if expectation.sudden or expectation.released:
+        seen = _farthest(seen, direction, window, view)
+    seen = _own_part(seen, expectation, view)
     length = norm(seen)
     along = length if direction is None else dot(seen, direction)
-    band = bands.move_band(expectation, view.report.frame_count, view.anchored)
+    speed = 0.0 if direction is None else view.speed(window.first, direction)
+    band = bands.move_band(
+        expectation,
+        view.report.frame_count,
+        view.anchored,
+        speed,
+        thrown_up(expectation, view.expectations, view.brief),
+    )
     if _leaves(window, view) and 0 < along < band.low:
         return [
             unseen(index, expectation, f"it leaves the picture at frame {view.report.quality.leaves_frame}")
@@ -54,6 +79,32 @@ def _move(index: int, expectation: ExpectedMotion, window: WindowMotion, view: V
         checks.append(compare_direction(index, expectation, cosine(seen, direction), _SAME_WAY, "move", view))
     text = f"{along:.2g} body lengths that way{_instead(window, length)}"
     return [*checks, compare_amount(index, expectation, "how far does it move?", band, along, text, view)]
+
+
+def _farthest(seen: Vector, direction: Vector | None, window: WindowMotion, view: View) -> Vector:
+    """The displacement at its farthest along the direction, anywhere in the window."""
+    centroid = view.report.centroid
+    start = centroid[window.first]
+    path = [add([p, scaled(start, -1.0)]) for p in centroid[window.first : window.last + 1] if p and start]
+    path += [d for d in (window.peak_displacement,) if d is not None]
+    return max([seen, *path], key=norm if direction is None else lambda v: dot(v, direction))
+
+
+def _own_part(seen: Vector, expectation: ExpectedMotion, view: View) -> Vector:
+    """A displacement without what gravity and other moves at the same time add across its direction."""
+    direction = expectation.direction
+    if direction is None:
+        return seen
+    others = [view.brief.directions.down] if view.force_field.default_drop else []
+    others += [
+        other.direction
+        for other in view.expectations
+        if other.kind is MotionKind.MOVE and other.direction is not None and together(other, expectation)
+    ]
+    for other in others:
+        if abs(dot(other, direction)) < 0.5:
+            seen = add([seen, scaled(other, -max(dot(seen, other), 0.0))])
+    return seen
 
 
 def _instead(window: WindowMotion, moved: float) -> str:
@@ -110,13 +161,20 @@ def seen_strain(
             and not window.stretch_view_axis_observable
         )
         if not hidden:
-            rows = (dot(tensor[0], direction), dot(tensor[1], direction), dot(tensor[2], direction))
-            return dot(rows, direction) - 1.0, "from the affine fit"
+            return _strain_along(tensor, direction), "from the affine fit"
     if window.volume_ratio is None:
         return None, reason(window, "stretch" if tensor is None else "volume_ratio")
     if direction is None:
         return max(window.volume_ratio, 0.0) ** (1 / 3) - 1.0, "from the bounding box"
     return (window.volume_ratio - 1.0) / _UNIAXIAL_VOLUME, "from the bounding box"
+
+
+def _strain_along(tensor: Matrix, direction: Vector) -> float:
+    """n.S.n - 1."""
+    return (
+        dot((dot(tensor[0], direction), dot(tensor[1], direction), dot(tensor[2], direction)), direction)
+        - 1.0
+    )
 
 
 def _sway(index: int, expectation: ExpectedMotion, window: WindowMotion, view: View) -> list[Check]:
@@ -190,7 +248,7 @@ def _fall(index: int, expectation: ExpectedMotion, window: WindowMotion, view: V
         f"{fallen:.2g} body lengths downwards",
         view,
     )
-    if check.passed or view.force_field.default_drop:
+    if check.passed or view.force_field.default_drop or expectation.window[0] >= 1:
         return [check]
     return [check.model_copy(update={"remedy": "set default_drop to true: gravity is off"})]
 
@@ -204,10 +262,10 @@ def _still(index: int, expectation: ExpectedMotion, window: WindowMotion, view: 
     if window.rotation_degrees is not None:
         ratios["turns"] = window.rotation_degrees / bands.STILL_DEGREES
     if window.stretch is not None:
-        seen = (abs(window.stretch[i][i] - 1.0) for i in range(3))
-        ratios["deforms"] = (
-            min(max(seen), 10.0) / bands.STILL_STRAIN if window.stretch_view_axis_observable else 0.0
-        )
+        seen_axes = [view.brief.directions.right, view.brief.directions.up]
+        seen_axes += [view.brief.directions.toward] if window.stretch_view_axis_observable else []
+        strains = [abs(_strain_along(window.stretch, axis)) for axis in seen_axes]
+        ratios["deforms"] = max(strains) / bands.STILL_STRAIN
     if not ratios:
         return [unseen(index, expectation, reason(window, "displacement"))]
     worst = max(ratios, key=lambda name: ratios[name])

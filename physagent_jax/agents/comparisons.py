@@ -8,7 +8,7 @@ from physagent_jax.agents import bands
 from physagent_jax.agents.bands import Band
 from physagent_jax.agents.matching import agrees, causes_of
 from physagent_jax.agents.schema import Check, ExpectedMotion, SceneBrief
-from physagent_jax.agents.vectors import clamp
+from physagent_jax.agents.vectors import clamp, dot
 from physagent_jax.forces.schema import ForceField, Vector
 from physagent_jax.perception.schema import MotionReport, WindowMotion
 
@@ -20,6 +20,7 @@ class View:
     report: MotionReport
     force_field: ForceField
     brief: SceneBrief
+    expectations: tuple[ExpectedMotion, ...]
 
     @property
     def anchored(self) -> bool:
@@ -40,6 +41,16 @@ class View:
     def driven(self, expectation: ExpectedMotion) -> bool:
         """Whether something in the force field drives it the way that the sentence says."""
         return any(agrees(cause, expectation) for cause in causes_of(expectation, self.force_field))
+
+    def speed(self, frame: int, direction: Vector) -> float:
+        """Speed along a direction when a window begins [body lengths per clip]; 0 if not observable."""
+        before = max(frame - 2, 0)
+        here, there = self.report.centroid[frame], self.report.centroid[before]
+        if here is None or there is None or before == frame:
+            return 0.0
+        return (
+            (dot(here, direction) - dot(there, direction)) / (frame - before) * (self.report.frame_count - 1)
+        )
 
     @property
     def visible(self) -> float:
@@ -104,7 +115,9 @@ def compare_direction(
     if view.driven(expectation):
         fix = f"increase the magnitude of {causes}: it points the right way, but other motion overcomes it"
     else:
-        fix = f"reverse {causes}" if contrary else f"point {causes} along {vector_text(expectation.direction)}"
+        fix = (
+            f"reverse {causes}" if contrary else f"point {causes} along {vector_text(expectation.direction)}"
+        )
     return Check(
         expectation=index,
         question=f"does it {what} the right way?",

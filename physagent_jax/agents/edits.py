@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from physagent_jax.agents.bands import strain_band, whole_window
+from physagent_jax.agents.bands import move_band, strain_band, whole_window
 from physagent_jax.agents.language.events import end_region
 from physagent_jax.agents.language.schedule import divide
 from physagent_jax.agents.matching import Cause
@@ -225,7 +225,12 @@ def lengthen(case: Case, causes: Sequence[Cause], factor: float) -> Iterator[Cha
         first, last = cause.item.active_time or (0.0, case.last)
         items.append(
             cause.item.model_copy(
-                update={"active_time": (first, max(last, min(first + factor * (last - first), limit)))}
+                update={
+                    "active_time": (
+                        first,
+                        max(last, min(float(round(first + factor * (last - first))), limit)),
+                    )
+                }
             )
         )
     if len(causes) == 1:
@@ -253,18 +258,48 @@ def double(case: Case, causes: Sequence[Cause], gain: float) -> Change:
     )
 
 
+def light_gravity(case: Case, causes: Sequence[Cause]) -> Change:
+    """A throw that gravity swallows: a push downwards instead, as strong as the blow.
+
+    A blow M against a push M rises for half a clip, by a quarter of a body length, and falls back in the
+    other half.
+    """
+    size = max(abs(cause.item.magnitude) for cause in causes)
+    first = case.expectation.window[0]
+    fall = Action(
+        action_type=ActionType.TRANSLATION,
+        vector=case.brief.directions.down,
+        magnitude=size,
+        active_time=(first, case.last) if case.last > first else None,
+    )
+    field = case.force_field
+    field = field.model_copy(update={"default_drop": False, "actions": (*field.actions, fall)})
+    return Change(
+        field, f"Gravity overcomes {names(causes)} at once: a gentler push downwards takes its place."
+    )
+
+
+def is_doubled(case: Case, causes: Sequence[Cause]) -> bool:
+    """Whether the causes already come in parallel pairs."""
+    keys = [(cause.type, cause.item.vector, cause.item.active_time) for cause in causes]
+    return len(set(keys)) < len(keys)
+
+
 def enforce(case: Case, causes: Sequence[Cause]) -> Change:
-    """Prescribes the velocity where no admissible force is enough."""
+    """Prescribes the velocity where no admissible force is enough: M = 1 is half a body length per clip."""
+    first, last = whole_window(case.expectation, case.brief.frame_count)
+    target = move_band(case.expectation, case.brief.frame_count, case.brief.anchored is not None).target
+    size = clamp(2.0 * target * case.last / max(last - first, 1), MAGNITUDE_MIN, MAGNITUDE_MAX)
     constraints = tuple(
         VelocityConstraint(
             constraint_type=ConstraintType.PARTICLE_TRANSLATION,
             vector=c.item.vector,
-            magnitude=c.item.magnitude,
+            magnitude=round(math.copysign(size, c.item.magnitude), 4),
             active_time=c.item.active_time,
             region=c.item.region,
             object=c.item.object,
         )
-        for c in causes
+        for c in causes[:1]
     )
     field = with_items(case.force_field, causes, [None] * len(causes))
     field = field.model_copy(update={"constraints": (*field.constraints, *constraints)})
@@ -278,7 +313,7 @@ def shorten(case: Case, causes: Sequence[Cause], factor: float, why: str) -> Cha
     items = []
     for cause in causes:
         first, last = cause.item.active_time or (0.0, case.last)
-        end = min(max(first + factor * (last - first), first + 1.0), last) if case.last >= 1 else last
+        end = min(max(round(first + factor * (last - first)), first + 1.0), last) if case.last >= 1 else last
         items.append(
             cause.item.model_copy(update={"active_time": (first, end)}) if end > first else cause.item
         )

@@ -16,7 +16,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from physagent_jax.agents.matching import agrees, all_causes, causes_of
+from physagent_jax.agents.matching import agrees, all_causes, own_causes
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, normalised, scaled
 from physagent_jax.forces.schema import (
@@ -237,7 +237,7 @@ def sentence_direction(entries: Entries, context: Context) -> tuple[Entries, lis
     for expectation in context.expectations:
         if expectation.kind in (MotionKind.SWAY, MotionKind.FALL, MotionKind.STILL):
             continue
-        causes = causes_of(expectation, ForceField.model_validate(entries))
+        causes = own_causes(expectation, context.expectations, ForceField.model_validate(entries))
         if not causes or any(agrees(cause, expectation) for cause in causes):
             continue
         for cause in causes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind
+from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import cosine, scaled
 from physagent_jax.forces.schema import (
     Action,
@@ -80,6 +80,19 @@ def overlaps(cause: Cause, window: tuple[float, float]) -> bool:
     return first < window[1] and last > window[0]
 
 
+def together(one: ExpectedMotion, other: ExpectedMotion) -> bool:
+    """Whether two expected motions share a part of their windows."""
+    return one.window[0] < other.window[1] and one.window[1] > other.window[0]
+
+
+def thrown_up(expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion], brief: SceneBrief) -> bool:
+    """Whether it leaps or is thrown upwards and is to come down again."""
+    if not expectation.sudden or expectation.direction is None:
+        return False
+    upwards = cosine(expectation.direction, brief.directions.up) > _ALIGNED
+    return upwards and any(other.kind is MotionKind.FALL for other in expectations)
+
+
 def causes_of(expectation: ExpectedMotion, force_field: ForceField) -> list[Cause]:
     """Entries of a fitting type that act in the window: those along the expected line, else all of them."""
     fitting = [
@@ -91,6 +104,24 @@ def causes_of(expectation: ExpectedMotion, force_field: ForceField) -> list[Caus
         return fitting
     aligned = [c for c in fitting if abs(cosine(c.item.vector, expectation.direction)) >= _ALIGNED]
     return aligned or fitting
+
+
+def own_causes(
+    expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion], force_field: ForceField
+) -> list[Cause]:
+    """Causes of an expected motion without those that serve another one: they are not to be turned from it."""
+    served = {
+        cause.name
+        for other in expectations
+        if other is not expectation and other.kind is not MotionKind.SWAY
+        for cause in causes_of(other, force_field)
+        if agrees(cause, other)
+    }
+    return [
+        cause
+        for cause in causes_of(expectation, force_field)
+        if cause.name not in served or agrees(cause, expectation)
+    ]
 
 
 def misfits(

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from physagent_jax.agents import edits
 from physagent_jax.agents.bands import whole_window
 from physagent_jax.agents.edits import AXIAL, Case, Change
-from physagent_jax.agents.matching import Cause, agrees, causes_of, misfits
+from physagent_jax.agents.matching import Cause, agrees, all_causes, misfits, own_causes, thrown_up
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import clamp, norm, scaled
 from physagent_jax.forces.schema import MAGNITUDE_MAX, MAGNITUDE_MIN, Action, ActionType
@@ -34,7 +34,7 @@ def remedies(case: Case) -> Iterator[Change]:
             case.force_field.model_copy(update={"default_drop": True}),
             "Gravity is switched on: it should fall.",
         )
-    causes = causes_of(case.expectation, case.force_field)
+    causes = own_causes(case.expectation, case.expectations, case.force_field)
     if not causes:
         yield from _switch_type(case)
         yield _add(case)
@@ -51,6 +51,9 @@ def remedies(case: Case) -> Iterator[Change]:
     gain = check.gain if check and check.gain is not None else _PUSH_BACK
     if gain <= 0:  # the fixed mapping stays: other motion must be overcome
         gain = _PUSH_BACK
+    thrown = thrown_up(case.expectation, case.expectations, case.brief)
+    if thrown and case.force_field.default_drop and gain > 1:
+        yield edits.light_gravity(case, causes)
     yield from _stronger(case, causes, gain) if gain > 1 else _weaker(case, causes, gain)
 
 
@@ -64,7 +67,8 @@ def _stronger(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Chan
         yield edits.particle_impulse(case, [c for c in causes if c.type is ActionType.IMPULSE], gain)
     if types & {ActionType.TRANSLATION, ActionType.TORQUE} and case.expectation.kind is not MotionKind.SWAY:
         yield from edits.lengthen(case, causes, math.sqrt(gain))
-    yield edits.double(case, causes, gain)
+    if not edits.is_doubled(case, causes):
+        yield edits.double(case, causes, gain)
     if case.expectation.kind is MotionKind.MOVE and ActionType.TRANSLATION in types:
         yield edits.enforce(case, [c for c in causes if c.type is ActionType.TRANSLATION])
     yield edits.scale(case, causes, MAGNITUDE_MAX / MAGNITUDE_MIN)
@@ -140,6 +144,12 @@ def _calm(case: Case) -> Iterator[Change]:
             f"{edits.names(active)} removed: it should be still.",
         )
     first, last = whole_window(case.expectation, case.brief.frame_count)
+    if case.brief.anchored is not None:  # a held object swings on rather than drifts: let it settle
+        before = [
+            c for c in all_causes(case.force_field) if c.item.active_time and c.item.active_time[0] < first
+        ]
+        yield edits.shorten(case, before, 0.8, "it should be still afterwards")
+        return
     window = next((w for w in case.report.windows if (w.first, w.last) == (first, last)), None)
     if window is None or window.displacement is None or norm(window.displacement) < 1e-3 or last - first < 1:
         return

@@ -26,7 +26,7 @@ class RulePlanner:
         What the pictures do not show is not counted; if they show nothing of what was asked, the verdict
         is FAIL and the suggestion says why.
         """
-        view = View(report, force_field, brief)
+        view = View(report, force_field, brief, tuple(expectations))
         checks = [check for index, e in enumerate(expectations) for check in checks_of(index, e, view)]
         seen = [check for check in checks if check.passed is not None]
         success = bool(seen) and all(check.passed for check in seen)

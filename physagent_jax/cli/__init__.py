@@ -26,7 +26,11 @@ def main(arguments: list[str] | None = None) -> int:
 
         enable_compile_cache()
         command = tyro.extras.subcommand_cli_from_dict(
-            COMMANDS, prog="physagent", description=DESCRIPTION, args=arguments or ["--help"]
+            COMMANDS,
+            prog="physagent",
+            description=DESCRIPTION,
+            args=joined(arguments) or ["--help"],
+            config=(tyro.conf.EnumChoicesFromValues, tyro.conf.FlagCreatePairsOff, tyro.conf.DisallowNone),
         )
         return command()
     except UserError as error:
@@ -37,6 +41,17 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("physagent: stopped; the same command takes the run up again", file=sys.stderr)
         return 130
+
+
+def joined(arguments: list[str]) -> list[str]:
+    """Glues ``--up -y`` to ``--up=-y``: a parser would take the axis for another option."""
+    glued: list[str] = []
+    for argument in arguments:
+        if glued and glued[-1] == "--up":
+            glued[-1] = f"--up={argument}"
+        else:
+            glued.append(argument)
+    return glued
 
 
 def enable_compile_cache() -> None:

@@ -34,6 +34,7 @@ class FrameBar:
             TimeElapsedColumn(),
             console=stderr,
             transient=True,
+            disable=not stderr.is_terminal,
         )
         self._task = None
 

@@ -16,7 +16,7 @@ from physagent_jax.scene.card import load_card
 from physagent_jax.scene.config import Anchor, CameraConfig, Material, Source, validation_message
 from physagent_jax.scene.fuse import Ingredients
 from physagent_jax.scene.load import file_sha256
-from physagent_jax.scene.priors import anchor_for, guess_kind, material_for
+from physagent_jax.scene.priors import anchor_for, damping_for, guess_kind, material_for
 from physagent_jax.synthesis import Agents, Request
 
 if TYPE_CHECKING:
@@ -61,6 +61,7 @@ def make_request(command: Run, command_line: str) -> Request:
             anchor=_anchor(command, kind),
             camera=_camera(command, card.azimuth_degrees),
             friction=command.friction,
+            damping_rate=damping_for(kind),
         )
     except ValidationError as error:
         raise validation_message(error, "command line") from None
@@ -115,7 +116,8 @@ def _settings(command: Run, ingredients: Ingredients) -> dict:
         "material": ingredients.material.model_dump(mode="json"),
         "camera": ingredients.camera.model_dump(mode="json"),
     }
-    options = (command.prompt, command.anchor, command.friction, command.max_iterations, command.seed)
+    options = (command.prompt, command.anchor, command.friction, ingredients.damping_rate)
+    options = (*options, command.max_iterations, command.seed)
     return {**parts, "options": options, "save": (command.save_frames, command.save_splats)}
 
 

@@ -73,6 +73,7 @@ def bind(
     )
 
 
+@jax.jit
 def deform(
     cloud: GaussianCloud, binding: Binding, x: jax.Array, F: jax.Array, pre_rotation: np.ndarray | jax.Array
 ) -> Splats:

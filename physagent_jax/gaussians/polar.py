@@ -11,6 +11,7 @@ _NEWTON_STEPS = 14
 
 
 @jax.custom_jvp
+@jax.jit
 def polar_rotation(F: jax.Array) -> jax.Array:
     """Proper rotations R that maximise tr(R^T F): the polar factor of F where det F > 0.
 
@@ -105,7 +106,7 @@ def _largest_eigenvalue(M: jax.Array) -> jax.Array:
         return z - value / jnp.where(slope > 1e-6, slope, jnp.inf)
 
     upper_bound = jnp.full_like(d, 3**0.5)
-    return jax.lax.fori_loop(0, _NEWTON_STEPS, newton, upper_bound, unroll=True)
+    return jax.lax.fori_loop(0, _NEWTON_STEPS, newton, upper_bound)
 
 
 def _dominant_eigenvector(

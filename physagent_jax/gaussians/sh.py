@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 
 import jax
-import jax.experimental
 import jax.numpy as jnp
 import numpy as np
 
@@ -66,6 +65,7 @@ def eval_sh(sh: jax.Array, directions: jax.Array) -> jax.Array:
     return jnp.einsum("...k,...kc->...c", basis, sh)
 
 
+@jax.jit
 def rotate_sh(sh: jax.Array, R: jax.Array) -> jax.Array:
     """Coefficients of rotated functions: eval_sh(rotate_sh(sh, R), d) == eval_sh(sh, R^T d).
 
@@ -96,6 +96,6 @@ def _sample_directions(degree: int) -> tuple[np.ndarray, np.ndarray]:
     angle = np.pi * (3 - 5**0.5) * np.arange(count)
     radius = np.sqrt(1 - z * z)
     directions = np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=-1)
-    with jax.experimental.enable_x64(), jax.ensure_compile_time_eval():
+    with jax.enable_x64(True), jax.ensure_compile_time_eval():
         basis = np.asarray(sh_basis(jnp.asarray(directions), degree))
     return directions, np.linalg.pinv(basis)

@@ -48,17 +48,20 @@ class Projected:
     extents: jax.Array
 
 
+@jax.jit
 def project(splats: Splats, camera: Camera) -> Projected:
     """Projects Gaussians with the local affine approximation of the pinhole camera.
 
     Zwicker et al. 2001, "EWA volume splatting", with gsplat's conventions: covariance J W Sigma W^T J^T +
-    0.3 px^2, J clamped to 1.3 times the field of view, Gaussians behind the near plane skipped. Written in
-    scalars (structure of arrays): batches of 3x3 products are an order of magnitude slower on the CPU.
+    0.3 px^2, J clamped to 1.3 times the field of view. Not drawn are Gaussians behind the near plane, fainter
+    than 1/255, or not finite (a simulation may blow up for single particles). Written in scalars (structure of
+    arrays): batches of 3x3 products are an order of magnitude slower on the CPU.
 
     Args:
         splats: Gaussians in world space.
         camera: Pinhole camera.
     """
+    splats, finite = _without_nans(splats)
     dtype = splats.means.dtype
     view, K = jnp.asarray(camera.viewmat, dtype), jnp.asarray(camera.K, dtype)
     W = view[:3, :3]
@@ -69,7 +72,7 @@ def project(splats: Splats, camera: Camera) -> Projected:
 
     a, b, c = _project_covariances(splats.covariances, W, K, x / z, y / z, z, camera)
     det = a * c - b * b
-    visible = in_front & (det > 0) & (splats.opacities >= ALPHA_MIN)
+    visible = finite & in_front & (det > 0) & (splats.opacities >= ALPHA_MIN)
     det = jnp.where(visible, det, 1.0)
     conics = jnp.stack([c / det, -b / det, a / det], axis=-1)
 
@@ -84,6 +87,21 @@ def project(splats: Splats, camera: Camera) -> Projected:
         colors=_colors(splats, view),
         extents=jax.lax.stop_gradient(jnp.where(visible[:, None], extents, -1.0)),
     )
+
+
+def _without_nans(splats: Splats) -> tuple[Splats, jax.Array]:
+    """Splats with zeros for what is not finite, and which ones are. Shape (n,).
+
+    Without this, products with a weight of zero would carry a NaN into pixels and gradients.
+    """
+    finite = jnp.isfinite(jnp.sum(splats.means, axis=-1) + jnp.sum(splats.covariances, axis=-1))
+    clean = dataclasses.replace(
+        splats,
+        means=jnp.where(finite[:, None], splats.means, 0),
+        covariances=jnp.where(finite[:, None], splats.covariances, 0),
+        rotations=jnp.where(finite[:, None, None], splats.rotations, 0),
+    )
+    return clean, finite
 
 
 def _project_covariances(covariances, W, K, x_over_z, y_over_z, z, camera):

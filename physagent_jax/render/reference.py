@@ -1,7 +1,7 @@
 """The renderer's readable twin: every Gaussian at every pixel, differentiated by JAX.
 
 Slow and memory hungry, an oracle for tests: full matrices, the Jacobian of the pinhole camera by automatic
-differentiation, no tiles. Give it float64 arrays (under `jax.experimental.enable_x64`) for tight comparisons.
+differentiation, no tiles. Give it float64 arrays (under `jax.enable_x64`) for tight comparisons.
 """
 
 from __future__ import annotations

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 
 import jax
 import jax.numpy as jnp
@@ -56,10 +57,10 @@ def render(splats: Splats, camera: Camera, *, background=(1.0, 1.0, 1.0)) -> Ren
     if key not in _capacities:
         _capacities[key] = pair_capacity(splats, camera)
     background = np.asarray(background, np.float32)
-    rendering, total = _rasterize_jit(splats, camera, background, capacity=_capacities[key])
+    rendering, total = rasterize(splats, camera, background, capacity=_capacities[key])
     if int(total) > _capacities[key]:
         _capacities[key] = _roomy(int(total))
-        rendering, _ = _rasterize_jit(splats, camera, background, capacity=_capacities[key])
+        rendering, _ = rasterize(splats, camera, background, capacity=_capacities[key])
     return rendering
 
 
@@ -72,6 +73,7 @@ def pair_capacity(splats: Splats, camera: Camera) -> int:
     return _roomy(int(_count(splats, camera)))
 
 
+@functools.partial(jax.jit, static_argnames=("capacity", "tile_size", "lanes"))
 def rasterize(
     splats: Splats,
     camera: Camera,
@@ -81,7 +83,7 @@ def rasterize(
     tile_size: int = TILE_SIZE,
     lanes: int | None = None,
 ) -> tuple[Rendering, jax.Array]:
-    """Renders; may be jitted and differentiated with respect to splats, camera pose and background.
+    """Renders; differentiable with respect to splats, camera pose and background.
 
     The order of the Gaussians and their box on the image carry no gradient.
 
@@ -111,9 +113,6 @@ def rasterize(
     rgb = features[..., :3] + transmittance[..., None] * jnp.asarray(background, features.dtype)
     depth = jnp.where(alpha > 0, features[..., 3] / jnp.where(alpha > 0, alpha, 1), 0)
     return Rendering(rgb * valid, depth * valid, alpha * valid), lists.total
-
-
-_rasterize_jit = jax.jit(rasterize, static_argnames=("capacity", "tile_size", "lanes"))
 
 
 @jax.jit

@@ -24,7 +24,7 @@ from physagent_jax.scene.presets import Preset
 
 DROP_HEIGHT = 0.5  # clear height under a falling object, in body lengths
 SWEEP_LIMIT = 1.6  # furthest that the camera looks ahead, in body lengths
-ANCHORED_TIME = 1.0  # [s]
+ANCHORED_TIME = 0.7  # [s]
 ANCHORED_SWEEP = 0.35  # the same for what is held somewhere
 
 
@@ -40,7 +40,7 @@ class Ingredients:
         anchor: What is held.
         camera: Direction and lens; with ``target`` None it is placed to show the expected motion.
         friction: Of the ground, for falling objects.
-        seed: For the record; it is the filling's.
+        damping_rate: Drag of the surrounding air [1/s]; the preset's holds if it is larger.
     """
 
     prompt: str
@@ -51,6 +51,7 @@ class Ingredients:
     anchor: Anchor
     camera: CameraConfig
     friction: float = 0.0
+    damping_rate: float = 0.0
 
 
 def fuse(ingredients: Ingredients, body: Body, force_field: ForceField) -> SceneConfig:
@@ -73,7 +74,9 @@ def fuse(ingredients: Ingredients, body: Body, force_field: ForceField) -> Scene
         material=material,
         domain=preset.domain,
         timing=preset.timing,
-        transfer=preset.transfer,
+        transfer=preset.transfer.model_copy(
+            update=dict(damping_rate=max(preset.transfer.damping_rate, ingredients.damping_rate))
+        ),
         boundaries=boundaries,
         anchor=ingredients.anchor,
         force_field=force_field,
@@ -90,8 +93,7 @@ def fuse(ingredients: Ingredients, body: Body, force_field: ForceField) -> Scene
 def _reference_time(ingredients: Ingredients) -> float:
     """T of the skill table [s]: the clip for a free object, which should cross the picture once and no more.
 
-    What is held somewhere cannot leave, and needs a force that bends it: one second, as in a body that
-    would cover its own length in that time.
+    What is held somewhere cannot leave, and needs a force that bends it: four tenths of gravity.
     """
     timing = ingredients.preset.timing
     clip = (timing.frame_count - 1) * timing.frame_dt

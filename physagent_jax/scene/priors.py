@@ -30,6 +30,7 @@ class Prior:
         reason: Why these values.
         rooted: Whether the foot is held unless the prompt says otherwise; the reason, or None.
         base_fraction: Height of the held foot over the object's.
+        damping_rate: Drag of the surrounding air on it [1/s].
     """
 
     words: tuple[str, ...]
@@ -39,6 +40,7 @@ class Prior:
     reason: str
     rooted: str | None = None
     base_fraction: float = 0.12
+    damping_rate: float = 0.0
 
 
 # Every word belongs to one kind.
@@ -52,11 +54,12 @@ PRIORS: dict[str, Prior] = {
     "plant": Prior(
         ("plant", "ficus", "flower", "tree", "bonsai", "rose", "tulip", "carnation", "orchid", "cactus", "bush",
          "shrub", "fern", "grass", "leaf", "sunflower", "alocasia"),
-        1e5, 0.3, 150.0,
-        "green stems and leaves with the air between them (150 kg/m^3); stiffness chosen for visible motion: "
-        "a trunk of 0.12 m that bends by some 20 degrees in a wind of 2 m/s^2",
+        2.5e5, 0.3, 150.0,
+        "green stems and leaves with the air between them (150 kg/m^3); stiffness chosen so that a tree of 1 m "
+        "sways at between 1 and 2 Hz, as real ones do",
         rooted="plants are rooted: the pot or the foot of the stem does not move",
         base_fraction=0.2,
+        damping_rate=1.2,  # leaves: damping ratios of swaying trees are near 0.1 (at 1.2 Hz: rate / 2 omega = 0.08)
     ),
     "food": Prior(
         ("loaf", "bread", "cake", "food", "bun", "toast", "muffin", "donut", "doughnut", "cookie", "burger",
@@ -147,6 +150,11 @@ def material_for(kind: str) -> Material:
         density=prior.density,
         reason=f"prior for kind '{kind if kind in PRIORS else UNKNOWN}': {prior.reason}",
     )
+
+
+def damping_for(kind: str) -> float:
+    """Drag of the surrounding air on an object of ``kind`` [1/s] (`Transfer.damping_rate`)."""
+    return PRIORS.get(kind, PRIORS[UNKNOWN]).damping_rate
 
 
 def anchor_for(kind: str, requested: Literal["base", "top", "none"] | None = None, words: str = "") -> Anchor:

@@ -89,7 +89,9 @@ def report(
         frame_count=frame_count, frame_dt=0.04, object_size=1.0, object_center=(0, 0, 0), windows=tuple(windows),
         centroid=tuple(centroid or [(0, 0, 0)] * frame_count), rotation_degrees=(0.0,) * frame_count,
         volume_ratio=(1.0,) * frame_count, oscillation=None, onset_frame=None, settle_frame=None,
-        quality=Quality(tracks_kept=1.0, fit_residual=0.0, depth_noise=0.0, mask_fraction=0.2, leaves_frame=leaves_frame),
+        quality=Quality(
+            tracks_kept=1.0, fit_residual=0.0, depth_noise=0.0, mask_fraction=0.2, leaves_frame=leaves_frame
+        ),
         text="",
     )  # fmt: skip
 

@@ -26,19 +26,22 @@ SENTENCES = [
     (
         "the ficus sways in the wind",
         "anchored",
-        "translation left +1 0-12; translation right +1 12-24; translation left +1 24-36; translation right +1 36-48",
+        "translation left +1 0-12; translation right +1 12-24; translation left +1 24-36; "
+        "translation right +1 36-48",
         "sway left x2",
     ),
     (
         "a ficus swaying gently",
         "anchored",
-        "translation left +0.5 0-12; translation right +0.5 12-24; translation left +0.5 24-36; translation right +0.5 36-48",
+        "translation left +0.5 0-12; translation right +0.5 12-24; translation left +0.5 24-36; "
+        "translation right +0.5 36-48",
         "sway left x2",
     ),
     (
         "the plant sways left and right twice, then is still",
         "anchored",
-        "translation left +1 0-8; translation right +1 8-16; translation left +1 16-24; translation right +1 24-32",
+        "translation left +1 0-8; translation right +1 8-16; translation left +1 16-24; "
+        "translation right +1 24-32",
         "sway left x2; still",
     ),
     ("nothing happens", "", "", "still"),
@@ -55,13 +58,14 @@ SENTENCES = [
     (
         "push the robot to the left, then harder to the right, and finally stop",
         "",
-        "translation left +1 0-10; translation right +1 10-19; translation right +1.4 19-29; translation left +1.4 29-38",
+        "translation left +1 0-10; translation right +1 10-19; translation right +1.4 19-29; "
+        "translation left +1.4 29-38",
         "move left; move right; still",
     ),
     (
         "lift the robot slowly, then drop it",
         "",
-        "translation up +0.6 0-24; translation down +1.6 24-48",
+        "translation up +0.6 0-12; translation down +0.6 12-24; translation down +1.6 24-48",
         "move up; fall",
     ),
     ("throw the ball into the air", "", "drop; impulse up +1 0-1", "move up; fall"),
@@ -143,13 +147,15 @@ SENTENCES = [
     (
         "swing the lamp from side to side twice",
         "anchored",
-        "translation left +1 0-12; translation right +1 12-24; translation left +1 24-36; translation right +1 36-48",
+        "translation left +1 0-12; translation right +1 12-24; translation left +1 24-36; "
+        "translation right +1 36-48",
         "sway left x2",
     ),
     (
         "the lamp hanging from the ceiling swings",
         "",
-        "translation left +1 0-12; translation right +1 12-24; translation left +1 24-36; translation right +1 36-48; anchor top",
+        "translation left +1 0-12; translation right +1 12-24; translation left +1 24-36; "
+        "translation right +1 36-48; anchor top",
         "sway left x2",
     ),
     ("the plant is rooted and bends forward", "", "translation toward +1 0-48; anchor base", "move toward"),
@@ -158,7 +164,8 @@ SENTENCES = [
     (
         "the robot nods twice",
         "",
-        "translation toward +1 0-6; translation away +1 6-18; translation toward +1 18-30; translation away +1 30-42; translation toward +1 42-48",
+        "translation toward +1 0-6; translation away +1 6-18; translation toward +1 18-30; "
+        "translation away +1 30-42; translation toward +1 42-48",
         "sway toward x2",
     ),
     ("stretch it along its height, then let it spring back", "", "scale up +1 0-24", "stretch up released"),
@@ -252,7 +259,8 @@ SENTENCES = [
     (
         "a strong wind blows from left to right and the plant sways",
         "anchored",
-        "translation right +1.3 0-12; translation left +1.3 12-24; translation right +1.3 24-36; translation left +1.3 36-48",
+        "translation right +1.3 0-12; translation left +1.3 12-24; translation right +1.3 24-36; "
+        "translation left +1.3 36-48",
         "sway right x2",
     ),
     (
@@ -264,7 +272,9 @@ SENTENCES = [
     (
         "Push it left. Push it right. Lift it up. Drop it.",
         "",
-        "translation left +1 0-6; translation right +1 6-12; translation right +1 12-18; translation left +1 18-24; translation up +1 24-36; translation down +1.6 36-48",
+        "translation left +1 0-6; translation right +1 6-12; translation right +1 12-18; "
+        "translation left +1 18-24; translation up +1 24-30; translation down +1 30-36; "
+        "translation down +1.6 36-48",
         "move left; move right; move up; fall",
     ),
     (
@@ -309,7 +319,8 @@ SENTENCES = [
     (
         "the robot waves its left arm",
         "",
-        "translation left +1 0-12 on left; translation right +1 12-36 on left; translation left +1 36-48 on left",
+        "translation left +1 0-12 on left; translation right +1 12-36 on left; "
+        "translation left +1 36-48 on left",
         "sway left",
     ),
     (
@@ -370,7 +381,8 @@ SENTENCES = [
     (
         "the robot is held at the top while its bottom swings left and right",
         "",
-        "translation left +1 0-12 on down; translation right +1 12-24 on down; translation left +1 24-36 on down; translation right +1 36-48 on down; anchor top",
+        "translation left +1 0-12 on down; translation right +1 12-24 on down; "
+        "translation left +1 24-36 on down; translation right +1 36-48 on down; anchor top",
         "sway left x2",
     ),
     ("compress it vertically by a lot", "", "scale up -1.3 0-48", "squeeze up"),
@@ -434,7 +446,8 @@ SENTENCES = [
     (
         "the jelly is pulled to the left and to the right",
         "",
-        "translation left +1 0-6; translation right +1 6-18; translation left +1 18-30; translation right +1 30-42; translation left +1 42-48",
+        "translation left +1 0-6; translation right +1 6-18; translation left +1 18-30; "
+        "translation right +1 30-42; translation left +1 42-48",
         "sway left x2",
     ),
     (
@@ -468,7 +481,8 @@ SENTENCES = [
     (
         "a strong wind sways the plant, then the wind stops",
         "anchored",
-        "translation left +1.3 0-8; translation right +1.3 8-16; translation left +1.3 16-24; translation right +1.3 24-32",
+        "translation left +1.3 0-8; translation right +1.3 8-16; translation left +1.3 16-24; "
+        "translation right +1.3 24-32",
         "sway left x2; still",
     ),
     ("the robot does not fall", "", "", "still"),

@@ -157,7 +157,11 @@ def test_swaying_a_free_object_leaves_it_at_rest():
 def test_tiny_clips(frame_count):
     """Clips too short for the sentence still give valid windows."""
     scene = brief(frame_count=frame_count)
-    for prompt in ("push left, then right, then up, then kick it down, then stop", "shake it ten times", "jump"):
+    for prompt in (
+        "push left, then right, then up, then kick it down, then stop",
+        "shake it ten times",
+        "jump",
+    ):
         check_windows(read(prompt, scene), frame_count)
 
 
@@ -190,7 +194,8 @@ LEXICON = sorted(
                         modifiers.JOINS, modifiers.PLACES, modifiers.MOMENTS, modifiers.ANCHORS, modifiers.GRAVITY,
                         modifiers.SENSES, modifiers.AXES, modifiers.SIDES, modifiers.COMPARATIVES)
      for word in words}
-    | {"the", "a", "to", "from", "robot", "not", "no", ",", ".", "for 2 seconds", "half", "side", "its", "after 3 frames"}
+    | {"the", "a", "to", "from", "robot", "not", "no", ",", ".", "for 2 seconds", "half", "side", "its",
+       "after 3 frames"}
 )  # fmt: skip
 
 
@@ -198,7 +203,9 @@ LEXICON = sorted(
 @given(st.lists(st.sampled_from(LEXICON), max_size=14), st.integers(1, 200), st.booleans())
 def test_any_words_give_a_valid_field_or_an_error(words, frame_count, held):
     """Any heap of known words is refused or gives a valid force field, and the same one twice."""
-    check_text(" ".join(words).replace("~", "it"), brief(frame_count=frame_count, anchored="base" if held else None))
+    check_text(
+        " ".join(words).replace("~", "it"), brief(frame_count=frame_count, anchored="base" if held else None)
+    )
 
 
 @settings(max_examples=200, deadline=None)

@@ -48,6 +48,9 @@ def _brakes(event: Event, after: list[Event], draft: Draft) -> bool:
         stops = later.doing is Doing.STILL
         turned = event.doing is Doing.TURN and later.doing is Doing.TURN
         moved = event.doing in _MOTIONS and later.doing in (*_MOTIONS, Doing.SWAY)
+        lifted = event.direction and dot(event.direction, draft.brief.directions.up) > 0.5
+        if lifted and event.doing is Doing.PUSH and later.doing is Doing.FALL:
+            return True  # else the push downwards that follows would only slow it
         same = event.direction and later.direction and dot(event.direction, later.direction) > 0.5
         if stops or ((turned or moved) and not same):
             return True

@@ -60,22 +60,18 @@ DIRECTIONS: dict[str, Names] = _spread(
     {
         "left, leftward, leftwards, to the viewer left": ("left",),
         "right, rightward, rightwards, to the viewer right": ("right",),
-        "up, upward, upwards, above, skyward, into the air, overhead, toward the sky, towards the sky, "
-        "to the sky,"
-        "toward the ceiling, towards the ceiling, to the ceiling": ("up",),
-        "down, downward, downwards, below, underneath, to the ground, to the floor, toward the ground,"
-        "towards the ground, towards the floor, toward the floor, into the ground, onto the ground, "
-        "beneath": ("down",),
-        "forward, forwards, toward us, towards us, toward me, towards me, at us, toward the camera, "
-        "towards the camera,"
-        "to the camera, at the camera, toward the viewer, towards the viewer, to the viewer, "
-        "out of the screen, closer,"
-        "out of the picture, toward you, towards you, frontward, frontwards, nearer": ("toward",),
+        "up, upward, upwards, above, skyward, into the air, overhead, toward the sky, "
+        "towards the sky, to the sky, toward the ceiling, towards the ceiling, to the ceiling": ("up",),
+        "down, downward, downwards, below, underneath, to the ground, to the floor, "
+        "toward the ground, towards the ground, towards the floor, toward the floor, "
+        "into the ground, onto the ground, beneath": ("down",),
+        "forward, forwards, toward us, towards us, toward me, towards me, at us, "
+        "toward the camera, towards the camera, to the camera, at the camera, toward the viewer, "
+        "towards the viewer, to the viewer, out of the screen, closer, out of the picture, "
+        "toward you, towards you, frontward, frontwards, nearer": ("toward",),
         "away, backward, backwards, away from us, away from the camera, away from the viewer, "
-        "away from me, behind,"
-        "into the screen, into the picture, into the distance, rearward, rearwards, into the background": (
-            "away",
-        ),
+        "away from me, behind, into the screen, into the picture, into the distance, rearward, "
+        "rearwards, into the background": ("away",),
         "upper left, top left": ("up", "left"),
         "upper right, top right": ("up", "right"),
         "lower left, bottom left": ("down", "left"),
@@ -96,8 +92,8 @@ AXES: dict[str, Names] = _spread(
     {
         "vertical axis, upright axis, height, its own axis, its axis, long axis, vertical": ("up",),
         "horizontal axis, width, length, horizontal, lengthwise, lengthways": ("right",),
-        "depth, viewing axis, viewing direction, line of sight, view axis, depth axis, viewer axis, "
-        "crosswise": ("toward",),
+        "depth, viewing axis, viewing direction, line of sight, view axis, depth axis, "
+        "viewer axis, crosswise": ("toward",),
         "x axis": ("x",),
         "y axis": ("y",),
         "z axis": ("z",),
@@ -130,32 +126,30 @@ VIEWS: dict[str, Names] = _spread(
     {
         "seen from above, viewed from above, from a bird eye view": ("up",),
         "seen from below, viewed from below": ("down",),
-        "seen from the front, as we see it, as seen by the viewer, seen by the viewer, in the picture,"
-        "in the picture plane, in the image plane": ("toward",),
+        "seen from the front, as we see it, as seen by the viewer, seen by the viewer, "
+        "in the picture, in the picture plane, in the image plane": ("toward",),
     }
 )
 
 INTENSITIES: dict[str, float] = _spread(
     {
         "slightly, slight, barely, minimally, faint, faintly, a tiny bit, a touch, a tad": 0.4,
-        "gently, gentle, softly, soft, a bit, a little, a little bit, weak, weakly, lightly, light, "
-        "mild, mildly, little,"
-        "tiny, delicately, delicate, subtle, subtly, small, calm, calmly, carefully, tender, tenderly": 0.5,
+        "gently, gentle, softly, soft, a bit, a little, a little bit, weak, weakly, lightly, "
+        "light, mild, mildly, little, tiny, delicately, delicate, subtle, subtly, small, calm, "
+        "calmly, carefully, tender, tenderly": 0.5,
         "slowly, slow, lazily, leisurely": 0.6,
         "moderate, moderately, somewhat, medium": 0.8,
         "a quarter turn, quarter of a turn, a quarter of a turn": 1.0,
         "quickly, quick, fast, rapidly, rapid, swiftly, swift, briskly": 1.3,
-        "strong, strongly, hard, firmly, firm, heavily, forcefully, forceful, powerfully, powerful, "
-        "big, much, severely,"
-        "severe, vigorously, vigorous, a lot, far, intense, intensely, sharply, sharp, considerably, "
-        "large, high, deeply,"
-        "heavy, with force, mighty, great, greatly, energetically, significantly": 1.3,
-        "violently, violent, fiercely, fierce, extremely strong, extreme, brutally, brutal, furiously, "
-        "furious, wildly,"
-        "wild, massive, massively, tremendous, enormous, huge, ferocious, with all its force, "
-        "completely, hugely,"
-        "ferociously, drastically, immense, as hard as possible, with full force, half a turn, "
-        "a half turn, a full turn, one full turn, a whole turn, dramatically, enormously": 1.6,
+        "strong, strongly, hard, firmly, firm, heavily, forcefully, forceful, powerfully, "
+        "powerful, big, much, severely, severe, vigorously, vigorous, a lot, far, intense, "
+        "intensely, sharply, sharp, considerably, large, high, deeply, heavy, with force, mighty, "
+        "great, greatly, energetically, significantly": 1.3,
+        "violently, violent, fiercely, fierce, extremely strong, extreme, brutally, brutal, "
+        "furiously, furious, wildly, wild, massive, massively, tremendous, enormous, huge, "
+        "ferocious, with all its force, completely, hugely, ferociously, drastically, immense, "
+        "as hard as possible, with full force, half a turn, a half turn, a full turn, "
+        "one full turn, a whole turn, dramatically, enormously": 1.6,
     }
 )
 DEGREES: dict[str, float] = _spread(
@@ -180,13 +174,11 @@ REPEATS: dict[str, Repeat] = _spread(
         "thrice": Repeat(3),
         "once": Repeat(1),
         "repeatedly, again and again, several times, a few times, many times, multiple times, "
-        "a couple of times,"
-        "over and over, over and over again": Repeat(3),
+        "a couple of times, over and over, over and over again": Repeat(3),
         "back and forth, to and fro, alternating, alternatingly, alternately, rhythmically, "
-        "periodically, and back,"
-        "and back again": Repeat(None, alternate=True),
-        "side to side, left and right, left and then right, from left to right and back, from side to side,"
-        "left to right and back": Repeat(None, True, ("left",)),
+        "periodically, and back, and back again": Repeat(None, alternate=True),
+        "side to side, left and right, left and then right, from left to right and back, "
+        "from side to side, left to right and back": Repeat(None, True, ("left",)),
         "right and left": Repeat(None, True, ("right",)),
         "up and down": Repeat(None, True, ("up",)),
         "forward and backward, forwards and backwards, backward and forward, backwards and forwards": Repeat(
@@ -198,8 +190,8 @@ REPEATS: dict[str, Repeat] = _spread(
 # Parts that name their own place.
 PLACES: dict[str, Place] = _spread(
     {
-        "leaf, leaves, branches, branch, foliage, crown, canopy, flowers, flower, blossoms, petals, "
-        "fronds": Place(("up",), 0.4),
+        "leaf, leaves, branches, branch, foliage, crown, canopy, flowers, flower, blossoms, "
+        "petals, fronds": Place(("up",), 0.4),
         "head, face, hat, ears, antenna, neck, hair": Place(("up",), 0.72),
         "tip, peak, summit": Place(("up",), 0.8),
         "base, pot, roots, flowerpot, vase base, stand": Place(("down",), 0.75),
@@ -241,15 +233,14 @@ PART_ADJECTIVES: dict[str, Names] = _spread(
 GRAVITY: dict[str, bool] = _spread(
     {
         "gravity, own weight, its weight, from a height, from height, from high up, from the sky, "
-        "from a great height,"
-        "free fall": True,
+        "from a great height, free fall": True,
         "weightless, weightlessly, weightlessness, zero gravity, in space, outer space, in zero g": False,
     }
 )
 ANCHORS: dict[str, str] = _spread(
     {
-        "rooted, potted, planted, stuck to the ground, attached to the ground, fixed to the ground, "
-        "in a pot, in its pot": "base",
+        "rooted, potted, planted, stuck to the ground, attached to the ground, "
+        "fixed to the ground, in a pot, in its pot": "base",
         "fixed at the bottom, fixed at the base, fixed at its base, fixed at its bottom, "
         "anchored at the base": "base",
         "hanging from the ceiling, fixed at the top, held at the top, fixed at its top": "top",
@@ -261,15 +252,12 @@ ANCHORS: dict[str, str] = _spread(
 JOINS: dict[str, Join] = _spread(
     {
         "then, and then, after that, afterwards, afterward, finally, next, later, followed by, "
-        "subsequently, lastly, at last,"
-        "eventually, after a while, after a moment, a moment later, thereafter, followed, and finally, "
-        "thereupon, and after that": Join.THEN,
-        "while, as, when, whilst, at the same time, simultaneously, meanwhile, "
-        "and at the same time": Join.WHILE,
+        "subsequently, lastly, at last, eventually, after a while, after a moment, a moment later, "
+        "thereafter, followed, and finally, thereupon, and after that": Join.THEN,
+        "while, as, when, whilst, at the same time, simultaneously, meanwhile, and at the same time": Join.WHILE,
         "and, plus, with": Join.AND,
-        "so that, making, causing, which makes, such that, to make, until, that makes, in order to, "
-        "which, because of,"
-        "caused by, due to": Join.RESULT,
+        "so that, making, causing, which makes, such that, to make, until, that makes, "
+        "in order to, which, because of, caused by, due to": Join.RESULT,
         "but, however, yet": Join.BUT,
         "before": Join.BEFORE,
         "after": Join.AFTER,
@@ -319,39 +307,30 @@ MOMENTS: dict[str, tuple[float | None, float | None]] = _spread(
         "immediately, right away, at once, right now, from the start": (0.0, None),
         "halfway through, midway, halfway, in the middle of the clip, half way through": (0.5, None),
         "the whole time, throughout, all the time, the entire time, until the end, continuously, "
-        "constantly, steadily,"
-        "forever, during the whole clip, for the whole clip": (None, None),
+        "constantly, steadily, forever, during the whole clip, for the whole clip": (None, None),
     }
 )
 
+# Words that carry nothing by themselves: grammar, light verbs, whoever acts, the scene around.
 FUNCTION_WORDS = frozenset(
-    "a an the this that these those it its it's itself he she him her his they them their we us "
-    "our i me my you your "
-    "is are was were be been being am do does did done has have had having will would can could "
-    "should shall may might must "
-    "of to in into on onto at by for from with within under over against through across along "
-    "about around off out near "
-    "and or if than there here where what who whom whose how why which as so also just only even "
-    "again still all each every "
-    "both some any own other one ones let lets letting make makes made making cause causes caused "
-    "causing get gets got "
-    "getting give gives gave given giving take takes took taken put puts keep keeps kept start "
-    "starts started begin begins "
-    "began starting beginning become becomes became try tries continue continues please ok object "
-    "thing model subject "
-    "scene video clip camera viewer axis direction side someone something somebody person people "
-    "invisible me's s t "
-    "come comes came coming coming act acts acting applied apply applies applying receive receives "
-    "received undergo "
-    "undergoes experience experiences feel feels first second straight directly toward towards way "
-    "bit touch touching touched "
-    "ground floor table ceiling sky wall whole entire entirely place motion movement hand hands "
-    "finger fingers fist fists "
-    "hammer ball foot feet giant rope string effect shape position original rest time times much "
-    "due because while suddenly "
-    "arrive arrives reach reaches body part end ends stay itself themselves seconds frames frame "
-    "toward happen happens "
-    "slow nothing anything everything wants want like likes now degrees side's being until upon up".split()
+    (
+        "a an the this that these those it its itself he she him her his they them their themselves we us our i me my "
+        "you your is are was were be been being am do does did done has have had having will would can could should "
+        "shall may might must of to in into on onto at by for from with within under over against through across along "
+        "about around off out near and or if than there here where what who whom whose how why which as so also just "
+        "only even again still all each every both some any own other one ones first second now like until upon up due "
+        "because while "
+        "let lets letting make makes made making cause causes caused causing get gets got getting give gives gave given "
+        "giving take takes took taken put puts keep keeps kept start starts started starting begin begins began "
+        "beginning become becomes became try tries continue continues come comes came coming act acts acting applied "
+        "apply applies applying receive receives received undergo undergoes experience experiences feel feels want "
+        "wants touch touching touched arrive arrives reach reaches happen happens likes please ok "
+        "someone somebody person people something nothing anything everything hand hands finger fingers fist fists "
+        "hammer ball foot feet rope string invisible giant "
+        "object thing model subject scene video clip camera viewer axis direction side way bit ground floor table "
+        "ceiling sky wall place motion movement effect shape position body part end ends rest time times second seconds "
+        "frame frames degrees whole entire entirely original straight directly toward towards much suddenly s t"
+    ).split()
 )
 FUNCTION_PHRASES = frozenset(
     {"not only", "end up", "ends up", "kind of", "sort of", "as if", "as though", "lots of", "each other"}

@@ -137,43 +137,39 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     # gravity
     (
         "drop, fall, plummet, plunge, land, let fall, let ~ fall, fall down, collapse, bounce, "
-        "release ~ from, "
-        "let ~ drop, hit the ground, hit the floor, strike the ground, touch the ground, reach the ground, "
-        "hit the table, crash to the ground, crash down, come down, crash to the floor, drop down, crash",
+        "release ~ from, let ~ drop, hit the ground, hit the floor, strike the ground, "
+        "touch the ground, reach the ground, hit the table, crash to the ground, crash down, "
+        "come down, crash to the floor, drop down, crash",
         Verb(_D.FALL),
     ),
     (
         "topple, fall over, tip over, tip ~ over, keel over, topple over, overturn, knock over, "
-        "knock ~ over, "
-        "push over, push ~ over, blow over, blow ~ over, kick over, kick ~ over",
+        "knock ~ over, push over, push ~ over, blow over, blow ~ over, kick over, kick ~ over",
         Verb(_D.TOPPLE),
     ),
     ("jump, leap, hop", Verb(_D.JUMP, direction="up", gravity=True)),
     # states
     (
-        "hold, fix, anchor, clamp, pin, attach, glue, nail, bolt, root, fasten, tie, stick, secure, mount, "
-        "hold ~ in place, keep ~ in place, keep ~ fixed, hold ~ fixed, hold ~ still, keep ~ still",
+        "hold, fix, anchor, clamp, pin, attach, glue, nail, bolt, root, fasten, tie, stick, "
+        "secure, mount, hold ~ in place, keep ~ in place, keep ~ fixed, hold ~ fixed, "
+        "hold ~ still, keep ~ still",
         Verb(_D.HOLD),
     ),
     ("hang, suspend, dangle", Verb(_D.HOLD, holds="top")),
     (
         "let go, let ~ go, release, rebound, recoil, recover, relax, spring back, snap back, "
-        "swing back, bounce back, "
-        "come back, return, go back, move back to, let ~ spring back, let ~ snap back, "
-        "let ~ swing back, let loose, "
-        "regain its shape, let ~ relax, let ~ recover, set free, die down, subside, calm down, "
-        "fall back, free itself",
+        "swing back, bounce back, come back, return, go back, move back to, let ~ spring back, "
+        "let ~ snap back, let ~ swing back, let loose, regain its shape, let ~ relax, "
+        "let ~ recover, set free, die down, subside, calm down, fall back, free itself",
         Verb(_D.RELEASE),
     ),
     ("stand, sit, stay, remain, rest, lie", Verb(_D.STILL, generic=True)),
     (
-        "stop, halt, cease, freeze, wait, pause, stand still, stay still, remain still, keep still, "
-        "hold still, come to rest, "
-        "come to a stop, come to a halt, settle, be still, is still, nothing happens, nothing moves, "
-        "stay put, "
-        "stay in place, remain in place, remain motionless, lie still, sit still, is motionless, "
-        "is at rest, at rest, motionless, immobile, "
-        "motionlessly, do nothing, does nothing, without motion, stationary",
+        "stop, halt, cease, freeze, wait, pause, stand still, stay still, remain still, "
+        "keep still, hold still, come to rest, come to a stop, come to a halt, settle, be still, "
+        "is still, nothing happens, nothing moves, stay put, stay in place, remain in place, "
+        "remain motionless, lie still, sit still, is motionless, is at rest, at rest, motionless, "
+        "immobile, motionlessly, do nothing, does nothing, without motion, stationary",
         Verb(_D.STILL),
     ),
 )

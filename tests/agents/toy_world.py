@@ -1,0 +1,133 @@
+"""A toy world: rigid travel, one rotation, uniform strain, each proportional to what acts, times an unknown gain.
+
+Lengths are body lengths and the clip lasts one unit of time, so that the skill library's scaling holds with
+gain 1: M = 1 moves a free object one body length in a clip, turns it by a quarter turn, strains it by 0.3.
+A held object follows the force without inertia.
+"""
+
+from __future__ import annotations
+
+import math
+
+from physagent_jax.agents.bands import expectation_windows
+from physagent_jax.agents.rule_executor import RuleExecutor
+from physagent_jax.agents.rule_planner import RulePlanner
+from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, Verdict
+from physagent_jax.agents.vectors import add, norm, scaled
+from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField
+from physagent_jax.perception.schema import MotionReport, WindowMotion
+from tests.agents.scenes import report, window
+
+STEPS = 20  # per frame
+HELD = 0.15  # body lengths of a held object per M
+GRAVITY = 8.0  # body lengths per clip^2
+ZERO = (0.0, 0.0, 0.0)
+
+
+class ToyWorld:
+    """What a force field does, as a motion report.
+
+    Attributes:
+        gain: Factor on every response.
+    """
+
+    def __init__(self, scene: SceneBrief, gain: float = 1.0):
+        self.scene, self.gain = scene, gain
+
+    def play(self, field: ForceField, expectations: tuple[ExpectedMotion, ...]) -> MotionReport:
+        """Simulates and reports every expectation's window."""
+        count = self.scene.frame_count
+        places, angles, strains = self._travel(field)
+        spans = [(0, count - 1), *expectation_windows(expectations, count)]
+        windows = [self._window(a, b, places, angles, strains) for a, b in dict.fromkeys(spans)]
+        return report(windows, count, centroid=places)
+
+    def _travel(self, field: ForceField):
+        """Per frame: place, angle vector [degrees], strain tensor's diagonal in world axes."""
+        last = self.scene.frame_count - 1
+        dt = 1.0 / last / STEPS
+        place, speed, angle, turning = ZERO, ZERO, ZERO, ZERO
+        places, angles, strains = [], [], []
+        for step in range(last * STEPS + 1):
+            push, torque, strain, drive = self._acting(field, max(step - 0.5, 0.0) / STEPS)
+            if self.scene.anchored is not None:
+                place, angle = scaled(push, 0.5 * HELD * (step > 0)), scaled(torque, 0.3 * (step > 0))
+            if step % STEPS == 0:
+                places.append(place)
+                angles.append(angle)
+                strains.append(scaled(strain, step > 0))
+            if self.scene.anchored is not None:
+                continue
+            gravity = scaled(self.scene.directions.down, GRAVITY if field.default_drop else 0.0)
+            speed = add([speed, scaled(push, dt), scaled(gravity, dt)])
+            turning = add([turning, scaled(torque, dt)])
+            place = add([place, scaled(add([speed, drive]), dt)])
+            angle = add([angle, scaled(turning, dt)])
+        return places, angles, strains
+
+    def _acting(self, field: ForceField, frame: float):
+        """Acceleration, angular acceleration [degrees], strain diagonal and prescribed velocity at a frame."""
+        push, torque, strain, drive = [], [], [], []
+        for item in (*field.actions, *field.constraints):
+            first, last = item.active_time or (0, self.scene.frame_count - 1)
+            if not first <= frame < last:
+                continue
+            vector = scaled(item.vector, self.gain * item.magnitude)
+            kind = getattr(item, "action_type", None) or item.constraint_type
+            if kind is ActionType.TRANSLATION:
+                push.append(scaled(vector, 2.0))
+            elif kind in (ActionType.IMPULSE, ConstraintType.PARTICLE_IMPULSE):
+                push.append(scaled(vector, (self.scene.frame_count - 1) / (last - first)))
+            elif kind is ActionType.TORQUE:
+                torque.append(scaled(vector, 180.0))
+            elif kind is ActionType.SCALE:
+                strain.append(_along(item.vector, 0.3 * self.gain * item.magnitude))
+            elif item.region is None:
+                drive.append(scaled(item.vector, 0.5 * item.magnitude))
+            else:  # one of two end slabs: prescribed, whatever the stiffness
+                side = math.copysign(1.0, sum(v * n for v, n in zip(item.vector, item.region.normal)))
+                share = (frame - first) / (self.scene.frame_count - 1)
+                strain.append(_along(item.vector, side * 0.5 * item.magnitude * share))
+        return add(push), add(torque), add(strain), add(drive)
+
+    def _window(self, a: int, b: int, places, angles, strains) -> WindowMotion:
+        moved = [add([p, scaled(places[a], -1.0)]) for p in places[a : b + 1]]
+        peak = max(range(len(moved)), key=lambda i: norm(moved[i]))
+        turned = add([angles[b], scaled(angles[a], -1.0)])
+        degrees = norm(turned)
+        stretch = [[0.0] * 3 for _ in range(3)]
+        for i in range(3):
+            stretch[i][i] = max(1.0 + strains[b][i], 0.05)
+        return window(
+            a, b, displacement=moved[-1], peak_displacement=moved[peak], peak_frame=a + peak,
+            rotation_degrees=degrees, rotation_axis=scaled(turned, 1 / degrees) if degrees > 1e-9 else None,
+            stretch=stretch, volume_ratio=math.prod(stretch[i][i] for i in range(3)),
+        )  # fmt: skip
+
+
+def _along(axis, amount: float):
+    return tuple(amount * c * c for c in axis)
+
+
+def loop(
+    field: ForceField,
+    expectations: tuple[ExpectedMotion, ...],
+    world: ToyWorld,
+    iterations: int = 3,
+    prompt: str = "",
+) -> list[tuple[ForceField, Judgement]]:
+    """The closed loop with the offline planner and executor: attempts until SUCCESS or the limit."""
+    planner, executor = RulePlanner(), RuleExecutor()
+    attempts: list[tuple[ForceField, Judgement]] = []
+    for _ in range(iterations):
+        seen = world.play(field, expectations)
+        judgement = planner.judge(prompt, expectations, seen, field, world.scene)
+        history = tuple(attempts)
+        attempts.append((field, judgement))
+        if judgement.verdict is Verdict.SUCCESS:
+            break
+        rewrite = executor.rewrite(prompt, expectations, field, seen, judgement, world.scene, history)
+        if rewrite.force_field == field:  # nothing left to try
+            break
+        field = rewrite.force_field
+    return attempts

@@ -1,0 +1,175 @@
+"""The tiled rasteriser against the dense reference: image and gradients, and its sorting and sizing."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from physagent_jax.errors import UserError
+from physagent_jax.render import look_at, pair_capacity, rasterize, render, renderer
+from physagent_jax.render.project import project
+from physagent_jax.render.reference import render_reference
+from physagent_jax.render.tiles import build_tile_lists, count_pairs, sort_pairs, tile_rectangles
+
+from tests.render.scenes import BACKGROUND, camera, one_splat, random_splats
+
+FIELDS = ("rgb", "depth", "alpha")
+
+
+def assert_same(a, b, atol):
+    for name in FIELDS:
+        np.testing.assert_allclose(getattr(a, name), getattr(b, name), atol=atol, err_msg=name)
+
+
+@pytest.mark.parametrize(("count", "scale", "lanes"), [(60, 0.15, 5), (400, 0.3, 1)])
+def test_image_equals_the_dense_reference(x64, count, scale, lanes):
+    """The second scene is opaque: early stopping must change nothing. Five lanes do not divide the tiles."""
+    splats, cam = random_splats(count, degree=3, scale=scale), camera()
+    drawn, total = rasterize(splats, cam, BACKGROUND, capacity=8192, lanes=lanes)
+    assert total <= 8192
+    expected = jax.jit(render_reference)(splats, cam, BACKGROUND)
+    assert_same(drawn, expected, 1e-9)
+    if count == 400:
+        assert np.max(drawn.alpha) > 1 - 1e-4
+
+
+@pytest.mark.parametrize(("eye", "lanes"), [("outside", 5), ("inside", 1)])
+def test_gradients_equal_those_of_the_dense_reference(x64, eye, lanes):
+    """With respect to centres, covariances, opacities, colours and rotations, for a random cotangent.
+
+    Seen from inside, Gaussians lie behind the camera, at the clamped rim of the view, and saturate alpha.
+    """
+    cam = camera() if eye == "outside" else camera(distance=0.3)
+    splats = random_splats(150, degree=2, scale=0.12)
+    splats = dataclasses.replace(splats, opacities=splats.opacities.at[:40].set(0.9999))
+    rng = np.random.default_rng(5)
+    cotangents = {name: rng.normal(size=(37, 50, 3) if name == "rgb" else (37, 50)) for name in FIELDS}
+
+    def loss(draw, splats):
+        image = draw(splats)
+        return sum(jnp.sum(getattr(image, name) * cotangents[name]) for name in FIELDS)
+
+    tiled = lambda s: rasterize(s, cam, BACKGROUND, capacity=8192, lanes=lanes)[0]  # noqa: E731
+    dense = lambda s: render_reference(s, cam, BACKGROUND)  # noqa: E731
+    got, expected = (jax.jit(jax.grad(partial(loss, draw)))(splats) for draw in (tiled, dense))
+    for field in dataclasses.fields(splats):
+        a, b = np.asarray(getattr(got, field.name)), np.asarray(getattr(expected, field.name))
+        assert np.abs(b).max() > 0
+        np.testing.assert_allclose(a, b, atol=1e-8 * np.abs(b).max(), err_msg=field.name)
+
+
+def test_single_precision_is_close_to_double():
+    """Rounding may push an alpha across 1/255 at single pixels; all others agree to 1e-4."""
+    splats, cam = random_splats(300, degree=3, scale=0.1, dtype=np.float32), camera(90, 70)
+    drawn = render(splats, cam, background=BACKGROUND)
+    with jax.enable_x64(True):
+        exact = jax.tree.map(lambda a: jnp.asarray(np.asarray(a), jnp.float64), splats)
+        expected = jax.jit(render_reference)(exact, cam, BACKGROUND)
+    error = np.abs(np.asarray(drawn.rgb) - np.asarray(expected.rgb)).max(-1)
+    assert np.quantile(error, 0.99) < 1e-4 and error.max() < 2 / 255
+
+
+def test_gradient_reaches_the_camera_pose():
+    """Against central differences in the camera's translation."""
+    splats, cam = random_splats(40, scale=0.3, dtype=np.float32), camera()
+
+    @jax.jit
+    def brightness(shift):
+        moved = dataclasses.replace(cam, viewmat=jnp.asarray(cam.viewmat, jnp.float32).at[:3, 3].add(shift))
+        weights = jnp.linspace(-1, 1, 50)
+        return jnp.sum(rasterize(splats, moved, BACKGROUND, capacity=4096)[0].rgb.sum(-1) * weights)
+
+    gradient = jax.grad(brightness)(jnp.zeros(3))
+    step = 5e-3 * np.eye(3, dtype=np.float32)
+    differences = [(brightness(s) - brightness(-s)) / 1e-2 for s in step]
+    np.testing.assert_allclose(gradient, differences, rtol=0.05, atol=0.05 * np.abs(gradient).max())
+
+
+def test_too_small_a_capacity_gives_nan_and_the_need():
+    splats, cam = random_splats(100, dtype=np.float32), camera()
+    exact, needed = rasterize(splats, cam, BACKGROUND, capacity=4096)
+    needed = int(needed)
+    short, total = rasterize(splats, cam, BACKGROUND, capacity=needed - 1)
+    assert total == needed and all(np.isnan(getattr(short, name)).all() for name in FIELDS)
+    assert_same(rasterize(splats, cam, BACKGROUND, capacity=needed)[0], exact, 0)
+
+
+def test_render_grows_its_capacity_once_and_remembers_it():
+    splats, far, near = random_splats(700, scale=0.2, dtype=np.float32), camera(distance=30.0), camera()
+    renderer._capacities.pop((700, 50, 37), None)
+    render(splats, far)
+    small = renderer._capacities[700, 50, 37]
+    image = render(splats, near)
+    large = renderer._capacities[700, 50, 37]
+    assert small < pair_capacity(splats, near) <= large
+    assert not np.isnan(image.rgb).any()
+    compiled = rasterize._cache_size()
+    render(splats, far)
+    render(splats, near)
+    assert renderer._capacities[700, 50, 37] == large
+    assert rasterize._cache_size() <= compiled + 1  # the far view, once, with the new capacity
+
+
+def test_impossible_numbers_of_pairs_are_refused_not_wrapped():
+    """2^31 pairs and more would wrap an int32."""
+    rectangles = jnp.asarray([[0, 0, 60000, 60000]] * 3, jnp.int32) // jnp.asarray([1, 1, 2, 2])
+    assert count_pairs(rectangles) == np.iinfo(np.int32).max
+    with pytest.raises(UserError, match="too many tiles"):
+        renderer._roomy(int(count_pairs(rectangles)))
+
+
+@pytest.mark.parametrize(("tiles", "count"), [(400, 5000), (40_000, 1_000_000)])
+def test_sorting_by_tile_and_rank_with_and_without_packed_keys(tiles, count):
+    """The second case needs 36 bits, more than the packed key has."""
+    rng = np.random.default_rng(0)
+    rank = np.sort(rng.integers(0, count, 20_000)).astype(np.int32)
+    tile = rng.integers(0, tiles + 1, 20_000).astype(np.int32)
+    order = np.lexsort((rank, tile))
+    got = sort_pairs(jnp.asarray(tile), jnp.asarray(rank), tiles, count)
+    np.testing.assert_array_equal(got[0], tile[order])
+    np.testing.assert_array_equal(got[1], rank[order])
+
+
+def test_tile_lists_hold_exactly_the_pairs_that_reach_a_pixel():
+    """Brute force over tiles and pixels: nobody is missing, lists are in order of depth."""
+    splats, cam = random_splats(200, scale=0.05, dtype=np.float32), camera()
+    projected = project(splats, cam)
+    build = jax.jit(build_tile_lists, static_argnums=(1, 2), static_argnames=("capacity", "tile_size"))
+    lists = jax.device_get(build(projected, 50, 37, capacity=4096, tile_size=16))
+    a, b, c = np.asarray(projected.conics).T
+    v, u = np.mgrid[:37, :50] + 0.5
+    dx = u - np.asarray(projected.means2d)[:, 0, None, None]
+    dy = v - np.asarray(projected.means2d)[:, 1, None, None]
+    q = a[:, None, None] * dx**2 + 2 * b[:, None, None] * dx * dy + c[:, None, None] * dy**2
+    reached = np.asarray(projected.opacities)[:, None, None] * np.exp(-q / 2) >= 1 / 255
+    depths = np.asarray(projected.depths)
+    for tile in range(12):
+        listed = np.asarray(lists.gaussians[lists.starts[tile] : lists.starts[tile + 1]])
+        row, column = divmod(tile, 4)
+        block = reached[:, row * 16 : row * 16 + 16, column * 16 : column * 16 + 16]
+        assert set(np.flatnonzero(block.any((1, 2)))) <= set(listed)
+        assert (np.diff(depths[listed]) >= 0).all() and len(set(listed)) == len(listed)
+    assert lists.total == lists.starts[-1] == np.sum(np.prod(tile_rectangles(projected, 50, 37, 16)[:, 2:], axis=1))
+
+
+def test_gaussians_that_are_not_finite_or_behind_are_ignored():
+    """A simulation that blows up for one particle must not blank the image."""
+    good = random_splats(50, dtype=np.float32)
+    cam = look_at([0, -3, 0], [0, 0, 0], [0, 0, 1], fov_degrees=45, width=40, height=40)
+    bad = jax.tree.map(lambda a: jnp.concatenate([a] * 4), one_splat([0, -50, 0]))
+    bad = dataclasses.replace(
+        bad,
+        means=bad.means.at[1].set(jnp.nan).at[2].set(jnp.inf),
+        covariances=bad.covariances.at[3].set(jnp.nan),
+        rotations=bad.rotations.at[3].set(jnp.nan),
+    )
+    both = jax.tree.map(lambda a, b: jnp.concatenate([a, b]), good, bad)
+    assert_same(render(both, cam), render(good, cam), 1e-6)
+    loss = lambda splats: jnp.sum(rasterize(splats, cam, BACKGROUND, capacity=4096)[0].rgb ** 2)  # noqa: E731
+    gradients = jax.grad(loss)(both)
+    assert all(jnp.isfinite(g).all() for g in jax.tree.leaves(gradients))

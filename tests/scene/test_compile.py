@@ -1,0 +1,200 @@
+"""Scenes bind to particles as their JSON says: materials, boundaries, constraints, anchors, gravity."""
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from physagent_jax.errors import UserError
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.mpm import FixedCorotated, NeoHookean, simulate
+from physagent_jax.scene import config as c
+from physagent_jax.scene.body import make_body
+from physagent_jax.scene.camera import framing, reference_camera, viewer_directions
+from physagent_jax.scene.compile import compile_scene
+from physagent_jax.scene.fuse import Ingredients, fuse
+from physagent_jax.scene.presets import PRESETS, PresetName
+
+
+@pytest.fixture(scope="module")
+def source(robot_path):
+    return c.Source(path=str(robot_path), name="robot", kind="robot", up="-y")
+
+
+@pytest.fixture(scope="module")
+def body(source):
+    return make_body(source, c.Filling(max_particles=1500), c.Domain(size=4.0, cells=48), ".")
+
+
+def scene(source, body, **parts):
+    defaults = dict(source=source, domain=c.Domain(size=4.0, cells=48), filling=c.Filling(max_particles=1500))
+    return compile_scene(c.SceneConfig(**{**defaults, **parts}), body)
+
+
+def test_lame_parameters_and_mass(source, body):
+    made = scene(source, body, material=c.Material(youngs_modulus=1e5, poissons_ratio=0.25, density=300.0))
+    solid = made.model.materials[0]
+    np.testing.assert_allclose(solid.mu, 4e4, rtol=1e-6)
+    np.testing.assert_allclose(solid.lam, 4e4, rtol=1e-6)
+    np.testing.assert_allclose(made.model.mass, 300 * made.model.volume, rtol=1e-6)
+
+
+def test_two_materials_share_a_scene(source, body):
+    """The upper half is another solid; particles are grouped by model, and the grouping is undone."""
+    stiff = c.Material(model=c.MaterialModel.FIXED_COROTATED, youngs_modulus=3e5, density=50.0)
+    upper = c.MaterialRegion(point=(2, 2, 2.5), half_size=(1, 1, 0.5), material=stiff)
+    made = scene(source, body, material_regions=(upper,))
+    soft, hard = made.model.materials
+    assert isinstance(soft, NeoHookean) and isinstance(hard, FixedCorotated)
+    x = np.asarray(made.state.x)
+    assert (x[: soft.count, 2] < 2).all() and (x[soft.count :, 2] >= 2).all()
+    np.testing.assert_allclose(x, body.particles.x[made.order], atol=1e-6)
+    density = np.asarray(made.model.mass / made.model.volume)
+    np.testing.assert_allclose(density, np.where(x[:, 2] >= 2, 50.0, 200.0), rtol=1e-5)
+    frames = list(simulate(made.model, made.state, frame_count=2, frame_dt=0.02))
+    np.testing.assert_allclose(frames[-1].state.x, x, atol=1e-5)
+
+
+def test_gravity_only_acts_when_asked(source, body):
+    assert scene(source, body).model.gravity is None
+    assert scene(source, body, force_field=ForceField(default_drop=True)).model.gravity is not None
+    assert scene(source, body, always_gravity=True).model.gravity is not None
+
+
+def test_an_anchored_base_stays_and_the_rest_is_pushed(source, body):
+    push = ForceField.model_validate({"actions": [{"action_type": "translation", "vector": [1, 0, 0], "magnitude": 1.6}]})
+    made = scene(source, body, anchor=c.Anchor(kind="base", fraction=0.3), force_field=push)
+    held = np.asarray(made.model.constraints[0].particles)
+    assert made.anchored == len(held) > 0
+    start = np.asarray(made.state.x)
+    assert start[held, 2].max() <= start[:, 2].min() + 0.3 * np.ptp(start[:, 2]) + 1e-5
+    end = np.asarray(list(simulate(made.model, made.state, frame_count=4, frame_dt=0.04))[-1].state.x)
+    np.testing.assert_array_equal(end[held], start[held])
+    assert (end - start)[:, 0].max() > 1e-3
+
+
+def test_impulses_by_velocity_and_by_force(source, body):
+    """A force per particle gives dv = F t / m, a velocity change is what it says."""
+    everywhere = dict(point=(2, 2, 2), half_size=(2, 2, 2), duration=0.01)
+    by_velocity = c.ParticleImpulse(delta_velocity=(0.5, 0, 0), **everywhere)
+    by_force = c.ParticleImpulse(force=(0, 2e-4, 0), **everywhere)
+    made = scene(source, body, constraints=(by_velocity, by_force), boundaries=())
+    end = list(simulate(made.model, made.state, frame_count=2, frame_dt=0.02))[-1].state
+    momentum = np.asarray((made.model.mass[:, None] * end.v).sum(0))
+    mass = float(made.model.mass.sum())
+    np.testing.assert_allclose(momentum[0] / mass, 0.5, rtol=1e-4)
+    np.testing.assert_allclose(momentum[1], 2e-4 * 0.01 * len(end.x), rtol=1e-4)
+
+
+def test_prescribed_motions_and_boundaries_of_a_scene(source, body):
+    parts = dict(
+        constraints=(
+            c.ParticleTranslation(point=(2, 2, 2.4), half_size=(1, 1, 0.1), velocity=(0.1, 0, 0), end=0.04),
+            c.ParticleRotation(point=(2, 2, 1.6), normal=(0, 0, 1), half_height=0.1, radius=0.3, angular_velocity=2.0),
+        ),
+        boundaries=(
+            c.DomainBox(),
+            c.HalfSpace(point=(0, 0, 1.0), normal=(0, 0, 2), surface=c.Surface.STICKY),
+            c.Cuboid(point=(2, 2, 3), half_size=(0.1, 0.1, 0.1), velocity=(0, 0, 0)),
+        ),
+    )
+    made = scene(source, body, **parts)
+    top = np.asarray(made.model.constraints[0].particles)
+    end = list(simulate(made.model, made.state, frame_count=2, frame_dt=0.04))[-1].state
+    np.testing.assert_allclose(end.x[top] - made.state.x[top], np.broadcast_to([0.004, 0, 0], (len(top), 3)), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        dict(constraints=(c.ParticleTranslation(point=(0.5, 0.5, 0.5), half_size=(0.1, 0.1, 0.1), velocity=(1, 0, 0)),)),
+        dict(material_regions=(c.MaterialRegion(point=(0.5, 0.5, 0.5), half_size=(0.1, 0.1, 0.1), material=c.Material()),)),
+    ],
+)
+def test_boxes_that_miss_the_object_are_refused_with_its_place(source, body, parts):
+    with pytest.raises(UserError, match=r"selects no particle; the object spans \[1\.[0-9]+"):
+        scene(source, body, **parts)
+
+
+# --- the reference camera ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("azimuth", [0.0, 35.0, -120.0])
+@pytest.mark.parametrize("elevation", [-20.0, 10.0])
+def test_the_viewers_words_point_where_the_picture_says(azimuth, elevation):
+    """Moving along "right", "up" and "toward" moves a point's picture right, up, and makes it nearer."""
+    view = c.CameraConfig(azimuth_degrees=azimuth, elevation_degrees=elevation)
+    camera = reference_camera(view, c.Rendering(), c.Domain())
+    words = {word: np.asarray(v) for word, v in viewer_directions(view).items()}
+
+    def picture(point):
+        p = np.asarray(camera.viewmat)[:3, :3] @ point + np.asarray(camera.viewmat)[:3, 3]
+        return p[0] / p[2], p[1] / p[2], p[2]
+
+    here = picture(np.full(3, 2.0))
+    assert picture(np.full(3, 2.0) + 0.1 * words["right"])[0] > here[0] + 0.01
+    assert picture(np.full(3, 2.0) + 0.1 * words["up"])[1] < here[1] - 0.01
+    assert picture(np.full(3, 2.0) + 0.1 * words["toward"])[2] < here[2] - 0.05
+    for a, b in (("right", "left"), ("up", "down"), ("toward", "away")):
+        np.testing.assert_allclose(words[a], -words[b], atol=1e-12)
+        np.testing.assert_allclose(np.linalg.norm(words[a]), 1, atol=1e-9)
+
+
+def test_framing_shows_every_point_and_not_much_more():
+    rng = np.random.default_rng(0)
+    points = rng.uniform(-1, 1, (50, 3)) * [1.5, 0.4, 0.6] + [2, 2.5, 1.8]
+    view = c.CameraConfig(azimuth_degrees=25, elevation_degrees=15)
+    camera = reference_camera(framing(points, view, c.Rendering()), c.Rendering(), c.Domain())
+    local = points @ np.asarray(camera.viewmat)[:3, :3].T + np.asarray(camera.viewmat)[:3, 3]
+    pixels = local[:, :2] / local[:, 2:] * np.asarray(camera.K)[0, 0] + [camera.width / 2, camera.height / 2]
+    size = np.array([camera.width, camera.height])
+    assert (pixels > 0).all() and (pixels < size).all()
+    assert (np.abs(pixels - size / 2).max(0) / (size / 2)).max() > 0.8
+
+
+# --- fusion ------------------------------------------------------------------------------------------
+
+
+def ingredients(source, **changes):
+    return Ingredients(
+        **{
+            "prompt": "x",
+            "preset_name": "fast",
+            "preset": PRESETS[PresetName.FAST],
+            "source": source,
+            "material": c.Material(),
+            "anchor": c.Anchor(),
+            "camera": c.CameraConfig(),
+            **changes,
+        }
+    )
+
+
+def test_fusion_is_deterministic_and_its_json_reads_back(source, body):
+    field = ForceField.model_validate({"actions": [{"action_type": "torque", "vector": [0, 0, 1], "magnitude": 1}]})
+    texts = {c.dump_scene(fuse(ingredients(source), body, field)) for _ in range(2)}
+    assert len(texts) == 1
+    config = fuse(ingredients(source), body, field)
+    assert c.SceneConfig.model_validate_json(texts.pop()) == config
+
+
+def test_falling_objects_get_a_floor_below_them(source, body):
+    field = ForceField(default_drop=True)
+    floor = fuse(ingredients(source), body, field).boundaries[-1]
+    np.testing.assert_allclose(floor.point[2], body.low[2] - 0.5 * body.extent, atol=1e-3)
+    rooted = fuse(ingredients(source, anchor=c.Anchor(kind="base")), body, field).boundaries[-1]
+    np.testing.assert_allclose(rooted.point[2], body.low[2], atol=1e-3)
+    assert not any(isinstance(b, c.HalfSpace) for b in fuse(ingredients(source), body, ForceField()).boundaries)
+
+
+def test_a_placed_camera_is_left_alone(source, body):
+    camera = c.CameraConfig(target=(1, 2, 3), distance=7.0)
+    assert fuse(ingredients(source, camera=camera), body, ForceField()).camera == camera
+
+
+def test_the_paper_preset_has_the_papers_figures():
+    paper = PRESETS[PresetName.PAPER]
+    assert (paper.domain.cells, paper.filling.max_particles) == (100, 200_000)
+    assert (paper.timing.frame_count, paper.timing.frame_dt, paper.timing.substep_dt) == (50, 0.04, 2e-4)
+    assert paper.transfer.rpic_damping == 0.5
+    np.testing.assert_allclose(np.exp(-paper.transfer.damping_rate * 2e-4), 0.9995, rtol=1e-12)
+    assert jnp.isfinite(paper.transfer.damping_rate)

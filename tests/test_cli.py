@@ -1,0 +1,215 @@
+"""The command line: every bad input gives one clear line and exit code 2, and leaves nothing behind."""
+
+import json
+
+import pytest
+
+from physagent_jax.cli import main
+from physagent_jax.scene.config import Filling, SceneConfig, Source, Timing, dump_scene
+
+PROMPT = "push the robot to the left"
+SMALL = ["--frames", "4", "--particles", "300", "--resolution", "64", "--max-iterations", "1"]
+
+
+@pytest.fixture(autouse=True)
+def no_cache(monkeypatch):
+    monkeypatch.setenv("PHYSAGENT_COMPILE_CACHE", "off")
+
+
+def refused(capsys, arguments, *fragments):
+    """Runs a command that must be refused; returns its one line."""
+    assert main([str(argument) for argument in arguments]) == 2
+    error = capsys.readouterr().err
+    lines = [line for line in error.splitlines() if line.startswith("physagent: ")]
+    assert len(lines) == 1, error
+    assert "Traceback" not in error
+    for fragment in fragments:
+        assert fragment in lines[0], lines[0]
+    return lines[0]
+
+
+@pytest.fixture
+def robot_bytes(robot_path):
+    return robot_path.read_bytes()
+
+
+def make_file(path, content):
+    path.write_bytes(content)
+    return path
+
+
+@pytest.mark.parametrize("case", ["missing", "empty", "text", "truncated", "no vertices"])
+def test_unreadable_objects(case, tmp_path, robot_bytes, capsys):
+    header_end = robot_bytes.index(b"end_header\n") + len(b"end_header\n")
+    contents = {
+        "empty": b"",
+        "text": b"hello, I am not a PLY\n",
+        "truncated": robot_bytes[: len(robot_bytes) // 2],
+        "no vertices": robot_bytes[:header_end].replace(b"element vertex 3835", b"element vertex 0"),
+    }
+    path = tmp_path / "object.ply"
+    if case in contents:
+        make_file(path, contents[case])
+    out = tmp_path / "run"
+    refused(capsys, ["run", "--object", path, "--prompt", PROMPT, "--out", out, *SMALL], "object.ply")
+    assert not out.exists()
+
+
+def test_nothing_left_after_the_opacity_filter(tmp_path, robot_path, capsys):
+    out = tmp_path / "run"
+    arguments = ["run", "--object", robot_path, "--prompt", PROMPT, "--out", out, "--opacity-threshold", "0.99999", *SMALL]
+    refused(capsys, arguments, "opacity")
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("prompt", ["", "   ", "asdf qwer zxcv", "12345"])
+def test_prompts_without_meaning(prompt, tmp_path, robot_path, capsys):
+    out = tmp_path / "run"
+    refused(capsys, ["run", "--object", robot_path, "--prompt", prompt, "--out", out, *SMALL])
+    assert not out.exists()
+
+
+def test_unwritable_output(tmp_path, robot_path, capsys):
+    blocker = make_file(tmp_path / "file", b"x")
+    for out in (blocker, blocker / "run"):
+        refused(capsys, ["run", "--object", robot_path, "--prompt", PROMPT, "--out", out, *SMALL], str(out))
+    assert blocker.read_bytes() == b"x"
+
+
+def test_a_folder_with_other_things_in_it_is_not_touched(tmp_path, robot_path, capsys):
+    make_file(tmp_path / "thesis.tex", b"precious")
+    arguments = ["run", "--object", robot_path, "--prompt", PROMPT, "--out", tmp_path, *SMALL]
+    refused(capsys, arguments, "not a run folder")
+    refused(capsys, [*arguments, "--overwrite"], "not a run folder")
+    assert (tmp_path / "thesis.tex").read_bytes() == b"precious"
+
+
+@pytest.mark.parametrize(
+    ("option", "fragment"),
+    [
+        (["--frames", "1"], "frame_count"),
+        (["--particles", "2"], "max_particles"),
+        (["--resolution", "3"], "width"),
+        (["--youngs-modulus", "-5"], "youngs_modulus"),
+        (["--poissons-ratio", "0.5"], "poissons_ratio"),
+        (["--density", "nan"], "density"),
+        (["--max-iterations", "0"], "max-iterations"),
+        (["--elevation", "90"], "elevation"),
+    ],
+)
+def test_options_out_of_range_name_the_field(option, fragment, tmp_path, robot_path, capsys):
+    out = tmp_path / "run"
+    arguments = ["run", "--object", robot_path, "--prompt", PROMPT, "--out", out, *SMALL, *option]
+    refused(capsys, arguments, fragment)
+    assert not out.exists()
+
+
+# --- scene files -------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def scene_file(tmp_path, robot_path):
+    config = SceneConfig(
+        source=Source(path=str(robot_path), up="-y"),
+        filling=Filling(max_particles=300),
+        timing=Timing(frame_count=3),
+    )
+    path = tmp_path / "scene.json"
+    path.write_text(dump_scene(config))
+    return path
+
+
+def edited(path, **changes):
+    """The scene with dotted keys changed, e.g. ``timing__substep_dt``."""
+    data = json.loads(path.read_text())
+    for key, value in changes.items():
+        *parents, last = key.split("__")
+        place = data
+        for parent in parents:
+            place = place[parent]
+        place[last] = value
+    path.write_text(json.dumps(data))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("changes", "fragments"),
+    [
+        ({"timing__substep_dt": 0.04}, ["above the stable bound", "Use `substep_dt` <="]),
+        ({"material__youngs_modulus": float("nan")}, ["NaN"]),
+        ({"material__young_modulus": 1e5}, ["material.young_modulus", "Extra inputs"]),
+        ({"colour": "blue"}, ["colour"]),
+        ({"force_field__actions": [{"action_type": "push", "vector": [1, 0, 0]}]}, ["force_field.actions.0.action_type"]),
+        ({"force_field__actions": [{"action_type": "torque", "vector": [0, 0, 0]}]}, ["vector", "zero"]),
+        ({"source__path": "nowhere.ply"}, ["nowhere.ply"]),
+        ({"source__sha256": "0" * 64}, ["sha256"]),
+        ({"anchor__kind": "mask"}, ["mask_path"]),
+        ({"version": 2}, ["version"]),
+    ],
+)
+def test_broken_scenes(changes, fragments, scene_file, tmp_path, capsys):
+    out = tmp_path / "out"
+    refused(capsys, ["simulate", edited(scene_file, **changes), "--out", out], *fragments)
+    assert not out.exists()
+
+
+def test_scene_files_that_are_not_json(tmp_path, capsys):
+    refused(capsys, ["simulate", make_file(tmp_path / "x.json", b"{"), "--out", tmp_path / "out"], "not valid JSON")
+    refused(capsys, ["simulate", make_file(tmp_path / "y.json", b"\xff\xfe"), "--out", tmp_path / "out"], "not valid JSON")
+    refused(capsys, ["simulate", tmp_path / "z.json", "--out", tmp_path / "out"], "cannot read")
+    refused(capsys, ["simulate", make_file(tmp_path / "l.json", b"[1]"), "--out", tmp_path / "out"])
+
+
+def test_simulate_plays_a_scene_and_prints_one_line_of_json(scene_file, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["simulate", str(scene_file), "--out", str(out), "--json", "--save-splats"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["frames"] == 3 and summary["substeps"] > 0
+    assert {"scene.json", "simulation.json", "video.mp4", "motion.npz", "splats"} <= {p.name for p in out.iterdir()}
+    assert len(list((out / "splats").glob("*.ply"))) == 3
+
+
+def test_physgaussian_configs_need_their_object(tmp_path, robot_path, capsys):
+    config = {"material": "jelly", "E": 2e4, "nu": 0.3, "density": 200, "g": [0, 0, -9.8], "n_grid": 50,
+              "substep_dt": 1e-4, "frame_dt": 0.01, "frame_num": 2, "pic_damping": 0.1,
+              "boundary_conditions": [{"type": "bounding_box"}]}  # fmt: skip
+    path = tmp_path / "config.json"
+    path.write_text(json.dumps(config))
+    refused(capsys, ["simulate", path, "--out", tmp_path / "out"], "--object")
+    scene = tmp_path / "imported.json"
+    assert main(["import-physgaussian", str(path), "--object", str(robot_path), "--out", str(scene)]) == 0
+    assert "pic_damping" in capsys.readouterr().err
+    assert json.loads(scene.read_text())["timing"]["substep_dt"] == 1e-4
+
+
+# --- the small commands ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("what", ["plant", "loaf", "jelly"])
+def test_make_writes_an_object_and_its_card(what, tmp_path, capsys):
+    path = tmp_path / f"{what}.ply"
+    assert main(["make", what, "--out", str(path), "--seed", "3"]) == 0
+    first = path.read_bytes()
+    assert json.loads((tmp_path / f"{what}.card.json").read_text())["name"] == what
+    assert main(["make", what, "--out", str(path), "--seed", "3"]) == 0
+    assert path.read_bytes() == first
+
+
+@pytest.mark.parametrize("what", ["scene", "force-field", "motion-report", "judgement"])
+def test_schema_prints_json_schema(what, capsys):
+    assert main(["schema", what]) == 0
+    schema = json.loads(capsys.readouterr().out)
+    assert schema["type"] == "object" and schema["additionalProperties"] is False
+
+
+def test_debug_shows_the_traceback(tmp_path):
+    from physagent_jax.errors import UserError
+
+    with pytest.raises(UserError):
+        main(["simulate", str(tmp_path / "none.json"), "--out", str(tmp_path / "out"), "--debug"])
+
+
+def test_up_axes_and_presets_are_written_as_in_the_help(tmp_path, robot_path, capsys):
+    out = tmp_path / "run"
+    options = ["--up", "-y", "--preset", "fast", "--opacity-threshold", "0.99999", *SMALL]
+    refused(capsys, ["run", "--object", robot_path, "--prompt", PROMPT, "--out", out, *options], "opacity")
