@@ -42,6 +42,10 @@ class Command:
     """Gradients at most."""
     learning_rate: float = 0.1
     """Of Adam."""
+    frames: int = 26
+    """Frames of the clip."""
+    particles: int = 1500
+    """Particles at most."""
     overwrite: bool = False
     """Replace another run in the folder."""
 
@@ -63,8 +67,8 @@ def solve(command: Command) -> RunStore:
     if command.iterations < 1:
         raise UserError("`--iterations` must be at least 1", got=command.iterations)
     out = command.out or Path("runs") / f"{command.method}_{command.task}"
-    settings = {"method": command.method, "task": command.task, "lr": command.learning_rate}
-    settings["iterations"] = command.iterations
+    settings: dict = {"method": command.method, "task": command.task, "lr": command.learning_rate}
+    settings.update(iterations=command.iterations, frames=command.frames, particles=command.particles)
     manifest = make_manifest(
         command=f"python -m baselines.run --method {command.method} --task {command.task}",
         prompt=TASKS[command.task].prompt,
@@ -79,8 +83,10 @@ def solve(command: Command) -> RunStore:
     store.update()
     watch = Stopwatch()
     with watch("prepare"):
-        task = make_task(TASKS[command.task], out)
-    print(f"{'iteration':>9}  {'loss [L^2]':>11}  {'|gradient|':>10}  {'M':>5}  direction              seconds")
+        task = make_task(TASKS[command.task], out, frame_count=command.frames, particles=command.particles)
+    print(
+        f"{'iteration':>9}  {'loss [L^2]':>11}  {'|gradient|':>10}  {'M':>5}  direction              seconds"
+    )
     with watch("simulate"):
         parameters, history = optimise(
             task, iterations=command.iterations, learning_rate=command.learning_rate, on_step=_print
@@ -99,7 +105,9 @@ def _print(step: Step) -> None:
     )
 
 
-def _write(store: RunStore, task: Task, parameters: Parameters, history: list[Step], watch: Stopwatch) -> None:
+def _write(
+    store: RunStore, task: Task, parameters: Parameters, history: list[Step], watch: Stopwatch
+) -> None:
     """Leaves the files of a run with one iteration: the solution, played with the adaptive driver."""
     config = task.solution(parameters)
     scene = compile_scene(config, task.body, store.path)

@@ -46,7 +46,7 @@ class TaskSpec:
         name: For the command line.
         prompt: The task as a sentence, for the record.
         action_type: The skill whose vector and magnitude are sought.
-        active_time: Its window in frames.
+        active_time: Its window in frames; None = the whole clip.
         drop: Whether gravity acts.
         hidden_vector, hidden_magnitude: The force field that made the target.
         start_vector, start_magnitude: Where a method begins.
@@ -55,7 +55,7 @@ class TaskSpec:
     name: str
     prompt: str
     action_type: ActionType
-    active_time: tuple[float, float]
+    active_time: tuple[float, float] | None
     drop: bool
     hidden_vector: tuple[float, float, float]
     hidden_magnitude: float
@@ -68,7 +68,7 @@ TASKS = {
         name="push",
         prompt="push the jelly to the left and a little up",
         action_type=ActionType.TRANSLATION,
-        active_time=(0, 25),
+        active_time=None,
         drop=False,
         hidden_vector=(-0.9, 0.1, 0.4),
         hidden_magnitude=1.3,
@@ -166,40 +166,46 @@ class Task:
         return fuse(self.ingredients, self.body, self.force_field(parameters))
 
 
-def make_task(spec: TaskSpec, folder: Path) -> Task:
+def make_task(spec: TaskSpec, folder: Path, *, frame_count: int = 26, particles: int = 1500) -> Task:
     """Builds the scene (a jelly, written to ``folder``) and its target path.
 
     Args:
         spec: Which task.
         folder: Where the object file goes.
+        frame_count: Frames of the clip; fewer make a faster task.
+        particles: Particles at most.
     """
+    preset = _preset(frame_count, particles)
     path = folder / "object.ply"
     folder.mkdir(parents=True, exist_ok=True)
     write_ply(path, make_jelly(0, count=2500))
     ingredients = Ingredients(
         prompt=spec.prompt,
         preset_name="baseline",
-        preset=_PRESET,
+        preset=preset,
         source=Source(path=str(path.resolve()), name="jelly", kind="jelly", extent=0.8),
         material=Material(youngs_modulus=5e4, poissons_ratio=0.3, density=400.0, reason="benchmark task"),
         anchor=Anchor(reason="benchmark task"),
         camera=CameraConfig(),
     )
-    body = make_body(ingredients.source, _PRESET.filling, _PRESET.domain, folder)
+    body = make_body(ingredients.source, preset.filling, preset.domain, folder)
     scene = compile_scene(fuse(ingredients, body, ForceField(default_drop=spec.drop)), body, folder)
     scene, substeps = _with_static_grid(scene)
     hidden = Parameters.of(spec.hidden_vector, spec.hidden_magnitude)
     return Task(spec, ingredients, body, scene, substeps, _path(spec, scene, substeps, hidden))
 
 
-# Coarse on purpose: a gradient costs several rollouts per iteration.
-_PRESET = Preset(
-    Domain(size=4.0, cells=48),
-    Filling(max_particles=1500),
-    Timing(frame_count=26, frame_dt=0.04),
-    Transfer(),
-    Rendering(width=320, height=240),
-)
+def _preset(frame_count: int, particles: int) -> Preset:
+    """Coarse on purpose: a gradient costs several rollouts per iteration."""
+    return Preset(
+        Domain(size=4.0, cells=48),
+        Filling(max_particles=particles),
+        Timing(frame_count=frame_count, frame_dt=0.04),
+        Transfer(),
+        Rendering(width=320, height=240),
+    )
+
+
 _SAFETY = 0.5  # of the bound at rest; a static step must also bear the squeeze on landing
 
 
@@ -227,7 +233,10 @@ def _force(spec: TaskSpec, scene: Scene, parameters: Parameters) -> UniformAccel
     """The sought action, as `forces.skills` would compile it, but with differentiable parameters."""
     scaling, timing = scene.config.scaling, scene.config.timing
     assert scaling is not None
-    start, end = (frame * timing.frame_dt for frame in spec.active_time)
+    first, last = spec.active_time or (0, timing.frame_count - 1)
+    start, end = first * timing.frame_dt, last * timing.frame_dt
     k = scaling.translation if spec.action_type is ActionType.TRANSLATION else scaling.impulse / (end - start)
     dtype = scene.state.x.dtype
-    return UniformAcceleration((k * parameters.push).astype(dtype), jnp.asarray(start, dtype), jnp.asarray(end, dtype))
+    return UniformAcceleration(
+        (k * parameters.push).astype(dtype), jnp.asarray(start, dtype), jnp.asarray(end, dtype)
+    )

@@ -1,0 +1,1 @@
+"""Programs that make the figures in the documents; each writes JSON."""

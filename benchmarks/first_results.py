@@ -101,10 +101,19 @@ def run_case(command: Command, index: int, name: str, options: list[str], prompt
     """One sentence: runs it in its own process and gathers the figures."""
     folder = command.out / f"{index:02d}-{name}"
     frames = ["--frames", str(command.frames)] if command.frames else []
-    line = physagent("run", *options, "--prompt", prompt, "--out", str(folder), "--overwrite", "--json", *frames)
+    line = physagent(
+        "run", *options, "--prompt", prompt, "--out", str(folder), "--overwrite", "--json", *frames
+    )
     summary = json.loads(line)
-    print(f"{index:2d} {summary['verdict']:8s} {summary['wall_s']['total']:6.1f} s  {name}: {prompt}", flush=True)
-    best = folder / "iterations" / str(Manifest.model_validate_json((folder / "manifest.json").read_bytes()).best_iteration)
+    print(
+        f"{index:2d} {summary['verdict']:8s} {summary['wall_s']['total']:6.1f} s  {name}: {prompt}",
+        flush=True,
+    )
+    best = (
+        folder
+        / "iterations"
+        / str(Manifest.model_validate_json((folder / "manifest.json").read_bytes()).best_iteration)
+    )
     report = MotionReport.model_validate_json((best / "motion_report.json").read_bytes())
     record = SimulationRecord.model_validate_json((best / "simulation.json").read_bytes())
     judgement = Judgement.model_validate_json((best / "judgement.json").read_bytes())
@@ -147,13 +156,14 @@ def physagent(*arguments: str) -> str:
 
 def machine() -> str:
     """What the figures were measured on."""
-    return f"{os.cpu_count()} processor cores, {platform.machine()}, {platform.system()}, Python {platform.python_version()}"
+    python = platform.python_version()
+    return f"{os.cpu_count()} processor cores, {platform.machine()}, {platform.system()}, Python {python}"
 
 
 def table(result: dict) -> str:
     """The measured rows as Markdown."""
     lines = [
-        "| # | object | sentence | force field | perceived (last frame) | true (last frame) | verdict | rounds | seconds |",
+        "| # | object | sentence | force field | perceived at the end | truth | verdict | rounds | seconds |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for number, row in enumerate(result["rows"], 1):
@@ -177,7 +187,11 @@ def _actions(field: dict) -> list[str]:
     for action in (*field["actions"], *field["constraints"]):
         kind = action.get("action_type") or action["constraint_type"]
         vector = " ".join(f"{c:.2g}" for c in action["vector"])
-        window = "whole clip" if "active_time" not in action else "frames {:.3g}-{:.3g}".format(*action["active_time"])
+        window = (
+            "whole clip"
+            if "active_time" not in action
+            else "frames {:.3g}-{:.3g}".format(*action["active_time"])
+        )
         region = ", a region" if "region" in action else ""
         lines.append(f"{kind} ({vector}) M = {action['magnitude']:.2f}, {window}{region}")
     return lines

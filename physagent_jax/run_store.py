@@ -89,5 +89,7 @@ def _read(path: Path, schema: type[Schema]) -> Schema | None:
     except (OSError, ValidationError) as error:
         first = str(error).splitlines()[0]
         raise UserError(
-            f"{path} cannot be read", got=first, do="Pass --overwrite to start afresh, or choose another --out"
+            f"{path} cannot be read",
+            got=first,
+            do="Pass --overwrite to start afresh, or choose another --out",
         ) from None

@@ -10,6 +10,7 @@ Thin host code; everything that computes lives in the layers below.
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -147,9 +148,12 @@ class _Loop:
         """The object at rest, filled and bound."""
         self._observer.stage("loading and filling the object")
         ingredients = self._request.ingredients
-        with self._watch("prepare"):
-            preset = ingredients.preset
-            return make_body(ingredients.source, preset.filling, preset.domain, self._request.base_dir)
+        preset = ingredients.preset
+        with self._watch("prepare"), warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", UserWarning)
+            body = make_body(ingredients.source, preset.filling, preset.domain, self._request.base_dir)
+        self._warnings = tuple(dict.fromkeys(str(warning.message) for warning in caught))
+        return body
 
     def with_anchor(self, reply: SemanticReply) -> Ingredients:
         """The ingredients with what the sentence says about holding."""
@@ -236,6 +240,7 @@ class _Loop:
             iterations=len(attempts),
             best_iteration=best,
             verdict=attempts[best].judgement.verdict.value,
+            warnings=self._warnings,
             complete=True,
         )
 

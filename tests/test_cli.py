@@ -57,7 +57,18 @@ def test_unreadable_objects(case, tmp_path, robot_bytes, capsys):
 
 def test_nothing_left_after_the_opacity_filter(tmp_path, robot_path, capsys):
     out = tmp_path / "run"
-    arguments = ["run", "--object", robot_path, "--prompt", PROMPT, "--out", out, "--opacity-threshold", "0.99999", *SMALL]
+    arguments = [
+        "run",
+        "--object",
+        robot_path,
+        "--prompt",
+        PROMPT,
+        "--out",
+        out,
+        "--opacity-threshold",
+        "0.99999",
+        *SMALL,
+    ]
     refused(capsys, arguments, "opacity")
     assert not out.exists()
 
@@ -139,7 +150,10 @@ def edited(path, **changes):
         ({"material__youngs_modulus": float("nan")}, ["NaN"]),
         ({"material__young_modulus": 1e5}, ["material.young_modulus", "Extra inputs"]),
         ({"colour": "blue"}, ["colour"]),
-        ({"force_field__actions": [{"action_type": "push", "vector": [1, 0, 0]}]}, ["force_field.actions.0.action_type"]),
+        (
+            {"force_field__actions": [{"action_type": "push", "vector": [1, 0, 0]}]},
+            ["force_field.actions.0.action_type"],
+        ),
         ({"force_field__actions": [{"action_type": "torque", "vector": [0, 0, 0]}]}, ["vector", "zero"]),
         ({"source__path": "nowhere.ply"}, ["nowhere.ply"]),
         ({"source__sha256": "0" * 64}, ["sha256"]),
@@ -154,8 +168,16 @@ def test_broken_scenes(changes, fragments, scene_file, tmp_path, capsys):
 
 
 def test_scene_files_that_are_not_json(tmp_path, capsys):
-    refused(capsys, ["simulate", make_file(tmp_path / "x.json", b"{"), "--out", tmp_path / "out"], "not valid JSON")
-    refused(capsys, ["simulate", make_file(tmp_path / "y.json", b"\xff\xfe"), "--out", tmp_path / "out"], "not valid JSON")
+    refused(
+        capsys,
+        ["simulate", make_file(tmp_path / "x.json", b"{"), "--out", tmp_path / "out"],
+        "not valid JSON",
+    )
+    refused(
+        capsys,
+        ["simulate", make_file(tmp_path / "y.json", b"\xff\xfe"), "--out", tmp_path / "out"],
+        "not valid JSON",
+    )
     refused(capsys, ["simulate", tmp_path / "z.json", "--out", tmp_path / "out"], "cannot read")
     refused(capsys, ["simulate", make_file(tmp_path / "l.json", b"[1]"), "--out", tmp_path / "out"])
 
@@ -165,7 +187,9 @@ def test_simulate_plays_a_scene_and_prints_one_line_of_json(scene_file, tmp_path
     assert main(["simulate", str(scene_file), "--out", str(out), "--json", "--save-splats"]) == 0
     summary = json.loads(capsys.readouterr().out)
     assert summary["frames"] == 3 and summary["substeps"] > 0
-    assert {"scene.json", "simulation.json", "video.mp4", "motion.npz", "splats"} <= {p.name for p in out.iterdir()}
+    assert {"scene.json", "simulation.json", "video.mp4", "motion.npz", "splats"} <= {
+        p.name for p in out.iterdir()
+    }
     assert len(list((out / "splats").glob("*.ply"))) == 3
 
 

@@ -30,8 +30,26 @@ def request(*arguments, **options):
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory, robot_path):
     out = tmp_path_factory.mktemp("loop") / "run"
-    line = ["run", "--object", robot_path, "--prompt", "a strong wind pushes the robot to the left", "--out", out]
-    options = ["--frames", FRAMES, "--particles", 600, "--resolution", 96, "--save-splats", "--save-frames", "--json"]
+    line = [
+        "run",
+        "--object",
+        robot_path,
+        "--prompt",
+        "a strong wind pushes the robot to the left",
+        "--out",
+        out,
+    ]
+    options = [
+        "--frames",
+        FRAMES,
+        "--particles",
+        600,
+        "--resolution",
+        96,
+        "--save-splats",
+        "--save-frames",
+        "--json",
+    ]
     assert main([str(part) for part in (*line, *options)]) == 0
     return out
 
@@ -40,14 +58,22 @@ def test_a_run_leaves_every_file(finished):
     names = {path.name for path in finished.iterdir()}
     assert {"manifest.json", "semantic.json", "scene.json", "video.mp4", "motion.npz", "report.html"} <= names
     first = {path.name for path in (finished / "iterations" / "0").iterdir()}
-    assert {"scene.json", "force_field.json", "motion_report.json", "judgement.json", "simulation.json"} <= first
+    assert {
+        "scene.json",
+        "force_field.json",
+        "motion_report.json",
+        "judgement.json",
+        "simulation.json",
+    } <= first
     assert len(read_video(finished / "video.mp4")) == FRAMES
     assert len(list((finished / "frames").iterdir())) == FRAMES
     assert len(list((finished / "splats").glob("*.ply"))) == FRAMES
 
 
 def test_the_object_moves_the_way_the_sentence_says(finished):
-    record = SimulationRecord.model_validate_json((finished / "iterations" / "0" / "simulation.json").read_bytes())
+    record = SimulationRecord.model_validate_json(
+        (finished / "iterations" / "0" / "simulation.json").read_bytes()
+    )
     x, y, z = record.truth.centroid[-1]
     assert x < -0.3 and abs(y) < 0.01 and abs(z) < 0.01
 
@@ -61,7 +87,10 @@ def test_perception_agrees_with_the_particles(finished):
 def test_frame_zero_of_the_exported_splats_is_the_object_itself(finished, robot_path):
     from physagent_jax.gaussians.ply import read_ply
 
-    exported, original = read_ply(finished / "splats" / "0000.ply"), read_ply(robot_path, opacity_threshold=0.02)
+    exported, original = (
+        read_ply(finished / "splats" / "0000.ply"),
+        read_ply(robot_path, opacity_threshold=0.02),
+    )
     np.testing.assert_allclose(exported.means, original.means, atol=2e-5)
     np.testing.assert_allclose(exported.sh, original.sh, atol=2e-3)
     np.testing.assert_allclose(exported.opacities, original.opacities, atol=1e-3)
@@ -103,7 +132,9 @@ class ScriptedPlanner:
         score = self.scores.pop(0)
         check = Check(expectation=0, question="?", expected="", observed="", passed=score == 1, score=score)
         verdict = Verdict.SUCCESS if score == 1 else Verdict.FAIL
-        return Judgement(verdict=verdict, score=score, checks=(check,), suggestion="" if score == 1 else "again")
+        return Judgement(
+            verdict=verdict, score=score, checks=(check,), suggestion="" if score == 1 else "again"
+        )
 
 
 class ScriptedExecutor:
@@ -125,17 +156,29 @@ def scripted(scores, interrupt=False):
 
 def test_the_best_round_is_kept(tmp_path, robot_path):
     store = synthesize(request(robot_path, tmp_path / "run"), scripted([0.2, 0.7, 0.4]))
-    assert (store.manifest.iterations, store.manifest.best_iteration, store.manifest.verdict) == (3, 1, "FAIL")
+    assert (store.manifest.iterations, store.manifest.best_iteration, store.manifest.verdict) == (
+        3,
+        1,
+        "FAIL",
+    )
     assert (store.path / "scene.json").read_bytes() == (store.iteration(1) / "scene.json").read_bytes()
-    fields = [json.loads((store.iteration(k) / "force_field.json").read_text())["actions"][0] for k in range(3)]
+    fields = [
+        json.loads((store.iteration(k) / "force_field.json").read_text())["actions"][0] for k in range(3)
+    ]
     assert [f["magnitude"] for f in fields[1:]] == [1.0, 0.9]
-    cameras = {json.dumps(json.loads((store.iteration(k) / "scene.json").read_text())["camera"]) for k in range(3)}
+    cameras = {
+        json.dumps(json.loads((store.iteration(k) / "scene.json").read_text())["camera"]) for k in range(3)
+    }
     assert len(cameras) == 1
 
 
 def test_success_stops_the_loop(tmp_path, robot_path):
     store = synthesize(request(robot_path, tmp_path / "run"), scripted([0.2, 1.0, 0.4]))
-    assert (store.manifest.iterations, store.manifest.best_iteration, store.manifest.verdict) == (2, 1, "SUCCESS")
+    assert (store.manifest.iterations, store.manifest.best_iteration, store.manifest.verdict) == (
+        2,
+        1,
+        "SUCCESS",
+    )
 
 
 def test_a_stopped_run_goes_on_where_it_stopped(tmp_path, robot_path):

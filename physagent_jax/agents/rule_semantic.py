@@ -97,14 +97,19 @@ def _not_understood(marks: list[Mark], brief: SceneBrief) -> tuple[list[str], li
     unknown: list[str] = []
     notes: list[str] = []
     for before, mark in zip([None, *marks], marks):
-        if mark.kind is not Kind.UNKNOWN or mark.words.lower() in unknown:
+        word = mark.phrase
+        if mark.kind is not Kind.UNKNOWN or word in unknown or word in names:
             continue
-        word = mark.words.lower()
-        if not named and before is not None and before.form in _DETERMINERS and word.isalpha():
+        begins = not named and before is not None and before.form in _DETERMINERS and word.isalpha()
+        continues = notes and before is not None and before.phrase in names  # "the sand castle"
+        if begins or continues:
             named = True
             names |= {word}
-            notes.append(f"'{mark.words}' is taken to be the object ({brief.object_name}).")
-        elif word not in names:
+            notes = [
+                f"'{mark.words if begins else ' '.join((before.words, mark.words))}' is taken to be the object "
+                f"({brief.object_name})."
+            ]
+        else:
             unknown.append(word)
     return unknown, notes
 
@@ -158,6 +163,8 @@ def _releases(events: list[Event], draft: Draft) -> list[Event]:
     """Letting go of something at rest lets it fall; letting go before a fall is part of the fall."""
     result: list[Event] = []
     for index, event in enumerate(events):
+        if event.doing is Doing.RELEASE and result and result[-1].doing is Doing.RELEASE:
+            continue  # "release it and let it swing back" is one release
         acted = any(e.doing not in (Doing.STILL, Doing.RELEASE) for e in result)
         falls_next = index + 1 < len(events) and events[index + 1].doing is Doing.FALL
         if event.doing is not Doing.RELEASE or (acted and not falls_next):
@@ -217,7 +224,7 @@ def _anchor(clauses: list[Clause]) -> AnchorRequest:
                 kind="none" if clause.negated else _held_end(clause, verb.holds), words=words
             )
         still = verb.doing is Doing.STILL or (clause.negated and verb.doing is not Doing.STILL)
-        if still and places(clause) and clause.join is not Join.THEN:
+        if still and places(clause) and (clause is clauses[0] or clause.join is not Join.THEN):
             return AnchorRequest(kind=_held_end(clause, ""), words=words)
     return AnchorRequest()
 

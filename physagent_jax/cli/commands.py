@@ -37,7 +37,9 @@ class Make:
         with replacing(self.out) as temporary:
             write_ply(temporary, PROCEDURAL[self.what](self.seed))
         card = ObjectCard(name=self.what, kind=guess_kind(self.what), up="+z")
-        write_text(self.out.with_suffix(".card.json"), card.model_dump_json(indent=2, exclude_none=True) + "\n")
+        write_text(
+            self.out.with_suffix(".card.json"), card.model_dump_json(indent=2, exclude_none=True) + "\n"
+        )
         print(self.out)
         return 0
 
@@ -47,7 +49,16 @@ class Schema:
     """Print the JSON Schema of one of the file formats."""
 
     what: tyro.conf.Positional[
-        Literal["scene", "force-field", "semantic", "motion-report", "judgement", "rewrite", "simulation", "manifest"]
+        Literal[
+            "scene",
+            "force-field",
+            "semantic",
+            "motion-report",
+            "judgement",
+            "rewrite",
+            "simulation",
+            "manifest",
+        ]
     ] = "scene"
     """Which format."""
 

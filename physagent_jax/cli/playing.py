@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from physagent_jax.cli.console import warn
-from physagent_jax.errors import UserError
 from physagent_jax.output.files import check_writable, write_text
 from physagent_jax.output.motion_file import write_motion
 from physagent_jax.output.run_files import motion_of
@@ -23,7 +22,13 @@ from physagent_jax.stopwatch import Stopwatch
 
 
 def play_scene(
-    config: SceneConfig, base_dir: Path, out: Path, progress: Progress, *, save_frames: bool, save_splats: bool
+    config: SceneConfig,
+    base_dir: Path,
+    out: Path,
+    progress: Progress,
+    *,
+    save_frames: bool,
+    save_splats: bool,
 ) -> tuple[SimulationRecord, Stages]:
     """Simulates ``config`` and writes scene.json, simulation.json, video.mp4 and motion.npz to ``out``.
 

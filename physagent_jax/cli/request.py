@@ -99,7 +99,15 @@ def _material(command: Run, kind: str) -> Material:
 def _anchor(command: Run, kind: str, asked: str | None = None, words: str = "") -> Anchor:
     if command.anchor == "auto":
         return anchor_for(kind, asked, words)
-    return anchor_for(kind, command.anchor).model_copy(update=dict(reason="set on the command line"))
+    reason = "set on the command line"
+    if command.anchor == "box":
+        box = command.anchor_box or (None,) * 6
+        point, half_size = (part if None not in part else None for part in (box[:3], box[3:]))
+        return Anchor(kind="box", point=point, half_size=half_size, reason=reason)
+    if command.anchor == "mask":
+        path = None if command.anchor_mask is None else str(command.anchor_mask.resolve())
+        return Anchor(kind="mask", mask_path=path, reason=reason)
+    return anchor_for(kind, command.anchor).model_copy(update=dict(reason=reason))
 
 
 def _camera(command: Run, azimuth: float | None) -> CameraConfig:
@@ -115,6 +123,7 @@ def _settings(command: Run, ingredients: Ingredients) -> dict:
         "source": ingredients.source.model_dump(mode="json", exclude={"path"}),
         "material": ingredients.material.model_dump(mode="json"),
         "camera": ingredients.camera.model_dump(mode="json"),
+        "anchor": ingredients.anchor.model_dump(mode="json"),
     }
     options = (command.prompt, command.anchor, command.friction, ingredients.damping_rate)
     options = (*options, command.max_iterations, command.seed)

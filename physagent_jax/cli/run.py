@@ -17,7 +17,7 @@ from physagent_jax.errors import UserError
 from physagent_jax.scene.config import MaterialModel, SignedAxis
 from physagent_jax.scene.presets import PRESETS, PresetName
 
-AnchorChoice = Literal["auto", "none", "base", "top"]
+AnchorChoice = Literal["auto", "none", "base", "top", "box", "mask"]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,6 +47,10 @@ class Run:
     """The camera's height above the horizon, in degrees."""
     anchor: AnchorChoice = "auto"
     """What is held fixed; auto: what the sentence says, else what the kind implies."""
+    anchor_box: tuple[float, float, float, float, float, float] | None = None
+    """For --anchor box: centre and half size in metres (the object's longest side is 1 m, centred in the domain)."""
+    anchor_mask: Path | None = None
+    """For --anchor mask: .npy of one bool per Gaussian."""
     material: MaterialModel | None = None
     """Constitutive model; default: the kind's."""
     youngs_modulus: float | None = None
@@ -90,7 +94,9 @@ class Run:
         begun = time.perf_counter()
         observer = ConsoleObserver()
         try:
-            store = synthesize(make_request(self, " ".join(map(shlex.quote, sys.argv))), offline_agents(), observer)
+            store = synthesize(
+                make_request(self, " ".join(map(shlex.quote, sys.argv))), offline_agents(), observer
+            )
         finally:
             observer.close()
         report = write_report(store.path)
@@ -111,7 +117,8 @@ def summarise(store, seconds: float) -> dict:
 
     manifest = store.manifest
     records = [
-        store.read(f"iterations/{index}/simulation.json", SimulationRecord) for index in range(manifest.iterations)
+        store.read(f"iterations/{index}/simulation.json", SimulationRecord)
+        for index in range(manifest.iterations)
     ]
     best = records[manifest.best_iteration]
     return {

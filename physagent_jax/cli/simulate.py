@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import time
+import warnings
 from pathlib import Path
 from typing import Annotated
 
@@ -36,8 +37,8 @@ class Simulate:
         from physagent_jax.cli.playing import play_scene
 
         begun = time.perf_counter()
-        config, warnings = read_scene(self.scene, self.object)
-        for text in warnings:
+        config, notes = read_scene(self.scene, self.object)
+        for text in notes:
             warn(text)
         bar = FrameBar("simulating and rendering")
         try:
@@ -83,11 +84,11 @@ class ImportPhysGaussian:
         from physagent_jax.output.files import write_text
         from physagent_jax.scene.config import dump_scene
 
-        scene, warnings = read_scene(self.config, self.object)
-        for text in warnings:
+        scene, notes = read_scene(self.config, self.object)
+        for text in notes:
             warn(text)
         write_text(self.out, dump_scene(scene))
-        stderr.print(f"{len(warnings)} key(s) had no meaning here")
+        stderr.print(f"{len(notes)} key(s) had no meaning here")
         print(self.out)
         return 0
 
@@ -99,7 +100,7 @@ def read_scene(path: Path, object_path: Path | None):
         UserError: The file is not a scene, or the object it needs is not given.
     """
     from physagent_jax.scene.config import load_json, parse_scene
-    from physagent_jax.scene.physgaussian import import_physgaussian, is_physgaussian
+    from physagent_jax.scene.physgaussian import is_physgaussian
 
     data = load_json(path)
     if not is_physgaussian(data):
@@ -110,4 +111,18 @@ def read_scene(path: Path, object_path: Path | None):
         return scene, []
     if object_path is None:
         raise UserError(f"{path} is a PhysGaussian config, which names no object", do="Pass --object x.ply")
-    return import_physgaussian(data, object_path=str(object_path.resolve()))
+    return _import(data, object_path)
+
+
+def _import(data: dict, object_path: Path):
+    """Imports twice: the camera's radius is in file units, whose size is known once the object is placed."""
+    from physagent_jax.scene.load import load_object
+    from physagent_jax.scene.physgaussian import import_physgaussian
+    from physagent_jax.scene.placement import place
+
+    path = str(object_path.resolve())
+    scene, _ = import_physgaussian(data, object_path=path, file_units_per_metre=1.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # the same warnings come when the scene is played
+        _, placement = place(load_object(scene.source, "."), scene.source, scene.domain)
+    return import_physgaussian(data, object_path=path, file_units_per_metre=1 / placement.scale)

@@ -61,11 +61,17 @@ def compare(report: MotionReport, truth: TrueMotion) -> dict[str, float | int | 
         ValueError: The numbers of frames differ.
     """
     if report.frame_count != len(truth.centroid):
-        raise ValueError(f"report has {report.frame_count} frames, truth {len(truth.centroid)}; compare the same clip")
+        raise ValueError(
+            f"report has {report.frame_count} frames, truth {len(truth.centroid)}; compare the same clip"
+        )
     scale = report.object_size / truth.object_size
-    centroid = [None if a is None else float(np.linalg.norm(np.multiply(a, scale) - b))
-                for a, b in zip(report.centroid, truth.centroid)]
-    rotation = [None if a is None else abs(a - b) for a, b in zip(report.rotation_degrees, truth.rotation_degrees)]
+    centroid = [
+        None if a is None else float(np.linalg.norm(np.multiply(a, scale) - b))
+        for a, b in zip(report.centroid, truth.centroid)
+    ]
+    rotation = [
+        None if a is None else abs(a - b) for a, b in zip(report.rotation_degrees, truth.rotation_degrees)
+    ]
     volume = report.volume_ratio[-1]
     return {
         "centroid_error_last": centroid[-1],
@@ -89,7 +95,11 @@ def _rotation(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def _stretch_error(report: MotionReport, truth: TrueMotion) -> float | None:
     """Largest difference along the world axes; the tensor is set against the truth only without a turn."""
     whole = report.windows[0]
-    if whole.stretch is None or (whole.rotation_degrees or 0.0) > 10 or not whole.stretch_view_axis_observable:
+    if (
+        whole.stretch is None
+        or (whole.rotation_degrees or 0.0) > 10
+        or not whole.stretch_view_axis_observable
+    ):
         return None
     return float(np.abs(np.diag(np.asarray(whole.stretch)) - truth.stretch[-1]).max())
 

@@ -53,4 +53,6 @@ def check_writable(folder: str | Path) -> None:
     if not existing.is_dir():
         raise UserError(f"cannot write to {folder}", got=f"{existing} is a file", do="Choose another --out")
     if not os.access(existing, os.W_OK | os.X_OK):
-        raise UserError(f"cannot write to {folder}", got=f"{existing} is read-only", do="Choose another --out")
+        raise UserError(
+            f"cannot write to {folder}", got=f"{existing} is read-only", do="Choose another --out"
+        )

@@ -18,7 +18,7 @@ from physagent_jax.perception.overlay import overlay
 from physagent_jax.run_store import RunStore
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import Scene
-from physagent_jax.scene.config import SceneConfig, dump_scene
+from physagent_jax.scene.config import dump_scene
 from physagent_jax.simulation import Recording
 
 FILMSTRIP_FRAMES = 6

@@ -77,12 +77,21 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
     gone, lost = (area == 0, GONE), (np.array([p is None for p in path.poses]), LOST)
 
     return Frames(
-        size=size, center=center, centroid=centroid, poses=path.poses, chain=path.chain,
+        size=size,
+        center=center,
+        centroid=centroid,
+        poses=path.poses,
+        chain=path.chain,
         box=np.where(cut[:, None], np.nan, np.maximum(edges / size, THINNEST)),
-        depth_shown=np.array([len(p) > 3 and hidden_spread(p, forward) > LEAST_RELIEF * size for p in points]),
-        reasons={"centroid": why(gone, (~np.isfinite(centroid[:, 0]), CUT)),
-                 "rotation": why(gone, (loose, LOOSE), lost),
-                 "box": why(gone, (cut, CUT))})
+        depth_shown=np.array(
+            [len(p) > 3 and hidden_spread(p, forward) > LEAST_RELIEF * size for p in points]
+        ),
+        reasons={
+            "centroid": why(gone, (~np.isfinite(centroid[:, 0]), CUT)),
+            "rotation": why(gone, (loose, LOOSE), lost),
+            "box": why(gone, (cut, CUT)),
+        },
+    )
 
 
 def _centroids(path: Path, points: list[np.ndarray], cut: np.ndarray, center: np.ndarray) -> np.ndarray:

@@ -36,12 +36,21 @@ class Affine:
 
     def after(self, first: Affine) -> Affine:
         """This map after ``first``; the residual is the larger one."""
-        return Affine(self.matrix @ first.matrix, self(first.offset), self.rotation @ first.rotation,
-                      max(self.residual, first.residual))
+        return Affine(
+            self.matrix @ first.matrix,
+            self(first.offset),
+            self.rotation @ first.rotation,
+            max(self.residual, first.residual),
+        )
 
 
 def fit_affine(
-    a: np.ndarray, b: np.ndarray, trust: np.ndarray | None = None, *, prior: float = 0.015, iterations: int = 10
+    a: np.ndarray,
+    b: np.ndarray,
+    trust: np.ndarray | None = None,
+    *,
+    prior: float = 0.015,
+    iterations: int = 10,
 ) -> Affine:
     """Robust affine map a -> b that falls back to the rigid one where the points cannot tell.
 

@@ -52,7 +52,9 @@ class Path:
     texture: float = 0.0
 
 
-def follow(frames: np.ndarray, masks: np.ndarray, depths: np.ndarray, camera: Camera, tracker: Tracker) -> Path:
+def follow(
+    frames: np.ndarray, masks: np.ndarray, depths: np.ndarray, camera: Camera, tracker: Tracker
+) -> Path:
     """Follows the object through the clip.
 
     Args:
@@ -63,8 +65,13 @@ def follow(frames: np.ndarray, masks: np.ndarray, depths: np.ndarray, camera: Ca
         tracker: Follows points in pictures.
     """
     count = len(frames)
-    path = Path([None] * count, np.full(count, -1), np.zeros(count), np.zeros((count, 0, 2)),
-                np.zeros((count, 0), bool))
+    path = Path(
+        [None] * count,
+        np.full(count, -1),
+        np.zeros(count),
+        np.zeros((count, 0, 2)),
+        np.zeros((count, 0), bool),
+    )
     start, base, chain, horizon = 0, Affine.identity(), 0, count
     while start < count and not (start == count - 1 and path.poses[start] is not None):
         seeds, corner = seed_points(frames[start], depths[start])
@@ -77,7 +84,9 @@ def follow(frames: np.ndarray, masks: np.ndarray, depths: np.ndarray, camera: Ca
             span = slice(start, min(start + horizon, count))
             reached = _link(path, span, base, chain, seeds, frames, masks, depths, camera, tracker)
         if reached > start:
-            horizon = max(4, 2 * (reached - start))  # tracking further than the next link goes would be wasted
+            horizon = max(
+                4, 2 * (reached - start)
+            )  # tracking further than the next link goes would be wasted
             start, base = reached, path.poses[reached]
         else:  # nothing could be followed from here: what comes later is another chain
             start, base, chain = start + 1, Affine.identity(), chain + 1
@@ -130,7 +139,9 @@ def seed_points(frame: np.ndarray, depth: np.ndarray, count: int = SEEDS) -> tup
     corner = cv2.cornerMinEigenVal(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), 5)
     score = np.where(known, corner, -1.0)
     h, w = (n // cell * cell for n in score.shape)
-    cells = score[:h, :w].reshape(h // cell, cell, w // cell, cell).transpose(0, 2, 1, 3).reshape(-1, cell * cell)
+    cells = (
+        score[:h, :w].reshape(h // cell, cell, w // cell, cell).transpose(0, 2, 1, 3).reshape(-1, cell * cell)
+    )
     best = cells.argmax(1)
     index = np.flatnonzero(cells[np.arange(len(cells)), best] >= 0)
     row, column = np.divmod(index, w // cell)

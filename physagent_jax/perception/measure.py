@@ -94,34 +94,55 @@ def perceive(
     trusted = np.stack(trusted)
     path = follow(rgb, masks, trusted, camera, tracker or FlowTracker())
     if path.texture < LEAST_TEXTURE:
-        notes.append("The surface has little texture: rotation and shape are guessed from its outline and shading.")
+        notes.append(
+            "The surface has little texture: rotation and shape are guessed from its outline and shading."
+        )
     frames = assemble(path, masks, z, trusted, camera)
     size = frames.size
     quality = Quality(
         tracks_kept=float(path.kept[in_view(masks)].min()),
         fit_residual=max((p.residual for p in path.poses if p is not None), default=0.0) / size,
-        depth_noise=noise[0] / size, mask_fraction=float(masks[0].mean()),
+        depth_noise=noise[0] / size,
+        mask_fraction=float(masks[0].mean()),
         leaves_frame=next((t for t, m in enumerate(masks) if touches_border(m)), None),
-        notes=(*notes, *frames.weaknesses(in_view(masks))))
+        notes=(*notes, *frames.weaknesses(in_view(masks))),
+    )
     pixel = float(np.nanmedian(trusted[0]) / np.asarray(camera.K)[0, 0]) / size
-    report = _report(frames, lift.surface(trusted[0], camera)[::17], frame_dt, spans, quality,
-                     threshold=max(VISIBLE, pixel))
-    return Perception(report.model_copy(update={"text": tell(report, ViewerWords(camera, up))}),
-                      masks, path.tracks, path.visible)
+    report = _report(
+        frames,
+        lift.surface(trusted[0], camera)[::17],
+        frame_dt,
+        spans,
+        quality,
+        threshold=max(VISIBLE, pixel),
+    )
+    return Perception(
+        report.model_copy(update={"text": tell(report, ViewerWords(camera, up))}),
+        masks,
+        path.tracks,
+        path.visible,
+    )
 
 
 def _checked(rgb, depth, camera: Camera, windows) -> np.ndarray:
     rgb = np.asarray(rgb)
     if rgb.ndim != 4 or rgb.shape[-1] != 3 or rgb.dtype != np.uint8 or len(rgb) == 0:
-        raise UserError("`rgb` must be uint8 of shape (T, H, W, 3) with T >= 1", got=f"{rgb.dtype} {rgb.shape}")
+        raise UserError(
+            "`rgb` must be uint8 of shape (T, H, W, 3) with T >= 1", got=f"{rgb.dtype} {rgb.shape}"
+        )
     if rgb.shape[1:3] != (camera.height, camera.width):
-        raise UserError("`rgb` and `camera` differ in size", got=f"{rgb.shape[1:3]}, {(camera.height, camera.width)}",
-                        do="pass the camera that the pictures were taken with")
+        raise UserError(
+            "`rgb` and `camera` differ in size",
+            got=f"{rgb.shape[1:3]}, {(camera.height, camera.width)}",
+            do="pass the camera that the pictures were taken with",
+        )
     if not callable(depth) and np.shape(depth) != rgb.shape[:3]:
         raise UserError("`depth` must have the shape (T, H, W) of `rgb`", got=np.shape(depth))
     for first, last in windows:
         if not 0 <= first <= last < len(rgb):
-            raise UserError(f"window ({first}, {last}) is outside of the clip", do=f"stay within 0..{len(rgb) - 1}")
+            raise UserError(
+                f"window ({first}, {last}) is outside of the clip", do=f"stay within 0..{len(rgb) - 1}"
+            )
     return rgb
 
 
@@ -139,7 +160,9 @@ def _masks(rgb, z, segmenter: Segmenter) -> tuple[np.ndarray, list[str]]:
     missed = 1 - masks.sum() / max(surface.sum(), 1)
     alone = not touches_border(surface[0])  # nothing else, like a floor, is in the depth picture
     if alone and missed > MISSED:
-        return surface, [f"Colour missed {missed:.0%} of the object: its mask was taken from the depth picture."]
+        return surface, [
+            f"Colour missed {missed:.0%} of the object: its mask was taken from the depth picture."
+        ]
     return masks, []
 
 
@@ -149,14 +172,20 @@ def _report(frames: Frames, rest: np.ndarray, frame_dt, spans, quality, *, thres
     begun = timing.onset(_distances(frames, rest, 0), threshold)
     volume = [frames.volume(t) for t in range(len(turn))]
     return MotionReport(
-        frame_count=len(turn), frame_dt=frame_dt, object_size=frames.size, object_center=tuple(frames.center.tolist()),
+        frame_count=len(turn),
+        frame_dt=frame_dt,
+        object_size=frames.size,
+        object_center=tuple(frames.center.tolist()),
         windows=tuple(measure_window(frames, *span) for span in spans),
         centroid=tuple(tuple(c.tolist()) if np.isfinite(c).all() else None for c in frames.centroid),
         rotation_degrees=tuple(None if v is None else float(np.degrees(np.linalg.norm(v))) for v in turn),
         volume_ratio=tuple(v if np.isfinite(v) else None for v in volume),
         oscillation=timing.oscillation(frames.centroid, frame_dt, threshold + quality.fit_residual),
-        onset_frame=begun, settle_frame=timing.settled(_distances(frames, rest, -1), threshold),
-        quality=quality, text="")
+        onset_frame=begun,
+        settle_frame=timing.settled(_distances(frames, rest, -1), threshold),
+        quality=quality,
+        text="",
+    )
 
 
 def _distances(frames: Frames, rest: np.ndarray, frame: int) -> np.ndarray:
@@ -165,6 +194,7 @@ def _distances(frames: Frames, rest: np.ndarray, frame: int) -> np.ndarray:
     RMS distance of its points, which also sees it turn or stretch on the spot. Without a common pose: the
     centroid's distance or the change of the box's half edges, whichever is larger.
     """
+
     def distance(t):
         pose, other = frames.poses[t], frames.poses[frame]
         if pose is None or other is None or frames.chain[t] != frames.chain[frame]:
@@ -179,14 +209,37 @@ def _nothing(rgb, masks, frame_dt, spans, notes) -> Perception:
     """The report of a clip whose first frame shows no object."""
     count, why = len(rgb), f"{GONE} in frame 0"
     nan = np.full((count, 3), np.nan)
-    frames = Frames(0.0, np.zeros(3), nan, [None] * count, np.full(count, -1), nan, np.zeros(count, bool),
-                    {topic: [why] * count for topic in ("centroid", "rotation", "box")})
-    quality = Quality(tracks_kept=0.0, fit_residual=0.0, depth_noise=0.0, mask_fraction=0.0, leaves_frame=None,
-                      notes=(*notes, "No object was found in frame 0, so there is nothing to compare with."))
+    frames = Frames(
+        0.0,
+        np.zeros(3),
+        nan,
+        [None] * count,
+        np.full(count, -1),
+        nan,
+        np.zeros(count, bool),
+        {topic: [why] * count for topic in ("centroid", "rotation", "box")},
+    )
+    quality = Quality(
+        tracks_kept=0.0,
+        fit_residual=0.0,
+        depth_noise=0.0,
+        mask_fraction=0.0,
+        leaves_frame=None,
+        notes=(*notes, "No object was found in frame 0, so there is nothing to compare with."),
+    )
     report = MotionReport(
-        frame_count=count, frame_dt=frame_dt, object_size=0.0, object_center=(0.0, 0.0, 0.0),
-        windows=tuple(measure_window(frames, *span) for span in spans), centroid=(None,) * count,
-        rotation_degrees=(None,) * count, volume_ratio=(None,) * count, oscillation=None, onset_frame=None,
-        settle_frame=None, quality=quality,
-        text="No object is visible in the initial frame, so its motion is not observable.")
+        frame_count=count,
+        frame_dt=frame_dt,
+        object_size=0.0,
+        object_center=(0.0, 0.0, 0.0),
+        windows=tuple(measure_window(frames, *span) for span in spans),
+        centroid=(None,) * count,
+        rotation_degrees=(None,) * count,
+        volume_ratio=(None,) * count,
+        oscillation=None,
+        onset_frame=None,
+        settle_frame=None,
+        quality=quality,
+        text="No object is visible in the initial frame, so its motion is not observable.",
+    )
     return Perception(report, masks, np.zeros((count, 0, 2)), np.zeros((count, 0), bool))

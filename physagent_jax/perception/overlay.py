@@ -12,7 +12,13 @@ _SHIFT = 4
 
 
 def overlay(
-    rgb: np.ndarray, masks: np.ndarray, tracks: np.ndarray, visible: np.ndarray, *, tail: int = 8, most: int = 70
+    rgb: np.ndarray,
+    masks: np.ndarray,
+    tracks: np.ndarray,
+    visible: np.ndarray,
+    *,
+    tail: int = 8,
+    most: int = 70,
 ) -> np.ndarray:
     """Draws what perception followed.
 
@@ -43,7 +49,9 @@ def _frame(rgb, masks, tracks, visible, colours, t: int, tail: int, most: int) -
     for age in range(min(tail, t), 0, -1):
         at = t - age
         for i in shown[visible[at, shown] & visible[at + 1, shown]]:
-            cv2.line(tails, _point(tracks[at, i]), _point(tracks[at + 1, i]), colours[i], 1, cv2.LINE_AA, _SHIFT)
+            cv2.line(
+                tails, _point(tracks[at, i]), _point(tracks[at + 1, i]), colours[i], 1, cv2.LINE_AA, _SHIFT
+            )
     picture = cv2.addWeighted(tails, 0.85, picture, 0.15, 0)
     for i in shown:
         cv2.circle(picture, _point(tracks[t, i]), int(2.2 * 2**_SHIFT), (20, 20, 30), -1, cv2.LINE_AA, _SHIFT)
@@ -62,5 +70,7 @@ def _colours(tracks: np.ndarray, visible: np.ndarray) -> list[tuple[int, int, in
         return []
     start = tracks[visible.argmax(0), np.arange(tracks.shape[1])]
     rank = start[:, 1].argsort().argsort() / max(len(start) - 1, 1)
-    return [(int(255 * r), int(255 * g), int(255 * b))
-            for r, g, b in (colorsys.hsv_to_rgb(0.55 + 0.4 * k, 0.75, 1.0) for k in rank)]
+    return [
+        (int(255 * r), int(255 * g), int(255 * b))
+        for r, g, b in (colorsys.hsv_to_rgb(0.55 + 0.4 * k, 0.75, 1.0) for k in rank)
+    ]

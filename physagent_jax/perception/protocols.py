@@ -48,7 +48,9 @@ class DepthEstimator(Protocol):
 class Tracker(Protocol):
     """Follows points through the frames."""
 
-    def __call__(self, frames: np.ndarray, queries: np.ndarray, masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def __call__(
+        self, frames: np.ndarray, queries: np.ndarray, masks: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Tracks of points that are given in the first of ``frames``.
 
         Args:

@@ -32,13 +32,17 @@ class ColorSegmenter:
     def __call__(self, frames: np.ndarray) -> np.ndarray:
         """Masks of the object; see `protocols.Segmenter`."""
         background, spread = border_colour(frames)
-        threshold = max(self.threshold, min(3 * spread, 5 * self.threshold))  # a busy border must not hide all
+        threshold = max(
+            self.threshold, min(3 * spread, 5 * self.threshold)
+        )  # a busy border must not hide all
         masks = []
         for frame in frames:
             difference = frame.astype(np.float32) - background
             guess = np.einsum("hwc,hwc->hw", difference, difference) > threshold**2
             if guess.any():
-                guess = _matte(difference, guess) if spread < self.plain_spread else self._grabcut(frame, guess)
+                guess = (
+                    _matte(difference, guess) if spread < self.plain_spread else self._grabcut(frame, guess)
+                )
             masks.append(_without_specks(guess))
         return np.stack(masks)
 

@@ -92,9 +92,12 @@ def oscillation(centroid: np.ndarray, frame_dt: float, threshold: float) -> Osci
         if len(turns) >= LEAST_REVERSALS and width > 0:
             period = 2 * (turns[-1] - turns[0]) / (len(turns) - 1)
             first = signal[int(round(turns[0]))] - signal[0]
-            return Oscillation(direction=tuple((axis * (np.sign(first) or 1)).tolist()),
-                               frequency_hz=1 / (period * frame_dt), amplitude=float(np.ptp(signal) / 2),
-                               reversals=len(turns))
+            return Oscillation(
+                direction=tuple((axis * (np.sign(first) or 1)).tolist()),
+                frequency_hz=1 / (period * frame_dt),
+                amplitude=float(np.ptp(signal) / 2),
+                reversals=len(turns),
+            )
     return None
 
 

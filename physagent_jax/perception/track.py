@@ -37,7 +37,9 @@ class FlowTracker:
     def __post_init__(self):
         self._dis = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
 
-    def __call__(self, frames: np.ndarray, queries: np.ndarray, masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def __call__(
+        self, frames: np.ndarray, queries: np.ndarray, masks: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Tracks of ``queries``; see `protocols.Tracker`."""
         tracks = np.repeat(np.asarray(queries, np.float64)[None], len(frames), axis=0)
         visible = np.zeros(tracks.shape[:2], bool)
@@ -63,7 +65,9 @@ class FlowTracker:
 
     def _flow(self, before, after, mask_before, mask_after, points):
         """Moves ``points`` from frame to frame; returns them and whether the way back agrees."""
-        (xa, ya, wa, ha), (xb, yb, wb, hb) = (cv2.boundingRect(m.astype(np.uint8)) for m in (mask_before, mask_after))
+        (xa, ya, wa, ha), (xb, yb, wb, hb) = (
+            cv2.boundingRect(m.astype(np.uint8)) for m in (mask_before, mask_after)
+        )
         w, h = max(wa, wb, 32) + 2 * _MARGIN, max(ha, hb, 32) + 2 * _MARGIN
         corner_a = np.array([xa + wa // 2 - w // 2, ya + ha // 2 - h // 2])
         corner_b = np.array([xb + wb // 2 - w // 2, yb + hb // 2 - h // 2])
@@ -88,15 +92,22 @@ class FlowTracker:
         anchored = np.full_like(queries, np.nan)
         if found.sum() < 6:
             return anchored
-        affine, _ = cv2.estimateAffine2D(queries[found], moved[found], ransacReprojThreshold=3.0, maxIters=200)
+        affine, _ = cv2.estimateAffine2D(
+            queries[found], moved[found], ransacReprojThreshold=3.0, maxIters=200
+        )
         if affine is None or np.linalg.det(affine[:, :2]) < 0.02:
             return anchored
         x, y, w, h = cv2.boundingRect(mask.astype(np.uint8))
         corner, w, h = np.array([x - _MARGIN, y - _MARGIN]), w + 2 * _MARGIN, h + 2 * _MARGIN
         to_current = affine.copy()  # crop's pixel indices -> picture's pixel indices
         to_current[:, 2] = affine[:, :2] @ (corner + 0.5) + affine[:, 2] - 0.5
-        back = cv2.warpAffine(current, to_current, (w, h), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-                              borderMode=cv2.BORDER_REPLICATE)
+        back = cv2.warpAffine(
+            current,
+            to_current,
+            (w, h),
+            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
         start = (queries - corner - 0.5).astype(np.float32)
         guess = ((moved - affine[:, 2]) @ np.linalg.inv(affine[:, :2]).T - corner - 0.5).astype(np.float32)
         guess[~found] = start[~found]  # lost points may come back where the affine map expects them
@@ -111,21 +122,32 @@ class FlowTracker:
 
 
 def _lucas_kanade(a, b, points, guess):
-    return cv2.calcOpticalFlowPyrLK(a, b, points, guess.copy(), winSize=(15, 15), maxLevel=1, criteria=_STOP,
-                                    flags=cv2.OPTFLOW_USE_INITIAL_FLOW)
+    return cv2.calcOpticalFlowPyrLK(
+        a,
+        b,
+        points,
+        guess.copy(),
+        winSize=(15, 15),
+        maxLevel=1,
+        criteria=_STOP,
+        flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
+    )
 
 
 def _crop(image: np.ndarray, corner: np.ndarray, w: int, h: int) -> np.ndarray:
     """The w x h window at integer ``corner``, continued beyond the picture by its edge."""
     shift = np.array([[1, 0, corner[0]], [0, 1, corner[1]]], np.float64)
-    return cv2.warpAffine(image, shift, (w, h), flags=cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP,
-                          borderMode=cv2.BORDER_REPLICATE)
+    return cv2.warpAffine(
+        image, shift, (w, h), flags=cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE
+    )
 
 
 def _lookup(flow: np.ndarray, xy: np.ndarray) -> np.ndarray:
     """Bilinear flow at positions (pixel centres at +0.5), shape (N, 2)."""
     at = (xy - 0.5).astype(np.float32)
-    return cv2.remap(flow, at[:, None, 0], at[:, None, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)[:, 0]
+    return cv2.remap(flow, at[:, None, 0], at[:, None, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)[
+        :, 0
+    ]
 
 
 def _inside(mask: np.ndarray, xy: np.ndarray) -> np.ndarray:

@@ -57,14 +57,20 @@ class Frames:
         notes = []
         lost = [t for t, pose in enumerate(self.poses) if pose is None and in_view[t]]
         if lost:
-            notes.append(f"Rotation and shape are unknown in {len(lost)} frames (first: {lost[0]}), because "
-                         f"{self.reasons['rotation'][lost[0]]}; the centroid there is the visible surface's.")
+            notes.append(
+                f"Rotation and shape are unknown in {len(lost)} frames (first: {lost[0]}), because "
+                f"{self.reasons['rotation'][lost[0]]}; the centroid there is the visible surface's."
+            )
         out = [t for t, reason in enumerate(self.reasons["box"]) if reason]
         if out:
-            notes.append("The object touches the picture's border or is out of it in "
-                         f"{len(out)} frames (first: {out[0]}).")
+            notes.append(
+                "The object touches the picture's border or is out of it in "
+                f"{len(out)} frames (first: {out[0]})."
+            )
         if not self.depth_shown[0]:
-            notes.append("The visible side has too little relief to show stretch along the viewing direction.")
+            notes.append(
+                "The visible side has too little relief to show stretch along the viewing direction."
+            )
         return notes
 
 
@@ -85,7 +91,9 @@ def measure_window(frames: Frames, first: int, last: int) -> WindowMotion:
             values = (None,) * len(fields)
         found |= dict(zip(fields, values))
     shown = bool(found["stretch"] is not None and frames.depth_shown[first])
-    return WindowMotion(first=first, last=last, stretch_view_axis_observable=shown, unobservable=missing, **found)
+    return WindowMotion(
+        first=first, last=last, stretch_view_axis_observable=shown, unobservable=missing, **found
+    )
 
 
 def _why(frames: Frames, topic: str, first: int, last: int) -> str:

@@ -35,8 +35,11 @@ class ViewerWords:
 
     def components(self, vector: Vectorlike) -> list[tuple[float, str]]:
         """Parts of ``vector`` along the viewer's axes, largest first, without the minor ones."""
-        pairs = ((self.right, "right", "left"), (self.up, "up", "down"),
-                 (self.away, "away from the camera", "towards the camera"))
+        pairs = (
+            (self.right, "right", "left"),
+            (self.up, "up", "down"),
+            (self.away, "away from the camera", "towards the camera"),
+        )
         v = np.asarray(vector, float)
         parts = [(abs(float(v @ axis)), plus if v @ axis > 0 else minus) for axis, plus, minus in pairs]
         return sorted((p for p in parts if p[0] >= max(0.25 * np.linalg.norm(v), 0.005)), reverse=True)
@@ -52,9 +55,11 @@ class ViewerWords:
     def turn(self, axis: Vectorlike) -> str:
         """Sense of a rotation about ``axis`` (right-hand rule) as the viewer sees it."""
         a = np.asarray(axis, float)
-        senses = ((self.up, "counter-clockwise seen from above", "clockwise seen from above"),
-                  (self.away, "clockwise for the viewer", "counter-clockwise for the viewer"),
-                  (self.right, "tipping its top towards the camera", "tipping its top away from the camera"))
+        senses = (
+            (self.up, "counter-clockwise seen from above", "clockwise seen from above"),
+            (self.away, "clockwise for the viewer", "counter-clockwise for the viewer"),
+            (self.right, "tipping its top towards the camera", "tipping its top away from the camera"),
+        )
         along, plus, minus = max(senses, key=lambda s: abs(float(a @ s[0])))
         return f"{plus if a @ along > 0 else minus}, about {world_axis(axis)}"
 
@@ -77,7 +82,9 @@ def tell(report: MotionReport, words: ViewerWords) -> str:
     whole, quarters, asked = report.windows[0], report.windows[1:5], report.windows[5:]
     parts = [_whole(whole, words), _swing(report, words), _times(report, whole)]
     if report.onset_frame is not None:
-        parts.append("By quarters: " + "; ".join(_brief(w, words) for w in quarters if w.last > w.first) + ".")
+        parts.append(
+            "By quarters: " + "; ".join(_brief(w, words) for w in quarters if w.last > w.first) + "."
+        )
     parts += [f"Window asked for: {_brief(w, words)}." for w in asked]
     parts += [f"Note: {note}" for note in report.quality.notes]
     return " ".join(p for p in parts if p)
@@ -89,11 +96,15 @@ def _whole(w: WindowMotion, words: ViewerWords) -> str:
     if w.displacement is not None and w.peak_displacement is not None:
         peak, net = np.linalg.norm(w.peak_displacement), np.linalg.norm(w.displacement)
         if peak > max(1.2 * net, 0.03):
-            text.append(f"Its largest displacement is {peak:.2f} body lengths {words.where(w.peak_displacement)} "
-                        f"at frame {w.peak_frame}; its path is {w.path_length or 0:.2f} body lengths long.")
+            text.append(
+                f"Its largest displacement is {peak:.2f} body lengths {words.where(w.peak_displacement)} "
+                f"at frame {w.peak_frame}; its path is {w.path_length or 0:.2f} body lengths long."
+            )
     elif w.peak_displacement is not None:
-        text.append(f"While it was seen, it moved up to {np.linalg.norm(w.peak_displacement):.2f} body lengths "
-                    f"{words.where(w.peak_displacement)}, at frame {w.peak_frame}.")
+        text.append(
+            f"While it was seen, it moved up to {np.linalg.norm(w.peak_displacement):.2f} body lengths "
+            f"{words.where(w.peak_displacement)}, at frame {w.peak_frame}."
+        )
     text += [_stretch(w, words), _volume(w)]
     return " ".join(t for t in text if t)
 
@@ -152,15 +163,22 @@ def _swing(report: MotionReport, words: ViewerWords) -> str:
     o = report.oscillation
     if o is None:
         return "The motion is not periodic."
-    return (f"The centroid swings with {o.reversals} reversals at {o.frequency_hz:.2f} Hz and an amplitude of "
-            f"{o.amplitude:.2f} body lengths, first {words.where(o.direction)}.")
+    return (
+        f"The centroid swings with {o.reversals} reversals at {o.frequency_hz:.2f} Hz and an amplitude of "
+        f"{o.amplitude:.2f} body lengths, first {words.where(o.direction)}."
+    )
 
 
 def _times(report: MotionReport, whole: WindowMotion) -> str:
     if report.onset_frame is None:
         return "Nothing moves visibly." if whole.displacement is not None else ""
-    end = f"comes to rest by frame {report.settle_frame}" if report.settle_frame is not None else (
-        "is still moving at the end" if whole.displacement is not None else "is not seen to come to rest")
+    end = (
+        f"comes to rest by frame {report.settle_frame}"
+        if report.settle_frame is not None
+        else (
+            "is still moving at the end" if whole.displacement is not None else "is not seen to come to rest"
+        )
+    )
     return f"It starts to move at frame {report.onset_frame} and {end}."
 
 
@@ -170,7 +188,9 @@ def _brief(w: WindowMotion, words: ViewerWords) -> str:
     if w.displacement is None:
         return f"{span} not observable ({w.unobservable.get('displacement', 'unknown')})"
     size = float(np.linalg.norm(w.displacement))
-    text = f"{span} no net translation" if size < STILL else f"{span} {size:.2f} {words.where(w.displacement)}"
+    text = (
+        f"{span} no net translation" if size < STILL else f"{span} {size:.2f} {words.where(w.displacement)}"
+    )
     if w.rotation_degrees is not None and w.rotation_axis is not None and w.rotation_degrees >= SLIGHT_TURN:
         text += f", rotating {w.rotation_degrees:.0f} deg {words.turn(w.rotation_axis)}"
     if factors := _factors(w, words):

@@ -64,7 +64,9 @@ def look_at(eye, target, up, *, fov_degrees: float, width: int, height: int) -> 
     forward = forward / np.linalg.norm(forward)
     right = np.cross(forward, up)
     if np.linalg.norm(right) < 1e-9:
-        raise ValueError(f"`up` is parallel to the viewing direction (got {up.tolist()}); choose another `up`")
+        raise ValueError(
+            f"`up` is parallel to the viewing direction (got {up.tolist()}); choose another `up`"
+        )
     right = right / np.linalg.norm(right)
     down = np.cross(forward, right)
     view = np.eye(4)

@@ -107,7 +107,11 @@ class _Layout:
         e = (tile % self.columns * self.tile_size).astype(rows.dtype) + center - mean_x
         f = (tile // self.columns * self.tile_size).astype(rows.dtype) + center - mean_y
         sx, sy = su + e * s, sv + f * s
-        sxx, sxy, syy = suu + e * (2 * su + e * s), suv + e * sv + f * su + e * f * s, svv + f * (2 * sv + f * s)
+        sxx, sxy, syy = (
+            suu + e * (2 * su + e * s),
+            suv + e * sv + f * su + e * f * s,
+            svv + f * (2 * sv + f * s),
+        )
         dopacity = s / jnp.where(opacity > 0, opacity, 1)
         return jnp.stack([a * sx + b * sy, c * sy + b * sx, -0.5 * sxx, -sxy, -0.5 * syy, dopacity], axis=-1)
 
@@ -208,7 +212,9 @@ def _blend_bwd(layout: _Layout, residuals, cotangents):
                 seen = sum(row[:, 6 + channel, None] * g[channel] for channel in range(4))
                 prefix = prefix + weight * seen
                 dalpha = T * seen - (total - prefix) / (1 - alpha)
-                dexponent = jnp.where(blended & (raw < ALPHA_MAX), dalpha * raw, 0.0)  # alpha = o exp(exponent)
+                dexponent = jnp.where(
+                    blended & (raw < ALPHA_MAX), dalpha * raw, 0.0
+                )  # alpha = o exp(exponent)
                 return T * (1 - alpha), prefix, dexponents.at[k].set(dexponent), weights.at[k].set(weight)
 
             empty = jnp.zeros((_CHUNK, *x.shape), packed.dtype)

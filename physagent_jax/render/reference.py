@@ -50,7 +50,9 @@ def render_reference(splats: Splats, camera: Camera, background: np.ndarray | ja
     v, u = jnp.mgrid[: camera.height, : camera.width]
     pixels = jnp.stack([u, v], axis=-1) + 0.5
     d = pixels - centers[:, None, None]
-    q = jnp.einsum("nhwi,nij,nhwj->nhw", d, jnp.linalg.inv(covariances), d)
+    a, b, c = covariances[:, 0, 0], covariances[:, 0, 1], covariances[:, 1, 1]
+    inverse = jnp.stack([c, -b, -b, a], axis=-1).reshape(-1, 2, 2) / (a * c - b * b)[:, None, None]
+    q = jnp.sum(d * jnp.einsum("nij,nhwj->nhwi", inverse, d), axis=-1)
     alpha = jnp.minimum(splats.opacities[order][:, None, None] * jnp.exp(-q / 2), ALPHA_MAX)
     alpha = jnp.where((alpha >= ALPHA_MIN) & in_front[:, None, None], alpha, 0.0)
 

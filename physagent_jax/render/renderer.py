@@ -56,7 +56,6 @@ def render(splats: Splats, camera: Camera, *, background=(1.0, 1.0, 1.0)) -> Ren
     key = (splats.means.shape[0], camera.width, camera.height)
     if key not in _capacities:
         _capacities[key] = pair_capacity(splats, camera)
-    background = np.asarray(background, np.float32)
     rendering, total = rasterize(splats, camera, background, capacity=_capacities[key])
     if int(total) > _capacities[key]:
         _capacities[key] = _roomy(int(total))
@@ -73,7 +72,6 @@ def pair_capacity(splats: Splats, camera: Camera) -> int:
     return _roomy(int(_count(splats, camera)))
 
 
-@functools.partial(jax.jit, static_argnames=("capacity", "tile_size", "lanes"))
 def rasterize(
     splats: Splats,
     camera: Camera,
@@ -99,9 +97,19 @@ def rasterize(
         The image, and the number of pairs it needed. If that exceeds ``capacity`` the image is NaN
         everywhere: call again with more room.
     """
-    width, height = camera.width, camera.height
     if lanes is None:
-        lanes = 1 if jax.default_backend() == "cpu" else int(np.prod(tile_grid(width, height, tile_size)))
+        tiles = int(np.prod(tile_grid(camera.width, camera.height, tile_size)))
+        lanes = 1 if jax.default_backend() == "cpu" else tiles
+    # One precision throughout: cameras come as float64 from numpy.
+    dtype = splats.means.dtype
+    camera = jax.tree.map(lambda array: jnp.asarray(array, dtype), camera)
+    background = jnp.asarray(background, dtype)
+    return _rasterize(splats, camera, background, capacity=capacity, tile_size=tile_size, lanes=lanes)
+
+
+@functools.partial(jax.jit, static_argnames=("capacity", "tile_size", "lanes"))
+def _rasterize(splats: Splats, camera: Camera, background: jax.Array, *, capacity: int, tile_size: int, lanes: int):
+    width, height = camera.width, camera.height
     with jax.named_scope("project"):
         projected = project(splats, camera)
     with jax.named_scope("tile_lists"):
@@ -110,7 +118,7 @@ def rasterize(
         features, transmittance = blend(projected, lists, width, height, tile_size=tile_size, lanes=lanes)
     valid = jnp.where(lists.total <= capacity, 1.0, jnp.nan).astype(features.dtype)
     alpha = 1 - transmittance
-    rgb = features[..., :3] + transmittance[..., None] * jnp.asarray(background, features.dtype)
+    rgb = features[..., :3] + transmittance[..., None] * background
     depth = jnp.where(alpha > 0, features[..., 3] / jnp.where(alpha > 0, alpha, 1), 0)
     return Rendering(rgb * valid, depth * valid, alpha * valid), lists.total
 

@@ -12,9 +12,9 @@ import imageio.v3 as iio
 import numpy as np
 
 from physagent_jax.errors import UserError
+from physagent_jax.output.video import read_video
 from physagent_jax.report.formats import fixed
 from physagent_jax.report.markup import Markup, div, join, tag
-from physagent_jax.output.video import read_video
 
 # Firefox plays no data URI above 32 MB, and base64 makes four bytes of three.
 MAX_EMBEDDED_BYTES = 22 * 2**20

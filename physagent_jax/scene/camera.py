@@ -62,5 +62,7 @@ def framing(points: np.ndarray, camera: CameraConfig, rendering: Rendering) -> C
     # A point (x, y, z) is inside if |x| <= half_width (distance + z), and likewise for y.
     distance = np.maximum(np.abs(local[:, 0]) / half_width, np.abs(local[:, 1]) / half_height) - local[:, 2]
     return camera.model_copy(
-        update=dict(target=tuple(round(float(c), 4) for c in centre), distance=round(float(distance.max()), 4))
+        update=dict(
+            target=tuple(round(float(c), 4) for c in centre), distance=round(float(distance.max()), 4)
+        )
     )

@@ -219,5 +219,7 @@ def _in_cylinder(rest: np.ndarray, cylinder: c.ParticleRotation, place: str) -> 
 def _not_empty(inside: np.ndarray, rest: np.ndarray, place: str) -> np.ndarray:
     if not inside.any():
         low, high = np.round(rest.min(0), 3).tolist(), np.round(rest.max(0), 3).tolist()
-        raise UserError(f"`{place}` selects no particle; the object spans {low} to {high} m", do="Move it there")
+        raise UserError(
+            f"`{place}` selects no particle; the object spans {low} to {high} m", do="Move it there"
+        )
     return inside

@@ -408,7 +408,9 @@ def load_json(path: str | Path) -> object:
     path = Path(path)
 
     def refuse(constant: str):
-        raise UserError(f"{path} holds {constant}, which is not a number", do="Replace it with a finite number")
+        raise UserError(
+            f"{path} holds {constant}, which is not a number", do="Replace it with a finite number"
+        )
 
     try:
         return json.loads(path.read_text(encoding="utf-8"), parse_constant=refuse)

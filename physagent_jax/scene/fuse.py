@@ -1,4 +1,4 @@
-"""Deterministic fusion: object, material, surroundings and force field become one `SceneConfig` (paper, appendix A.3)."""
+"""Deterministic fusion of object, material, surroundings and force field into a `SceneConfig` (paper, A.3)."""
 
 from __future__ import annotations
 

@@ -209,7 +209,9 @@ def make_jelly(seed: int = 0, *, count: int = 8000) -> GaussianCloud:
     def fluted(base, depth):
         return lambda angle, v: base(v) * (1 + depth(v) * (np.abs(np.cos(0.5 * flutes * angle)) - 0.6))
 
-    side = lathe(fluted(lambda v: 0.50 - 0.13 * np.maximum(v, 0) ** 1.4, lambda v: 0.13 + 0 * v), lambda v: 0.56 * v)
+    side = lathe(
+        fluted(lambda v: 0.50 - 0.13 * np.maximum(v, 0) ** 1.4, lambda v: 0.13 + 0 * v), lambda v: 0.56 * v
+    )
     # A dome that closes the top: the radius falls from the side's to nothing as the height levels out.
     dome = lathe(
         fluted(lambda v: 0.37 * np.cos(0.5 * np.pi * np.clip(v, 0, 0.9999)), lambda v: 0.13 * (1 - v)),

@@ -403,7 +403,7 @@ SENTENCES = [
     (
         "Bend the plant strongly to the right, release it, and let it swing back",
         "anchored",
-        "translation right +1.3 0-16",
+        "translation right +1.3 0-24",
         "move right released",
     ),
     (
@@ -513,4 +513,98 @@ SENTENCES = [
     ("the loaf is flattened", "", "scale up -1 0-48", "squeeze up"),
     ("it bounces", "", "drop", "fall"),
     ("yank the robot towards the camera", "", "translation toward +1.3 0-48", "move toward"),
+    (
+        "A gentle breeze makes the ficus sway softly from left to right.",
+        "anchored",
+        "translation right +0.4 0-12; translation left +0.4 12-24; translation right +0.4 24-36; "
+        "translation left +0.4 36-48",
+        "sway right x2",
+    ),
+    (
+        "The vase is twisted by an invisible force, first to the left, then to the right.",
+        "",
+        "torque down +1 0-12; torque up +1 12-24; torque up +1 24-48",
+        "rotate down; rotate up",
+    ),
+    (
+        "The robot is pulled upward by a string and swings back and forth",
+        "",
+        "translation up +1 0-48; translation left +1 0-12; translation right +1 12-36; "
+        "translation left +1 36-48",
+        "move up; sway left",
+    ),
+    (
+        "the wolf's head is pulled to the right while its feet are fixed",
+        "",
+        "translation right +1 0-48 on up; anchor base",
+        "move right",
+    ),
+    (
+        "Strong wind from the right side blows the flowers and they bend to the left.",
+        "anchored",
+        "translation left +1.3 0-48 on up",
+        "move left",
+    ),
+    (
+        "The object rises slowly, spins twice and falls to the ground.",
+        "",
+        "translation up +0.6 0-16; torque up +1.3 16-32; translation down +1.6 32-48",
+        "move up; rotate up; fall",
+    ),
+    (
+        "A powerful explosion beneath the robot launches it into the sky.",
+        "",
+        "impulse up +1.6 0-1",
+        "move up",
+    ),
+    (
+        "the cow is kicked hard in the belly from the left and flies away",
+        "",
+        "impulse right +1.3 0-1 on middle",
+        "move right",
+    ),
+    ("the sand castle collapses", "", "drop", "fall"),
+    (
+        "The chair slides across the floor to the right and comes to a stop.",
+        "",
+        "translation right +1 0-16; translation left +1 16-32",
+        "move right; still",
+    ),
+    (
+        "Without moving its base, the plant bends away from the viewer",
+        "",
+        "translation away +1 0-48; anchor base",
+        "move away",
+    ),
+    ("The robot should not rotate but move upward", "", "translation up +1 0-48", "move up"),
+    ("a sudden jolt from below makes the robot jump", "", "drop; impulse up +1.3 0-1", "move up; fall"),
+    (
+        "The robot leans left then right then left again",
+        "",
+        "torque toward +0.5 0-8; torque away +0.5 8-16; torque away +0.5 16-24; "
+        "torque toward +0.5 24-32; torque toward +0.5 32-48",
+        "rotate toward; rotate away; rotate toward",
+    ),
+    (
+        "a ficus in the wind",
+        "anchored",
+        "translation left +1 0-12; translation right +1 12-24; translation left +1 24-36; "
+        "translation right +1 36-48",
+        "sway left x2",
+    ),
+    (
+        "Compress the pillow from top to bottom, then let go so it bounces back.",
+        "",
+        "scale down -1 0-24",
+        "squeeze down released",
+    ),
+    ("someone pokes the jelly from above with a finger", "", "impulse down +0.8 0-1", "move down"),
+    ("the ball is thrown to the left and bounces", "", "drop; impulse left +1 0-1", "move left; fall"),
+    (
+        "The jelly is stretched vertically by pulling its top upward while the bottom is held",
+        "",
+        "scale up +1 0-48; translation up +1 0-48 on up; anchor base",
+        "stretch up; move up",
+    ),
+    ("the robot turns its head to the left", "", "torque down +1 0-48 on up", "rotate down"),
 ]

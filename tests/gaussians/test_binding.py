@@ -70,7 +70,10 @@ def test_rest_pose_between_particles_is_the_cloud_to_rounding(cloud, particles):
 def test_affine_motion_is_followed_exactly(cloud, particles, k):
     A = np.array([[1.2, 0.3, 0], [-0.4, 0.9, 0.2], [0.1, 0, 0.7]])
     t = np.array([0.3, -0.2, 1])
-    x, F = jnp.asarray(particles @ A.T + t, jnp.float32), jnp.broadcast_to(jnp.asarray(A, jnp.float32), (300, 3, 3))
+    x, F = (
+        jnp.asarray(particles @ A.T + t, jnp.float32),
+        jnp.broadcast_to(jnp.asarray(A, jnp.float32), (300, 3, 3)),
+    )
     pre = Rotation.from_euler("x", 90, degrees=True).as_matrix()
     splats = jax.jit(deform)(cloud, bind(cloud.means, particles, k=k), x, F, pre)
     np.testing.assert_allclose(splats.means, np.asarray(cloud.means, np.float64) @ A.T + t, atol=1e-6)

@@ -35,7 +35,9 @@ def test_covariances_equal_matrix_products(x64, rotations):
     scales, F = np.exp(rng.normal(size=(200, 3))), rng.normal(size=(200, 3, 3))
     R = rotations.as_matrix()
     sigma = R @ (scales[:, :, None] ** 2 * np.eye(3)) @ R.transpose(0, 2, 1)
-    packed = quats_scales_to_covariances(jnp.asarray(rotations.as_quat(scalar_first=True)), jnp.asarray(scales))
+    packed = quats_scales_to_covariances(
+        jnp.asarray(rotations.as_quat(scalar_first=True)), jnp.asarray(scales)
+    )
     np.testing.assert_allclose(covariance_matrices(packed), sigma, rtol=1e-10, atol=1e-12)
     deformed = covariance_matrices(transform_covariances(jnp.asarray(F), packed))
     np.testing.assert_allclose(deformed, F @ sigma @ F.transpose(0, 2, 1), rtol=1e-9, atol=1e-10)
@@ -69,8 +71,15 @@ def test_polar_rotation_equals_the_svd_also_when_inverted_or_flat():
     """Where the answer is unique, to float32 accuracy; det F < 0 gives U diag(1, 1, -1) V^T."""
     rng = np.random.default_rng(2)
     F = rng.normal(size=(5000, 3, 3))
-    F[:1000] = Rotation.random(1000, random_state=1).as_matrix() @ (np.eye(3) + 0.1 * rng.normal(size=(1000, 3, 3)))
-    F[0], F[1], F[2], F[3] = np.diag([10, 0.1, 0.1]), np.diag([1, 1, 0]), np.diag([2, 1, -0.5]), 1e-4 * np.eye(3)
+    F[:1000] = Rotation.random(1000, random_state=1).as_matrix() @ (
+        np.eye(3) + 0.1 * rng.normal(size=(1000, 3, 3))
+    )
+    F[0], F[1], F[2], F[3] = (
+        np.diag([10, 0.1, 0.1]),
+        np.diag([1, 1, 0]),
+        np.diag([2, 1, -0.5]),
+        1e-4 * np.eye(3),
+    )
     s = np.linalg.svd(F, compute_uv=False)
     unique = s[:, 1] + np.sign(np.linalg.det(F)) * s[:, 2] > 0.02 * s[:, 0]
     assert unique.sum() > 4500 and (np.linalg.det(F) < 0).sum() > 1000

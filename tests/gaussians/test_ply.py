@@ -11,7 +11,12 @@ from physagent_jax.gaussians import GaussianCloud, read_ply, write_ply
 
 BASE = ("x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2")
 ROTATION = ("rot_0", "rot_1", "rot_2", "rot_3")
-STANDARD = ["pc_short_100_sh3_inria.ply", "playbot_8k_sh3_inria_layout.ply", "playbot_31k_sh2.ply", "guitar_sh0.ply"]
+STANDARD = [
+    "pc_short_100_sh3_inria.ply",
+    "playbot_8k_sh3_inria_layout.ply",
+    "playbot_31k_sh2.ply",
+    "guitar_sh0.ply",
+]
 
 
 def columns(degree=0, count=5, seed=0) -> dict[str, np.ndarray]:
@@ -60,7 +65,9 @@ def test_values_and_channel_major_sh_are_read_in_any_order(tmp_path, degree):
     for channel in range(3):
         np.testing.assert_array_equal(cloud.sh[:, 0, channel], properties[f"f_dc_{channel}"])
         for k in range(higher):
-            np.testing.assert_array_equal(cloud.sh[:, 1 + k, channel], properties[f"f_rest_{channel * higher + k}"])
+            np.testing.assert_array_equal(
+                cloud.sh[:, 1 + k, channel], properties[f"f_rest_{channel * higher + k}"]
+            )
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2, 3])
@@ -69,7 +76,9 @@ def test_round_trip(tmp_path, degree):
     write_ply(tmp_path / "a.ply", cloud)
     again = read_ply(tmp_path / "a.ply")
     for name in ("means", "quats", "scales", "opacities", "sh"):
-        np.testing.assert_allclose(getattr(again, name), getattr(cloud, name), rtol=3e-6, atol=1e-7, err_msg=name)
+        np.testing.assert_allclose(
+            getattr(again, name), getattr(cloud, name), rtol=3e-6, atol=1e-7, err_msg=name
+        )
 
 
 def test_written_file_has_the_inria_layout(tmp_path):
@@ -111,7 +120,9 @@ def test_ascii_and_big_endian_files_are_read(tmp_path):
         np.testing.assert_allclose(other.sh, binary.sh, rtol=1e-6)
 
 
-@pytest.mark.parametrize(("name", "value"), [("x", np.nan), ("scale_2", np.inf), ("scale_0", 200), ("opacity", np.nan)])
+@pytest.mark.parametrize(
+    ("name", "value"), [("x", np.nan), ("scale_2", np.inf), ("scale_0", 200), ("opacity", np.nan)]
+)
 def test_gaussians_that_are_not_finite_are_dropped_with_a_warning(tmp_path, name, value):
     properties = columns()
     properties[name][3] = value
@@ -146,8 +157,14 @@ def broken_files():
     faint["opacity"][:] = -9
     return {
         "no-gaussian": (lacking, "opacity, rot_3"),
-        "sh-of-no-degree": (columns() | {f"f_rest_{i}": np.zeros(5, np.float32) for i in range(12)}, "got 12"),
-        "sh-with-a-hole": (columns() | {f"f_rest_{i}": np.zeros(5, np.float32) for i in (0, 1, 9)}, "f_rest_2"),
+        "sh-of-no-degree": (
+            columns() | {f"f_rest_{i}": np.zeros(5, np.float32) for i in range(12)},
+            "got 12",
+        ),
+        "sh-with-a-hole": (
+            columns() | {f"f_rest_{i}": np.zeros(5, np.float32) for i in (0, 1, 9)},
+            "f_rest_2",
+        ),
         "empty": (columns(count=0), "holds no Gaussians"),
         "infinite": (infinite, "not finite"),
         "faint": (faint, "opacity_threshold=0.1 (got 0.000123 at most)"),

@@ -22,7 +22,9 @@ def test_translation_in_body_lengths(box):
 
 
 def test_rotation_is_unwrapped(box):
-    frames = [Rotation.from_rotvec(np.radians(a) * np.array((0, 0, 1.0))).apply(box) for a in range(0, 400, 40)]
+    frames = [
+        Rotation.from_rotvec(np.radians(a) * np.array((0, 0, 1.0))).apply(box) for a in range(0, 400, 40)
+    ]
     assert true_motion(np.stack(frames)).rotation_degrees == pytest.approx(list(range(0, 400, 40)), abs=1e-6)
 
 
@@ -45,14 +47,34 @@ def test_a_single_particle_is_no_error():
 
 def report(centroid, rotation, volume, size=1.0):
     window = WindowMotion(
-        first=0, last=1, displacement=centroid[-1], path_length=None, peak_displacement=None, peak_frame=None,
-        rotation_axis=None, rotation_degrees=rotation[-1], stretch=((1.1, 0, 0), (0, 1, 0), (0, 0, 1)),
-        stretch_view_axis_observable=True, volume_ratio=volume[-1])
+        first=0,
+        last=1,
+        displacement=centroid[-1],
+        path_length=None,
+        peak_displacement=None,
+        peak_frame=None,
+        rotation_axis=None,
+        rotation_degrees=rotation[-1],
+        stretch=((1.1, 0, 0), (0, 1, 0), (0, 0, 1)),
+        stretch_view_axis_observable=True,
+        volume_ratio=volume[-1],
+    )
     quality = Quality(tracks_kept=1, fit_residual=0, depth_noise=0, mask_fraction=0.1, leaves_frame=None)
     return MotionReport(
-        frame_count=len(centroid), frame_dt=0.1, object_size=size, object_center=(0, 0, 0), windows=(window,),
-        centroid=centroid, rotation_degrees=rotation, volume_ratio=volume, oscillation=None, onset_frame=None,
-        settle_frame=None, quality=quality, text="")
+        frame_count=len(centroid),
+        frame_dt=0.1,
+        object_size=size,
+        object_center=(0, 0, 0),
+        windows=(window,),
+        centroid=centroid,
+        rotation_degrees=rotation,
+        volume_ratio=volume,
+        oscillation=None,
+        onset_frame=None,
+        settle_frame=None,
+        quality=quality,
+        text="",
+    )
 
 
 def test_errors(box):

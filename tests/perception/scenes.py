@@ -62,6 +62,7 @@ def _sphere(count: int) -> np.ndarray:
 
 def blob(seed: int = 0, axes=(0.5, 0.4, 0.4), count: int = 40_000) -> Shape:
     """An ellipsoid with dents; the filling follows the same dents."""
+
     def dented(directions):
         lumps = 0.06 * np.sin(3 * directions[:, :1] + 1) + 0.06 * np.sin(4 * directions[:, 2:] + 2)
         return directions * (1 + lumps) * np.asarray(axes)
@@ -78,14 +79,22 @@ def plant(seed: int = 1) -> Shape:
     rng = np.random.default_rng(seed)
     height, angle = rng.uniform(-0.5, 0.4, 12_000), rng.uniform(0, 2 * np.pi, 12_000)
     stalk = np.stack([0.04 * np.cos(angle), 0.04 * np.sin(angle), height], 1)
-    balls = [_sphere(12_000) * r + c for r, c in
-             ((0.16, (0.12, 0, 0.3)), (0.15, (-0.14, 0.05, 0.1)), (0.12, (0.08, -0.05, -0.1)))]
+    balls = [
+        _sphere(12_000) * r + c
+        for r, c in ((0.16, (0.12, 0, 0.3)), (0.15, (-0.14, 0.05, 0.1)), (0.12, (0.08, -0.05, -0.1)))
+    ]
     surface = np.concatenate([stalk, *balls])
     return Shape(surface, texture(surface, seed), surface[::10])
 
 
-def film(shape: Shape, motion: Motion, view: Camera | None = None, *, frames: int = FRAMES,
-         background=(255, 255, 255)) -> Clip:
+def film(
+    shape: Shape,
+    motion: Motion,
+    view: Camera | None = None,
+    *,
+    frames: int = FRAMES,
+    background=(255, 255, 255),
+) -> Clip:
     """Draws ``shape`` under ``motion`` at ``frames`` evenly spaced phases."""
     view = camera() if view is None else view
     phases = np.linspace(0, 1, frames) if frames > 1 else [0.0]
@@ -134,10 +143,17 @@ def stretched(factors) -> Motion:
 
 def bent(angle_degrees: float, path: Callable[[float], float] = lambda s: s, *, foot: float = -0.5) -> Motion:
     """Bends towards -x as a clamped beam of height 1 m: a circular arc, the foot stays."""
+
     def motion(x, s):
         kappa = np.radians(angle_degrees) * path(s) + 1e-9
         up = x[:, 2] - foot
-        return np.stack([x[:, 0] * np.cos(kappa * up) - (1 - np.cos(kappa * up)) / kappa, x[:, 1],
-                         foot + np.sin(kappa * up) / kappa + x[:, 0] * np.sin(kappa * up)], 1)
+        return np.stack(
+            [
+                x[:, 0] * np.cos(kappa * up) - (1 - np.cos(kappa * up)) / kappa,
+                x[:, 1],
+                foot + np.sin(kappa * up) / kappa + x[:, 0] * np.sin(kappa * up),
+            ],
+            1,
+        )
 
     return motion

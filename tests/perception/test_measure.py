@@ -43,7 +43,9 @@ def seen(name: str):
     return result, truth, compare(result.report, truth)
 
 
-@pytest.mark.parametrize("name", ["move", "in_plane", "stretch", "squash", "sway", "plant_bend", "plant_sway", "stop"])
+@pytest.mark.parametrize(
+    "name", ["move", "in_plane", "stretch", "squash", "sway", "plant_bend", "plant_sway", "stop"]
+)
 def test_centroid_within_3_percent_of_a_body_length(name):
     _, _, errors = seen(name)
     # A bent plant is not affine: its centroid is right in sign and to a fifth of its displacement of 0.17.
@@ -51,7 +53,9 @@ def test_centroid_within_3_percent_of_a_body_length(name):
     assert errors["size_ratio"] == pytest.approx(1, abs=0.02)
 
 
-@pytest.mark.parametrize(("name", "tolerance"), [("move", 2), ("in_plane", 2), ("out_of_plane", 10), ("tip", 10)])
+@pytest.mark.parametrize(
+    ("name", "tolerance"), [("move", 2), ("in_plane", 2), ("out_of_plane", 10), ("tip", 10)]
+)
 def test_rotation(name, tolerance):
     result, _, errors = seen(name)
     assert errors["rotation_error_max"] < tolerance
@@ -111,7 +115,11 @@ def test_leaving_the_picture_is_said_not_guessed():
     result, truth, errors = seen("leave")
     report = result.report
     assert 3 <= report.quality.leaves_frame <= 8
-    assert report.centroid[-1] is None and report.volume_ratio[-1] is None and report.rotation_degrees[-1] is None
+    assert (
+        report.centroid[-1] is None
+        and report.volume_ratio[-1] is None
+        and report.rotation_degrees[-1] is None
+    )
     assert errors["centroid_error_max"] < 0.03, "what is still observed must be right"
     whole = report.windows[0]
     assert whole.displacement is None and "not in the picture" in whole.unobservable["displacement"]
@@ -121,7 +129,14 @@ def test_leaving_the_picture_is_said_not_guessed():
 
 def test_windows_are_the_clip_its_quarters_and_those_asked_for():
     report = seen("move")[0].report
-    assert [(w.first, w.last) for w in report.windows] == [(0, 23), (0, 6), (6, 12), (12, 17), (17, 23), (3, 9)]
+    assert [(w.first, w.last) for w in report.windows] == [
+        (0, 23),
+        (0, 6),
+        (6, 12),
+        (12, 17),
+        (17, 23),
+        (3, 9),
+    ]
     quarters = np.sum([w.displacement for w in report.windows[1:5]], axis=0)
     assert quarters == pytest.approx(report.windows[0].displacement, abs=1e-4)
     assert report.window(3, 9).displacement == pytest.approx(np.array((0.35, 0.5, -0.2)) * 6 / 23, abs=0.01)
@@ -137,7 +152,11 @@ def test_text_speaks_the_viewers_words():
 def test_tracks_for_drawing():
     result = seen("out_of_plane")[0]
     frames, points, _ = result.tracks.shape
-    assert result.visible.shape == (frames, points) and result.masks.shape == (frames, scenes.SIZE, scenes.SIZE)
+    assert result.visible.shape == (frames, points) and result.masks.shape == (
+        frames,
+        scenes.SIZE,
+        scenes.SIZE,
+    )
     assert result.visible.any(axis=1).all(), "points are re-seeded as others turn away"
 
 
@@ -182,7 +201,9 @@ def test_scattering_grains_have_no_common_rotation():
     clip = film(shape, lambda x, s: x + s * throw, frames=10)
     report = perceive(clip.rgb, clip.depth, clip.camera, frame_dt=DT).report
     assert report.rotation_degrees[-1] is None or report.rotation_degrees[-1] < 10
-    assert np.linalg.norm(report.windows[0].displacement) < 0.15  # the shell that flies towards the camera is seen
+    assert (
+        np.linalg.norm(report.windows[0].displacement) < 0.15
+    )  # the shell that flies towards the camera is seen
 
 
 def test_same_pictures_same_report():

@@ -18,15 +18,21 @@ from tests.perception import scenes
 
 
 def test_the_schema_needs_neither_opencv_nor_jax():
-    code = ("import sys, physagent_jax.perception.schema; "
-            "sys.exit(bool({'cv2', 'jax', 'scipy', 'numpy'} & set(sys.modules)))")
+    code = (
+        "import sys, physagent_jax.perception.schema; "
+        "sys.exit(bool({'cv2', 'jax', 'scipy', 'numpy'} & set(sys.modules)))"
+    )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 @pytest.mark.parametrize("background", [(255, 255, 255), (40, 60, 80), "busy"])
 def test_segmentation_overlaps_the_truth(background):
-    clip = scenes.film(scenes.blob(), scenes.rotated((0, 1, 0), 40), frames=3,
-                       background=(128, 128, 128) if background == "busy" else background)
+    clip = scenes.film(
+        scenes.blob(),
+        scenes.rotated((0, 1, 0), 40),
+        frames=3,
+        background=(128, 128, 128) if background == "busy" else background,
+    )
     rgb, truth = clip.rgb.copy(), np.isfinite(clip.depth)
     if background == "busy":
         noise = np.random.default_rng(0).normal(0, 8, rgb.shape)
@@ -107,7 +113,9 @@ def test_angles_grow_beyond_half_a_turn():
     rotations[3] = None
     vectors = fit.unwrapped(rotations)
     assert vectors[3] is None
-    assert [v @ axis for v in vectors if v is not None] == pytest.approx(np.delete(angles, 3).tolist(), abs=1e-6)
+    assert [v @ axis for v in vectors if v is not None] == pytest.approx(
+        np.delete(angles, 3).tolist(), abs=1e-6
+    )
     back = fit.unwrapped([Rotation.from_rotvec(a * axis).as_matrix() for a in (*angles, *angles[::-1])])
     assert np.linalg.norm(back[-1]) == pytest.approx(0, abs=1e-6)
 
@@ -136,7 +144,9 @@ def test_oscillation_of_a_sine(periods):
     assert found.direction == pytest.approx((0.6, 0, 0.8), abs=0.1)
 
 
-@pytest.mark.parametrize("path", [lambda t: t, lambda t: t**2, lambda t: t * (1 - t), lambda t: 0.004 * np.sin(40 * t)])
+@pytest.mark.parametrize(
+    "path", [lambda t: t, lambda t: t**2, lambda t: t * (1 - t), lambda t: 0.004 * np.sin(40 * t)]
+)
 def test_no_oscillation(path):
     t = np.linspace(0, 1, 50)
     assert timing.oscillation(path(t)[:, None] * (1.0, 0, 0), 0.1, 0.01) is None
@@ -152,7 +162,8 @@ def test_onset_and_settling_of_a_ramp():
 
 
 @pytest.mark.parametrize(
-    ("eye", "up"), [((0, -3, 0.5), (0, 0, 1)), ((2, 2, 1), (0, 0, 1)), ((0.3, -0.4, -3), (0, -1, 0))])
+    ("eye", "up"), [((0, -3, 0.5), (0, 0, 1)), ((2, 2, 1), (0, 0, 1)), ((0.3, -0.4, -3), (0, -1, 0))]
+)
 def test_viewers_words(eye, up):
     view = look_at(eye, (0, 0, 0), up, fov_degrees=40, width=64, height=64)
     words = ViewerWords(view, up)

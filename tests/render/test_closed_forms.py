@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 
 from physagent_jax.gaussians import bind, deform, matrix_to_quat, quat_to_matrix, read_ply, splats_to_cloud
 from physagent_jax.render import Camera, look_at, project, render
-
 from tests.render.scenes import camera, one_splat, random_splats
 
 SIZE = 65  # odd, so that a pixel centre lies on the optical axis
@@ -68,7 +67,9 @@ def test_nearer_gaussian_covers_the_farther_whatever_their_order():
     red = one_splat([0, -0.5, 0], opacity=0.6, color=(1, 0, 0))
     green = one_splat([0, 0.5, 0], opacity=0.6, color=(0, 1, 0))
     for pair in ((red, green), (green, red)):
-        image = render(jax.tree.map(lambda a, b: jnp.concatenate([a, b]), *pair), front_camera(), background=(0, 0, 1))
+        image = render(
+            jax.tree.map(lambda a, b: jnp.concatenate([a, b]), *pair), front_camera(), background=(0, 0, 1)
+        )
         pixel = image.rgb[SIZE // 2, SIZE // 2]
         np.testing.assert_allclose(pixel, [0.6, 0.4 * 0.6, 0.16], atol=1e-5)
         depth = (0.6 * 1.5 + 0.24 * 2.5) / 0.84
@@ -91,7 +92,7 @@ def test_covariance_is_the_pinhole_jacobian_of_the_gaussian(x64):
 
 def test_rotated_scene_seen_by_a_rotated_camera_is_the_same_image():
     """Also with view-dependent colour, because the view direction is rotated back, not the coefficients."""
-    splats, cam = random_splats(80, degree=3, scale=0.15, dtype=np.float32), camera()
+    splats, cam = random_splats(100, degree=3, scale=0.1, dtype=np.float32), camera()
     R, t = Rotation.from_euler("xyz", [50, -20, 70], degrees=True).as_matrix(), np.array([0.5, -1, 2])
     full = np.asarray(splats.covariances)[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(-1, 3, 3)
     turned = dataclasses.replace(
@@ -115,7 +116,9 @@ def test_pre_rotation_turns_the_captured_colours_with_the_object(robot_path):
     captured = deform(cloud, bind(cloud.means, cloud.means), cloud.means, identity, np.eye(3))
     up = np.diag(np.float32([1, -1, -1]))  # y-down to y-up: half a turn about x
     turned = dataclasses.replace(
-        cloud, means=cloud.means @ up, quats=jnp.asarray(matrix_to_quat(up @ np.asarray(quat_to_matrix(cloud.quats))))
+        cloud,
+        means=cloud.means @ up,
+        quats=jnp.asarray(matrix_to_quat(up @ np.asarray(quat_to_matrix(cloud.quats)))),
     )
     upright = deform(turned, bind(turned.means, turned.means), turned.means, identity, up)
     below = look_at([1, -1, -2], [0, -0.6, 0], [0, -1, 0], fov_degrees=35, width=64, height=64)
@@ -127,8 +130,8 @@ def test_pre_rotation_turns_the_captured_colours_with_the_object(robot_path):
 
 def test_exported_cloud_renders_as_the_deformed_splats():
     """Decomposed covariances and rotated SH are what the renderer drew."""
-    splats, cam = random_splats(60, degree=3, scale=0.15, dtype=np.float32), camera()
+    splats, cam = random_splats(100, degree=3, scale=0.1, dtype=np.float32), camera()
     cloud = splats_to_cloud(splats)
-    identity = jnp.broadcast_to(jnp.eye(3), (60, 3, 3))
+    identity = jnp.broadcast_to(jnp.eye(3), (100, 3, 3))
     again = deform(cloud, bind(cloud.means, cloud.means), cloud.means, identity, np.eye(3))
     np.testing.assert_allclose(render(again, cam).rgb, render(splats, cam).rgb, atol=2e-3)

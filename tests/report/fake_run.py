@@ -29,8 +29,8 @@ from physagent_jax.forces.schema import (
     SkillScaling,
     VelocityConstraint,
 )
-from physagent_jax.perception.schema import MotionReport, Oscillation, Quality, WindowMotion
 from physagent_jax.output.video import write_video
+from physagent_jax.perception.schema import MotionReport, Oscillation, Quality, WindowMotion
 from physagent_jax.run_folder import AgentCost, Manifest, SimulationRecord, Stages, TrueMotion
 from physagent_jax.scene import config
 

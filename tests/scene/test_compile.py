@@ -61,7 +61,9 @@ def test_gravity_only_acts_when_asked(source, body):
 
 
 def test_an_anchored_base_stays_and_the_rest_is_pushed(source, body):
-    push = ForceField.model_validate({"actions": [{"action_type": "translation", "vector": [1, 0, 0], "magnitude": 1.6}]})
+    push = ForceField.model_validate(
+        {"actions": [{"action_type": "translation", "vector": [1, 0, 0], "magnitude": 1.6}]}
+    )
     made = scene(source, body, anchor=c.Anchor(kind="base", fraction=0.3), force_field=push)
     held = np.asarray(made.model.constraints[0].particles)
     assert made.anchored == len(held) > 0
@@ -89,7 +91,9 @@ def test_prescribed_motions_and_boundaries_of_a_scene(source, body):
     parts = dict(
         constraints=(
             c.ParticleTranslation(point=(2, 2, 2.4), half_size=(1, 1, 0.1), velocity=(0.1, 0, 0), end=0.04),
-            c.ParticleRotation(point=(2, 2, 1.6), normal=(0, 0, 1), half_height=0.1, radius=0.3, angular_velocity=2.0),
+            c.ParticleRotation(
+                point=(2, 2, 1.6), normal=(0, 0, 1), half_height=0.1, radius=0.3, angular_velocity=2.0
+            ),
         ),
         boundaries=(
             c.DomainBox(),
@@ -100,14 +104,24 @@ def test_prescribed_motions_and_boundaries_of_a_scene(source, body):
     made = scene(source, body, **parts)
     top = np.asarray(made.model.constraints[0].particles)
     end = list(simulate(made.model, made.state, frame_count=2, frame_dt=0.04))[-1].state
-    np.testing.assert_allclose(end.x[top] - made.state.x[top], np.broadcast_to([0.004, 0, 0], (len(top), 3)), atol=1e-6)
+    np.testing.assert_allclose(
+        end.x[top] - made.state.x[top], np.broadcast_to([0.004, 0, 0], (len(top), 3)), atol=1e-6
+    )
 
 
 @pytest.mark.parametrize(
     "parts",
     [
-        dict(constraints=(c.ParticleTranslation(point=(0.5, 0.5, 0.5), half_size=(0.1, 0.1, 0.1), velocity=(1, 0, 0)),)),
-        dict(material_regions=(c.MaterialRegion(point=(0.5, 0.5, 0.5), half_size=(0.1, 0.1, 0.1), material=c.Material()),)),
+        dict(
+            constraints=(
+                c.ParticleTranslation(point=(0.5, 0.5, 0.5), half_size=(0.1, 0.1, 0.1), velocity=(1, 0, 0)),
+            )
+        ),
+        dict(
+            material_regions=(
+                c.MaterialRegion(point=(0.5, 0.5, 0.5), half_size=(0.1, 0.1, 0.1), material=c.Material()),
+            )
+        ),
     ],
 )
 def test_boxes_that_miss_the_object_are_refused_with_its_place(source, body, parts):
@@ -170,7 +184,9 @@ def ingredients(source, **changes):
 
 
 def test_fusion_is_deterministic_and_its_json_reads_back(source, body):
-    field = ForceField.model_validate({"actions": [{"action_type": "torque", "vector": [0, 0, 1], "magnitude": 1}]})
+    field = ForceField.model_validate(
+        {"actions": [{"action_type": "torque", "vector": [0, 0, 1], "magnitude": 1}]}
+    )
     texts = {c.dump_scene(fuse(ingredients(source), body, field)) for _ in range(2)}
     assert len(texts) == 1
     config = fuse(ingredients(source), body, field)
@@ -183,7 +199,9 @@ def test_falling_objects_get_a_floor_below_them(source, body):
     np.testing.assert_allclose(floor.point[2], body.low[2] - 0.5 * body.extent, atol=1e-3)
     rooted = fuse(ingredients(source, anchor=c.Anchor(kind="base")), body, field).boundaries[-1]
     np.testing.assert_allclose(rooted.point[2], body.low[2], atol=1e-3)
-    assert not any(isinstance(b, c.HalfSpace) for b in fuse(ingredients(source), body, ForceField()).boundaries)
+    assert not any(
+        isinstance(b, c.HalfSpace) for b in fuse(ingredients(source), body, ForceField()).boundaries
+    )
 
 
 def test_a_placed_camera_is_left_alone(source, body):

@@ -235,7 +235,11 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         if clause.join is Join.COMMA and clause.verb and merged and merged[-1].acts is not None:
             participle = clause.verb.form.endswith("ing") and not merged[-1].acts.form.endswith("ing")
             clause.join = Join.RESULT if participle else Join.COMMA
-        related = clause.join is Join.RESULT or (bool(merged) and _moved_by_wind(merged[-1], clause))
+        related = clause.join is Join.RESULT
+        if merged and _carried_off(merged[-1], clause):
+            clause.modifiers = [mark for mark in clause.modifiers if mark.phrase != "away"]
+            related = True
+        related = related or (bool(merged) and _moved_by_wind(merged[-1], clause))
         mergeable = (
             related
             and merged
@@ -259,7 +263,16 @@ def _moved_by_wind(wind: Clause, clause: Clause) -> bool:
     """Whether a swaying is the wind's work and goes its way: "wind blows from the left and the plant sways"."""
     if clause.verb is None or wind.acts is None or not verb_of(wind.acts).wind or clause.join is Join.THEN:
         return False
-    return verb_of(clause.verb).doing in (Doing.SWAY, Doing.LEAN) and not clause.of(Kind.DIRECTION, Kind.FROM)
+    doing = verb_of(clause.verb).doing
+    return doing is Doing.LEAN or (doing is Doing.SWAY and not clause.of(Kind.DIRECTION, Kind.FROM))
+
+
+def _carried_off(blow: Clause, clause: Clause) -> bool:
+    """Whether a travel is a blow's work: "kicked from the left and flies away"."""
+    if clause.verb is None or blow.acts is None or clause.join not in (Join.AND, Join.COMMA):
+        return False
+    verb = verb_of(clause.verb)
+    return verb.generic and verb.doing is Doing.PUSH and verb_of(blow.acts).doing is Doing.STRIKE
 
 
 def _merge(cause: Clause, effect: Clause) -> None:

@@ -46,7 +46,7 @@ def _brakes(event: Event, after: list[Event], draft: Draft) -> bool:
         return False
     for later in after:
         stops = later.doing is Doing.STILL
-        turned = event.doing is Doing.TURN and later.doing is Doing.TURN
+        turned = event.doing in (Doing.TURN, Doing.LEAN) and later.doing is event.doing
         moved = event.doing in _MOTIONS and later.doing in (*_MOTIONS, Doing.SWAY)
         lifted = event.direction and dot(event.direction, draft.brief.directions.up) > 0.5
         if lifted and event.doing is Doing.PUSH and later.doing is Doing.FALL:

@@ -13,7 +13,7 @@ from physagent_jax.agents.language.clauses import Clause, places, repeats, verb_
 from physagent_jax.agents.language.marks import Kind, Mark
 from physagent_jax.agents.language.modifiers import Join, Names, Place, Repeat
 from physagent_jax.agents.language.timing import When
-from physagent_jax.agents.language.verbs import PICTURE_PLANE_TURNS, Doing, Verb
+from physagent_jax.agents.language.verbs import PICTURE_PLANE_TURNS, VERBS, Doing, Verb
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, cross, dot, normalised, scaled
 from physagent_jax.forces.schema import (
@@ -82,6 +82,13 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
     verb, phrase = _effective_verb(clause)
     if verb.doing is Doing.ROLL and clause.of(Kind.SENSE) and not clause.of(Kind.DIRECTION, Kind.FROM):
         verb = replace(verb, doing=Doing.TURN, direction="toward")  # rolls on the spot
+    if (
+        clause.verb is None
+        and verb.wind
+        and not clause.of(Kind.DIRECTION, Kind.FROM)
+        and _sways_in_wind(brief)
+    ):
+        verb, phrase = replace(VERBS["sway"], strength=verb.strength), "sway"
     words = _quote(clause)
     strength, strength_source = _strength(clause, verb, before if clause.inherited else None)
     place = next(iter(places(clause)), None)
@@ -132,6 +139,11 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         sources,
         tuple(notes),
     )
+
+
+def _sways_in_wind(brief: SceneBrief) -> bool:
+    """What a bare wind does: what is held or grows sways, what is free is blown away."""
+    return brief.anchored is not None or brief.object_kind == "plant"
 
 
 def _effective_verb(clause: Clause) -> tuple[Verb, str]:

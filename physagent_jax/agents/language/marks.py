@@ -182,7 +182,7 @@ class Reader:
         if not matches:
             return None
         (words, kind, value), used = max(matches, key=lambda match: len(match[0][0]))
-        if kind is Kind.DIRECTION and self._preposition(at) == "from":
+        if kind is Kind.DIRECTION and (self._preposition(at) == "from" or self._locates_cause(words)):
             kind = Kind.FROM
         elif kind is Kind.INTENSITY and self._describes_thing(at, len(used)):
             kind, value = Kind.FUNCTION, None
@@ -219,13 +219,24 @@ class Reader:
         words, kind, _ = entry
         before, text = self._text(at - 1), self.tokens[at].text
         if kind is Kind.PLACE:
-            owned = before in ("the", "its", "his", "her", "their") or before in self._object_words
+            owned = before in ("the", "its", "his", "her", "their") or (
+                at > 0 and self.tokens[at - 1].possessive
+            )
             return text in m.AGENT_NOUNS and not owned
+        if words[-1] == "back" and [self._text(at + len(words)), self._text(at + len(words) + 1)] == [
+            "and",
+            "forth",
+        ]:
+            return True  # "swings back and forth" does not swing back
         if kind is not Kind.VERB or len(words) > 1:
             return False
-        if text in v.CAUSES:  # "a hard blow" is a noun, "they blow" a verb
-            return before in _DETERMINERS or before in m.INTENSITIES
+        if text in v.CAUSES:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
+            return before in _DETERMINERS or before in m.INTENSITIES or self._text(at - 2) in ("a", "an")
         return words[0] in v.NOUNS_AFTER_THE and before in ("the", "its", "a")
+
+    def _locates_cause(self, words: tuple[str, ...]) -> bool:
+        """Whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
+        return words[0] in m.LOCATIONS and bool(self.marks) and self.marks[-1].kind is Kind.CAUSE
 
     def _describes_thing(self, at: int, size: int) -> bool:
         """Whether an adjective belongs to a thing ("the heavy robot") rather than to what happens ("a heavy blow")."""

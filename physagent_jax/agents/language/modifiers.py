@@ -6,9 +6,12 @@ Direction values are names of `DirectionTable` fields; several names are added a
 from __future__ import annotations
 
 import enum
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 Names = tuple[str, ...]
+T = TypeVar("T")
 
 
 class Join(enum.Enum):
@@ -52,7 +55,7 @@ class Place:
     start: float = 0.5
 
 
-def _spread(rows: dict[str, object]) -> dict[str, object]:
+def _spread(rows: Mapping[str, T]) -> dict[str, T]:
     return {phrase.strip(): value for phrases, value in rows.items() for phrase in phrases.split(",")}
 
 
@@ -61,7 +64,9 @@ DIRECTIONS: dict[str, Names] = _spread(
         "left, leftward, leftwards, to the viewer left": ("left",),
         "right, rightward, rightwards, to the viewer right": ("right",),
         "up, upward, upwards, above, skyward, into the air, overhead, toward the sky, "
-        "towards the sky, to the sky, toward the ceiling, towards the ceiling, to the ceiling": ("up",),
+        "towards the sky, to the sky, into the sky, toward the ceiling, towards the ceiling, to the ceiling": (
+            "up",
+        ),
         "down, downward, downwards, below, underneath, to the ground, to the floor, "
         "toward the ground, towards the ground, towards the floor, toward the floor, "
         "into the ground, onto the ground, beneath": ("down",),
@@ -78,6 +83,8 @@ DIRECTIONS: dict[str, Names] = _spread(
         "lower right, bottom right": ("down", "right"),
     }
 )
+# Directions that tell a place rather than a way when they follow a cause.
+LOCATIONS = frozenset({"above", "below", "beneath", "underneath", "behind", "overhead"})
 # Words for an end of the object that also serve as directions after "to the" and "from the".
 ENDS: dict[str, Names] = _spread(
     {
@@ -257,7 +264,7 @@ JOINS: dict[str, Join] = _spread(
         "while, as, when, whilst, at the same time, simultaneously, meanwhile, and at the same time": Join.WHILE,
         "and, plus, with": Join.AND,
         "so that, making, causing, which makes, such that, to make, until, that makes, "
-        "in order to, which, because of, caused by, due to": Join.RESULT,
+        "in order to, which, because of, caused by, due to, make, makes, cause, causes": Join.RESULT,
         "but, however, yet": Join.BUT,
         "before": Join.BEFORE,
         "after": Join.AFTER,
@@ -320,16 +327,17 @@ FUNCTION_WORDS = frozenset(
         "about around off out near and or if than there here where what who whom whose how why which as so also just "
         "only even again still all each every both some any own other one ones first second now like until upon up due "
         "because while "
-        "let lets letting make makes made making cause causes caused causing get gets got getting give gives gave given "
-        "giving take takes took taken put puts keep keeps kept start starts started starting begin begins began "
+        "let lets letting make makes made making cause causes caused causing get gets got getting give gives gave "
+        "given giving take takes took taken put puts keep keeps kept start starts started starting begin begins began "
         "beginning become becomes became try tries continue continues come comes came coming act acts acting applied "
         "apply applies applying receive receives received undergo undergoes experience experiences feel feels want "
         "wants touch touching touched arrive arrives reach reaches happen happens likes please ok "
         "someone somebody person people something nothing anything everything hand hands finger fingers fist fists "
         "hammer ball foot feet rope string invisible giant "
-        "object thing model subject scene video clip camera viewer axis direction side way bit ground floor table "
-        "ceiling sky wall place motion movement effect shape position body part end ends rest time times second seconds "
-        "frame frames degrees whole entire entirely original straight directly toward towards much suddenly s t"
+        "between two three object thing model subject scene video clip camera viewer axis direction side way bit "
+        "ground floor table "
+        "ceiling sky wall place motion movement effect shape position body part end ends rest time times "
+        "seconds frame frames degrees whole entire entirely original straight directly toward towards much suddenly s t"
     ).split()
 )
 FUNCTION_PHRASES = frozenset(

@@ -75,6 +75,8 @@ def follows(before: Event, event: Event) -> bool:
         return False
     if event.doing is Doing.RELEASE or (event.doing is Doing.STILL and not event.verb.generic):
         return True
+    if before.doing is Doing.FALL and event.doing is Doing.SWAY:
+        return True  # "drops and jiggles"
     return contrary(before, event)
 
 

@@ -20,12 +20,14 @@ class Token:
         text: Lower case.
         lemma: The verb that it is a form of, else the text itself.
         start, end: Place in the prompt.
+        possessive: Whether it ends in "'s": what follows belongs to it.
     """
 
     text: str
     lemma: str
     start: int
     end: int
+    possessive: bool = False
 
     @property
     def is_word(self) -> bool:
@@ -44,7 +46,7 @@ def tokenise(prompt: str) -> list[Token]:
         negated = suffix == "t" and word.endswith("n")
         word = word[:-1] if negated else word
         word = {"ca": "can", "wo": "will"}.get(word, word) if negated else word
-        tokens.append(Token(word, FORMS.get(word, word), match.start(), match.end()))
+        tokens.append(Token(word, FORMS.get(word, word), match.start(), match.end(), suffix == "s"))
         if negated:
             tokens.append(Token("not", "not", match.start(), match.end()))
     return [t for t in tokens if t.text]
