@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable
 
 import jax
+import jax.numpy as jnp
 import optax
 
 from baselines.tasks import Parameters, Task
@@ -64,7 +65,7 @@ def optimise(
     """
     parameters = Parameters.of(task.spec.start_vector, task.spec.start_magnitude)
     optimiser = optax.adam(optax.cosine_decay_schedule(learning_rate, iterations, alpha=0.1))
-    moments = optimiser.init(parameters)
+    moments = optimiser.init(parameters.push)
     gradient = jax.jit(jax.value_and_grad(task.loss))
     best, history = (float("inf"), parameters), []
     for iteration in range(iterations):
@@ -75,12 +76,13 @@ def optimise(
                 f"the gradient is not finite at iteration {iteration} (loss {float(loss):.3g})",
                 do="Lower --learning-rate",
             )
+        x, y, z = parameters.direction
         step = Step(
             iteration,
             float(loss),
             float(optax.tree.norm(slope)),
             float(parameters.magnitude),
-            tuple(float(c) for c in parameters.direction),
+            (float(x), float(y), float(z)),
             time.perf_counter() - begun,
         )
         history.append(step)
@@ -88,6 +90,6 @@ def optimise(
         best = min(best, (step.loss, parameters), key=lambda pair: pair[0])
         if step.loss < tolerance:
             break
-        updates, moments = optimiser.update(slope, moments)
-        parameters = optax.apply_updates(parameters, updates).projected()
+        updates, moments = optimiser.update(slope.push, moments)
+        parameters = Parameters(jnp.asarray(optax.apply_updates(parameters.push, updates))).projected()
     return best[1], history

@@ -14,10 +14,10 @@ _COMPILE_EVENTS = "/jax/core/compile/"
 _compile_seconds = 0.0
 
 
-def _listen(event: str, seconds: float, **_) -> None:
+def _listen(event: str, duration_secs: float, **_: str | int) -> None:
     global _compile_seconds
     if event.startswith(_COMPILE_EVENTS):
-        _compile_seconds += seconds
+        _compile_seconds += duration_secs
 
 
 jax.monitoring.register_event_duration_secs_listener(_listen)

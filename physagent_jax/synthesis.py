@@ -13,6 +13,7 @@ import dataclasses
 import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from physagent_jax.agents.bands import expectation_windows
 from physagent_jax.agents.protocols import ExecutorAgent, PlannerAgent, SemanticAgent
@@ -59,7 +60,7 @@ class Request:
 
     prompt: str
     ingredients: Ingredients
-    choose_anchor: Callable[[str | None, str], Anchor]
+    choose_anchor: Callable[[Any, str], Anchor]
     base_dir: Path
     out: Path
     manifest: Manifest
@@ -122,7 +123,10 @@ def synthesize(request: Request, agents: Agents, observer: Observer | None = Non
             break
         # The camera of the first round stays, so that the rounds' pictures can be compared.
         ingredients = dataclasses.replace(ingredients, camera=attempts[0].scene.camera)
-        force_field = loop.rewrite(index, attempts, reply).force_field
+        rewrite = loop.rewrite(index, attempts, reply)
+        if rewrite.force_field == force_field:
+            break  # the executor has nothing left to try; another round would only repeat this one
+        force_field = rewrite.force_field
     loop.finish(attempts, body)
     return store
 

@@ -34,14 +34,13 @@ def _against_each_other(expectation: ExpectedMotion, view: View) -> bool:
     """Whether another part is to move the other way at the same time: the report measures the whole object."""
     if not expectation.partial or expectation.direction is None:
         return False
-    others = (
-        other
-        for other in view.expectations
-        if other.partial and other.kind is expectation.kind and other.direction is not None
-    )
     return any(
-        cosine(other.direction, expectation.direction) < -_SAME_WAY and together(other, expectation)
-        for other in others
+        other.partial
+        and other.kind is expectation.kind
+        and other.direction is not None
+        and cosine(other.direction, expectation.direction) < -_SAME_WAY
+        and together(other, expectation)
+        for other in view.expectations
     )
 
 

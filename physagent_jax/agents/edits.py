@@ -164,7 +164,8 @@ def pull_ends(case: Case, causes: Sequence[Cause]) -> Change:
     M = 1 moves a slab half a body length per clip, so two slabs moving with M during a fraction f of the
     clip change the length by M f.
     """
-    expectation, axis = case.expectation, case.expectation.direction
+    expectation = case.expectation
+    axis = expectation.direction or causes[0].item.vector
     window = causes[0].item.active_time
     fraction = (window[1] - window[0]) / max(case.last, 1.0) if window else 1.0
     target = strain_band(expectation, expectation.kind is MotionKind.SQUEEZE).target

@@ -131,7 +131,7 @@ def unit_vectors(entries: Entries, _context: Context) -> tuple[Entries, list[str
         for index, item in enumerate(entries[group]):
             vector = _numbers(item.get("vector"), 3)
             unit = normalised(vector) if vector else None
-            if unit is None:
+            if vector is None or unit is None:
                 reasons.append(f"{group}[{index}].vector is no direction: the entry is dropped")
                 continue
             if abs(math.dist(unit, vector)) > 1e-6:
@@ -242,20 +242,15 @@ def sentence_direction(entries: Entries, context: Context) -> tuple[Entries, lis
             continue
         for cause in causes:
             item = entries[cause.group][cause.index]
+            told = expectation.direction
             axial = expectation.kind in (MotionKind.STRETCH, MotionKind.SQUEEZE)
-            reversed_ = axial or cosine(cause.direction, expectation.direction) < -_PARALLEL
-            if reversed_:
+            if told is None or axial or cosine(cause.direction, told) < -_PARALLEL:
                 item["magnitude"] = -item["magnitude"]
+                change = "its sign is flipped"
             else:
-                item["vector"], item["magnitude"] = list(expectation.direction), abs(item["magnitude"])
-            reasons.append(
-                f"{cause.name} goes against '{expectation.words}': "
-                + (
-                    "its sign is flipped"
-                    if reversed_
-                    else f"its vector becomes {_text(expectation.direction)}"
-                )
-            )
+                item["vector"], item["magnitude"] = list(told), abs(item["magnitude"])
+                change = f"its vector becomes {_text(told)}"
+            reasons.append(f"{cause.name} goes against '{expectation.words}': {change}")
     return entries, reasons
 
 
@@ -317,7 +312,7 @@ def _each(entries: Entries):
             yield group, index, item
 
 
-def _numbers(value: Any, count: int) -> tuple[float, ...] | None:
+def _numbers(value: Any, count: int) -> tuple | None:
     """``value`` as that many finite numbers, or None."""
     if not isinstance(value, (list, tuple)) or len(value) != count:
         return None

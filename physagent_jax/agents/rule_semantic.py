@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 from physagent_jax.agents.language.clauses import Clause, places, read_clauses, verb_of
 from physagent_jax.agents.language.compilation import compile_slots
@@ -25,6 +26,7 @@ from physagent_jax.errors import UserError
 EXAMPLES = (
     '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'
 )
+End = Literal["base", "top", "none"] | None
 _LETS_FALL = frozenset({"release", "let go", "let ~ go", "let loose", "set free"})
 _DETERMINERS = frozenset({"the", "a", "an", "this", "that", "my", "your"})
 
@@ -95,22 +97,17 @@ def _not_understood(marks: list[Mark], brief: SceneBrief) -> tuple[list[str], li
     names = _object_words(brief)
     named = any(mark.phrase in names for mark in marks)
     unknown: list[str] = []
-    notes: list[str] = []
+    taken: list[str] = []
     for before, mark in zip([None, *marks], marks):
         word = mark.phrase
         if mark.kind is not Kind.UNKNOWN or word in unknown or word in names:
             continue
-        begins = not named and before is not None and before.form in _DETERMINERS and word.isalpha()
-        continues = notes and before is not None and before.phrase in names  # "the sand castle"
-        if begins or continues:
-            named = True
-            names |= {word}
-            notes = [
-                f"'{mark.words if begins else ' '.join((before.words, mark.words))}' is taken to be the object "
-                f"({brief.object_name})."
-            ]
-        else:
+        follows = "" if before is None else before.phrase
+        if word.isalpha() and (follows in taken or not (named or taken) and follows in _DETERMINERS):
+            taken.append(word)  # "the castle", "the sand castle"
+        elif word not in taken:
             unknown.append(word)
+    notes = [f"'{' '.join(taken)}' is taken to be the object ({brief.object_name})."] if taken else []
     return unknown, notes
 
 
@@ -132,7 +129,7 @@ def _events(clauses: list[Clause], draft: Draft) -> list[Event]:
         if clause.acts is None or verb_of(clause.acts).doing is Doing.HOLD:
             continue
         if clause.negated:
-            draft.note(f"'{clause.acts.words}' is negated: it does not happen.")
+            draft.note(f"'{clause.words}' is negated: it does not happen.")
             continue
         directed = next((e for e in reversed(events) if e.direction is not None), None)
         event = interpret(clause, directed, draft.brief)
@@ -205,7 +202,7 @@ def _expect_stillness(clauses: list[Clause], draft: Draft) -> None:
     """A sentence that forbids all motion, or only holds something, asks for stillness."""
     if draft.expectations:
         return
-    words = " ".join(c.acts.words for c in clauses if c.acts)
+    words = " ".join(c.words for c in clauses if c.acts)
     window = draft.window((0.0, draft.last)) or (0.0, draft.last)
     draft.expectations.append(ExpectedMotion(kind=MotionKind.STILL, window=window, words=words[:200]))
 
@@ -214,7 +211,7 @@ def _anchor(clauses: list[Clause]) -> AnchorRequest:
     """What is held: an adjective ("rooted"), a verb ("hold the pot"), or an end that "does not move"."""
     for clause in clauses:
         for mark in clause.of(Kind.ANCHOR):
-            return AnchorRequest(kind=mark.value, words=mark.words)
+            return AnchorRequest.model_validate({"kind": mark.value, "words": mark.words})
         if clause.acts is None:
             continue
         verb = verb_of(clause.acts)
@@ -225,17 +222,17 @@ def _anchor(clauses: list[Clause]) -> AnchorRequest:
             )
         still = verb.doing is Doing.STILL or (clause.negated and verb.doing is not Doing.STILL)
         if still and places(clause) and (clause is clauses[0] or clause.join is not Join.THEN):
-            return AnchorRequest(kind=_held_end(clause, ""), words=words)
+            return AnchorRequest(kind=_held_end(clause, None), words=words)
     return AnchorRequest()
 
 
-def _held_end(clause: Clause, otherwise: str) -> str | None:
+def _held_end(clause: Clause, otherwise: End) -> End:
     """The end that a clause names: "base" or "top"; other parts cannot be held."""
     for place in places(clause):
         if "down" in place.names:
             return "base"
         return "top" if "up" in place.names else None
-    return otherwise or None
+    return otherwise
 
 
 def _anchor_evidence(anchor: AnchorRequest) -> list[Evidence]:

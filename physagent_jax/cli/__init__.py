@@ -65,7 +65,7 @@ def enable_compile_cache() -> None:
         return
     import jax
 
-    if jax.config.jax_compilation_cache_dir is not None:
+    if jax.config.read("jax_compilation_cache_dir") is not None:
         return
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     folder = Path(setting) if setting else home / "physagent_jax" / "compiled"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from pydantic import ValidationError
 
@@ -21,6 +21,10 @@ from physagent_jax.synthesis import Agents, Request
 
 if TYPE_CHECKING:
     from physagent_jax.cli.run import Run
+
+
+Held = Literal["base", "top", "none"] | None
+"""What a sentence says about being held."""
 
 
 def offline_agents() -> Agents:
@@ -96,17 +100,19 @@ def _material(command: Run, kind: str) -> Material:
     return Material.model_validate({**prior.model_dump(), **given, "reason": reason})
 
 
-def _anchor(command: Run, kind: str, asked: str | None = None, words: str = "") -> Anchor:
+def _anchor(command: Run, kind: str, asked: Held = None, words: str = "") -> Anchor:
     if command.anchor == "auto":
         return anchor_for(kind, asked, words)
     reason = "set on the command line"
     if command.anchor == "box":
-        box = command.anchor_box or (None,) * 6
-        point, half_size = (part if None not in part else None for part in (box[:3], box[3:]))
-        return Anchor(kind="box", point=point, half_size=half_size, reason=reason)
+        if command.anchor_box is None:
+            raise UserError("`--anchor box` needs a box", do="Pass --anchor-box x y z hx hy hz")
+        x, y, z, hx, hy, hz = command.anchor_box
+        return Anchor(kind="box", point=(x, y, z), half_size=(hx, hy, hz), reason=reason)
     if command.anchor == "mask":
-        path = None if command.anchor_mask is None else str(command.anchor_mask.resolve())
-        return Anchor(kind="mask", mask_path=path, reason=reason)
+        if command.anchor_mask is None:
+            raise UserError("`--anchor mask` needs a mask", do="Pass --anchor-mask mask.npy")
+        return Anchor(kind="mask", mask_path=str(command.anchor_mask.resolve()), reason=reason)
     return anchor_for(kind, command.anchor).model_copy(update=dict(reason=reason))
 
 

@@ -103,7 +103,7 @@ def read_scene(path: Path, object_path: Path | None):
     from physagent_jax.scene.physgaussian import is_physgaussian
 
     data = load_json(path)
-    if not is_physgaussian(data):
+    if not isinstance(data, dict) or not is_physgaussian(data):
         scene = parse_scene(data, origin=str(path))
         if object_path is not None:
             source = scene.source.model_copy(update=dict(path=str(object_path.resolve())))

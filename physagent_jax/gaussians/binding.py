@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from physagent_jax.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud, Splats
@@ -59,7 +61,8 @@ def bind(
     if k < 1:
         raise UserError("`k` must be at least 1", got=k)
     k = min(k, len(particles))
-    distances, indices = cKDTree(particles).query(means, k=np.arange(1, k + 1))
+    tree: Any = KDTree(particles)  # scipy annotates `query` for a single neighbour only
+    distances, indices = tree.query(means, k=np.arange(1, k + 1))
     tolerance = _COINCIDENT * max(np.ptp(particles, axis=0).max(), np.finfo(np.float32).tiny)
     coincident = distances[:, 0] <= tolerance
     if coincident.all():
@@ -94,19 +97,21 @@ def deform(
         F: Deformation gradients of the particles since the rest pose, shape (n, 3, 3).
         pre_rotation: Rotation from the frame in which the SH were captured to the cloud's, shape (3, 3).
     """
+    # Full precision: GPUs would otherwise round single precision products to ten bits.
+    einsum = functools.partial(jnp.einsum, precision="highest")
     if binding.indices.shape[1] == 1:
         nearest = binding.indices[:, 0]
         F_g = F[nearest]
-        means = x[nearest] + jnp.einsum("gij,gj->gi", F_g, binding.offsets[:, 0])
+        means = x[nearest] + einsum("gij,gj->gi", F_g, binding.offsets[:, 0])
     else:
         F_near = F[binding.indices]
-        predictions = x[binding.indices] + jnp.einsum("gkij,gkj->gki", F_near, binding.offsets)
-        means = jnp.einsum("gk,gki->gi", binding.weights, predictions)
-        F_g = jnp.einsum("gk,gkij->gij", binding.weights, F_near)
+        predictions = x[binding.indices] + einsum("gkij,gkj->gki", F_near, binding.offsets)
+        means = einsum("gk,gki->gi", binding.weights, predictions)
+        F_g = einsum("gk,gkij->gij", binding.weights, F_near)
     return Splats(
         means=means,
         covariances=transform_covariances(F_g, quats_scales_to_covariances(cloud.quats, cloud.scales)),
         opacities=cloud.opacities,
         sh=cloud.sh,
-        rotations=polar_rotation(F_g) @ jnp.asarray(pre_rotation, F_g.dtype),
+        rotations=einsum("gij,jk->gik", polar_rotation(F_g), jnp.asarray(pre_rotation, F_g.dtype)),
     )

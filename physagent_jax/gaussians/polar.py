@@ -53,8 +53,8 @@ def _polar_rotation_jvp(primals, tangents):
     """
     (F,), (dF,) = primals, tangents
     R = polar_rotation(F)
-    S = jnp.einsum("nki,nkj->nij", R, F)
-    W = jnp.einsum("nki,nkj->nij", R, dF)
+    S = jnp.einsum("nki,nkj->nij", R, F, precision="highest")
+    W = jnp.einsum("nki,nkj->nij", R, dF, precision="highest")
     a = jnp.stack([W[:, 2, 1] - W[:, 1, 2], W[:, 0, 2] - W[:, 2, 0], W[:, 1, 0] - W[:, 0, 1]], axis=-1)
     S = 0.5 * (S + S.transpose(0, 2, 1))
     identity = jnp.eye(3, dtype=F.dtype)
@@ -63,7 +63,7 @@ def _polar_rotation_jvp(primals, tangents):
     zero = jnp.zeros_like(omega[:, 0])
     x, y, z = (omega[:, i] for i in range(3))
     skew = jnp.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(-1, 3, 3)
-    return R, jnp.einsum("nik,nkj->nij", R, skew)
+    return R, jnp.einsum("nik,nkj->nij", R, skew, precision="highest")
 
 
 def _solve_damped(A: jax.Array, a: jax.Array) -> jax.Array:
@@ -73,7 +73,7 @@ def _solve_damped(A: jax.Array, a: jax.Array) -> jax.Array:
     det = jnp.sum(r0 * adjugate[:, :, 0], axis=-1)
     scale = jnp.sqrt(jnp.sum(A * A, axis=(1, 2))) ** 3
     inverse = det / (det * det + (1e-6 * scale) ** 2 + jnp.finfo(A.dtype).tiny)
-    return jnp.einsum("nij,nj->ni", adjugate, a) * inverse[:, None]
+    return jnp.einsum("nij,nj->ni", adjugate, a, precision="highest") * inverse[:, None]
 
 
 def _davenport(M: jax.Array) -> tuple[tuple[jax.Array, ...], ...]:

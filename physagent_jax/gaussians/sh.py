@@ -62,7 +62,7 @@ def eval_sh(sh: jax.Array, directions: jax.Array) -> jax.Array:
         Shape (n, 3).
     """
     basis = sh_basis(directions, round(sh.shape[-2] ** 0.5) - 1)
-    return jnp.einsum("...k,...kc->...c", basis, sh)
+    return jnp.einsum("...k,...kc->...c", basis, sh, precision="highest")
 
 
 @jax.jit
@@ -78,13 +78,15 @@ def rotate_sh(sh: jax.Array, R: jax.Array) -> jax.Array:
     """
     degree = round(sh.shape[-2] ** 0.5) - 1
     directions, inverse = _sample_directions(degree)
-    rotated = jnp.einsum("...ji,mj->...mi", R, jnp.asarray(directions, sh.dtype))  # R^T d
+    rotated = jnp.einsum(
+        "...ji,mj->...mi", R, jnp.asarray(directions, sh.dtype), precision="highest"
+    )  # R^T d
     values = sh_basis(rotated, degree)
     bands = []
     for l in range(degree + 1):
         band = slice(l * l, (l + 1) ** 2)
-        matrix = jnp.asarray(inverse[band], sh.dtype) @ values[..., band]
-        bands.append(jnp.einsum("...ij,...jc->...ic", matrix, sh[:, band]))
+        matrix = jnp.matmul(jnp.asarray(inverse[band], sh.dtype), values[..., band], precision="highest")
+        bands.append(jnp.einsum("...ij,...jc->...ic", matrix, sh[:, band], precision="highest"))
     return jnp.concatenate(bands, axis=-2)
 
 

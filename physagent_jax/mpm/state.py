@@ -36,7 +36,8 @@ class Grid:
     @staticmethod
     def whole(size: float, cells: int) -> Grid:
         """The window that covers the whole domain of side ``size`` [m]."""
-        return Grid(jnp.zeros(3, jnp.int32), (cells + 1,) * 3, size / cells, cells)
+        nodes = cells + 1
+        return Grid(jnp.zeros(3, jnp.int32), (nodes, nodes, nodes), size / cells, cells)
 
     def node_positions(self, dtype) -> tuple[jax.Array, jax.Array, jax.Array]:
         """Node coordinates [m], shapes (nx, 1, 1), (1, ny, 1), (1, 1, nz): they broadcast, never materialise."""

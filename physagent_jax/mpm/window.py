@@ -40,7 +40,8 @@ def fit_window(grid: Grid, low: np.ndarray, high: np.ndarray, reach: float) -> G
     if np.all(origin <= first) and np.all(last < origin + np.asarray(grid.shape)):
         return grid
     needed = last - first + 1
-    shape = tuple(_side(int(need), have, nodes) for need, have in zip(needed, grid.shape))
+    nx, ny, nz = (_side(int(need), have, nodes) for need, have in zip(needed, grid.shape))
+    shape = (nx, ny, nz)
     slack = np.asarray(shape) - needed
     origin = np.clip(first - slack // 2, 0, nodes - np.asarray(shape))
     return dataclasses.replace(grid, origin=jnp.asarray(origin, jnp.int32), shape=shape)
@@ -55,4 +56,4 @@ def _side(need: int, have: int, most: int) -> int:
 
 def smallest_window(size: float, cells: int) -> Grid:
     """A minimal window of a domain of side ``size`` [m]; `fit_window` grows it to the object."""
-    return Grid(jnp.zeros(3, jnp.int32), (_GRANULE,) * 3, size / cells, cells)
+    return Grid(jnp.zeros(3, jnp.int32), (_GRANULE, _GRANULE, _GRANULE), size / cells, cells)

@@ -82,7 +82,7 @@ def fit_affine(
         matrix = (cross + pull * rotation) @ np.linalg.inv(square + pull * np.eye(3))
         distance = np.linalg.norm(x @ matrix.T - y, axis=1)
         fitted = Affine(matrix, b0 - matrix @ a0, rotation, float(np.sqrt(trust @ distance**2 / trust.sum())))
-        before, w = w, trust * huber(distance, floor=0.003 * extent)
+        before, w = w, trust * huber(distance, floor=0.003 * float(extent))
         if np.abs(w - before).max() < 1e-2:
             break
     return fitted

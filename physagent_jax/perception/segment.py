@@ -56,12 +56,14 @@ class ColorSegmenter:
         small = cv2.resize(crop, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
         labels = cv2.resize(start, small.shape[1::-1], interpolation=cv2.INTER_NEAREST)
         labels = np.where(labels > 0, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
-        labels[cv2.dilate(np.uint8(labels == cv2.GC_PR_FGD), np.ones((9, 9), np.uint8)) == 0] = cv2.GC_BGD
+        labels[cv2.dilate((labels == cv2.GC_PR_FGD).astype(np.uint8), np.ones((9, 9), np.uint8)) == 0] = (
+            cv2.GC_BGD
+        )
         if min((labels == k).sum() for k in (cv2.GC_PR_FGD, cv2.GC_BGD)) < 10:
             return guess  # too little of one class to learn colours from
         models = np.zeros((1, 65)), np.zeros((1, 65))
         cv2.setRNGSeed(0)  # GrabCut's clustering draws from a global generator
-        cv2.grabCut(small, labels, None, *models, 2, cv2.GC_INIT_WITH_MASK)
+        cv2.grabCut(small, labels, (0, 0, 0, 0), *models, 2, cv2.GC_INIT_WITH_MASK)
         inside = np.isin(labels, (cv2.GC_FGD, cv2.GC_PR_FGD)).astype(np.float32)
         refined = np.zeros_like(guess)
         refined[box] = cv2.resize(inside, start.shape[::-1], interpolation=cv2.INTER_LINEAR) > 0.5
@@ -83,10 +85,11 @@ def _matte(difference: np.ndarray, guess: np.ndarray) -> np.ndarray:
         difference: Colour minus background, shape (H, W, 3).
         guess: First guess, too wide by the soft edge, shape (H, W).
     """
-    core = cv2.erode(guess.astype(np.uint8), np.ones((5, 5), np.uint8))
+    core = np.asarray(cv2.erode(guess.astype(np.uint8), np.ones((5, 5), np.uint8)))
     if not core.any():
         return guess
     reach, label = cv2.distanceTransformWithLabels(1 - core, cv2.DIST_L2, 3, labelType=cv2.DIST_LABEL_PIXEL)
+    label = np.asarray(label, np.int64)
     owner = np.zeros(label.max() + 1, np.int64)
     owner[label[core > 0]] = np.flatnonzero(core)
     band = np.flatnonzero(guess & (core == 0) & (reach < 5))  # thin parts have no core near: kept as guessed
@@ -103,4 +106,4 @@ def _without_specks(mask: np.ndarray) -> np.ndarray:
     count, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
     keep = stats[:, cv2.CC_STAT_AREA] >= max(_SPECK, _FLOATER * mask.sum())
     keep[0] = False
-    return keep[labels]
+    return keep[np.asarray(labels, np.int64)]

@@ -9,13 +9,14 @@ eq. 3). Blending stops once T <= 1e-4: later Gaussians change a pixel by less th
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
+from physagent_jax.render.layout import Layout
 from physagent_jax.render.project import ALPHA_MIN, Projected
-from physagent_jax.render.tiles import TileLists, tile_grid
+from physagent_jax.render.tiles import TileLists
 
 ALPHA_MAX = 0.999
 TRANSMITTANCE_STOP = 1e-4
@@ -51,77 +52,10 @@ def blend(
         ],
         axis=-1,
     )
-    layout = _Layout(width, height, tile_size, lanes)
-    features, transmittance = _blend(layout, packed, lists.gaussians, lists.starts)
+    layout = Layout(width, height, tile_size, lanes)
+    blended: Any = _blend(layout, packed, lists.gaussians, lists.starts)  # `custom_vjp` hides the type
+    features, transmittance = blended
     return layout.to_image(features), layout.to_image(transmittance)
-
-
-class _Layout:
-    """Pixels grouped by tile and tiles grouped by lanes; hashable, so that it can be a static argument."""
-
-    def __init__(self, width: int, height: int, tile_size: int, lanes: int):
-        self.key = (width, height, tile_size, lanes)
-        self.width, self.height, self.tile_size = width, height, tile_size
-        self.columns, self.rows = tile_grid(width, height, tile_size)
-        self.tiles = self.columns * self.rows
-        self.lanes = min(lanes, self.tiles)
-        self.groups = -(-self.tiles // self.lanes)
-
-    def __hash__(self):
-        return hash(self.key)
-
-    def __eq__(self, other):
-        return self.key == other.key
-
-    def tile_ids(self) -> np.ndarray:
-        """Tiles of each group; ids past the last tile fill up the last group. Shape (groups, lanes)."""
-        return np.arange(self.groups * self.lanes, dtype=np.int32).reshape(self.groups, self.lanes)
-
-    def pixels(self, tile: jax.Array, dtype) -> tuple[jax.Array, jax.Array, jax.Array]:
-        """Pixel centres x and y [px] and whether they lie on the image, each shape (lanes, pixels)."""
-        local = np.arange(self.tile_size**2, dtype=np.int32)
-        x = (tile % self.columns * self.tile_size)[:, None] + local % self.tile_size
-        y = (tile // self.columns * self.tile_size)[:, None] + local // self.tile_size
-        return x.astype(dtype) + 0.5, y.astype(dtype) + 0.5, (x < self.width) & (y < self.height)
-
-    def geometry_derivatives(self, rows: jax.Array, dexponents: jax.Array, tile: jax.Array) -> jax.Array:
-        """Derivatives with respect to centre, conic and opacity of Gaussians, from those of the exponent.
-
-        The exponent is -(a dx^2 + c dy^2) / 2 - b dx dy, a polynomial in the pixel's coordinates: its
-        moments about the centre of the tile, shifted to the Gaussian, give everything.
-
-        Args:
-            rows: Packed Gaussians, shape (k, lanes, 10).
-            dexponents: Derivatives per pixel, shape (k, lanes, pixels).
-            tile: Shape (lanes,).
-
-        Returns:
-            Shape (k, lanes, 6).
-        """
-        local = np.arange(self.tile_size**2)
-        center = 0.5 * self.tile_size
-        u, v = local % self.tile_size + 0.5 - center, local // self.tile_size + 0.5 - center
-        monomials = jnp.asarray(np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1), rows.dtype)
-        s, su, sv, suu, suv, svv = jnp.moveaxis(dexponents @ monomials, -1, 0)
-        mean_x, mean_y, a, b, c, opacity = (rows[..., i] for i in range(6))
-        e = (tile % self.columns * self.tile_size).astype(rows.dtype) + center - mean_x
-        f = (tile // self.columns * self.tile_size).astype(rows.dtype) + center - mean_y
-        sx, sy = su + e * s, sv + f * s
-        sxx, sxy, syy = (
-            suu + e * (2 * su + e * s),
-            suv + e * sv + f * su + e * f * s,
-            svv + f * (2 * sv + f * s),
-        )
-        dopacity = s / jnp.where(opacity > 0, opacity, 1)
-        return jnp.stack([a * sx + b * sy, c * sy + b * sx, -0.5 * sxx, -sxy, -0.5 * syy, dopacity], axis=-1)
-
-    def to_image(self, values: jax.Array) -> jax.Array:
-        """From (groups, lanes, pixels, ...) to (h, w, ...)."""
-        size, rest = self.tile_size, values.shape[3:]
-        values = values.reshape(self.groups * self.lanes, size, size, *rest)[: self.tiles]
-        values = values.reshape(self.rows, self.columns, size, size, *rest).swapaxes(1, 2)
-        values = values.reshape(self.rows * size, self.columns * size, *rest)
-        return values[: self.height, : self.width]
 
 
 def _alpha(row: jax.Array, x: jax.Array, y: jax.Array) -> jax.Array:
@@ -138,12 +72,12 @@ def _list_bounds(starts: jax.Array, tile: jax.Array) -> tuple[jax.Array, jax.Arr
 
 
 @functools.partial(jax.custom_vjp, nondiff_argnums=(0,))
-def _blend(layout: _Layout, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
+def _blend(layout: Layout, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
     features, transmittance, _ = _blend_forward(layout, packed, gaussians, starts)
     return features, transmittance
 
 
-def _blend_forward(layout: _Layout, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
+def _blend_forward(layout: Layout, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
     """Features (groups, lanes, pixels, 4), transmittance (groups, lanes, pixels), steps made (groups,)."""
 
     def group(tile):
@@ -173,12 +107,12 @@ def _blend_forward(layout: _Layout, packed: jax.Array, gaussians: jax.Array, sta
     return jax.lax.map(group, layout.tile_ids())
 
 
-def _blend_fwd(layout: _Layout, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
+def _blend_fwd(layout: Layout, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
     features, transmittance, steps = _blend_forward(layout, packed, gaussians, starts)
     return (features, transmittance), (packed, gaussians, starts, features, transmittance, steps)
 
 
-def _blend_bwd(layout: _Layout, residuals, cotangents):
+def _blend_bwd(layout: Layout, residuals, cotangents):
     """Front to back again, with prefix sums in place of a reverse pass.
 
     With g the cotangent of C, g_T that of the final transmittance, and P_i = sum_{j <= i} T_j alpha_j c_j.g:
@@ -212,15 +146,14 @@ def _blend_bwd(layout: _Layout, residuals, cotangents):
                 seen = sum(row[:, 6 + channel, None] * g[channel] for channel in range(4))
                 prefix = prefix + weight * seen
                 dalpha = T * seen - (total - prefix) / (1 - alpha)
-                dexponent = jnp.where(
-                    blended & (raw < ALPHA_MAX), dalpha * raw, 0.0
-                )  # alpha = o exp(exponent)
+                # alpha = o exp(exponent); constant where it is capped.
+                dexponent = jnp.where(blended & (raw < ALPHA_MAX), dalpha * raw, 0.0)
                 return T * (1 - alpha), prefix, dexponents.at[k].set(dexponent), weights.at[k].set(weight)
 
             empty = jnp.zeros((_CHUNK, *x.shape), packed.dtype)
             T, prefix, dexponents, weights = jax.lax.fori_loop(0, _CHUNK, step, (T, prefix, empty, empty))
             drows = layout.geometry_derivatives(rows, dexponents, tile)
-            dfeatures = jnp.einsum("klp,clp->klc", weights, g)
+            dfeatures = jnp.einsum("klp,clp->klc", weights, g, precision="highest")
             return dpacked.at[index].add(jnp.concatenate([drows, dfeatures], axis=-1)), T, prefix
 
         state = (dpacked, inside.astype(packed.dtype), jnp.zeros_like(x))

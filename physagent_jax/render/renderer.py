@@ -108,7 +108,9 @@ def rasterize(
 
 
 @functools.partial(jax.jit, static_argnames=("capacity", "tile_size", "lanes"))
-def _rasterize(splats: Splats, camera: Camera, background: jax.Array, *, capacity: int, tile_size: int, lanes: int):
+def _rasterize(
+    splats: Splats, camera: Camera, background: jax.Array, *, capacity: int, tile_size: int, lanes: int
+):
     width, height = camera.width, camera.height
     with jax.named_scope("project"):
         projected = project(splats, camera)

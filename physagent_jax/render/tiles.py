@@ -117,6 +117,7 @@ def sort_pairs(tile: jax.Array, rank: jax.Array, tiles: int, count: int) -> tupl
     bits = max(count - 1, 1).bit_length()
     if (tiles + 1) << bits > 1 << 32:
         # The packed key does not fit. The pairs come in order of rank, which a stable sort keeps.
-        return tuple(jax.lax.sort((tile, rank), num_keys=1, is_stable=True))
+        tile, rank = jax.lax.sort((tile, rank), num_keys=1, is_stable=True)
+        return tile, rank
     key = jax.lax.sort((tile.astype(jnp.uint32) << bits) | rank.astype(jnp.uint32), is_stable=False)
     return (key >> bits).astype(jnp.int32), (key & ((1 << bits) - 1)).astype(jnp.int32)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from physagent_jax.errors import UserError
 from physagent_jax.scene.config import Anchor
@@ -85,6 +85,6 @@ def _mask(path: Path, x_rest: np.ndarray, index: np.ndarray, gaussian_count: int
     held = np.zeros(len(x_rest), bool)
     held[surface] = mask[index[surface]]
     if (~surface).any():  # what is inside a held part is held with it
-        nearest = cKDTree(x_rest[surface]).query(x_rest[~surface])[1]
+        nearest = KDTree(x_rest[surface]).query(x_rest[~surface])[1]
         held[~surface] = held[surface][nearest]
     return held

@@ -156,11 +156,22 @@ def _boundary(boundary: c.Boundary):
         case c.DomainBox():
             return boundaries.DomainBox(boundary.padding)
         case c.HalfSpace():
-            leaves = (boundary.point, boundary.normal, boundary.friction, boundary.start, boundary.end)
-            return boundaries.HalfSpace(*map(_leaf, leaves), Contact(boundary.surface.value))
+            return boundaries.HalfSpace(
+                point=_leaf(boundary.point),
+                normal=_leaf(boundary.normal),
+                friction=_leaf(boundary.friction),
+                start=_leaf(boundary.start),
+                end=_leaf(boundary.end),
+                contact=Contact(boundary.surface.value),
+            )
         case c.Cuboid():
-            leaves = (boundary.point, boundary.half_size, boundary.velocity, boundary.start, boundary.end)
-            return boundaries.Cuboid(*map(_leaf, leaves))
+            return boundaries.Cuboid(
+                point=_leaf(boundary.point),
+                half_size=_leaf(boundary.half_size),
+                velocity=_leaf(boundary.velocity),
+                start=_leaf(boundary.start),
+                end=_leaf(boundary.end),
+            )
 
 
 def _constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarray) -> tuple[tuple, tuple]:
@@ -195,8 +206,12 @@ def _constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarray) -> t
 
 def _motion(inside: np.ndarray, constraint, velocity, angular_velocity) -> PrescribedMotion:
     return PrescribedMotion(
-        jnp.asarray(np.flatnonzero(inside), jnp.int32),
-        *map(_leaf, (velocity, angular_velocity, constraint.point, constraint.start, constraint.end)),
+        particles=jnp.asarray(np.flatnonzero(inside), jnp.int32),
+        velocity=_leaf(velocity),
+        angular_velocity=_leaf(angular_velocity),
+        center=_leaf(constraint.point),
+        start=_leaf(constraint.start),
+        end=_leaf(constraint.end),
     )
 
 

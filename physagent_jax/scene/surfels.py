@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import jax.numpy as jnp
 import numpy as np
 from scipy.ndimage import map_coordinates
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from physagent_jax.gaussians.cloud import GaussianCloud
 
@@ -53,7 +55,8 @@ def even_points(points: np.ndarray, count: int) -> np.ndarray:
     """
     keep = np.arange(len(points))
     while len(keep) > count:
-        distance, neighbour = cKDTree(points[keep]).query(points[keep], k=2)
+        tree: Any = KDTree(points[keep])  # scipy annotates `query` for a single neighbour only
+        distance, neighbour = tree.query(points[keep], k=2)
         distance, neighbour = distance[:, 1], neighbour[:, 1]
         mutual = np.flatnonzero(
             (neighbour[neighbour] == np.arange(len(keep))) & (neighbour < np.arange(len(keep)))

@@ -14,7 +14,7 @@ from physagent_jax.agents.rule_executor import RuleExecutor
 from physagent_jax.agents.rule_planner import RulePlanner
 from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, Verdict
 from physagent_jax.agents.vectors import add, norm, scaled
-from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField
+from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, HalfSpaceRegion
 from physagent_jax.perception.schema import MotionReport, WindowMotion
 from tests.agents.scenes import report, window
 
@@ -82,7 +82,7 @@ class ToyWorld:
                 torque.append(scaled(vector, 180.0))
             elif kind is ActionType.SCALE:
                 strain.append(_along(item.vector, 0.3 * self.gain * item.magnitude))
-            elif item.region is None:
+            elif not isinstance(item.region, HalfSpaceRegion):
                 drive.append(scaled(item.vector, 0.5 * item.magnitude))
             else:  # one of two end slabs: prescribed, whatever the stiffness
                 side = math.copysign(1.0, sum(v * n for v, n in zip(item.vector, item.region.normal)))

@@ -57,10 +57,15 @@ class Clause:
         """The mark that decides what is done."""
         return self.verb or self.cause
 
+    @property
+    def words(self) -> str:
+        """The words of the mark that decides what is done."""
+        return self.acts.words if self.acts else ""
 
-def verb_of(mark: Mark) -> Verb:
+
+def verb_of(mark: Mark | None) -> Verb:
     """The value of a VERB or CAUSE mark."""
-    assert isinstance(mark.value, Verb)
+    assert mark is not None and isinstance(mark.value, Verb)
     return mark.value
 
 

@@ -93,6 +93,7 @@ def _push(event: Event, window: Window, after: list[Event], draft: Draft, _befor
 
 def _again(event: Event, window: Window, after: list[Event], draft: Draft) -> None:
     """The same push several times, with pauses."""
+    assert event.direction is not None
     count = _fitting(event.repeat.count or 1, window, 2 * _SHORTEST_SWING, draft)
     for push, _pause in _pairs(divide(window, [1.0] * (2 * count))):
         draft.act(event, ActionType.TRANSLATION, event.direction, event.strength, push)

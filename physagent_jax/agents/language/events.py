@@ -77,8 +77,6 @@ class Event:
 
 def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
     """The event that a clause with a verb or a cause describes; ``before`` gives "harder" its measure."""
-    acts = clause.acts
-    assert acts is not None
     verb, phrase = _effective_verb(clause)
     if verb.doing is Doing.ROLL and clause.of(Kind.SENSE) and not clause.of(Kind.DIRECTION, Kind.FROM):
         verb = replace(verb, doing=Doing.TURN, direction="toward")  # rolls on the spot
@@ -117,7 +115,7 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         else []
     )
     sources = {
-        "action_type": Source(acts.words, f"'{phrase}' is a {verb.doing.value}"),
+        "action_type": Source(clause.words, f"'{phrase}' is a {verb.doing.value}"),
         "magnitude": strength_source,
     }
     sources["vector"] = direction_source
@@ -162,7 +160,7 @@ def _effective_verb(clause: Clause) -> tuple[Verb, str]:
 
 def _quote(clause: Clause) -> str:
     """The clause's own words, in their order."""
-    marks = [m for m in clause.marks if m.words] or [clause.acts]
+    marks = [m for m in clause.marks if m.words] or [m for m in (clause.verb, clause.cause) if m]
     return " ".join(m.words for m in sorted(marks, key=lambda m: m.first))
 
 
@@ -186,7 +184,7 @@ def _strength(clause: Clause, verb: Verb, before: Event | None) -> tuple[float, 
     if words:
         return value, Source(", ".join(words), "intensity words")
     why = "the word's own strength" if value != 1.0 else "no intensity word: plain"
-    return value, Source(clause.acts.words, why)
+    return value, Source(clause.words, why)
 
 
 def _vector(names: Names, brief: SceneBrief) -> Vector:
@@ -242,7 +240,7 @@ def _assumed_direction(
     clause: Clause, verb: Verb, brief: SceneBrief, repeat: Repeat
 ) -> tuple[Vector | None, Repeat, Source, list[str]]:
     """The verb's own direction, else the assumed one with a note."""
-    words = clause.acts.words
+    words = clause.words
     if verb.doing in (Doing.FALL, Doing.HOLD, Doing.RELEASE, Doing.STILL, Doing.SWELL, Doing.BURST):
         return None, repeat, Source(words, "needs no direction"), []
     name = verb.direction or ASSUMED
@@ -261,7 +259,10 @@ def _turn_axis(
     Counter-clockwise is right-handed about the axis that points at whoever looks: at the viewer for
     turns in the picture plane, up (seen from above) for spinning and twisting.
     """
-    planes = {("right",): ("up",), ("up",): ("right",)}  # turning horizontally is about the vertical
+    planes: dict[Names, Names] = {
+        ("right",): ("up",),
+        ("up",): ("right",),
+    }  # turning horizontally is about the vertical
     named = [(mark, names) for mark, names in zip(clause.of(Kind.AXIS), _names(clause.of(Kind.AXIS)))]
     named += [
         (mark, planes.get(names, names))
@@ -330,7 +331,7 @@ def _when(clause: Clause, verb: Verb) -> tuple[When, Source]:
         when = When(mark.value.start or when.start, mark.value.length or when.length)
     if marks:
         return when, Source(", ".join(mark.words for mark in marks), "time as told")
-    return when, Source(clause.acts.words, "its share of the sequence")
+    return when, Source(clause.words, "its share of the sequence")
 
 
 def region_of(place: Place, brief: SceneBrief) -> tuple[Region | None, str]:
@@ -340,9 +341,8 @@ def region_of(place: Place, brief: SceneBrief) -> tuple[Region | None, str]:
         axis = max(range(3), key=lambda i: abs(up[i]))
         if abs(up[axis]) < 0.999:
             return None, "The middle is not a box here (world up is oblique): the whole object is used."
-        low, high = [0.0, 0.0, 0.0], [1.0, 1.0, 1.0]
-        low[axis], high[axis] = 1 / 3, 2 / 3
-        return BoxRegion(low=tuple(low), high=tuple(high)), ""
+        x, y, z = ((1 / 3, 2 / 3) if i == axis else (0.0, 1.0) for i in range(3))
+        return BoxRegion(low=(x[0], y[0], z[0]), high=(x[1], y[1], z[1])), ""
     normal = normalised(_vector(place.names, brief))
     if normal is None:
         return None, "The part's directions cancel: the whole object is used."
@@ -352,5 +352,5 @@ def region_of(place: Place, brief: SceneBrief) -> tuple[Region | None, str]:
 def end_region(normal: Vector, start: float) -> HalfSpaceRegion:
     """The part beyond fraction ``start`` of the unit cube's extent along ``normal``."""
     reach = (start - 0.5) * sum(abs(c) for c in normal)
-    point = add([(0.5, 0.5, 0.5), scaled(normal, reach)])
-    return HalfSpaceRegion(point=tuple(round(c, 6) for c in point), normal=normal)
+    x, y, z = add([(0.5, 0.5, 0.5), scaled(normal, reach)])
+    return HalfSpaceRegion(point=(round(x, 6), round(y, 6), round(z, 6)), normal=normal)

@@ -223,16 +223,14 @@ class Reader:
                 at > 0 and self.tokens[at - 1].possessive
             )
             return text in m.AGENT_NOUNS and not owned
-        if words[-1] == "back" and [self._text(at + len(words)), self._text(at + len(words) + 1)] == [
-            "and",
-            "forth",
-        ]:
+        phrase, behind = " ".join(words), at + len(words)
+        if phrase.endswith(" back") and (self._text(behind), self._text(behind + 1)) == ("and", "forth"):
             return True  # "swings back and forth" does not swing back
         if kind is not Kind.VERB or len(words) > 1:
             return False
         if text in v.CAUSES:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
             return before in _DETERMINERS or before in m.INTENSITIES or self._text(at - 2) in ("a", "an")
-        return words[0] in v.NOUNS_AFTER_THE and before in ("the", "its", "a")
+        return phrase in v.NOUNS_AFTER_THE and before in ("the", "its", "a")
 
     def _locates_cause(self, words: tuple[str, ...]) -> bool:
         """Whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""

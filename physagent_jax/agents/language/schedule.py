@@ -42,8 +42,8 @@ def schedule(events: list[Event], frame_count: int, frame_dt: float) -> list[Slo
     while first < len(slots):
         run_end = next((i for i in range(first + 1, len(slots)) if slots[i].start is not None), len(slots))
         begin = slots[first].start or 0.0
-        end = slots[run_end].start if run_end < len(slots) else last
-        _share(slots[first:run_end], begin, end)
+        end = slots[run_end].start if run_end < len(slots) else None
+        _share(slots[first:run_end], begin, last if end is None else end)
         first = run_end
     return slots
 

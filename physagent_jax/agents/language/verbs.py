@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
+from typing import Literal
 
 
 class Doing(enum.Enum):
@@ -62,7 +63,7 @@ class Verb:
     brief: bool = False
     generic: bool = False
     wind: bool = False
-    holds: str = "base"
+    holds: Literal["base", "top"] = "base"
 
 
 _D = Doing
