@@ -2,6 +2,7 @@
 PYTHON ?= python3
 VENV ?= .venv
 RUN := $(VENV)/bin
+PYTEST_ARGS ?= -n auto
 DEMO_OUT ?= runs/demo
 DEMO_PROMPT ?= a strong wind pushes the robot to the left
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
 from physagent_jax.errors import UserError
 
@@ -65,7 +66,8 @@ def enable_compile_cache() -> None:
         return
     import jax
 
-    if jax.config.read("jax_compilation_cache_dir") is not None:
+    config: Any = jax.config  # its flags are not typed
+    if config.jax_compilation_cache_dir is not None:
         return
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     folder = Path(setting) if setting else home / "physagent_jax" / "compiled"

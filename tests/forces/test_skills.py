@@ -87,9 +87,7 @@ def test_scale_strains_a_bar_by_the_stated_amount(magnitude, x64):
         extent=0.4,
     )
     extent = [float(s.x[:, 0].max() - s.x[:, 0].min()) for s in (start, end)]
-    np.testing.assert_allclose(
-        extent[1] / extent[0] - 1, 0.3 * magnitude, rtol=0.25
-    )  # 12 % is not quite linear
+    np.testing.assert_allclose(extent[1] / extent[0] - 1, 0.2 * magnitude, rtol=0.2)
 
 
 def test_scale_changes_neither_momentum_nor_angular_momentum(x64):
@@ -175,6 +173,6 @@ def test_schema_errors_name_the_field(change, field_name):
         ({"object": "teapot"}, "names an object"),
     ],
 )
-def test_impossible_actions_are_refused(change, message):
+def test_impossible_actions_are_refused(change, message, x64):
     with pytest.raises(UserError, match=message):
         moved(field(action_type="translation", **change))
