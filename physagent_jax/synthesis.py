@@ -19,7 +19,7 @@ from physagent_jax.agents.bands import expectation_windows
 from physagent_jax.agents.protocols import ExecutorAgent, PlannerAgent, SemanticAgent
 from physagent_jax.agents.schema import DirectionTable, Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.output.run_files import write_attempt, write_best
+from physagent_jax.output.run_files import write_best, write_rollout, write_verdict
 from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.run_folder import AgentCost, Manifest, Stages
@@ -173,6 +173,8 @@ class _Loop:
             scene = compile_scene(config, body, self._request.base_dir)
         self._observer.stage(f"round {index + 1}: simulating and rendering")
         recording = play(scene, self._watch, self._observer.frame)
+        with self._watch("write"):
+            write_rollout(self._store, index, scene, recording)
         self._observer.stage(f"round {index + 1}: measuring the motion")
         windows = expectation_windows(reply.expectations, config.timing.frame_count)
         with self._watch("perceive"):
@@ -193,7 +195,7 @@ class _Loop:
             self._brief(),
         )
         with self._watch("write"):
-            write_attempt(self._store, index, scene, recording, seen, judgement)
+            write_verdict(self._store, index, recording.rgb, seen, judgement)
         self._save_costs()
         return Attempt(config, seen.report, judgement)
 

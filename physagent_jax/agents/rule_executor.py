@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from physagent_jax.agents.edits import Case, Change
 from physagent_jax.agents.hard_rules import apply_hard_rules
 from physagent_jax.agents.remedies import remedies
 from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, Rewrite, SceneBrief
-from physagent_jax.forces.schema import ForceField
+from physagent_jax.forces.schema import Action, ForceField
 from physagent_jax.perception.schema import MotionReport
 
+_LOST = 0.2  # share of tracks kept, below which the object cannot have stayed in one piece
+_CALM_DOWN = 0.6  # factor on the cause of what could not be followed
 _DEEPEST = 8  # remedies per expectation that are worth trying in turn
 
 
@@ -33,12 +36,13 @@ class RuleExecutor:
         ones are taken. If none is left, the field is returned unchanged and ``changes`` says so.
         """
         tried = [force_field, *(field for field, _ in history)]
-        failed = _failed(judgement, len(expectations))
+        failed = _failed(judgement, len(expectations), report)
         for depth in range(_DEEPEST if failed else 0):
             changes = _mend(expectations, failed, force_field, report, brief, depth)
             if not changes:
                 continue
-            field, repairs = apply_hard_rules(changes[-1].force_field, brief, expectations)
+            bounded = _below_what_was_too_much(changes[-1].force_field, force_field, history)
+            field, repairs = apply_hard_rules(bounded, brief, expectations)
             if field not in tried:
                 rules = [
                     *(change.rule for change in changes if change.rule),
@@ -55,13 +59,46 @@ class RuleExecutor:
         return Rewrite(force_field=force_field, changes=(f"Nothing left to try: {why}.",))
 
 
-def _failed(judgement: Judgement, count: int) -> dict[int, list[Check]]:
-    """Failed checks by expectation, in the order of the sentence."""
+def _failed(judgement: Judgement, count: int, report: MotionReport) -> dict[int, list[Check]]:
+    """Failed checks by expectation, in the order of the sentence.
+
+    What could not be seen because the object left the picture or broke up counts as far too much.
+    """
     failed: dict[int, list[Check]] = {}
+    overdone = report.quality.leaves_frame is not None or report.quality.tracks_kept < _LOST
     for check in judgement.checks:
+        if check.passed is None and overdone:
+            check = check.model_copy(update=dict(passed=False, aspect="amount", gain=_CALM_DOWN))
         if check.passed is False and 0 <= check.expectation < count:
             failed.setdefault(check.expectation, []).append(check)
     return dict(sorted(failed.items()))
+
+
+def _below_what_was_too_much(
+    proposed: ForceField, current: ForceField, history: Sequence[tuple[ForceField, Judgement]]
+) -> ForceField:
+    """Halves the interval instead of leaping past a magnitude that an earlier attempt showed to be too much."""
+    ceilings: dict[tuple, float] = {}
+    for field, judgement in history:
+        if any(check.passed is None or (check.gain or 1) < 1 for check in judgement.checks):
+            for action in field.actions:
+                key = _same_action(action)
+                ceilings[key] = min(ceilings.get(key, math.inf), abs(action.magnitude))
+    now = {_same_action(action): abs(action.magnitude) for action in current.actions}
+
+    def bounded(action: Action) -> Action:
+        key = _same_action(action)
+        ceiling, start = ceilings.get(key, math.inf), now.get(key, math.inf)
+        if not start < ceiling <= abs(action.magnitude):
+            return action
+        between = math.copysign(math.sqrt(start * ceiling), action.magnitude)
+        return action.model_copy(update=dict(magnitude=between))
+
+    return proposed.model_copy(update=dict(actions=tuple(map(bounded, proposed.actions))))
+
+
+def _same_action(action: Action) -> tuple:
+    return action.action_type, action.vector, math.copysign(1, action.magnitude), action.region
 
 
 def _mend(

@@ -6,12 +6,13 @@ magnitude of M = 1 means
 | skill       | field at x                                    | k            | so that, unopposed,              |
 |-------------|-----------------------------------------------|--------------|----------------------------------|
 | translation | a = k M v                                     | 2 L / T^2    | one body length by the clip's end |
-| scale       | a = k M sgn(d) v, d = (x - x_c) . v           | 4 E e/(rho L) | linear mean strain e = 0.2       |
+| scale       | a = k M sgn(d) v, d = (x - x_c) . v           | 4 E e/(rho L) | linear mean strain e = 0.15      |
 | impulse     | velocity change k M v over its window         | L / T        | one body length by the clip's end |
 | torque      | a = k M (v x r), r = x - x_c                  | pi / T^2     | a quarter turn by the clip's end  |
 
 They are forces per unit mass: filling density and particle count do not change the motion (the paper's
-impulse divides by particle mass). x_c is the present mass centre.
+impulse divides by particle mass). x_c is the present mass centre. For `scale`, k is divided by the shape's
+stress concentration along the axis, so that M = 1 strains the weakest section of any object alike.
 """
 
 from __future__ import annotations
@@ -35,8 +36,10 @@ from physagent_jax.forces.terms import Stretch, Torque, UniformAcceleration
 from physagent_jax.mpm.constraints import PrescribedMotion
 
 # Mean strain of a free linear bar under `scale` with M = 1. Soft solids stretch more than linearly: a
-# neo-Hookean bar shows about 0.3, and with 0.3 here it would tear at M = 1.6.
-STATIC_STRAIN = 0.2
+# neo-Hookean bar shows nearly twice as much at M = 1.6, and with 0.3 here it would tear.
+STATIC_STRAIN = 0.15
+SECTIONS, SECTION_WIDTH = 32, 0.1  # cross-sections looked at, and half their thickness in body lengths
+_TINY = float(np.finfo(np.float32).tiny)
 RAMP = 0.4  # share of a `scale` window over which the pull grows
 
 
@@ -63,7 +66,13 @@ def closed_form_scaling(
 
 
 def compile_force_field(
-    field: ForceField, scaling: SkillScaling, rest: np.ndarray, *, frame_dt: float, frame_count: int
+    field: ForceField,
+    scaling: SkillScaling,
+    rest: np.ndarray,
+    volume: np.ndarray,
+    *,
+    frame_dt: float,
+    frame_count: int,
 ) -> tuple[tuple, tuple[PrescribedMotion, ...]]:
     """Turns a force field into terms for `Model.forces` and constraints for `Model.constraints`.
 
@@ -71,6 +80,7 @@ def compile_force_field(
         field: The agents' force field.
         scaling: What M = 1 means.
         rest: Rest positions of the particles [m], shape (n, 3); its dtype is the terms'.
+        volume: Rest volumes [m^3], shape (n,).
         frame_dt: Seconds per frame [s].
         frame_count: Frames of the clip; the last has index frame_count - 1.
 
@@ -79,10 +89,10 @@ def compile_force_field(
     """
     forces, constraints = [], []
     for index, action in enumerate(field.actions):
-        bound = _Bound(action, f"force_field.actions[{index}]", rest, frame_dt, frame_count)
+        bound = _Bound(action, f"force_field.actions[{index}]", rest, volume, frame_dt, frame_count)
         forces.append(_skill(action, scaling, bound))
     for index, constraint in enumerate(field.constraints):
-        bound = _Bound(constraint, f"force_field.constraints[{index}]", rest, frame_dt, frame_count)
+        bound = _Bound(constraint, f"force_field.constraints[{index}]", rest, volume, frame_dt, frame_count)
         if constraint.constraint_type is ConstraintType.PARTICLE_IMPULSE:
             forces.append(bound.blow(scaling.impulse))
         else:
@@ -100,7 +110,7 @@ def _skill(action: Action, scaling: SkillScaling, bound: _Bound):
         case ActionType.TORQUE:
             return Torque(axis, bound.leaf(scaling.torque * action.magnitude), start, end, weight)
         case ActionType.SCALE:
-            strength = bound.leaf(scaling.scale * action.magnitude)
+            strength = bound.leaf(scaling.scale * action.magnitude / bound.stress_concentration())
             return Stretch(axis, strength, start, end, RAMP * (end - start), weight)
 
 
@@ -112,6 +122,7 @@ class _Bound:
         timed: Action | VelocityConstraint,
         place: str,
         rest: np.ndarray,
+        volume: np.ndarray,
         frame_dt: float,
         frame_count: int,
     ):
@@ -128,7 +139,7 @@ class _Bound:
                 got=[first, last],
                 do="Give frames inside the clip",
             )
-        self._timed, self._dtype = timed, rest.dtype
+        self._timed, self._dtype, self._rest, self._volume = timed, rest.dtype, rest, volume
         self._mask = np.ones(len(rest), bool)
         if timed.region is not None:
             self._mask = region_mask(timed.region, rest, f"{place}.region")
@@ -142,6 +153,26 @@ class _Bound:
     def vector(self, k: float) -> jnp.ndarray:
         """K M v, shape (3,)."""
         return self.leaf(k * self._timed.magnitude * np.asarray(self._timed.vector))
+
+    def stress_concentration(self) -> float:
+        """How much more a `scale` strains the weakest section than it strains a uniform bar's middle.
+
+        A pull grows along the object and is carried by its cross-section: a thin neck with much behind it
+        would tear where a bar only stretches. Compared are the pull beyond a section over the section's
+        area, largest over sections across the axis, and L / 2 of the bar.
+        """
+        inside, axis = self._mask, np.asarray(self._timed.vector)
+        height, volume = self._rest[inside] @ axis, self._volume[inside].astype(np.float64)
+        extent = np.ptp(self._rest, axis=0).max()
+        side = np.sign(height - np.average(height, weights=volume))
+        pull = volume * (side - np.average(side, weights=volume))
+        stress = []
+        for section in np.linspace(height.min(), height.max(), SECTIONS):
+            # A tent of width 2 w instead of a sharp cut, so that layers of particles do not alias.
+            distance = (height - section) / (SECTION_WIDTH * extent)
+            area = (volume * np.maximum(1 - np.abs(distance), 0)).sum() / (SECTION_WIDTH * extent)
+            stress.append(abs((pull * np.clip(0.5 + 0.5 * distance, 0, 1)).sum()) / max(area, _TINY))
+        return max(1.0, max(stress) / (0.5 * extent))
 
     def blow(self, k: float) -> UniformAcceleration:
         """The velocity change k M v, spread evenly over the window."""

@@ -24,19 +24,22 @@ from physagent_jax.simulation import Recording
 FILMSTRIP_FRAMES = 6
 
 
-def write_attempt(
-    store: RunStore, index: int, scene: Scene, recording: Recording, seen: Perception, judgement: Judgement
-) -> None:
-    """Leaves one round's files; ``judgement.json`` comes last and marks it complete."""
+def write_rollout(store: RunStore, index: int, scene: Scene, recording: Recording) -> None:
+    """Leaves what was simulated in round ``index``."""
     folder = store.iteration(index)
-    timing = scene.config.timing
     write_text(folder / "scene.json", dump_scene(scene.config))
     store.write(f"iterations/{index}/force_field.json", scene.config.force_field)
-    store.write(f"iterations/{index}/motion_report.json", seen.report)
     store.write(f"iterations/{index}/simulation.json", recording.record)
-    write_video(folder / "video.mp4", recording.rgb, 1 / timing.frame_dt)
+    write_video(folder / "video.mp4", recording.rgb, 1 / scene.config.timing.frame_dt)
     write_motion(folder / "motion.npz", motion_of(scene, recording))
-    write_filmstrip(folder / "overlay.png", recording.rgb, seen)
+
+
+def write_verdict(
+    store: RunStore, index: int, rgb: np.ndarray, seen: Perception, judgement: Judgement
+) -> None:
+    """Leaves what was seen and concluded in round ``index``; the judgement marks the round complete."""
+    store.write(f"iterations/{index}/motion_report.json", seen.report)
+    write_filmstrip(store.iteration(index) / "overlay.png", rgb, seen)
     store.write(f"iterations/{index}/judgement.json", judgement)
 
 

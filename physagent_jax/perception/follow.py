@@ -98,12 +98,13 @@ def _link(path, span, base, chain, seeds, frames, masks, depths, camera, tracker
     tracks, visible = tracker(frames[span], seeds, masks[span])
     start = reached = span.start
     before = lift.unproject(seeds, lift.sample(depths[start], seeds), camera)
+    known = np.isfinite(before[:, 0])  # seeds at the rim of what broke up may have no depth
     face = lift.facing(depths[start], seeds, camera)
     forward = camera.forward
     for t in range(start + 1, span.stop):
         at, on = tracks[t - start], visible[t - start]
         after = lift.unproject(at, lift.sample(depths[t], at), camera)
-        pairs = on & np.isfinite(after[:, 0])
+        pairs = on & known & np.isfinite(after[:, 0])
         kept = pairs.sum() / len(seeds)
         if pairs.sum() < FEWEST or kept < KEPT_FIT:
             break

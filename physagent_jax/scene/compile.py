@@ -71,7 +71,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         base_dir,
         gaussian_count=body.cloud.count,
     )
-    forces, constraints = _force_field(config, body, rest)
+    forces, constraints = _force_field(config, body, rest, body.particles.volume[order])
     imposed, prescribed = _constraints(config, rest, mass)
     if held.any():
         prescribed = (*prescribed, PrescribedMotion.fixed(jnp.asarray(np.flatnonzero(held), jnp.int32)))
@@ -138,7 +138,7 @@ class _Matter:
         return tuple(blocks)
 
 
-def _force_field(config: c.SceneConfig, body: Body, rest: np.ndarray):
+def _force_field(config: c.SceneConfig, body: Body, rest: np.ndarray, volume: np.ndarray):
     timing = config.timing
     scaling = config.scaling or closed_form_scaling(
         extent=body.extent,
@@ -147,7 +147,7 @@ def _force_field(config: c.SceneConfig, body: Body, rest: np.ndarray):
         duration=(timing.frame_count - 1) * timing.frame_dt,
     )
     return compile_force_field(
-        config.force_field, scaling, rest, frame_dt=timing.frame_dt, frame_count=timing.frame_count
+        config.force_field, scaling, rest, volume, frame_dt=timing.frame_dt, frame_count=timing.frame_count
     )
 
 

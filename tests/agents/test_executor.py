@@ -234,3 +234,25 @@ def test_torque_type_is_kept_for_rotation():
     reply = read("spin it")
     attempts = loop(reply.force_field, reply.expectations, ToyWorld(brief(), 0.1), iterations=5)
     assert all({a.action_type for a in field.actions} == {ActionType.TORQUE} for field, _ in attempts)
+
+
+def test_what_left_the_picture_was_too_much():
+    """Unobservable because the object is gone: the same again, but weaker."""
+    prompt, scene = "push it left", brief()
+    reply = read(prompt, scene)
+    seen = seen_in(reply.expectations, scene.frame_count, displacement=None)
+    seen = seen.model_copy(update={"quality": seen.quality.model_copy(update={"leaves_frame": 7})})
+    judgement = RulePlanner().judge(prompt, reply.expectations, seen, reply.force_field, scene)
+    rewrite = RuleExecutor().rewrite(prompt, reply.expectations, reply.force_field, seen, judgement, scene)
+    (action,) = rewrite.force_field.actions
+    assert (action.vector, action.magnitude) == (LEFT, pytest.approx(0.6))
+
+
+def test_between_too_weak_and_too_much_lies_the_geometric_mean():
+    """After 1.0 was too much and 0.6 too weak, the next attempt is not 1.6."""
+    prompt = "push it left"
+    too_much, too_weak = with_magnitude(prompt, 1.0), with_magnitude(prompt, 0.6)
+    _, judged = rewritten(prompt, too_much, displacement=(-2.5, 0, 0))
+    rewrite, _ = rewritten(prompt, too_weak, history=[(too_much, judged)], displacement=(-0.2, 0, 0))
+    (action,) = rewrite.force_field.actions
+    assert action.magnitude == pytest.approx((0.6 * 1.0) ** 0.5)

@@ -53,7 +53,10 @@ def test_parameters_mean_what_the_skill_library_means(tmp_path):
     sought = Parameters.of((0.2, -0.5, 0.4), 1.1)
     config = task.solution(sought)
     rest = np.asarray(task.scene.state.x)
-    forces, _ = compile_force_field(config.force_field, config.scaling, rest, frame_dt=0.04, frame_count=6)
+    volume = np.asarray(task.scene.model.volume)
+    forces, _ = compile_force_field(
+        config.force_field, config.scaling, rest, volume, frame_dt=0.04, frame_count=6
+    )
     model = task.scene.model.replace(forces=forces)
     _, states = rollout(model, task.scene.state, frame_count=5, substeps=task.substeps)
     path = (states.x * model.mass[:, None]).sum(1) / model.mass.sum()

@@ -37,7 +37,12 @@ def moved(
     )
     scaling = closed_form_scaling(extent=extent, youngs_modulus=E, density=density, duration=DURATION)
     forces, constraints = compile_force_field(
-        force_field, scaling, np.asarray(state.x), frame_dt=FRAME_DT, frame_count=FRAMES
+        force_field,
+        scaling,
+        np.asarray(state.x),
+        np.asarray(model.volume),
+        frame_dt=FRAME_DT,
+        frame_count=FRAMES,
     )
     model = model.replace(forces=forces, constraints=constraints)
     steps = round(seconds / FRAME_DT * per_frame)
@@ -78,7 +83,7 @@ def test_torque_turns_a_quarter_and_adds_the_angular_momentum_it_should(x64):
 
 @pytest.mark.parametrize("magnitude", [0.4, -0.4])
 def test_scale_strains_a_bar_by_the_stated_amount(magnitude, x64):
-    """Linear bar under opposed body forces on its halves: mean strain 0.2 M (rho a L / 4 E)."""
+    """Linear bar under opposed body forces on its halves: mean strain 0.15 M (rho a L / 4 E)."""
     _, start, end = moved(
         field(action_type="scale", magnitude=magnitude),
         cells=(8, 2, 2),
@@ -87,7 +92,7 @@ def test_scale_strains_a_bar_by_the_stated_amount(magnitude, x64):
         extent=0.4,
     )
     extent = [float(s.x[:, 0].max() - s.x[:, 0].min()) for s in (start, end)]
-    np.testing.assert_allclose(extent[1] / extent[0] - 1, 0.2 * magnitude, rtol=0.2)
+    np.testing.assert_allclose(extent[1] / extent[0] - 1, 0.15 * magnitude, rtol=0.2)
 
 
 def test_scale_changes_neither_momentum_nor_angular_momentum(x64):
@@ -176,3 +181,27 @@ def test_schema_errors_name_the_field(change, field_name):
 def test_impossible_actions_are_refused(change, message, x64):
     with pytest.raises(UserError, match=message):
         moved(field(action_type="translation", **change))
+
+
+def test_a_thin_neck_is_strained_no_more_than_a_bar(x64):
+    """A dumb-bell: two heads of 4 x 4 cells joined by a neck of 2 x 2. Unreduced, the neck would carry
+    four times the stress of a bar's middle and tear."""
+    model, state = block(
+        (10, 4, 4), size=1.5, grid_cells=30, low=(0.5, 0.6, 0.6), youngs_modulus=1e5, dtype=np.float64
+    )
+    x = np.asarray(state.x)
+    neck = np.abs(x[:, 0] - 0.75) < 0.1
+    thin = np.all(np.abs(x[:, 1:] - 0.7) < 0.05, axis=1)
+    keep = thin | ~neck
+    rest, volume = x[keep], np.asarray(model.volume)[keep]
+    scaling = closed_form_scaling(extent=0.5, youngs_modulus=1e5, density=1000.0, duration=DURATION)
+    pull = field(action_type="scale")
+
+    def strength(rest, volume):
+        forces, _ = compile_force_field(pull, scaling, rest, volume, frame_dt=FRAME_DT, frame_count=FRAMES)
+        return float(forces[0].magnitude)
+
+    bar = strength(x, np.asarray(model.volume))
+    np.testing.assert_allclose(bar, scaling.scale, rtol=0.15)  # a section is a tenth thick
+    # Beyond the middle: a head of 3 x 4 x 4 and a neck of 2 x 2 x 2 cells, over 2 x 2; the bar: 5 cells.
+    np.testing.assert_allclose(strength(rest, volume) / bar, 5 / ((48 + 8) / 4), rtol=0.15)

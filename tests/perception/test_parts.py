@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from physagent_jax.perception import fit, lift, timing
+from physagent_jax.perception import fit, follow, lift, timing
 from physagent_jax.perception.overlay import overlay
 from physagent_jax.perception.protocols import DepthSensor
 from physagent_jax.perception.segment import ColorSegmenter
@@ -196,3 +196,28 @@ def test_overlay_draws_without_touching_its_input():
     assert drawn.shape == rgb.shape and drawn.dtype == np.uint8
     assert (rgb == 200).all() and (drawn[2, 12:28, 12:28] != 200).any()
     assert overlay(rgb, masks, np.zeros((3, 0, 2)), np.zeros((3, 0), bool)).shape == rgb.shape
+
+
+def test_seeds_without_depth_do_not_stop_the_measurement():
+    """An object that breaks up leaves seeds at rims without depth; the rest is still followed."""
+    camera = look_at((0, -3, 0), (0, 0, 0), (0, 0, 1), fov_degrees=40, width=64, height=64)
+    seeds = np.stack(np.meshgrid(np.arange(20.5, 44, 4), np.arange(20.5, 44, 4)), -1).reshape(-1, 2)
+    depths = np.full((2, 64, 64), 3.0)
+    depths[0, 20:22] = np.nan  # under the first row of seeds, in the frame where they are planted
+    still = np.broadcast_to(seeds, (2, *seeds.shape)), np.ones((2, len(seeds)), bool)
+    path = follow.Path([None, None], np.full(2, -1), np.zeros(2), np.zeros((2, 0, 2)), np.zeros((2, 0), bool))
+    frames = np.zeros((2, 64, 64, 3), np.uint8)
+    reached = follow._link(
+        path,
+        slice(0, 2),
+        fit.Affine.identity(),
+        0,
+        seeds,
+        frames,
+        depths > 0,
+        depths,
+        camera,
+        lambda *_: still,
+    )
+    assert reached == 1
+    np.testing.assert_allclose(path.poses[1].matrix, np.eye(3), atol=1e-6)
