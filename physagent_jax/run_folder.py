@@ -16,7 +16,7 @@ run/report.html
 
 from __future__ import annotations
 
-from physagent_jax.forces.schema import Strict, Vector
+from physagent_jax.strict import Strict, Vector
 
 
 class TrueMotion(Strict):

@@ -10,7 +10,8 @@ from typing import Literal
 
 from pydantic import Field
 
-from physagent_jax.forces.schema import ForceField, Strict, Vector
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.strict import Strict, Vector
 
 
 class Verdict(enum.StrEnum):

@@ -11,18 +11,12 @@ import enum
 import math
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
-Vector = tuple[float, float, float]
+from physagent_jax.strict import Strict, Vector
 
 MAGNITUDE_MIN = 0.4
 MAGNITUDE_MAX = 1.6
-
-
-class Strict(BaseModel):
-    """Immutable, refuses unknown keys and NaN."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class ActionType(enum.StrEnum):

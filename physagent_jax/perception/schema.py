@@ -8,16 +8,11 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic import BeforeValidator
 
-Vector = tuple[float, float, float]
+from physagent_jax.strict import Strict, Vector
+
 Matrix = tuple[Vector, Vector, Vector]
-
-
-class Strict(BaseModel):
-    """Immutable, refuses unknown keys and NaN."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 def _rounded(value):

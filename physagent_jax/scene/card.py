@@ -11,8 +11,8 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from physagent_jax.errors import UserError
-from physagent_jax.forces.schema import Strict
 from physagent_jax.scene.config import SignedAxis, validation_message
+from physagent_jax.strict import Strict
 
 
 class ObjectCard(Strict):

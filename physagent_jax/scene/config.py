@@ -15,7 +15,8 @@ from typing import Annotated, Literal
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from physagent_jax.errors import UserError
-from physagent_jax.forces.schema import ForceField, SkillScaling, Strict, Vector, unit_vector
+from physagent_jax.forces.schema import ForceField, SkillScaling, unit_vector
+from physagent_jax.strict import Strict, Vector
 
 FOREVER = 1e9  # [s]; the end of a window that never closes
 SignedAxis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]

@@ -6,7 +6,6 @@ import math
 from typing import Any
 
 from physagent_jax.errors import UserError
-from physagent_jax.forces.schema import Vector
 from physagent_jax.scene.config import (
     Cuboid,
     DomainBox,
@@ -16,6 +15,7 @@ from physagent_jax.scene.config import (
     ParticleTranslation,
     Surface,
 )
+from physagent_jax.strict import Vector
 
 STILL = (0.0, 0.0, 0.0)
 END = 1e3  # PhysGaussian's default end of a window [s]
