@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -16,6 +17,7 @@ from physagent_jax.scene.card import load_card
 from physagent_jax.scene.config import Anchor, CameraConfig, Material, Source, validation_message
 from physagent_jax.scene.fuse import Ingredients
 from physagent_jax.scene.load import file_sha256
+from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import anchor_for, damping_for, guess_kind, material_for
 from physagent_jax.synthesis import Agents, Request
 
@@ -38,8 +40,6 @@ def make_request(command: Run, command_line: str) -> Request:
     Raises:
         UserError: The object file is missing or an option is out of range.
     """
-    from physagent_jax.cli.run import preset_of
-
     path = command.object
     if not path.is_file():
         raise UserError(f"there is no object file {path}", do="Check --object")
@@ -137,3 +137,26 @@ def _settings(command: Run, ingredients: Ingredients) -> dict:
 
 
 _PRESET_PARTS = ("domain", "filling", "timing", "transfer", "rendering")
+
+
+def preset_of(command: Run) -> Preset:
+    """The chosen preset with the command line's changes."""
+    preset = PRESETS[command.preset]
+    changes = {
+        "timing": {"frame_count": command.frames},
+        "filling": {"max_particles": command.particles, "seed": command.seed},
+        "rendering": {"width": command.resolution, "height": command.resolution},
+    }
+    for part, values in changes.items():
+        given = {key: value for key, value in values.items() if value is not None}
+        if given:
+            old = getattr(preset, part)
+            preset = dataclasses.replace(preset, **{part: _validated(old, given)})
+    return preset
+
+
+def _validated(model, changes: dict):
+    try:
+        return type(model).model_validate({**model.model_dump(), **changes})
+    except ValidationError as error:
+        raise validation_message(error, "command line") from None

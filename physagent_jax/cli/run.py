@@ -15,7 +15,7 @@ import tyro
 from physagent_jax.cli.console import ConsoleObserver, stderr, warn
 from physagent_jax.errors import UserError
 from physagent_jax.scene.config import MaterialModel, SignedAxis
-from physagent_jax.scene.presets import PRESETS, PresetName
+from physagent_jax.scene.presets import PresetName
 
 AnchorChoice = Literal["auto", "none", "base", "top", "box", "mask"]
 
@@ -130,30 +130,3 @@ def summarise(store, seconds: float) -> dict:
         "wall_s": {**manifest.stages.model_dump(), "total": round(seconds, 3)},
         "out": str(store.path),
     }
-
-
-def preset_of(command: Run):
-    """The chosen preset with the command line's changes."""
-    preset = PRESETS[command.preset]
-    changes = {
-        "timing": {"frame_count": command.frames},
-        "filling": {"max_particles": command.particles, "seed": command.seed},
-        "rendering": {"width": command.resolution, "height": command.resolution},
-    }
-    for part, values in changes.items():
-        given = {key: value for key, value in values.items() if value is not None}
-        if given:
-            old = getattr(preset, part)
-            preset = dataclasses.replace(preset, **{part: _validated(old, given)})
-    return preset
-
-
-def _validated(model, changes: dict):
-    from pydantic import ValidationError
-
-    from physagent_jax.scene.config import validation_message
-
-    try:
-        return type(model).model_validate({**model.model_dump(), **changes})
-    except ValidationError as error:
-        raise validation_message(error, "command line") from None
