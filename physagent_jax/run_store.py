@@ -56,6 +56,11 @@ class RunStore:
         self.manifest = self.manifest.model_copy(update=changes)
         self.write("manifest.json", self.manifest)
 
+    def discard_if_barren(self) -> None:
+        """Removes the folder if nothing was simulated in it: a refused run leaves nothing behind."""
+        if not (self.path / "iterations").exists():
+            shutil.rmtree(self.path, ignore_errors=True)
+
     def iteration(self, index: int) -> Path:
         """Folder of an iteration."""
         return self.path / "iterations" / str(index)

@@ -18,6 +18,7 @@ from typing import Any
 from physagent_jax.agents.bands import expectation_windows
 from physagent_jax.agents.protocols import ExecutorAgent, PlannerAgent, SemanticAgent
 from physagent_jax.agents.schema import DirectionTable, Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
+from physagent_jax.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.output.run_files import write_best, write_rollout, write_verdict
 from physagent_jax.perception.measure import perceive
@@ -116,7 +117,11 @@ def synthesize(request: Request, agents: Agents, observer: Observer | None = Non
     attempts: list[Attempt] = []
     force_field = reply.force_field
     for index in range(request.max_iterations):
-        attempt = loop.recall(index) or loop.attempt(index, ingredients, body, force_field, reply)
+        try:
+            attempt = loop.recall(index) or loop.attempt(index, ingredients, body, force_field, reply)
+        except UserError:
+            store.discard_if_barren()
+            raise
         attempts.append(attempt)
         observer.judged(index, attempt.judgement)
         if attempt.judgement.verdict is Verdict.SUCCESS or index + 1 == request.max_iterations:

@@ -237,3 +237,12 @@ def test_up_axes_and_presets_are_written_as_in_the_help(tmp_path, robot_path, ca
     out = tmp_path / "run"
     options = ["--up", "-y", "--preset", "fast", "--opacity-threshold", "0.99999", *SMALL]
     refused(capsys, ["run", "--object", robot_path, "--prompt", PROMPT, "--out", out, *options], "opacity")
+
+
+def test_a_scene_that_cannot_be_simulated_leaves_nothing(tmp_path, robot_path, capsys):
+    """The paper's fixed substep is above the bound for so stiff a material."""
+    out = tmp_path / "run"
+    stiff = ["--preset", "paper", "--youngs-modulus", "1e9", *SMALL]
+    arguments = ["run", "--object", robot_path, "--prompt", PROMPT, "--out", out, *stiff]
+    refused(capsys, arguments, "above the stable bound", "Use `substep_dt` <=")
+    assert not out.exists()
