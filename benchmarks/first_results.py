@@ -127,6 +127,8 @@ def run_case(command: Command, index: int, name: str, options: list[str], prompt
         "perceived": report.text,
         "perceived_centroid": report.centroid[-1],
         "true_centroid": truth.centroid[-1],
+        "perceived_farthest": farthest(report.centroid),
+        "true_farthest": farthest(truth.centroid),
         "perceived_rotation": report.rotation_degrees[-1],
         "true_rotation": truth.rotation_degrees[-1],
         "true_stretch": truth.stretch[-1],
@@ -143,6 +145,12 @@ def run_case(command: Command, index: int, name: str, options: list[str], prompt
         "substeps": summary["substeps"],
         "wall_s": summary["wall_s"],
     }
+
+
+def farthest(path) -> tuple[float, float, float] | None:
+    """The largest displacement on a path [body lengths]; None if nothing of it was observable."""
+    seen = [point for point in path if point is not None]
+    return max(seen, key=lambda point: sum(c * c for c in point)) if seen else None
 
 
 def physagent(*arguments: str) -> str:
@@ -163,7 +171,7 @@ def machine() -> str:
 def table(result: dict) -> str:
     """The measured rows as Markdown."""
     lines = [
-        "| # | object | sentence | force field | perceived at the end | truth | verdict | rounds | seconds |",
+        "| # | object | sentence | force field | perceived: farthest, last turn | truth | verdict | rounds | seconds |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for number, row in enumerate(result["rows"], 1):
@@ -172,8 +180,8 @@ def table(result: dict) -> str:
             row["object"],
             row["prompt"],
             "<br>".join(_actions(row["force_field"])),
-            _motion(row["perceived_centroid"], row["perceived_rotation"]),
-            _motion(row["true_centroid"], row["true_rotation"]),
+            _motion(row["perceived_farthest"], row["perceived_rotation"]),
+            _motion(row["true_farthest"], row["true_rotation"]),
             f"{row['verdict']} ({row['score']:.2f})",
             str(row["iterations"]),
             f"{row['wall_s']['total']:.0f}",

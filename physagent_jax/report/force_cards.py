@@ -233,5 +233,7 @@ def _share(magnitude: float) -> float:
 
 def _gravity(force_field: ForceField, setting: Setting) -> Markup:
     acts = force_field.default_drop or setting.always_gravity
-    text = "Gravity acts: the object has weight." if acts else "Gravity is off: the object floats."
+    text = (
+        "Gravity acts: the object has weight." if acts else "Gravity is off: the rest pose bears it already."
+    )
     return tag("p", text, class_="quiet gravity")
