@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
 from physagent_jax.scene.load import load_object
 from physagent_jax.scene.placement import Placement, place
+
+FEWEST_PER_CELL = 3
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,7 +64,20 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     """
     cloud, placement = place(load_object(source, base_dir), source, domain)
     particles = fill(cloud, filling, dx=domain.dx)
+    _warn_if_sparse(particles, domain.dx)
     return Body(cloud, placement, particles, bind(cloud.means, particles.x))
+
+
+def _warn_if_sparse(particles: Particles, dx: float) -> None:
+    """Matter with too few particles per cell falls apart when it is stretched, whatever its material."""
+    occupied = len(np.unique(np.floor(particles.x / dx).astype(np.int64), axis=0))
+    per_cell = particles.count / occupied
+    if per_cell < FEWEST_PER_CELL:
+        warnings.warn(
+            f"only {per_cell:.1f} particles per grid cell (at least {FEWEST_PER_CELL} are advisable): matter may "
+            "tear when stretched; allow more particles or use a coarser grid",
+            stacklevel=3,
+        )
 
 
 def body_of(config: SceneConfig, base_dir: str | Path) -> Body:

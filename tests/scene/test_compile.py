@@ -216,3 +216,8 @@ def test_the_paper_preset_has_the_papers_figures():
     assert paper.transfer.rpic_damping == 0.5
     np.testing.assert_allclose(np.exp(-paper.transfer.damping_rate * 2e-4), 0.9995, rtol=1e-12)
     assert jnp.isfinite(paper.transfer.damping_rate)
+
+
+def test_sparse_matter_is_warned_about(source):
+    with pytest.warns(UserWarning, match="particles per grid cell"):
+        make_body(source, c.Filling(max_particles=300), c.Domain(size=4.0, cells=96), ".")
