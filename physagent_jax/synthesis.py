@@ -179,7 +179,8 @@ class _Loop:
         self._observer.stage(f"round {index + 1}: simulating and rendering")
         recording = play(scene, self._watch, self._observer.frame)
         with self._watch("write"):
-            write_rollout(self._store, index, scene, recording)
+            frames = self._request.save_frames
+            write_rollout(self._store, index, scene, recording, save_frames=frames)
         self._observer.stage(f"round {index + 1}: measuring the motion")
         windows = expectation_windows(reply.expectations, config.timing.frame_count)
         with self._watch("perceive"):

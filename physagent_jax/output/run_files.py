@@ -12,7 +12,7 @@ from physagent_jax.agents.schema import Judgement
 from physagent_jax.output.files import replacing, write_text
 from physagent_jax.output.motion_file import Motion, read_motion, write_motion
 from physagent_jax.output.splats import write_splat_frames
-from physagent_jax.output.video import read_video, write_frames, write_video
+from physagent_jax.output.video import write_frames, write_video
 from physagent_jax.perception.measure import Perception
 from physagent_jax.perception.overlay import overlay
 from physagent_jax.run_store import RunStore
@@ -24,14 +24,18 @@ from physagent_jax.simulation import Recording
 FILMSTRIP_FRAMES = 6
 
 
-def write_rollout(store: RunStore, index: int, scene: Scene, recording: Recording) -> None:
-    """Leaves what was simulated in round ``index``."""
+def write_rollout(
+    store: RunStore, index: int, scene: Scene, recording: Recording, *, save_frames: bool = False
+) -> None:
+    """Leaves what was simulated in round ``index``; PNG frames on request (the video is lossy)."""
     folder = store.iteration(index)
     write_text(folder / "scene.json", dump_scene(scene.config))
     store.write(f"iterations/{index}/force_field.json", scene.config.force_field)
     store.write(f"iterations/{index}/simulation.json", recording.record)
     write_video(folder / "video.mp4", recording.rgb, 1 / scene.config.timing.frame_dt)
     write_motion(folder / "motion.npz", motion_of(scene, recording))
+    if save_frames:
+        write_frames(folder / "frames", recording.rgb)
 
 
 def write_verdict(
@@ -50,7 +54,7 @@ def write_best(store: RunStore, index: int, body: Body, *, save_frames: bool, sa
         with replacing(store.path / name) as temporary:
             shutil.copyfile(folder / name, temporary)
     if save_frames:
-        write_frames(store.path / "frames", read_video(folder / "video.mp4"))
+        shutil.copytree(folder / "frames", store.path / "frames", dirs_exist_ok=True)
     if save_splats:
         motion = read_motion(folder / "motion.npz")
         write_splat_frames(store.path / "splats", body, motion.x, motion.F)
