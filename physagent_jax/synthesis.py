@@ -252,7 +252,7 @@ class _Loop:
             iterations=len(attempts),
             best_iteration=best,
             verdict=attempts[best].judgement.verdict.value,
-            warnings=self._warnings,
+            warnings=(*self._request.manifest.warnings, *self._warnings),
             complete=True,
         )
 

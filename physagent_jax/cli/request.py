@@ -71,6 +71,11 @@ def make_request(command: Run, command_line: str) -> Request:
         raise validation_message(error, "command line") from None
     inputs = {"object": sha256, "settings": settings_hash(_settings(command, ingredients))}
     manifest = make_manifest(command=command_line, prompt=command.prompt, seed=command.seed, inputs=inputs)
+    if command.up is None and card.up is None:
+        assumed = (
+            "the file's up axis is not known: +z assumed; pass --up if the object lies or stands on its head"
+        )
+        manifest = manifest.model_copy(update=dict(warnings=(assumed,)))
     return Request(
         prompt=command.prompt,
         ingredients=ingredients,

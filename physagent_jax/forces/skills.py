@@ -12,7 +12,8 @@ magnitude of M = 1 means
 
 They are forces per unit mass: filling density and particle count do not change the motion (the paper's
 impulse divides by particle mass). x_c is the present mass centre. For `scale`, k is divided by the shape's
-stress concentration along the axis, so that M = 1 strains the weakest section of any object alike.
+stress concentration along the axis where that exceeds 1, so that M = 1 strains no section more than the middle of
+a uniform bar of length L.
 """
 
 from __future__ import annotations
@@ -155,7 +156,7 @@ class _Bound:
         return self.leaf(k * self._timed.magnitude * np.asarray(self._timed.vector))
 
     def stress_concentration(self) -> float:
-        """How much more a `scale` strains the weakest section than it strains a uniform bar's middle.
+        """How much more a `scale` strains the weakest section than it strains a uniform bar's middle; at least 1.
 
         A pull grows along the object and is carried by its cross-section: a thin neck with much behind it
         would tear where a bar only stretches. Compared are the pull beyond a section over the section's

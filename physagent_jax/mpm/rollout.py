@@ -93,15 +93,19 @@ def advance(model: Model, state: State, substeps: jax.Array) -> tuple[State, Hea
 
 def _watch(model: Model, state: State, health: Health) -> Health:
     J = determinant(state.F)
-    low = jnp.floor(state.x / model.grid.dx - 0.5).astype(jnp.int32) - model.grid.origin
-    outside = (low < 0) | (low + 3 > jnp.asarray(model.grid.shape))
     return Health(
         max_speed=jnp.maximum(health.max_speed, jnp.sqrt((state.v**2).sum(-1).max())),
         min_J=jnp.minimum(health.min_J, J.min()),
         max_J=jnp.maximum(health.max_J, J.max()),
-        outside=health.outside + outside.any(-1).sum(dtype=jnp.int32),
+        outside=health.outside + _outside(model, state).sum(dtype=jnp.int32),
         finite=jnp.isfinite(state.x).all() & jnp.isfinite(state.v).all() & jnp.isfinite(state.F).all(),
     )
+
+
+def _outside(model: Model, state: State) -> jax.Array:
+    """Particles whose stencil is not wholly inside the grid window, shape (n,)."""
+    low = jnp.floor(state.x / model.grid.dx - 0.5).astype(jnp.int32) - model.grid.origin
+    return ((low < 0) | (low + 3 > jnp.asarray(model.grid.shape))).any(-1)
 
 
 def simulate(
@@ -194,7 +198,8 @@ def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> t
     """``frame_count`` frames of ``substeps`` steps of ``model.dt`` each; differentiable in reverse.
 
     Nothing adapts: ``model.grid`` must cover the whole motion (`Grid.whole` always does) and ``model.dt``
-    must be stable throughout.
+    must be stable throughout. If a particle leaves the window, all positions become NaN: a pure function
+    cannot raise, and going on would answer wrongly in silence.
 
     Each frame is checkpointed, and each step within it: the reverse pass stores one state per frame and,
     for one frame at a time, one per step; grids are recomputed.
@@ -204,7 +209,9 @@ def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> t
     """
 
     def substep(state, _):
-        return jax.checkpoint(step)(model, state), None
+        state = jax.checkpoint(step)(model, state)
+        poison = jnp.where(_outside(model, state).any(), jnp.nan, 0.0).astype(state.x.dtype)
+        return dataclasses.replace(state, x=state.x + poison), None
 
     @jax.checkpoint
     def frame(state, _):

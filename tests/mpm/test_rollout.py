@@ -11,6 +11,7 @@ from physagent_jax.errors import UserError
 from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.mpm import (
     DomainBox,
+    Grid,
     NeoHookean,
     lame_parameters,
     rollout,
@@ -99,6 +100,16 @@ def test_rollout_equals_the_frame_driver(x64):
     end, path = rollout(model, state, frame_count=3, substeps=10)
     np.testing.assert_allclose(end.x, frames[-1].state.x, atol=1e-14)
     np.testing.assert_allclose(path.x[0], frames[1].state.x, atol=1e-14)
+
+
+def test_rollout_out_of_its_window_is_nan_not_wrong(x64):
+    model, state = block(dtype=np.float64, dt=1e-3)
+    thrown = dataclasses.replace(state, v=jnp.broadcast_to(jnp.array([3.0, 0, 0]), state.v.shape))
+    tight = Grid(jnp.array([4, 4, 4], jnp.int32), (12, 12, 12), 0.05, 20)
+    end, path = rollout(model.replace(grid=tight), thrown, frame_count=10, substeps=10)
+    whole, _ = rollout(model, thrown, frame_count=10, substeps=10)
+    assert np.isfinite(np.asarray(path.x[0])).all() and np.isfinite(np.asarray(whole.x)).all()
+    assert np.isnan(np.asarray(end.x)).all()
 
 
 def test_gradients_match_central_differences(x64):
