@@ -7,11 +7,16 @@ from typing import Protocol
 import jax
 import jax.numpy as jnp
 
+History = jax.Array | tuple[()]
+"""What a material remembers of the past: one number per particle, shape (n,), or () for none."""
+
 
 class Material(Protocol):
-    """A hyperelastic solid with per-particle parameters, shape (n,) each.
+    """A constitutive law with per-particle parameters, shape (n,) each.
 
-    Implementations are registered dataclasses; their arrays cover one contiguous block of particles.
+    Implementations are registered dataclasses; their arrays cover one contiguous block of particles. F is
+    the elastic deformation gradient: `project` takes what is plastic out of it, so that `stress` and
+    `energy` are plain functions of F and the history.
     """
 
     @property
@@ -19,21 +24,49 @@ class Material(Protocol):
         """Particles in the block."""
         ...
 
-    def energy(self, F: jax.Array) -> jax.Array:
+    def initial_history(self) -> History:
+        """The history of matter that nothing has happened to."""
+        ...
+
+    def energy(self, F: jax.Array, history: History) -> jax.Array:
         """Strain energy per rest volume psi(F) [J/m^3], shape (n,)."""
         ...
 
-    def stress(self, F: jax.Array) -> jax.Array:
+    def stress(self, F: jax.Array, history: History) -> jax.Array:
         """Kirchhoff stress tau = (d psi / d F) F^T [Pa], shape (n, 3, 3), symmetric."""
         ...
 
-    def stiffness(self, F: jax.Array) -> jax.Array:
+    def stiffness(self, F: jax.Array, history: History) -> jax.Array:
         """Largest eigenvalue of the Kirchhoff tangent d tau_i / d ln lambda_j [Pa], shape (n,).
 
         An upper bound suffices; it governs the stable time step (`mpm.timestep`). At rest it is
         3 lam + 2 mu.
         """
         ...
+
+    def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
+        """Return mapping: the elastic part of a trial F, and the history after the step of ``dt`` [s]."""
+        ...
+
+
+class Hyperelastic:
+    """Base of the laws that remember nothing: `project` returns what it is given."""
+
+    mu: jax.Array
+
+    @property
+    def count(self) -> int:
+        """Particles in the block."""
+        return self.mu.shape[0]
+
+    def initial_history(self) -> History:
+        """None."""
+        return ()
+
+    def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
+        """All of F is elastic."""
+        del dt
+        return F, history
 
 
 def lame_parameters(youngs_modulus, poissons_ratio):

@@ -8,12 +8,12 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.mpm.linalg import determinant, matmul, transpose
-from physagent_jax.mpm.materials.base import principal_stretches_squared
+from physagent_jax.mpm.materials.base import History, Hyperelastic, principal_stretches_squared
 
 
 @jax.tree_util.register_dataclass
 @dataclasses.dataclass(frozen=True)
-class NeoHookean:
+class NeoHookean(Hyperelastic):
     """psi = mu/2 (tr(F^T F) - 3) - mu ln J + lam/2 (ln J)^2  (Bonet & Wood 2008, eq. 6.27).
 
     tau = mu (F F^T - I) + lam ln J I. Needs no SVD. Undefined for J <= 0 (not finite: the rollout's
@@ -26,23 +26,18 @@ class NeoHookean:
     mu: jax.Array
     lam: jax.Array
 
-    @property
-    def count(self) -> int:
-        """Particles in the block."""
-        return self.mu.shape[0]
-
-    def energy(self, F: jax.Array) -> jax.Array:
+    def energy(self, F: jax.Array, history: History = ()) -> jax.Array:
         """Strain energy per rest volume [J/m^3], shape (n,)."""
         log_J = jnp.log(determinant(F))
         return 0.5 * self.mu * ((F**2).sum((-1, -2)) - 3) - self.mu * log_J + 0.5 * self.lam * log_J**2
 
-    def stress(self, F: jax.Array) -> jax.Array:
+    def stress(self, F: jax.Array, history: History = ()) -> jax.Array:
         """Kirchhoff stress [Pa], shape (n, 3, 3)."""
         b = matmul(F, transpose(F))
         identity = jnp.eye(3, dtype=F.dtype)
         pressure = self.lam * jnp.log(determinant(F))
         return self.mu[:, None, None] * (b - identity) + pressure[:, None, None] * identity
 
-    def stiffness(self, F: jax.Array) -> jax.Array:
+    def stiffness(self, F: jax.Array, history: History = ()) -> jax.Array:
         """Since d tau_i / d ln lambda_j = 2 mu lambda_i^2 delta_ij + lam, so at most 2 mu max(lambda^2) + 3 lam."""
         return 2 * self.mu * principal_stretches_squared(F)[:, 2] + 3 * self.lam

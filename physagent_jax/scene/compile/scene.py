@@ -1,0 +1,97 @@
+"""From a `SceneConfig` and its `Body` to the simulator's `Model` and `State`."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import jax.numpy as jnp
+import numpy as np
+
+from physagent_jax.forces.skills import closed_form_scaling, compile_force_field
+from physagent_jax.mpm import Model, PrescribedMotion, State, smallest_window
+from physagent_jax.render.camera import Camera
+from physagent_jax.scene import config as c
+from physagent_jax.scene.anchor import anchored_particles
+from physagent_jax.scene.body import Body
+from physagent_jax.scene.camera import reference_camera
+from physagent_jax.scene.compile.boundaries import compile_boundary
+from physagent_jax.scene.compile.constraints import compile_constraints
+from physagent_jax.scene.compile.matter import Matter
+from physagent_jax.scene.compile.select import DTYPE
+
+
+@dataclasses.dataclass(frozen=True)
+class Scene:
+    """A compiled scene.
+
+    Attributes:
+        config: What it was compiled from.
+        body: The object at rest.
+        model, state: For `mpm.simulate`.
+        camera: The reference camera.
+        order: Body particle of each model particle, shape (n,): particles are grouped by material.
+        anchored: Number of particles held by the anchor.
+    """
+
+    config: c.SceneConfig
+    body: Body
+    model: Model
+    state: State
+    camera: Camera
+    order: np.ndarray
+    anchored: int
+
+
+def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".") -> Scene:
+    """Binds a scene's parts to its particles.
+
+    Raises:
+        UserError: A region, box or window of the scene selects nothing or makes no sense.
+    """
+    matter = Matter.of(config, body)
+    order = np.argsort(matter.model, kind="stable")
+    rest, matter = body.particles.x[order].astype(DTYPE), matter.take(order)
+    mass = matter.density * body.particles.volume[order]
+    held = anchored_particles(
+        config.anchor,
+        rest,
+        body.particles.gaussian_index[order],
+        base_dir,
+        gaussian_count=body.cloud.count,
+    )
+    forces, constraints = _force_field(config, body, rest, body.particles.volume[order])
+    imposed, prescribed = compile_constraints(config, rest, mass)
+    if held.any():
+        prescribed = (*prescribed, PrescribedMotion.fixed(jnp.asarray(np.flatnonzero(held), jnp.int32)))
+    falling = config.force_field.default_drop or config.always_gravity
+    model = Model(
+        grid=smallest_window(config.domain.size, config.domain.cells),
+        dt=jnp.asarray(config.timing.frame_dt, DTYPE),
+        gravity=jnp.asarray(config.gravity, DTYPE) if falling and any(config.gravity) else None,
+        mass=jnp.asarray(mass, DTYPE),
+        volume=jnp.asarray(body.particles.volume[order], DTYPE),
+        materials=matter.materials(),
+        forces=(*forces, *imposed),
+        boundaries=tuple(compile_boundary(b) for b in config.boundaries),
+        constraints=(*constraints, *prescribed),
+        transfer=config.transfer.scheme,
+        rpic_damping=config.transfer.rpic_damping,
+        damping_rate=config.transfer.damping_rate,
+    )
+    state = State.at_rest(jnp.asarray(rest))
+    camera = reference_camera(config.camera, config.rendering, config.domain)
+    return Scene(config, body, model, state, camera, order, int(held.sum()))
+
+
+def _force_field(config: c.SceneConfig, body: Body, rest: np.ndarray, volume: np.ndarray):
+    timing = config.timing
+    scaling = config.scaling or closed_form_scaling(
+        extent=body.extent,
+        youngs_modulus=config.material.youngs_modulus,
+        density=config.material.density,
+        duration=(timing.frame_count - 1) * timing.frame_dt,
+    )
+    return compile_force_field(
+        config.force_field, scaling, rest, volume, frame_dt=timing.frame_dt, frame_count=timing.frame_count
+    )

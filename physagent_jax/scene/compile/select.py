@@ -1,0 +1,44 @@
+"""Which particles a region selects."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+import numpy as np
+
+from physagent_jax.errors import UserError
+from physagent_jax.scene import config as c
+
+DTYPE = np.float32
+
+
+def leaf(value) -> jnp.ndarray:
+    """``value`` as an array of the particles' dtype."""
+    return jnp.asarray(value, DTYPE)
+
+
+def in_box(rest: np.ndarray, box, place: str) -> np.ndarray:
+    """Particles that rest in a box, shape (n,).
+
+    Raises:
+        UserError: There is none; ``place`` names the box.
+    """
+    inside = np.all(np.abs(rest - np.asarray(box.point)) <= np.asarray(box.half_size), axis=1)
+    return not_empty(inside, rest, place)
+
+
+def in_cylinder(rest: np.ndarray, cylinder: c.ParticleRotation, place: str) -> np.ndarray:
+    """Particles that rest in a cylinder, shape (n,); raises as `in_box`."""
+    arm = rest - np.asarray(cylinder.point)
+    height = arm @ np.asarray(cylinder.normal)
+    radius = np.linalg.norm(arm - height[:, None] * np.asarray(cylinder.normal), axis=1)
+    return not_empty((np.abs(height) <= cylinder.half_height) & (radius <= cylinder.radius), rest, place)
+
+
+def not_empty(inside: np.ndarray, rest: np.ndarray, place: str) -> np.ndarray:
+    """``inside`` itself, if it selects anything; raises as `in_box`."""
+    if not inside.any():
+        low, high = np.round(rest.min(0), 3).tolist(), np.round(rest.max(0), 3).tolist()
+        raise UserError(
+            f"`{place}` selects no particle; the object spans {low} to {high} m", do="Move it there"
+        )
+    return inside

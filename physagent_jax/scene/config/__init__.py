@@ -1,0 +1,30 @@
+"""`SceneConfig`: one JSON file that holds everything a simulation needs; replayable, versioned, strict."""
+
+from physagent_jax.scene.config.boundaries import Boundary as Boundary
+from physagent_jax.scene.config.boundaries import Cuboid as Cuboid
+from physagent_jax.scene.config.boundaries import DomainBox as DomainBox
+from physagent_jax.scene.config.boundaries import HalfSpace as HalfSpace
+from physagent_jax.scene.config.boundaries import Surface as Surface
+from physagent_jax.scene.config.common import FOREVER as FOREVER
+from physagent_jax.scene.config.common import SignedAxis as SignedAxis
+from physagent_jax.scene.config.constraints import Anchor as Anchor
+from physagent_jax.scene.config.constraints import Constraint as Constraint
+from physagent_jax.scene.config.constraints import ParticleImpulse as ParticleImpulse
+from physagent_jax.scene.config.constraints import ParticleRotation as ParticleRotation
+from physagent_jax.scene.config.constraints import ParticleTranslation as ParticleTranslation
+from physagent_jax.scene.config.files import dump_scene as dump_scene
+from physagent_jax.scene.config.files import load_json as load_json
+from physagent_jax.scene.config.files import load_scene as load_scene
+from physagent_jax.scene.config.files import parse_scene as parse_scene
+from physagent_jax.scene.config.files import validation_message as validation_message
+from physagent_jax.scene.config.material import Material as Material
+from physagent_jax.scene.config.material import MaterialModel as MaterialModel
+from physagent_jax.scene.config.material import MaterialRegion as MaterialRegion
+from physagent_jax.scene.config.numerics import Domain as Domain
+from physagent_jax.scene.config.numerics import Timing as Timing
+from physagent_jax.scene.config.numerics import Transfer as Transfer
+from physagent_jax.scene.config.pictures import CameraConfig as CameraConfig
+from physagent_jax.scene.config.pictures import Rendering as Rendering
+from physagent_jax.scene.config.scene import SceneConfig as SceneConfig
+from physagent_jax.scene.config.source import Filling as Filling
+from physagent_jax.scene.config.source import Source as Source

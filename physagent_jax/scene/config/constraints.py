@@ -1,0 +1,98 @@
+"""What is done to chosen particles."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from physagent_jax.forces.schema import unit_vector
+from physagent_jax.scene.config.common import NonNegative, Positive, Windowed
+from physagent_jax.strict import Strict, Vector
+
+
+class ParticleTranslation(Windowed):
+    """Particles that rest in a box move with ``velocity`` [m/s] within [start, end) [s]."""
+
+    kind: Literal["particle_translation"] = "particle_translation"
+    point: Vector
+    half_size: Vector
+    velocity: Vector
+
+
+class ParticleRotation(Windowed):
+    """Particles that rest in a cylinder turn about its axis and slide along it within [start, end) [s].
+
+    Attributes:
+        point: Centre [m].
+        normal: Axis (right-hand rule).
+        half_height, radius: Cylinder [m].
+        angular_velocity: [rad/s].
+        axial_velocity: [m/s].
+    """
+
+    kind: Literal["particle_rotation"] = "particle_rotation"
+    point: Vector
+    normal: Vector
+    half_height: Positive
+    radius: Positive
+    angular_velocity: float = 0.0
+    axial_velocity: float = 0.0
+
+    @field_validator("normal")
+    @classmethod
+    def _unit(cls, value: Vector) -> Vector:
+        return unit_vector(value)
+
+
+class ParticleImpulse(Strict):
+    """A velocity change of the particles that rest in a box, spread over [start, start + duration] [s].
+
+    Give ``delta_velocity`` [m/s] (independent of particle mass), or ``force`` [N per particle] as
+    PhysGaussian does (then delta v = force * duration / particle mass).
+    """
+
+    kind: Literal["particle_impulse"] = "particle_impulse"
+    point: Vector
+    half_size: Vector
+    delta_velocity: Vector | None = None
+    force: Vector | None = None
+    start: NonNegative = 0.0
+    duration: Positive = 1e-4
+
+    @model_validator(mode="after")
+    def _one(self) -> ParticleImpulse:
+        if (self.delta_velocity is None) == (self.force is None):
+            raise ValueError("give exactly one of `delta_velocity` and `force`")
+        return self
+
+
+Constraint = Annotated[ParticleTranslation | ParticleRotation | ParticleImpulse, Field(discriminator="kind")]
+
+
+class Anchor(Strict):
+    """What is held fixed for the whole clip.
+
+    Attributes:
+        kind: "none", "base" / "top" (the slab of ``fraction`` of the height at the foot / head), "box"
+            (absolute ``point`` +- ``half_size`` [m]) or "mask" (Gaussian indices in ``mask_path``, .npy).
+        fraction: Thickness of the slab over the object's height.
+        point, half_size: The box.
+        mask_path: ``.npy`` of bool per loaded Gaussian, shape (n,).
+        reason: Why, for the report.
+    """
+
+    kind: Literal["none", "base", "top", "box", "mask"] = "none"
+    fraction: float = Field(default=0.12, gt=0, le=1)
+    point: Vector | None = None
+    half_size: Vector | None = None
+    mask_path: str | None = None
+    reason: str = ""
+
+    @model_validator(mode="after")
+    def _complete(self) -> Anchor:
+        if self.kind == "box" and (self.point is None or self.half_size is None):
+            raise ValueError('anchor kind "box" needs `point` and `half_size`')
+        if self.kind == "mask" and self.mask_path is None:
+            raise ValueError('anchor kind "mask" needs `mask_path`')
+        return self

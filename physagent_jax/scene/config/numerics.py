@@ -1,0 +1,57 @@
+"""Grid, time steps and transfers."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from physagent_jax.scene.config.common import NonNegative, Positive
+from physagent_jax.strict import Strict
+
+
+class Domain(Strict):
+    """The cubic domain [0, size]^3 and its resolution.
+
+    Attributes:
+        size: Side [m].
+        cells: Cells along a side; dx = size / cells.
+    """
+
+    size: Positive = 4.0
+    cells: int = Field(default=96, ge=8, le=1024)
+
+    @property
+    def dx(self) -> float:
+        """Grid spacing [m]."""
+        return self.size / self.cells
+
+
+class Timing(Strict):
+    """Frames and substeps.
+
+    Attributes:
+        frame_count: Pictures in all; frame 0 is the rest pose, so frame_count - 1 intervals are simulated.
+        frame_dt: Seconds per frame [s].
+        substep_dt: Substep [s], or "auto" = ``safety`` times the stable bound, fitted to the frame.
+        safety: Fraction of the bound that "auto" uses.
+    """
+
+    frame_count: int = Field(default=50, ge=2, le=10_000)
+    frame_dt: Positive = 0.04
+    substep_dt: Positive | Literal["auto"] = "auto"
+    safety: float = Field(default=0.7, gt=0, le=1)
+
+
+class Transfer(Strict):
+    """Particle-grid transfers and damping.
+
+    Attributes:
+        scheme: "apic" or "pic".
+        rpic_damping: 0 = APIC, 1 = only the rotational part of C (RPIC).
+        damping_rate: Global velocity damping [1/s]: grid velocities decay by exp(-rate dt) per substep.
+    """
+
+    scheme: Literal["apic", "pic"] = "apic"
+    rpic_damping: float = Field(default=0.0, ge=0, le=1)
+    damping_rate: NonNegative = 0.0

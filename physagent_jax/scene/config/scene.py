@@ -1,0 +1,52 @@
+"""`SceneConfig`: one JSON file that holds everything a simulation needs; replayable, versioned, strict.
+
+SI units (m, s, kg, Pa). The world is z-up and the domain is [0, domain.size]^3; the object is rotated so
+that its own up axis points along +z, scaled so that its longest side is ``source.extent`` and centred.
+Regions of constraints are absolute [m] and select particles by their rest position.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from physagent_jax.forces.schema import ForceField, SkillScaling
+from physagent_jax.scene.config.boundaries import Boundary, DomainBox
+from physagent_jax.scene.config.constraints import Anchor, Constraint
+from physagent_jax.scene.config.material import Material, MaterialRegion
+from physagent_jax.scene.config.numerics import Domain, Timing, Transfer
+from physagent_jax.scene.config.pictures import CameraConfig, Rendering
+from physagent_jax.scene.config.source import Filling, Source
+from physagent_jax.strict import Strict, Vector
+
+
+class SceneConfig(Strict):
+    """The fused configuration (the paper's Theta): the object, its matter, its surroundings, the forces.
+
+    Attributes:
+        version: Format version.
+        prompt: The sentence, for the record.
+        preset: Name of the preset that gave the defaults, for the record.
+        gravity: [m/s^2]; acts only if ``force_field.default_drop``, or ``always_gravity``.
+        always_gravity: Whether gravity acts regardless of the force field (imported scenes).
+        scaling: None = the closed forms of `forces.skills`, evaluated when the scene is compiled.
+    """
+
+    version: Literal[1] = 1
+    prompt: str = ""
+    preset: str = "fast"
+    source: Source
+    filling: Filling = Filling()
+    material: Material = Material()
+    material_regions: tuple[MaterialRegion, ...] = ()
+    domain: Domain = Domain()
+    timing: Timing = Timing()
+    transfer: Transfer = Transfer()
+    gravity: Vector = (0.0, 0.0, -9.8)
+    always_gravity: bool = False
+    boundaries: tuple[Boundary, ...] = (DomainBox(),)
+    constraints: tuple[Constraint, ...] = ()
+    anchor: Anchor = Anchor()
+    force_field: ForceField = ForceField()
+    scaling: SkillScaling | None = None
+    camera: CameraConfig = CameraConfig()
+    rendering: Rendering = Rendering()

@@ -1,0 +1,87 @@
+"""The object: where it comes from, how it is placed and filled."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from physagent_jax.scene.config.common import Positive, SignedAxis
+from physagent_jax.strict import Strict, Vector
+
+
+class Source(Strict):
+    """The object's file and how it is brought into the domain.
+
+    Attributes:
+        path: 3DGS PLY or mesh (.obj, .ply with faces, .glb, .stl), absolute or relative to the scene file.
+        sha256: Hash of the file; checked on replay if present.
+        name: What the object is called; from the file name if empty.
+        kind: Class with a physical prior ("plant", "food", "robot", ...); see `scene.priors`.
+        up: The file's own up axis; rotated onto +z.
+        opacity_threshold: Gaussians with a lower opacity are dropped.
+        crop: Keep only (xmin, xmax, ymin, ymax, zmin, zmax) in file units, before anything else but
+            ``rotation_degrees``.
+        rotation_degrees, rotation_axes: Extra rotations about file axes (0, 1, 2), applied in order
+            (PhysGaussian's pre-rotation), before ``up``.
+        extent: Longest side in the domain [m].
+        center: Centre of the bounding box in the domain [m]; None = the domain's centre.
+        surface_samples: Gaussians sampled on a mesh's surface (meshes only).
+    """
+
+    path: str
+    sha256: str | None = None
+    name: str = ""
+    kind: str = "object"
+    up: SignedAxis = "+z"
+    opacity_threshold: float = Field(default=0.02, ge=0, lt=1)
+    crop: tuple[float, float, float, float, float, float] | None = None
+    rotation_degrees: tuple[float, ...] = ()
+    rotation_axes: tuple[int, ...] = ()
+    extent: Positive = 1.0
+    center: Vector | None = None
+    surface_samples: int = Field(default=20_000, gt=0)
+
+    @model_validator(mode="after")
+    def _paired(self) -> Source:
+        if len(self.rotation_degrees) != len(self.rotation_axes) or any(
+            a not in (0, 1, 2) for a in self.rotation_axes
+        ):
+            raise ValueError(
+                "`rotation_degrees` and `rotation_axes` must have equal length, axes in {0, 1, 2}"
+            )
+        return self
+
+
+class Filling(Strict):
+    """Interior filling and particle sampling.
+
+    Attributes:
+        enabled: Whether to fill the inside.
+        cells: Cells of the filling grid along the object's longest side; None = twice the simulation's.
+        density_unit: What the thresholds are measured in: "coverage" = 10 (1 - exp(-overlap)), which does not
+            depend on how densely the object was sampled; "overlap" = PhysGaussian's plain sum of Gaussians.
+        density_threshold: Cells whose density field exceeds it hold matter.
+        search_threshold: Density that counts as a wall for the inside test.
+        exclude_direction: Direction (0..5 = +x, -x, +y, -y, +z, -z) not required to hit a wall; None = all six.
+        ray_cast_direction: Direction (0..5) along which crossings are counted for parity.
+        particles_per_cell: Particles placed per inside cell of the filling grid.
+        max_particles: Hard cap on all particles, surface and filled.
+        smooth: Whether to smooth the density field before thresholding.
+        volumes: "matter" = particles share the object's volume; "cells" = PhysGaussian's rule, the volume of the
+            simulation cell over the particles in it, which overestimates (imported scenes).
+        seed: Seed of every random choice.
+    """
+
+    enabled: bool = True
+    cells: int | None = Field(default=None, ge=4, le=512)
+    density_unit: Literal["coverage", "overlap"] = "coverage"
+    density_threshold: Positive = 5.0
+    search_threshold: Positive = 3.0
+    exclude_direction: int | None = Field(default=5, ge=0, le=5)
+    ray_cast_direction: int = Field(default=4, ge=0, le=5)
+    particles_per_cell: int = Field(default=1, ge=1, le=64)
+    max_particles: int = Field(default=20_000, ge=8)
+    smooth: bool = False
+    volumes: Literal["matter", "cells"] = "matter"
+    seed: int = 0
