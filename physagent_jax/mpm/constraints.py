@@ -78,7 +78,7 @@ def on_grid(
     x, y, z = grid.node_positions(velocity.dtype)
     nodes = jnp.stack(jnp.broadcast_arrays(x, y, z), axis=-1)
     for c in constraints:
-        own = Stencil(s.base[c.particles], s.weights[c.particles], s.offsets[c.particles])
+        own = s.take(c.particles)
         share = scatter_mass(own, grid, mass[c.particles])
         held = c.active(time) & (share > 0.5 * node_mass)
         velocity = jnp.where(held[..., None], c.field(nodes), velocity)

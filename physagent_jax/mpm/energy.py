@@ -18,7 +18,15 @@ def kinetic_energy(model: Model, state: State) -> jax.Array:
 
 def elastic_energy(model: Model, state: State) -> jax.Array:
     """Strain energy, sum V0 psi(F) [J]."""
-    return (model.volume * per_material(model, state.F, lambda material, F: material.energy(F))).sum()
+    density = per_material(model, state, lambda material, F, history: material.energy(F, history))
+    return (model.volume * density).sum()
+
+
+def gravitational_energy(model: Model, state: State) -> jax.Array:
+    """Potential energy -sum m g . x in uniform gravity, zero at the domain's origin [J]."""
+    if model.gravity is None:
+        return jnp.zeros((), state.x.dtype)
+    return -(model.mass[:, None] * state.x * model.gravity).sum()
 
 
 def momentum(model: Model, state: State) -> jax.Array:

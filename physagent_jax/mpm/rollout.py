@@ -8,6 +8,7 @@ static counts, made for `jax.grad` and `jax.vmap`.
 from __future__ import annotations
 
 import dataclasses
+import math
 import time
 from collections.abc import Iterator
 from functools import partial
@@ -17,9 +18,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from physagent_jax.errors import UserError
+from physagent_jax.mpm.ledger import Exchange, exchange
 from physagent_jax.mpm.linalg import determinant
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.step import step
+from physagent_jax.mpm.step import step, substep
 from physagent_jax.mpm.timestep import check_explicit_dt, kinematic_dt, stable_dt, substeps_for
 from physagent_jax.mpm.window import fit_window
 
@@ -34,6 +36,7 @@ class Health:
     Attributes:
         max_speed: Largest particle speed in any substep [m/s].
         min_J, max_J: Extremes of det F in any substep.
+        min_increment: Least det(I + dt grad v), by which a substep scales volumes.
         outside: Particle-steps with a stencil beyond the grid window, int32.
         finite: Whether the last state is finite.
     """
@@ -41,6 +44,7 @@ class Health:
     max_speed: jax.Array
     min_J: jax.Array
     max_J: jax.Array
+    min_increment: jax.Array
     outside: jax.Array
     finite: jax.Array
 
@@ -58,6 +62,7 @@ class Frame:
         retries: Reasons for which this frame was redone, oldest first.
         grid_shape: The window used.
         seconds: Wall time of the frame, redone attempts included [s].
+        exchange: What forces, boundaries and dissipation exchanged since the frame before; None = not asked for.
     """
 
     index: int
@@ -69,34 +74,40 @@ class Frame:
     retries: tuple[str, ...]
     grid_shape: tuple[int, int, int]
     seconds: float
+    exchange: Exchange | None = None
 
 
-@jax.jit
-def advance(model: Model, state: State, substeps: jax.Array) -> tuple[State, Health]:
-    """``substeps`` steps in a row (a traced count: no recompilation when it changes), watched."""
+@partial(jax.jit, static_argnames="ledger")
+def advance(
+    model: Model, state: State, substeps: jax.Array, ledger: bool = False
+) -> tuple[State, Health, Exchange | None]:
+    """``substeps`` steps in a row (a traced count: no recompilation when it changes), watched.
+
+    With ``ledger``, what was exchanged is summed too; without, it is not computed.
+    """
 
     def body(_, carry):
-        state, health = carry
-        state = step(model, state)
-        return state, _watch(model, state, health)
+        state, health, total = carry
+        after, trace = substep(model, state)
+        if total is not None:
+            total = total + exchange(model, state, trace, after)
+        return after, _watch(model, after, health), total
 
     dtype = state.x.dtype
-    health = Health(
-        jnp.zeros((), dtype),
-        jnp.ones((), dtype),
-        jnp.ones((), dtype),
-        jnp.zeros((), jnp.int32),
-        jnp.array(True),
-    )
-    return jax.lax.fori_loop(0, substeps, body, (state, health))
+    one = jnp.ones((), dtype)
+    health = Health(jnp.zeros((), dtype), one, one, one, jnp.zeros((), jnp.int32), jnp.array(True))
+    start = (state, health, Exchange.none(dtype) if ledger else None)
+    return jax.lax.fori_loop(0, substeps, body, start)
 
 
 def _watch(model: Model, state: State, health: Health) -> Health:
     J = determinant(state.F)
+    increment = determinant(jnp.eye(3, dtype=J.dtype) + model.dt * state.C)
     return Health(
         max_speed=jnp.maximum(health.max_speed, jnp.sqrt((state.v**2).sum(-1).max())),
         min_J=jnp.minimum(health.min_J, J.min()),
         max_J=jnp.maximum(health.max_J, J.max()),
+        min_increment=jnp.minimum(health.min_increment, increment.min()),
         outside=health.outside + _outside(model, state).sum(dtype=jnp.int32),
         finite=jnp.isfinite(state.x).all() & jnp.isfinite(state.v).all() & jnp.isfinite(state.F).all(),
     )
@@ -116,6 +127,8 @@ def simulate(
     frame_dt: float,
     substep_dt: float | None = None,
     safety: float = 0.7,
+    force_substep: bool = False,
+    ledger: bool = False,
 ) -> Iterator[Frame]:
     """Yields ``frame_count`` frames, the initial state first.
 
@@ -126,35 +139,35 @@ def simulate(
         frame_dt: Time between frames [s].
         substep_dt: Fixed substep [s], shortened to fit the frame; None = ``safety`` times the bound.
         safety: Fraction of the stable bound, in (0, 1].
+        force_substep: Whether to run ``substep_dt`` even above the bound. It is then never shortened: a frame
+            that fails its check ends the run.
+        ledger: Whether frames carry an `Exchange`.
 
     Raises:
-        UserError: ``substep_dt`` is above the stable bound, or a frame fails even with steps
+        UserError: ``substep_dt`` is above the stable bound and not forced, or a frame fails even with steps
             2**MAX_RETRIES times smaller (the message says what the check saw).
     """
-    dtype = state.x.dtype
-    if substep_dt is not None:
+    if substep_dt is not None and not force_substep:
         check_explicit_dt(substep_dt, float(stable_dt(model, state)))
-    yield Frame(0, state, 0, 0.0, 1.0, 1.0, (), model.grid.shape, 0.0)
+    fixed = substep_dt is not None and force_substep
+    yield Frame(0, state, 0, 0.0, 1.0, 1.0, (), model.grid.shape, 0.0, _nothing(state, ledger))
     for index in range(1, frame_count):
         begun = time.perf_counter()
-        dt = substep_dt or safety * float(stable_dt(model, state))
-        dt = min(dt, float(kinematic_dt(model, state, jnp.asarray(frame_dt, dtype))))
-        substeps, retries, margin = substeps_for(frame_dt, dt), [], 1.0
+        substeps = _substeps(model, state, frame_dt, substep_dt, safety, fixed)
+        retries, margin = [], 1.0
         while True:
             grid = _follow(model, state, frame_dt, margin)
-            model = model.replace(grid=grid, dt=jnp.asarray(frame_dt / substeps, dtype))
-            after, health = advance(model, state, jnp.asarray(substeps, jnp.int32))
-            breach = _breach(model, health)
+            model = model.replace(grid=grid, dt=jnp.asarray(frame_dt / substeps, state.x.dtype))
+            after, health, total = advance(model, state, jnp.asarray(substeps, jnp.int32), ledger)
+            breach = _breach(model, after, health, fixed)
             if breach is None:
                 break
             retries.append(f"{breach} at dt = {frame_dt / substeps:.3g} s")
-            if len(retries) > MAX_RETRIES:
-                raise UserError(
-                    f"frame {index} cannot be simulated: {'; '.join(retries)}",
-                    do="Use a stiffer material, a weaker force, or a finer grid",
-                )
-            if health.finite and int(health.outside) > 0:
-                margin *= 2.5  # the window was too tight, not the step too long
+            tight_window = bool(health.finite) and int(health.outside) > 0
+            if len(retries) > MAX_RETRIES or (fixed and not tight_window):
+                raise _hopeless(index, retries, fixed)
+            if tight_window:
+                margin *= 2.5  # the window was too small, not the step too long
             else:
                 substeps *= 2
         state = after
@@ -168,7 +181,35 @@ def simulate(
             tuple(retries),
             grid.shape,
             time.perf_counter() - begun,
+            total,
         )
+
+
+def _nothing(state: State, ledger: bool) -> Exchange | None:
+    return Exchange.none(state.x.dtype) if ledger else None
+
+
+def _substeps(
+    model: Model, state: State, frame_dt: float, substep_dt: float | None, safety: float, fixed: bool
+) -> int:
+    """Substeps for the coming frame."""
+    if fixed and substep_dt is not None:
+        return substeps_for(frame_dt, substep_dt)
+    dt = substep_dt or safety * float(stable_dt(model, state))
+    dt = min(dt, float(kinematic_dt(model, state, jnp.asarray(frame_dt, state.x.dtype))))
+    return substeps_for(frame_dt, dt)
+
+
+def _hopeless(index: int, retries: list[str], fixed: bool) -> UserError:
+    if fixed:
+        return UserError(
+            f"frame {index} fails with the forced substep: {retries[-1]}",
+            do='Take a smaller `substep_dt`, or "auto"',
+        )
+    return UserError(
+        f"frame {index} cannot be simulated: {'; '.join(retries)}",
+        do="Use a stiffer material, a weaker force, or a finer grid",
+    )
 
 
 def _follow(model: Model, state: State, frame_dt: float, margin: float):
@@ -179,7 +220,7 @@ def _follow(model: Model, state: State, frame_dt: float, margin: float):
     return fit_window(model.grid, x.min(0), x.max(0), reach)
 
 
-def _breach(model: Model, health: Health) -> str | None:
+def _breach(model: Model, after: State, health: Health, fixed: bool) -> str | None:
     """Why the frame cannot be trusted, or None."""
     if not bool(health.finite):
         return "a value is not finite"
@@ -187,9 +228,14 @@ def _breach(model: Model, health: Health) -> str | None:
         return f"matter is turned inside out (det F = {float(health.min_J):.3g})"
     if int(health.outside) > 0:
         return "particles left the grid window"
+    if float(health.min_increment) <= 0:
+        return f"a substep turns matter inside out (det(I + dt grad v) = {float(health.min_increment):.3g})"
     cells = float(health.max_speed) * float(model.dt) / model.grid.dx
     if cells >= 1:
         return f"a particle crosses {cells:.2g} cells in one substep"
+    bound = math.inf if fixed else float(stable_dt(model, after))
+    if float(model.dt) > bound:
+        return f"deformation lowered the stable bound to {bound:.3g} s"
     return None
 
 

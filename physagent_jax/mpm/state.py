@@ -8,7 +8,7 @@ from typing import Any, Literal
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.mpm.materials.base import Material
+from physagent_jax.mpm.materials.base import History, Material
 
 _STATIC = dict(static=True)
 
@@ -69,7 +69,11 @@ class Model:
         forces: Body-force terms (`mpm.protocols.BodyForce`), summed.
         boundaries: `mpm.protocols.Boundary`, applied to grid velocities in order.
         constraints: `mpm.constraints.PrescribedMotion`, later ones win.
+        viscosity: Dynamic viscosity eta [Pa s], shape (n,): a Newtonian stress 2 eta dev(sym grad v) beside the
+            material's own, for fluids and as internal (Kelvin-Voigt) damping of solids; None = none (skipped).
         transfer: "apic" or "pic" (C is discarded), static.
+        stress_form: How stress acts on nodes and grad v is read: "mls" (4 / dx^2 w_i (x_i - x), C; Hu et al. 2018)
+            or "gradient" (grad w_i, the classical form), static.
         rpic_damping: 0 = APIC, 1 = only the rotational part of C; static.
         damping_rate: Global damping of grid velocities [1/s], static; 0 = none (skipped).
         wall: Cells from the domain's faces at which particles are stopped, static.
@@ -84,7 +88,9 @@ class Model:
     forces: tuple[Any, ...] = ()
     boundaries: tuple[Any, ...] = ()
     constraints: tuple[Any, ...] = ()
+    viscosity: jax.Array | None = None
     transfer: Literal["apic", "pic"] = dataclasses.field(default="apic", metadata=_STATIC)
+    stress_form: Literal["mls", "gradient"] = dataclasses.field(default="mls", metadata=_STATIC)
     rpic_damping: float = dataclasses.field(default=0.0, metadata=_STATIC)
     damping_rate: float = dataclasses.field(default=0.0, metadata=_STATIC)
     wall: int = dataclasses.field(default=2, metadata=_STATIC)
@@ -103,7 +109,8 @@ class State:
         x: Positions [m], shape (n, 3).
         v: Velocities [m/s], shape (n, 3).
         C: Affine velocity matrices (APIC) [1/s], shape (n, 3, 3).
-        F: Deformation gradients, shape (n, 3, 3).
+        F: Elastic deformation gradients (all of the deformation where nothing is plastic), shape (n, 3, 3).
+        history: What each material remembers, one entry per `Model.materials`; () = nothing at all.
         time: [s], scalar.
         stopped: Particle-steps at which a particle was stopped at the domain's wall, int32 scalar.
     """
@@ -112,18 +119,23 @@ class State:
     v: jax.Array
     C: jax.Array
     F: jax.Array
+    history: tuple[History, ...]
     time: jax.Array
     stopped: jax.Array
 
     @staticmethod
-    def at_rest(x: jax.Array, v: jax.Array | None = None) -> State:
-        """Undeformed particles at ``x`` [m] with velocity ``v`` [m/s] (default zero), shapes (n, 3)."""
+    def at_rest(x: jax.Array, v: jax.Array | None = None, materials: tuple[Material, ...] = ()) -> State:
+        """Undeformed particles at ``x`` [m] with velocity ``v`` [m/s] (default zero), shapes (n, 3).
+
+        ``materials`` are the model's; they may be left out if none of them remembers anything.
+        """
         count, dtype = x.shape[0], x.dtype
         return State(
             x=x,
             v=jnp.zeros_like(x) if v is None else v,
             C=jnp.zeros((count, 3, 3), dtype),
             F=jnp.broadcast_to(jnp.eye(3, dtype=dtype), (count, 3, 3)),
+            history=tuple(material.initial_history() for material in materials),
             time=jnp.zeros((), dtype),
             stopped=jnp.zeros((), jnp.int32),
         )

@@ -7,9 +7,13 @@ step is stable up to
 
     dt_c = dx sqrt(rho0 / k),   k = 3 lam + 2 mu = E / (1 - 2 nu) at rest,
 
-a little below dx / c_p. Stretch stiffens k (twice for a neo-Hookean stretched by 1.4), so the bound is
-taken at the current F. Advection and the velocity gradient add their own limits. No formula guarantees
-stability for APIC (Bai & Schroeder 2022); `simulate` therefore also checks every frame.
+a little below dx / c_p. Viscosity eta, which acts on C of the step before, tightens this to the smaller root of
+dt^2 (4 k / rho0 dx^2) + 2 dt (8 eta / rho0 dx^2) = 4. The classical stress form is stiffer, by up to 6 / 4 in the
+worst place of a cell and somewhat more while particles move: its bound is three quarters of this.
+
+Stretch stiffens k (twice for a neo-Hookean stretched by 1.4), so the bound is taken at the current F.
+Advection and the velocity gradient add their own limits. No formula guarantees stability for APIC (Bai &
+Schroeder 2022); `simulate` therefore also checks every frame.
 """
 
 from __future__ import annotations
@@ -24,15 +28,18 @@ from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import body_acceleration, per_material
 
 ADVECTION_LIMIT = 0.5  # cells a particle may cross in one substep
+CLASSICAL_SHARE = 0.75  # bound of the classical stress form over that of MLS, worst case measured
 GRADIENT_LIMIT = 0.3  # of |grad v| dt: det(I + dt grad v) > 0 needs < 1
 
 
 @jax.jit
 def stable_dt(model: Model, state: State) -> jax.Array:
-    """The closed-form bound dt_c [s] at the current deformation, least over the particles."""
-    stiffness = per_material(model, state.F, lambda material, F: material.stiffness(F))
-    density = model.mass / model.volume
-    return (model.grid.dx * jnp.sqrt(density / stiffness)).min()
+    """The closed-form bound dt_c [s] at the current deformation, least over the particles; inf if nothing is stiff."""
+    stiffness = per_material(model, state, lambda material, F, history: material.stiffness(F, history))
+    inertia = model.mass / model.volume * model.grid.dx**2  # [Pa s^2]
+    damping = 0.0 if model.viscosity is None else 16 * model.viscosity / inertia
+    bound = 8 / (damping + jnp.sqrt(damping**2 + 64 * stiffness / inertia))
+    return bound.min() * (1.0 if model.stress_form == "mls" else CLASSICAL_SHARE)
 
 
 @jax.jit
@@ -62,5 +69,6 @@ def check_explicit_dt(dt: float, bound: float) -> None:
     if dt > bound:
         raise UserError(
             f"`substep_dt` = {dt:.3g} s is above the stable bound of {bound:.3g} s for this material and grid",
-            do=f'Use `substep_dt` <= {0.9 * bound:.2g}, or "auto", or a softer or denser material, or fewer grid cells',
+            do=f'Use `substep_dt` <= {0.9 * bound:.2g}, or "auto", or a softer or denser material, or fewer grid '
+            "cells; `force_substep` runs it nevertheless",
         )

@@ -24,11 +24,17 @@ class Stencil:
         base: Window index of the lowest of the three nodes per axis, int32, shape (n, 3).
         weights: B-spline weights per axis and node, shape (n, 3, 3).
         offsets: Node minus particle position per axis and node [m], shape (n, 3, 3).
+        slopes: d weight / d particle position per axis and node [1/m], shape (n, 3, 3).
     """
 
     base: jax.Array
     weights: jax.Array
     offsets: jax.Array
+    slopes: jax.Array
+
+    def take(self, particles: jax.Array) -> Stencil:
+        """The stencils of some particles."""
+        return jax.tree.map(lambda leaf: leaf[particles], self)
 
 
 def stencil(x: jax.Array, grid: Grid) -> Stencil:
@@ -37,24 +43,34 @@ def stencil(x: jax.Array, grid: Grid) -> Stencil:
     low = jnp.floor(scaled - 0.5)
     f = scaled - low  # distance to the lowest node in cells, in [0.5, 1.5)
     weights = jnp.stack([0.5 * (1.5 - f) ** 2, 0.75 - (f - 1.0) ** 2, 0.5 * (f - 0.5) ** 2], axis=-1)
+    slopes = jnp.stack([f - 1.5, 2.0 - 2.0 * f, f - 0.5], axis=-1) / grid.dx
     offsets = (jnp.arange(3, dtype=x.dtype) - f[..., None]) * grid.dx
-    return Stencil(low.astype(jnp.int32) - grid.origin, weights, offsets)
+    return Stencil(low.astype(jnp.int32) - grid.origin, weights, offsets, slopes)
 
 
-def p2g(s: Stencil, grid: Grid, mass: jax.Array, momentum: jax.Array, affine: jax.Array) -> jax.Array:
-    """Scatters mass and momentum; node i gets w_i (momentum + affine (x_i - x)) and w_i mass.
+def p2g(
+    s: Stencil,
+    grid: Grid,
+    mass: jax.Array,
+    momentum: jax.Array,
+    affine: jax.Array,
+    impulse: jax.Array | None = None,
+) -> jax.Array:
+    """Scatters mass and momentum; node i gets w_i (momentum + affine (x_i - x)) + impulse grad w_i and w_i mass.
 
     Args:
         s: Stencils of the n particles.
         grid: The window; particles outside it deposit on its rim (`rollout` notices and redoes the frame).
         mass: [kg], shape (n,).
         momentum: [kg m/s], shape (n, 3).
-        affine: m C plus the stress impulse of MLS-MPM (Hu et al. 2018, eq. 29) [kg/s], shape (n, 3, 3).
+        affine: m C plus, in MLS-MPM, the stress impulse (Hu et al. 2018, eq. 29) [kg/s], shape (n, 3, 3).
+        impulse: -dt V0 tau for the classical stress form [kg m^2/s], shape (n, 3, 3); None = not used.
 
     Returns:
         Momentum and mass at the nodes, shape (nx, ny, nz, 4).
     """
     w = _outer(s.weights)
+    slopes = [] if impulse is None else [_outer(_sloped(s, axis)) for axis in range(3)]
     components = []
     for d in range(3):
         q = (
@@ -63,7 +79,10 @@ def p2g(s: Stencil, grid: Grid, mass: jax.Array, momentum: jax.Array, affine: ja
             + affine[:, d, 1, None, None, None] * s.offsets[:, 1, None, :, None]
             + affine[:, d, 2, None, None, None] * s.offsets[:, 2, None, None, :]
         )
-        components.append(w * q)
+        q = w * q
+        if impulse is not None:
+            q = q + sum(impulse[:, d, axis, None, None, None] * slopes[axis] for axis in range(3))
+        components.append(q)
     components.append(w * mass[:, None, None, None])
     return _scatter(s.base, jnp.stack(components, axis=-1), grid.shape)
 
@@ -96,6 +115,19 @@ def g2p(s: Stencil, grid: Grid, velocity: jax.Array) -> tuple[jax.Array, jax.Arr
     wz, wdz = w[:, 2, :, None], wd[:, 2, :, None]
     moments = jnp.stack([(yx * wz).sum(1), (y1 * wz).sum(1), (y0 * wdz).sum(1)], axis=-1)
     return (y0 * wz).sum(1), moments * (4 / grid.dx**2)
+
+
+def velocity_gradient(s: Stencil, grid: Grid, velocity: jax.Array) -> jax.Array:
+    """Gathers grad v = sum v_i (grad w_i)^T [1/s], shape (n, 3, 3); the classical form's, where MLS takes C."""
+    del grid
+    v = _gather(s.base, velocity)
+    columns = [(v * _outer(_sloped(s, axis))[..., None]).sum((1, 2, 3)) for axis in range(3)]
+    return jnp.stack(columns, axis=-1)
+
+
+def _sloped(s: Stencil, axis: int) -> jax.Array:
+    """The weights with those of one axis replaced by their slopes."""
+    return s.weights.at[:, axis].set(s.slopes[:, axis])
 
 
 def _outer(weights: jax.Array) -> jax.Array:

@@ -79,7 +79,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         rpic_damping=config.transfer.rpic_damping,
         damping_rate=config.transfer.damping_rate,
     )
-    state = State.at_rest(jnp.asarray(rest))
+    state = State.at_rest(jnp.asarray(rest), materials=model.materials)
     camera = reference_camera(config.camera, config.rendering, config.domain)
     return Scene(config, body, model, state, camera, order, int(held.sum()))
 
