@@ -1,0 +1,1 @@
+"""Cases with known answers: each is one small object, used by the tests and by the benchmarks alike."""
