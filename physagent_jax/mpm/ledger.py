@@ -1,12 +1,12 @@
 """The energy and momentum ledger: what forces and boundaries put in, what plasticity and viscosity take out.
 
-With E = kinetic + elastic + gravitational energy (`mpm.energy`), over any span of time
+With E = `energy.total_energy`, over a frame
 
-    E(t) - E(0) = force_work + boundary_work - plastic_dissipation - viscous_dissipation - numerical loss
-    P(t) - P(0) = force_impulse + boundary_impulse
+    E(end) - E(start) = force_work + boundary_work - plastic_dissipation - viscous_dissipation - numerical_loss
+    P(end) - P(start) = force_impulse + boundary_impulse
 
-The numerical loss is what remains: APIC loses energy in every transfer, most at short wavelengths, and never gains
-any; a negative remainder means instability. The momentum balance is exact to round-off.
+The numerical loss is what remains: APIC loses energy in every transfer, most at short wavelengths; a loss below
+zero by more than round-off means instability. The momentum balance is exact to round-off.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.mpm.energy import kinetic_energy
+from physagent_jax.mpm.energy import kinetic_energy, total_energy
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import Trace, body_gradient, external_acceleration, per_material, viscous_stress
 
@@ -31,6 +31,7 @@ class Exchange:
         boundary_work: By walls, obstacles and prescribed motions (friction: negative) [J].
         plastic_dissipation: Strain energy given up by return mappings [J].
         viscous_dissipation: By viscosity [J].
+        numerical_loss: What closes the balance [J]; known per frame only, zero for a substep.
         force_impulse: By gravity and body forces [kg m/s].
         boundary_impulse: By walls, obstacles and prescribed motions [kg m/s].
     """
@@ -39,6 +40,7 @@ class Exchange:
     boundary_work: jax.Array
     plastic_dissipation: jax.Array
     viscous_dissipation: jax.Array
+    numerical_loss: jax.Array
     force_impulse: jax.Array
     boundary_impulse: jax.Array
 
@@ -46,7 +48,7 @@ class Exchange:
     def none(dtype) -> Exchange:
         """Nothing yet."""
         zero, vector = jnp.zeros((), dtype), jnp.zeros(3, dtype)
-        return Exchange(zero, zero, zero, zero, vector, vector)
+        return Exchange(zero, zero, zero, zero, zero, vector, vector)
 
     def __add__(self, other: Exchange) -> Exchange:
         return jax.tree.map(jnp.add, self, other)
@@ -68,9 +70,17 @@ def exchange(model: Model, before: State, trace: Trace, after: State) -> Exchang
         boundary_work=held + met + placed,
         plastic_dissipation=_plastic(model, before, trace),
         viscous_dissipation=_viscous(model, before, trace),
+        numerical_loss=jnp.zeros((), before.x.dtype),
         force_impulse=_momentum_change(model, before, trace.pushed),
         boundary_impulse=kicks,
     )
+
+
+def balanced(model: Model, start: State, end: State, total: Exchange) -> Exchange:
+    """``total`` with the numerical loss between two states."""
+    supplied = total.force_work + total.boundary_work - total.plastic_dissipation - total.viscous_dissipation
+    loss = total_energy(model, start) - total_energy(model, end) + supplied
+    return dataclasses.replace(total, numerical_loss=loss)
 
 
 def _momentum_change(model: Model, one: State, other: State) -> jax.Array:

@@ -18,7 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from physagent_jax.errors import UserError
-from physagent_jax.mpm.ledger import Exchange, exchange
+from physagent_jax.mpm.ledger import Exchange, balanced, exchange
 from physagent_jax.mpm.linalg import determinant
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import step, substep
@@ -97,7 +97,8 @@ def advance(
     one = jnp.ones((), dtype)
     health = Health(jnp.zeros((), dtype), one, one, one, jnp.zeros((), jnp.int32), jnp.array(True))
     start = (state, health, Exchange.none(dtype) if ledger else None)
-    return jax.lax.fori_loop(0, substeps, body, start)
+    after, health, total = jax.lax.fori_loop(0, substeps, body, start)
+    return after, health, None if total is None else balanced(model, state, after, total)
 
 
 def _watch(model: Model, state: State, health: Health) -> Health:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from physagent_jax.mpm import Grid
-from physagent_jax.mpm.transfer import g2p, p2g, scatter_mass, stencil
+from physagent_jax.mpm.transfer import g2p, p2g, scatter_mass, stencil, velocity_gradient
 
 GRID = Grid.whole(1.0, 10)
 
@@ -85,3 +85,29 @@ def test_transfers_are_differentiable(particles):
         return (v**2).sum() + (C**2).sum() * 1e-3
 
     jax.test_util.check_grads(round_trip, (x, momentum), order=1, modes=["fwd", "rev"], eps=1e-6, rtol=1e-6)
+
+
+def test_classical_stress_impulse_acts_through_the_slopes_of_the_weights(particles):
+    """Node by node against difference quotients of the weights; in all it adds no momentum."""
+    x, mass, momentum, impulse = particles
+    nothing, h = np.zeros((40, 3, 3)), 1e-6
+    expected = np.zeros((11, 11, 11, 3))
+    for p in range(len(x)):
+        for node in np.ndindex(11, 11, 11):
+
+            def weight(at, node=node):
+                return np.prod([spline(d / 0.1) for d in np.array(node) * 0.1 - at])
+
+            slope = [(weight(x[p] + h * e) - weight(x[p] - h * e)) / (2 * h) for e in np.eye(3)]
+            expected[node] += impulse[p] @ slope
+    s = stencil(jnp.asarray(x), GRID)
+    got = p2g(s, GRID, *map(jnp.asarray, (mass, 0 * momentum, nothing, impulse)))[..., :3]
+    np.testing.assert_allclose(got, expected, atol=1e-6)
+    np.testing.assert_allclose(got.sum((0, 1, 2)), 0, atol=1e-11)
+
+
+def test_velocity_gradient_reproduces_linear_fields_exactly(particles):
+    gradient = np.arange(9.0).reshape(3, 3) - 4
+    nodes = np.stack(np.broadcast_arrays(*GRID.node_positions(jnp.float64)), -1) @ gradient.T
+    got = velocity_gradient(stencil(jnp.asarray(particles[0]), GRID), GRID, jnp.asarray(nodes))
+    np.testing.assert_allclose(got, np.broadcast_to(gradient, (40, 3, 3)), atol=1e-11)
