@@ -12,9 +12,16 @@ from physagent_jax.gaussians.binding import deform
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.metrics.motion import true_motion
 from physagent_jax.mpm import Frame, simulate, stable_dt
-from physagent_jax.mpm.energy import elastic_energy, kinetic_energy, momentum
+from physagent_jax.mpm.energy import (
+    angular_momentum,
+    elastic_energy,
+    gravitational_energy,
+    kinetic_energy,
+    momentum,
+)
+from physagent_jax.mpm.ledger import Exchange
 from physagent_jax.render import render
-from physagent_jax.run_folder import SimulationRecord
+from physagent_jax.run_folder import Ledger, SimulationRecord
 from physagent_jax.scene.compile import Scene
 from physagent_jax.stopwatch import Stopwatch
 
@@ -49,17 +56,17 @@ def play(scene: Scene, watch: Stopwatch, progress: Progress | None = None) -> Re
     Raises:
         UserError: The scene cannot be simulated (`mpm.simulate` says why).
     """
-    ledger, shots = _Ledger(scene), _Shots()
+    books, shots = _Books(scene), _Shots()
     for frame in watch.timed("simulate", frames(scene)):
         with watch("render"):
             splats = splats_at(scene, frame)
             picture = render(splats, scene.camera, background=scene.config.rendering.background)
             shots.add(picture, splats, frame)
         with watch("simulate"):
-            ledger.add(frame)
+            books.add(frame)
         if progress:
             progress(frame.index + 1, scene.config.timing.frame_count)
-    return shots.recording(ledger)
+    return shots.recording(books)
 
 
 def frames(scene: Scene) -> Iterator[Frame]:
@@ -72,6 +79,8 @@ def frames(scene: Scene) -> Iterator[Frame]:
         frame_dt=timing.frame_dt,
         substep_dt=None if timing.substep_dt == "auto" else timing.substep_dt,
         safety=timing.safety,
+        force_substep=timing.force_substep,
+        ledger=scene.config.ledger,
     )
 
 
@@ -104,7 +113,7 @@ class _Shots:
         self._x.append(np.asarray(frame.state.x))
         self._F.append(np.asarray(frame.state.F))
 
-    def recording(self, ledger: _Ledger) -> Recording:
+    def recording(self, books: _Books) -> Recording:
         rgb = (np.clip(np.stack(self._rgb), 0, 1) * 255 + 0.5).astype(np.uint8)
         gaussians = np.stack(self._gaussians)
         return Recording(
@@ -113,28 +122,34 @@ class _Shots:
             np.stack(self._x),
             np.stack(self._F),
             gaussians,
-            ledger.record(gaussians),
+            books.record(gaussians),
         )
 
 
-class _Ledger:
+class _Books:
     """Energies, momenta and step sizes per frame."""
 
     def __init__(self, scene: Scene):
         self._scene = scene
         self._frames: list[Frame] = []
-        self._rows: list[tuple[float, float, tuple[float, float, float]]] = []
+        self._budgets: list[dict[str, np.ndarray]] = []
+        self._exchanges: list[Exchange] = []
         self._bound = float(stable_dt(scene.model, scene.state))
+        mass, x = np.asarray(scene.model.mass), np.asarray(scene.state.x)
+        self._centre = (mass[:, None] * x).sum(0) / mass.sum()
 
     def add(self, frame: Frame) -> None:
-        kinetic, elastic, p = _budget(self._scene.model, frame.state)
-        self._frames.append(dataclasses.replace(frame, state=None))  # type: ignore[arg-type]
+        budget = _budget(self._scene.model, frame.state, self._centre)
+        self._budgets.append({name: np.asarray(value, float) for name, value in budget.items()})
+        if frame.exchange is not None:
+            self._exchanges.append(frame.exchange)
         self._stopped = int(frame.state.stopped)
-        self._rows.append((float(kinetic), float(elastic), tuple(np.asarray(p, float).tolist())))
+        self._frames.append(dataclasses.replace(frame, state=None, exchange=None))  # type: ignore[arg-type]
 
     def record(self, gaussians: np.ndarray) -> SimulationRecord:
         done = self._frames[1:]
-        kinetic, elastic, p = zip(*self._rows)
+        series = {name: np.stack([b[name] for b in self._budgets]) for name in self._budgets[0]}
+        series["gravitational_energy"] -= series["gravitational_energy"][0]
         return SimulationRecord(
             particle_count=self._scene.body.particles.count,
             gaussian_count=self._scene.body.cloud.count,
@@ -145,15 +160,27 @@ class _Ledger:
             stable_dt=self._bound,
             redone_frames={f.index: "; ".join(f.retries) for f in done if f.retries},
             stopped_particles=self._stopped,
-            kinetic_energy=kinetic,
-            elastic_energy=elastic,
-            momentum=p,
             min_volume_ratio=tuple(f.min_J for f in self._frames),
             max_volume_ratio=tuple(f.max_J for f in self._frames),
+            ledger=_summed(self._exchanges) if self._exchanges else None,
             truth=true_motion(gaussians),
+            **{name: tuple(values.tolist()) for name, values in series.items()},
         )
 
 
+def _summed(exchanges: list[Exchange]) -> Ledger:
+    """Running totals, one entry per frame."""
+    names = [field.name for field in dataclasses.fields(Exchange)]
+    columns = {name: np.stack([np.asarray(getattr(e, name), float) for e in exchanges]) for name in names}
+    return Ledger(**{name: tuple(np.cumsum(column, axis=0).tolist()) for name, column in columns.items()})
+
+
 @jax.jit
-def _budget(model, state):
-    return kinetic_energy(model, state), elastic_energy(model, state), momentum(model, state)
+def _budget(model, state, centre):
+    return dict(
+        kinetic_energy=kinetic_energy(model, state),
+        elastic_energy=elastic_energy(model, state),
+        gravitational_energy=gravitational_energy(model, state),
+        momentum=momentum(model, state),
+        angular_momentum=angular_momentum(model, state, centre),
+    )

@@ -25,6 +25,10 @@ class Simulate:
     """Folder to write to."""
     object: Path | None = None
     """The object's file, where the scene does not name it (PhysGaussian) or it has moved."""
+    ledger: bool = False
+    """Also record work, dissipation and impulses, frame by frame."""
+    force_substep: bool = False
+    """Run the scene's `substep_dt` even above the stable bound."""
     save_frames: bool = False
     """Also leave the frames as PNG."""
     save_splats: bool = False
@@ -40,6 +44,7 @@ class Simulate:
         config, notes = read_scene(self.scene, self.object)
         for text in notes:
             warn(text)
+        config = self._adjusted(config)
         bar = FrameBar("simulating and rendering")
         try:
             record, stages = play_scene(
@@ -66,6 +71,22 @@ class Simulate:
         else:
             print(f"video: {self.out / 'video.mp4'}")
         return 0
+
+    def _adjusted(self, config):
+        """The scene with what the options ask for."""
+        if self.force_substep and config.timing.substep_dt == "auto":
+            raise UserError(
+                "`--force-substep` needs a scene with a fixed `substep_dt`",
+                got='"auto"',
+                do="Set `timing.substep_dt` in the scene, or leave the option out",
+            )
+        timing = config.timing
+        return config.model_copy(
+            update=dict(
+                ledger=config.ledger or self.ledger,
+                timing=timing.model_copy(update=dict(force_substep=timing.force_substep or self.force_substep)),
+            )
+        )
 
 
 @dataclasses.dataclass(frozen=True)

@@ -5,8 +5,9 @@ With E = `energy.total_energy`, over a frame
     E(end) - E(start) = force_work + boundary_work - plastic_dissipation - viscous_dissipation - numerical_loss
     P(end) - P(start) = force_impulse + boundary_impulse
 
-The numerical loss is what remains: APIC loses energy in every transfer, most at short wavelengths; a loss below
-zero by more than round-off means instability. The momentum balance is exact to round-off.
+The numerical loss is what remains. APIC loses energy in every transfer, most at short wavelengths, and matter that
+meets a wall loses its velocity towards it at once; a loss below zero by more than round-off means instability.
+The momentum balance is exact to round-off.
 """
 
 from __future__ import annotations
@@ -58,10 +59,12 @@ def exchange(model: Model, before: State, trace: Trace, after: State) -> Exchang
     """The exchange of one substep, from its `step.Trace`."""
     held = kinetic_energy(model, trace.held) - kinetic_energy(model, trace.pushed)
     placed = kinetic_energy(model, after) - kinetic_energy(model, trace.gathered)
-    m = trace.node_mass[..., None]
-    met = 0.5 * (m * (trace.velocity**2 - trace.free**2)).sum()
+    # A wall works on what moves along it or with it: impulse times the velocity after. The mean of before and
+    # after would book the stress's push into a resting wall, and the wall's answer, as work.
+    kick = trace.node_mass[..., None] * (trace.velocity - trace.free)
+    met = (kick * trace.velocity).sum()
     kicks = (
-        (m * (trace.velocity - trace.free)).sum((0, 1, 2))
+        kick.sum((0, 1, 2))
         + _momentum_change(model, trace.pushed, trace.held)
         + _momentum_change(model, trace.gathered, after)
     )

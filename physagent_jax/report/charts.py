@@ -37,7 +37,8 @@ def physics_charts(iteration: Iteration) -> Markup | None:
     record = iteration.simulation
     if record is None:
         return None
-    return _grid([_energy(record), _momentum(record), _substep(record), _det_f(record)], iteration)
+    plots = [_energy(record), _momentum(record), _angular_momentum(record), _substep(record), _det_f(record)]
+    return _grid([*plots, *_ledger(record)], iteration)
 
 
 def active_windows(force_field: ForceField | None, last_frame: int) -> list[tuple[float, float]]:
@@ -118,17 +119,62 @@ def _stretch(report: MotionReport | None, truth: TrueMotion | None):
 
 
 def _energy(record: SimulationRecord):
-    factor, letter = prefix(max((*record.kinetic_energy, *record.elastic_energy), default=0.0))
+    gravitational = record.gravitational_energy if any(record.gravitational_energy) else ()
+    factor, letter = prefix(_largest(record.kinetic_energy, record.elastic_energy, gravitational))
     series = [
         Series("kinetic", [e * factor for e in record.kinetic_energy], 0),
         Series("elastic", [e * factor for e in record.elastic_energy], 2),
     ]
+    if gravitational:
+        series.append(Series("gravitational", [e * factor for e in gravitational], 1))
     return "Energy", f"{letter}J", series, {}
+
+
+def _largest(*columns: Sequence[float]) -> float:
+    return max((abs(value) for column in columns for value in column), default=0.0)
 
 
 def _momentum(record: SimulationRecord):
     series = [Series(name, _column(record.momentum, axis), axis) for axis, name in enumerate(AXIS_NAMES)]
     return "Momentum", "kg m/s", series, {}
+
+
+def _angular_momentum(record: SimulationRecord):
+    series = [
+        Series(name, _column(record.angular_momentum, axis), axis)
+        for axis, name in enumerate(AXIS_NAMES)
+        if record.angular_momentum
+    ]
+    return "Angular momentum about the first mass centre", "kg m2/s", series, {}
+
+
+def _ledger(record: SimulationRecord):
+    """Where energy came from and went, and what pushed; nothing if it was not recorded."""
+    ledger = record.ledger
+    if ledger is None:
+        return []
+    flows = {
+        "work of forces": ledger.force_work,
+        "work of walls and grips": ledger.boundary_work,
+        "plastic dissipation": ledger.plastic_dissipation,
+        "viscous dissipation": ledger.viscous_dissipation,
+        "numerical loss": ledger.numerical_loss,
+    }
+    flows = {name: values for name, values in flows.items() if any(values)}
+    factor, letter = prefix(_largest(*flows.values()))
+    energy = [
+        Series(name, [e * factor for e in values], color) for color, (name, values) in enumerate(flows.items())
+    ]
+    impulse = [
+        Series(f"{who} {name}", _column(rows, axis), axis, dashed=who == "walls")
+        for who, rows in (("forces", ledger.force_impulse), ("walls", ledger.boundary_impulse))
+        for axis, name in enumerate(AXIS_NAMES)
+        if any(row[axis] for row in rows)
+    ]
+    return [
+        ("Energy put in and taken out since frame 0", f"{letter}J", energy, {}),
+        ("Impulse since frame 0", "N s", impulse, {}),
+    ]
 
 
 def _substep(record: SimulationRecord):

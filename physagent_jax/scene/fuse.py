@@ -41,6 +41,7 @@ class Ingredients:
         camera: Direction and lens; with ``target`` None it is placed to show the expected motion.
         friction: Of the ground, for falling objects.
         damping_rate: Drag of the surrounding air [1/s]; the preset's holds if it is larger.
+        ledger: Whether exchanged energy and momentum are recorded.
     """
 
     prompt: str
@@ -52,6 +53,7 @@ class Ingredients:
     camera: CameraConfig
     friction: float = 0.0
     damping_rate: float = 0.0
+    ledger: bool = False
 
 
 def fuse(ingredients: Ingredients, body: Body, force_field: ForceField) -> SceneConfig:
@@ -83,6 +85,7 @@ def fuse(ingredients: Ingredients, body: Body, force_field: ForceField) -> Scene
         scaling=scaling,
         camera=ingredients.camera,
         rendering=preset.rendering,
+        ledger=ingredients.ledger,
     )
     if config.camera.target is not None:
         return config

@@ -35,12 +35,14 @@ class Timing(Strict):
         frame_dt: Seconds per frame [s].
         substep_dt: Substep [s], or "auto" = ``safety`` times the stable bound, fitted to the frame.
         safety: Fraction of the bound that "auto" uses.
+        force_substep: Run ``substep_dt`` even above the stable bound; a frame that then fails ends the run.
     """
 
     frame_count: int = Field(default=50, ge=2, le=10_000)
     frame_dt: Positive = 0.04
     substep_dt: Positive | Literal["auto"] = "auto"
     safety: float = Field(default=0.7, gt=0, le=1)
+    force_substep: bool = False
 
 
 class Transfer(Strict):
