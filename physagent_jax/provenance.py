@@ -22,9 +22,9 @@ def make_manifest(*, command: str, prompt: str, seed: int, inputs: dict[str, str
     return Manifest(
         command=command,
         prompt=prompt,
-        versions={"physagent_jax": __version__, "python": platform.python_version(), **_versions()},
-        git_revision=_git_revision(),
-        platform=f"{platform.system()} {platform.machine()}, {jax.devices()[0].device_kind}",
+        versions=versions(),
+        git_revision=git_revision(),
+        platform=platform_words(),
         seed=seed,
         inputs=inputs,
     )
@@ -36,8 +36,9 @@ def settings_hash(settings: object) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _versions() -> dict[str, str]:
-    found = {}
+def versions() -> dict[str, str]:
+    """Of this package, of Python and of what it computes with."""
+    found = {"physagent_jax": __version__, "python": platform.python_version()}
     for package in _PACKAGES:
         try:
             found[package] = version(package)
@@ -46,7 +47,12 @@ def _versions() -> dict[str, str]:
     return found
 
 
-def _git_revision() -> str | None:
+def platform_words() -> str:
+    """System, architecture and device."""
+    return f"{platform.system()} {platform.machine()}, {jax.devices()[0].device_kind}"
+
+
+def git_revision() -> str | None:
     """Revision of the package's own checkout; None for an installed package."""
     try:
         done = subprocess.run(

@@ -5,7 +5,15 @@ from __future__ import annotations
 import jax.numpy as jnp
 import numpy as np
 
-from benchmarks.cases.base import Numerics, Problem, Signal, fit_damped_cosine, lattice, observed_steps
+from benchmarks.cases.base import (
+    Numerics,
+    Problem,
+    Signal,
+    cosine_deviation,
+    fit_damped_cosine,
+    lattice,
+    observed_steps,
+)
 from physagent_jax.mpm import Grid, Model, NeoHookean, State, lame_parameters
 
 _E, _RHO, _DX = 1e5, 1000.0, 0.05
@@ -52,14 +60,20 @@ class FreeBar:
         )
         model = numerics.finish(model, state, _SPEED)
         frequency = _SPEED / (2 * length)
+        exact = dict(f=frequency, start=float((v[:, 0] * mode).mean()))
         steps, every = observed_steps(3 / frequency, float(model.dt), 400)
-        return Problem(model, state, steps, every, lambda x, v, C, F: (v[:, 0] * mode).mean(), dict(f=frequency))
+        return Problem(model, state, steps, every, lambda x, v, C, F: (v[:, 0] * mode).mean(), exact)
 
     def judge(self, problem: Problem, signal: Signal) -> dict[str, float]:
-        """Relative error of the frequency, and the decay per period (exact: 0)."""
+        """Errors of the frequency and of the signal itself, and the decay per period (exact: 0)."""
         exact = problem.exact["f"]
         frequency, decay = fit_damped_cosine(signal.t, signal.values[:, 0], exact)
-        return {"frequency": frequency / exact - 1, "decay per period": decay / frequency}
+        deviation = cosine_deviation(signal.t, signal.values[:, 0], problem.exact["start"], exact)
+        return {
+            "frequency": frequency / exact - 1,
+            "decay per period": decay / frequency,
+            "signal (rms)": deviation,
+        }
 
     def bars(self, numerics: Numerics) -> dict[str, float]:
         """1.3 times the reference errors."""

@@ -178,3 +178,13 @@ def fit_damped_cosine(t: np.ndarray, y: np.ndarray, frequency: float) -> tuple[f
     scale = np.abs(y).max()
     fitted, _ = curve_fit(model, t, y / scale, p0=[1.0, frequency, 0.01 * frequency, 0.0], maxfev=20_000)
     return float(fitted[1]), float(fitted[2])
+
+
+def cosine_deviation(t: np.ndarray, y: np.ndarray, start: float, frequency: float, periods: float = 2.0) -> float:
+    """RMS of y from start cos(2 pi f t) over the first periods, relative to the cosine's own RMS.
+
+    Unlike the fitted frequency it counts damping too: what an observer of the motion would call its error.
+    """
+    seen = t <= periods / frequency
+    exact = start * np.cos(2 * np.pi * frequency * t[seen])
+    return float(np.sqrt(np.mean((y[seen] - exact) ** 2) / np.mean(exact**2)))

@@ -1,0 +1,131 @@
+"""`python -m benchmarks.accuracy [--quick] --json OUT [--plot PNG]`: error against wall time, and every case's bar.
+
+Two tables. "verification": every case at the resolution its bar holds for. "work_precision": grid size x step
+policy, then transfer, stress form and precision at the middle grid, for the cases with a smooth error, and the
+same problems on the peers that are installed, in the same run. Wall times are warm; compilation is apart.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import sys
+from pathlib import Path
+
+import tyro
+from rich.console import Console
+
+from benchmarks.accuracy.peers import theirs
+from benchmarks.accuracy.study import NEAR_BOUND, REFERENCE_DT, Row, ours, rule_words, work_precision
+from benchmarks.cases.base import Case, Numerics
+from benchmarks.cases.catalogue import CASES, STUDIED
+from benchmarks.machine import circumstances
+from benchmarks.peers.base import PEERS, make_peer
+from physagent_jax.output.files import write_text
+
+console = Console(stderr=True)
+_PEER_MARGIN = ("bound", 0.675)  # 0.9 of the classical form's bound, which is 0.75 of ours
+
+
+@dataclasses.dataclass(frozen=True)
+class Command:
+    """Measure error against wall time."""
+
+    json: Path
+    """File to write."""
+    plot: Path | None = None
+    """Also draw the work-precision plot here (PNG)."""
+    quick: bool = False
+    """Coarse grids and cheap cases only: a minute or two."""
+    only: str = ""
+    """Only cases whose name contains this."""
+    repeats: int = 3
+    """Timed runs of each row; the median counts."""
+
+
+def main() -> int:
+    """Runs the command line."""
+    command = tyro.cli(Command)
+    result = {**circumstances(), "verification": [], "work_precision": [], "peers": {}}
+    for case in _chosen(CASES, command):
+        result["verification"].append(_shown(_verified(case, command.quick)))
+        _save(command, result)
+    peers = _peers(result)
+    for case, primary in STUDIED.items():
+        if command.only not in case.name:
+            continue
+        for row in _study(case, command, peers):
+            result["work_precision"].append(_shown(row, primary))
+        _save(command, result)
+    if command.plot is not None and result["work_precision"]:
+        from benchmarks.accuracy.plot import plot
+
+        plot(
+            result["work_precision"], {case.name: primary for case, primary in STUDIED.items()}, command.plot
+        )
+    failing = [row["case"] for row in result["verification"] if not row["within"]]
+    console.print(f"{len(result['verification'])} cases, outside their bar: {', '.join(failing) or 'none'}")
+    print(command.json)
+    return 0
+
+
+def _chosen(cases: tuple[Case, ...], command: Command) -> list[Case]:
+    return [case for case in cases if command.only in case.name]
+
+
+def _verified(case: Case, quick: bool) -> Row:
+    """The case at its default numerics; quick: at its coarsest grid."""
+    resolution = case.resolutions[0] if quick else None
+    return ours(case, "verification", Numerics(resolution), judged=True)
+
+
+def _peers(result: dict) -> list[str]:
+    """Names of the peers that can run here; the others are listed with the reason."""
+    usable = []
+    for name in PEERS:
+        peer = make_peer(name)
+        reason = peer.available()
+        result["peers"][name] = reason or peer.version()
+        if reason is None:
+            usable.append(name)
+        else:
+            console.print(f"peer {name} is left out: {reason}")
+    return usable
+
+
+def _study(case: Case, command: Command, peers: list[str]):
+    resolutions = case.resolutions[:2] if command.quick else case.resolutions
+    for label, numerics in work_precision(resolutions):
+        yield ours(case, label, numerics, repeats=1 if command.quick else command.repeats)
+        if numerics.step == NEAR_BOUND and numerics == Numerics(numerics.resolution, step=NEAR_BOUND):
+            for name in peers:
+                for rule in (_PEER_MARGIN, ("fixed", REFERENCE_DT)):
+                    yield theirs(case, rule_words(rule), Numerics(numerics.resolution, step=rule), name)
+
+
+def _shown(row: Row, primary: str | None = None) -> dict:
+    """The row for the JSON, told on the way."""
+    names = [primary] if primary else list(row.bars) or list(row.errors)
+    errors = ", ".join(f"{name} {row.errors[name]:.3g}" for name in names if name in row.errors)
+    verdict = row.failed or ("within" if row.within else "OUTSIDE") if row.bars or row.failed else ""
+    console.print(
+        f"{row.case:>16} {row.resolution:>4}  {row.code}, {row.label}: {errors}  "
+        f"[{row.particles} particles, {row.steps} steps, {row.wall:.3g} s] {verdict}",
+        highlight=False,
+        markup=False,
+        soft_wrap=True,
+    )
+    data = dataclasses.asdict(row) | {"within": row.within}
+    return {
+        key: None if isinstance(value, float) and not math.isfinite(value) else value
+        for key, value in data.items()
+    }
+
+
+def _save(command: Command, result: dict) -> None:
+    write_text(command.json, json.dumps(result, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,139 @@
+"""Which numerics are compared, and one row per run."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import gc
+from collections.abc import Iterator
+
+import jax
+import numpy as np
+
+from benchmarks.cases.base import Case, Numerics, Problem, run
+from physagent_jax.mpm import stable_dt
+
+REFERENCE_DT = 2e-4  # [s]; PhysGaussian's and the paper's usual substep
+NEAR_BOUND = ("bound", 0.9)
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """One run of one case.
+
+    Attributes:
+        case, code: Names.
+        label: What distinguishes the numerics, in words.
+        resolution: Cells along the case's length.
+        particles, steps: Sizes.
+        dt, dt_over_bound: Substep [s], and over the MLS bound of the isolated particle.
+        wall, compile: Wall time of the run and of compilation [s].
+        errors: By name.
+        bars: Largest acceptable errors; empty where the numerics are not the ones they hold for.
+        reference: Whether this is the fixed step of 2e-4 s.
+        failed: Why there is no result; empty if there is.
+    """
+
+    case: str
+    code: str
+    label: str
+    resolution: int
+    particles: int
+    steps: int
+    dt: float
+    dt_over_bound: float
+    wall: float
+    compile: float
+    errors: dict[str, float]
+    bars: dict[str, float]
+    reference: bool = False
+    failed: str = ""
+
+    @property
+    def within(self) -> bool:
+        """Whether every error that has a bar is within it."""
+        return not self.failed and all(abs(self.errors[name]) <= bar for name, bar in self.bars.items())
+
+
+def work_precision(resolutions: tuple[int, ...]) -> Iterator[tuple[str, Numerics]]:
+    """(label, numerics) to compare: dt policies at every resolution, the rest at the middle one."""
+    for resolution in resolutions:
+        for rule in (NEAR_BOUND, ("bound", 0.45), ("fixed", REFERENCE_DT)):
+            yield rule_words(rule), Numerics(resolution, step=rule)
+    middle = resolutions[len(resolutions) // 2]
+    base = Numerics(middle, step=NEAR_BOUND)
+    yield "classical stress form", dataclasses.replace(base, stress_form="gradient")
+    yield "RPIC 0.5", dataclasses.replace(base, rpic_damping=0.5)
+    yield "PIC", dataclasses.replace(base, transfer="pic")
+    yield "float64", dataclasses.replace(base, dtype=np.float64)
+
+
+def rule_words(rule: tuple[str, float]) -> str:
+    """A step rule in words."""
+    kind, value = rule
+    if kind == "bound":
+        return f"{value:g} x bound"
+    return f"fixed {value:g} s" if kind == "fixed" else f"Courant {value:g}"
+
+
+@contextlib.contextmanager
+def precision(dtype):
+    """Double precision where it is asked for."""
+    with jax.enable_x64(dtype is np.float64):
+        yield
+
+
+def ours(case: Case, label: str, numerics: Numerics, *, repeats: int = 1, judged: bool = False) -> Row:
+    """One run of our simulator; a run that breaks down gives a row that says so."""
+    with precision(numerics.dtype):
+        problem = case.problem(numerics)
+        signal = run(problem, repeats)
+        finite = bool(np.isfinite(signal.values).all())
+        errors, failed = ({}, "not finite")
+        if finite:
+            errors, failed = judge(case, problem, signal)
+        row = row_of(case, "ours", label, problem, numerics, signal.wall, signal.compile, errors, failed)
+        if judged and not failed:
+            row = dataclasses.replace(row, bars=case.bars(numerics))
+    jax.clear_caches()
+    gc.collect()
+    return row
+
+
+def judge(case: Case, problem: Problem, signal) -> tuple[dict[str, float], str]:
+    """Errors, or why there are none: a wildly wrong signal may not be measurable at all."""
+    try:
+        return case.judge(problem, signal), ""
+    except (RuntimeError, ValueError) as error:
+        return {}, f"cannot be measured: {error}"
+
+
+def row_of(
+    case: Case,
+    code: str,
+    label: str,
+    problem: Problem,
+    numerics: Numerics,
+    wall: float,
+    compile_seconds: float,
+    errors: dict[str, float],
+    failed: str,
+) -> Row:
+    """A row, with the figures that the problem itself tells."""
+    mls = problem.model.replace(stress_form="mls")
+    return Row(
+        case=case.name,
+        code=code,
+        label=label,
+        resolution=numerics.resolution or case.resolutions[len(case.resolutions) // 2],
+        particles=int(problem.model.mass.shape[0]),
+        steps=problem.steps,
+        dt=problem.dt,
+        dt_over_bound=problem.dt / float(stable_dt(mls, problem.state)),
+        wall=wall,
+        compile=compile_seconds,
+        errors=errors,
+        bars={},
+        reference=numerics.step == ("fixed", REFERENCE_DT),
+        failed=failed,
+    )

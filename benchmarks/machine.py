@@ -1,0 +1,35 @@
+"""What a figure was measured on: kept beside it in every JSON."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import sys
+from pathlib import Path
+
+from physagent_jax.provenance import git_revision, platform_words, versions
+
+
+def circumstances() -> dict[str, object]:
+    """Machine, load, versions, revision and command."""
+    return {
+        "machine": f"{_processor()}, {os.cpu_count()} cores; {platform_words()}",
+        "load_average": [round(load, 2) for load in os.getloadavg()],
+        "versions": versions(),
+        "git_revision": git_revision(),
+        "command": "python -m " + shlex.join([_module(), *sys.argv[1:]]),
+    }
+
+
+def _module() -> str:
+    spec = sys.modules["__main__"].__spec__
+    return spec.name.removesuffix(".__main__") if spec else sys.argv[0]
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return "unknown processor"
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else "unknown processor"
