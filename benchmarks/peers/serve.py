@@ -21,7 +21,9 @@ def main() -> int:
     parser.add_argument("--scene", required=True, type=Path)
     parser.add_argument("--dt", required=True, type=float, help="substep [s]")
     parser.add_argument("--steps", required=True, type=int, help="substeps to run")
-    parser.add_argument("--sample-every", type=int, help="substeps between samples; default: sample the end only")
+    parser.add_argument(
+        "--sample-every", type=int, help="substeps between samples; default: sample the end only"
+    )
     parser.add_argument("--out", required=True, type=Path)
     options = parser.parse_args()
     scene = PeerScene.load(options.scene)
