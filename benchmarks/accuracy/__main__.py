@@ -1,4 +1,4 @@
-"""`python -m benchmarks.accuracy [--quick] --json OUT [--plot PNG]`: error against wall time, and every case's bar.
+"""`python -m benchmarks.accuracy [--quick] --json OUT [--plot PNG] [--markdown MD]`: error against wall time.
 
 Two tables. "verification": every case at the resolution its bar holds for. "work_precision": grid size x step
 policy, then transfer, stress form and precision at the middle grid, for the cases with a smooth error, and the
@@ -16,6 +16,7 @@ from pathlib import Path
 import tyro
 from rich.console import Console
 
+from benchmarks.accuracy.markdown import document
 from benchmarks.accuracy.peers import theirs
 from benchmarks.accuracy.study import NEAR_BOUND, REFERENCE_DT, Row, ours, rule_words, work_precision
 from benchmarks.cases.base import Case, Numerics
@@ -36,6 +37,8 @@ class Command:
     """File to write."""
     plot: Path | None = None
     """Also draw the work-precision plot here (PNG)."""
+    markdown: Path | None = None
+    """Also write the tables here (docs/accuracy.md)."""
     quick: bool = False
     """Coarse grids and cheap cases only: a minute or two."""
     only: str = ""
@@ -68,6 +71,17 @@ def main() -> int:
     console.print(f"{len(result['verification'])} cases, outside their bar: {', '.join(failing) or 'none'}")
     print(command.json)
     return 0
+
+
+def _present(command: Command, result: dict) -> None:
+    """The plot and the document, as far as they are asked for."""
+    primary = {case.name: error for case, error in STUDIED.items()}
+    if command.plot is not None and result["work_precision"]:
+        from benchmarks.accuracy.plot import plot
+
+        plot(result["work_precision"], primary, command.plot)
+    if command.markdown is not None:
+        write_text(command.markdown, document(result, command.json, command.plot, primary, command.markdown))
 
 
 def _chosen(cases: tuple[Case, ...], command: Command) -> list[Case]:

@@ -1,0 +1,117 @@
+"""docs/accuracy.md from the JSON: no figure is typed by hand."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from benchmarks.cases.catalogue import CASES
+
+_INTRODUCTION = """# Accuracy
+
+Made by `{command}`; every figure below is in [{name}]({name_link}).
+Machine: {machine}. {versions}. Revision {git_revision}, load at the start {load}.
+
+## Cases with exact answers
+
+Each case is one object in `benchmarks/cases/` (set-up, exact answer, bar, source), and the same object is a test in
+`tests/verification/`. float32, MLS-MPM stress, APIC; wall time warm, compilation apart.
+
+| case | what moves, what is measured | cells | particles | error | bar | wall [s] | compile [s] |
+|---|---|---|---|---|---|---|---|
+"""
+
+_WORK = """
+## Error against wall time
+
+The step is given as a share of the isolated particle's bound (docs of `mpm.timestep`), or as the fixed 2e-4 s that is
+customary in PhysGaussian scenes. "signal (rms)" is the deviation of the whole motion from the exact one over two
+periods, damping included. Peers run the same particles on the same grid in the same process tree: {peers}.
+
+![Error over wall time]({plot})
+
+| case | code | numerics | cells | steps | dt / bound | {error} | wall [s] | compile [s] |
+|---|---|---|---|---|---|---|---|---|
+"""
+
+
+def document(
+    result: dict, json_path: Path, plot_path: Path | None, primary: dict[str, str], target: Path
+) -> str:
+    """The text of docs/accuracy.md."""
+    versions = ", ".join(f"{name} {number}" for name, number in result["versions"].items())
+    text = _INTRODUCTION.format(
+        command=result["command"],
+        name=json_path.name,
+        name_link=_relative(json_path, target),
+        machine=result["machine"],
+        versions=versions,
+        git_revision=result["git_revision"],
+        load=", ".join(str(load) for load in result["load_average"]),
+    )
+    titles = {case.name: case.title for case in CASES}
+    for row in result["verification"]:
+        text += _verified(row, titles.get(row["case"], ""))
+    outside = [row for row in result["verification"] if not row["within"]]
+    text += "\nEvery case is within its bars.\n" if not outside else _outside(outside)
+    if result["work_precision"]:
+        peers = "; ".join(f"{name}: {words}" for name, words in result["peers"].items())
+        plot = _relative(plot_path, target) if plot_path else ""
+        text += _WORK.format(peers=peers, plot=plot, error="error")
+        for row in result["work_precision"]:
+            text += _studied(row, primary[row["case"]])
+        text += _findings(result["work_precision"], primary)
+    return text
+
+
+def _verified(row: dict, title: str) -> str:
+    names = list(row["bars"]) or list(row["errors"])
+    errors = "<br>".join(f"{name}: {row['errors'][name]:.3g}" for name in names if name in row["errors"])
+    bars = "<br>".join(f"{row['bars'][name]:.3g}" for name in names if name in row["bars"])
+    return (
+        f"| {row['case']} | {title} | {row['resolution']} | {row['particles']} | {row['failed'] or errors} "
+        f"| {bars} | {_number(row['wall'])} | {_number(row['compile'])} |\n"
+    )
+
+
+def _outside(rows: list[dict]) -> str:
+    lines = [f"- **{row['case']}**: {row['failed'] or 'outside its bar'}" for row in rows]
+    return "\nOutside their bars:\n\n" + "\n".join(lines) + "\n"
+
+
+def _studied(row: dict, primary: str) -> str:
+    error = f"{row['errors'][primary]:.3g}" if primary in row["errors"] else row["failed"]
+    label = f"**{row['label']}** (reference)" if row["reference"] else row["label"]
+    return (
+        f"| {row['case']} | {row['code']} | {label} | {row['resolution']} | {row['steps']} "
+        f"| {_number(row['dt_over_bound'])} | {error} | {_number(row['wall'])} | {_number(row['compile'])} |\n"
+    )
+
+
+def _findings(rows: list[dict], primary: dict[str, str]) -> str:
+    """What the near-bound step gains over the fixed one, and over each peer, case by case."""
+    text = "\nAt the finest grid of each case, relative to our own step at 0.9 of the bound:\n\n"
+    text += "| case | against | time ratio | error ratio |\n|---|---|---|---|\n"
+    for case in dict.fromkeys(row["case"] for row in rows):
+        mine = [row for row in rows if row["case"] == case and primary[case] in row["errors"]]
+        best = [row for row in mine if row["code"] == "ours" and row["label"] == "0.9 x bound"]
+        if not best:
+            continue
+        base = max(best, key=lambda row: row["resolution"])
+        for row in mine:
+            if row["resolution"] != base["resolution"] or row is base:
+                continue
+            if row["code"] == "ours" and not row["reference"]:
+                continue
+            time = row["wall"] / base["wall"]
+            error = abs(row["errors"][primary[case]] / base["errors"][primary[case]])
+            text += f"| {case} | {row['code']}, {row['label']} | {time:.3g} | {error:.3g} |\n"
+    return text
+
+
+def _number(value: float | None) -> str:
+    return "" if value is None else f"{value:.3g}"
+
+
+def _relative(path: Path, target: Path) -> str:
+    return Path(os.path.relpath(path.resolve(), target.resolve().parent)).as_posix()
