@@ -1,12 +1,24 @@
 """Differentiable Material Point Method: `step(model, state) -> state`, driven by `simulate` and `rollout`."""
 
+from physagent_jax.mpm.boundaries import Box as Box
 from physagent_jax.mpm.boundaries import Contact as Contact
 from physagent_jax.mpm.boundaries import Cuboid as Cuboid
 from physagent_jax.mpm.boundaries import DomainBox as DomainBox
 from physagent_jax.mpm.boundaries import HalfSpace as HalfSpace
+from physagent_jax.mpm.boundaries import SignedDistance as SignedDistance
+from physagent_jax.mpm.boundaries import Sphere as Sphere
 from physagent_jax.mpm.constraints import PrescribedMotion as PrescribedMotion
+from physagent_jax.mpm.constraints import RigidBody as RigidBody
+from physagent_jax.mpm.materials import DruckerPrager as DruckerPrager
 from physagent_jax.mpm.materials import FixedCorotated as FixedCorotated
+from physagent_jax.mpm.materials import Fluid as Fluid
+from physagent_jax.mpm.materials import Hencky as Hencky
 from physagent_jax.mpm.materials import NeoHookean as NeoHookean
+from physagent_jax.mpm.materials import Plasticine as Plasticine
+from physagent_jax.mpm.materials import Rigid as Rigid
+from physagent_jax.mpm.materials import Snow as Snow
+from physagent_jax.mpm.materials import Viscoplastic as Viscoplastic
+from physagent_jax.mpm.materials import VonMises as VonMises
 from physagent_jax.mpm.materials import lame_parameters as lame_parameters
 from physagent_jax.mpm.rollout import Frame as Frame
 from physagent_jax.mpm.rollout import rollout as rollout

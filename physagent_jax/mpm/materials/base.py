@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Protocol
 
 import jax
-import jax.numpy as jnp
+
+from physagent_jax.mpm.linalg import singular_values
 
 History = jax.Array | tuple[()]
 """What a material remembers of the past: one number per particle, shape (n,), or () for none."""
@@ -77,5 +78,5 @@ def lame_parameters(youngs_modulus, poissons_ratio):
 
 
 def principal_stretches_squared(F: jax.Array) -> jax.Array:
-    """Eigenvalues of F^T F, ascending, shape (n, 3). For time-step control, not for the inner loop."""
-    return jnp.linalg.eigvalsh(jnp.swapaxes(F, -1, -2) @ F)
+    """Eigenvalues of F^T F, descending, shape (n, 3). For time-step control, not for the inner loop."""
+    return singular_values(F) ** 2

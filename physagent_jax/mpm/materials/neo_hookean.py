@@ -40,4 +40,4 @@ class NeoHookean(Hyperelastic):
 
     def stiffness(self, F: jax.Array, history: History = ()) -> jax.Array:
         """Since d tau_i / d ln lambda_j = 2 mu lambda_i^2 delta_ij + lam, so at most 2 mu max(lambda^2) + 3 lam."""
-        return 2 * self.mu * principal_stretches_squared(F)[:, 2] + 3 * self.lam
+        return 2 * self.mu * principal_stretches_squared(F)[:, 0] + 3 * self.lam

@@ -1,0 +1,192 @@
+"""Functions of a matrix through its singular values, with exact first derivatives.
+
+An isotropic function G(F) = U diag(g(s)) V^T is smooth where g is, also where singular values meet and
+the factors U and V are arbitrary. With A = U^T dF V and W = U^T dU, writing out F = U diag(s) V^T gives
+
+    ds_i = A_ii,    W_ij = (s_j A_ij + s_i A_ji) / (s_j^2 - s_i^2)                      (i != j)
+
+and the arbitrary factors drop out of
+
+    (U^T dG V)_ij   = (a + b)/2 A_ij + (a - b)/2 A_ji,   a = (g_i - g_j) / (s_i - s_j), b = (g_i + g_j) / (s_i + s_j)
+    (U^T dtau U)_ij = (t_i - t_j) / (s_i^2 - s_j^2) (s_j A_ij + s_i A_ji)   for   tau = U diag(t(s)) U^T.
+
+Near s_i = s_j the divided differences become the derivatives of the symmetrised difference, whose error is
+of second order in the distance: a = (d_i - d_j)(g_i - g_j) / 2, and likewise near s_i = -s_j.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.mpm.linalg.algebra import matmul, transpose
+from physagent_jax.mpm.linalg.svd import svd
+
+
+class Principal(NamedTuple):
+    """What a function of the singular values returns, and `spectral` turns into matrices.
+
+    Attributes:
+        two_point: g, shape (n, 3), for U diag(g) V^T (as F); None = not wanted.
+        spatial: t, shape (n, 3), for U diag(t) U^T (as a stress); None = not wanted.
+        scalar: Any pytree of arrays of shape (n,), returned as it is.
+    """
+
+    two_point: Any = None
+    spatial: Any = None
+    scalar: Any = None
+
+
+@partial(jax.custom_jvp, nondiff_argnums=(0,))
+def spectral(function: Callable[[jax.Array, Any], Principal], F: jax.Array, parameters: Any) -> Principal:
+    """Evaluates ``function(s, parameters)`` at the singular values of F, and sets its results in F's frames.
+
+    All results share one SVD. First derivatives with respect to F and the parameters are exact in both
+    modes; second derivatives raise.
+
+    Args:
+        function: Maps s, shape (n, 3), and the parameters to a `Principal`, row by row. Exchanging two
+            singular values must exchange the two results. Must not close over traced arrays.
+        F: Shape (n, 3, 3); s carries the sign of det F on its last entry (`svd`).
+        parameters: Any pytree whose arrays have one entry per particle, or none.
+
+    Returns:
+        `Principal` with (n, 3, 3) matrices for ``two_point`` and ``spatial``.
+    """
+    U, s, V = svd(F)
+    return _in_frames(function(s, parameters), U, V)
+
+
+@spectral.defjvp
+def _spectral_jvp(function, primals, tangents):
+    (F, parameters), (dF, dparameters) = primals, tangents
+    U, s, V = svd(F)
+    A = matmul(matmul(transpose(U), dF), V)
+    ds = jnp.stack([A[..., i, i] for i in range(3)], -1)
+    values, changes = jax.jvp(function, (s, parameters), (ds, dparameters))
+
+    _, rates = jax.linearize(lambda s: function(s, parameters)[:2], s)
+
+    def along(j):
+        return rates(jnp.zeros_like(s).at[..., j].set(1))
+
+    columns = [along(j) for j in range(3)]
+    two_point = spatial = None
+    if values.two_point is not None:
+        jacobian = jnp.stack([column[0] for column in columns], -1)
+        local = _two_point_tangent(s, values.two_point, changes.two_point, jacobian, A)
+        two_point = matmul(matmul(U, local), transpose(V))
+    if values.spatial is not None:
+        jacobian = jnp.stack([column[1] for column in columns], -1)
+        local = _spatial_tangent(s, values.spatial, changes.spatial, jacobian, A)
+        spatial = matmul(matmul(U, local), transpose(U))
+    return _in_frames(values, U, V), Principal(two_point, spatial, changes.scalar)
+
+
+def isotropic(function: Callable[[jax.Array, Any], jax.Array], F: jax.Array, parameters: Any) -> jax.Array:
+    """G(F) = U diag(g(s, parameters)) V^T with exact derivatives; see `spectral`.
+
+    Args:
+        function: g, from s of shape (n, 3) and the parameters to shape (n, 3), symmetric in s.
+        F: Shape (n, 3, 3).
+        parameters: Any pytree whose arrays have one entry per particle, or none.
+    """
+    return spectral(lambda s, p: Principal(two_point=function(s, p)), F, parameters).two_point
+
+
+@jax.custom_jvp
+def singular_values(F: jax.Array) -> jax.Array:
+    """Singular values, shape (..., 3), |s| descending, with the sign of det F on the last.
+
+    Their derivative ds_i = (U^T dF V)_ii is that of the sorted values; where two are equal, only symmetric
+    functions of them are differentiable.
+    """
+    return svd(F)[1]
+
+
+@singular_values.defjvp
+def _singular_values_jvp(primals, tangents):
+    (F,), (dF,) = primals, tangents
+    U, s, V = svd(F)
+    return s, (U * matmul(dF, V)).sum(-2)
+
+
+def _in_frames(values: Principal, U: jax.Array, V: jax.Array) -> Principal:
+    def between(diagonal, right):
+        return None if diagonal is None else matmul(U * diagonal[..., None, :], transpose(right))
+
+    return Principal(between(values.two_point, V), between(values.spatial, U), values.scalar)
+
+
+def _two_point_tangent(s, g, dg, jacobian, A):
+    entries: list[list[Any]] = [[dg[..., i] if i == j else None for j in range(3)] for i in range(3)]
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        pair = _Pair(s, i, j)
+        a = pair.over_difference(g[..., i] - g[..., j], jacobian)
+        b = pair.over_sum(g[..., i] + g[..., j], jacobian)
+        even, odd = (a + b) / 2, (a - b) / 2
+        entries[i][j] = even * A[..., i, j] + odd * A[..., j, i]
+        entries[j][i] = even * A[..., j, i] + odd * A[..., i, j]
+    return jnp.stack([jnp.stack(row, -1) for row in entries], -2)
+
+
+def _spatial_tangent(s, t, dt, jacobian, A):
+    entries: list[list[Any]] = [[dt[..., i] if i == j else None for j in range(3)] for i in range(3)]
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        pair = _Pair(s, i, j)
+        c = pair.over_square_difference(t[..., i] - t[..., j], jacobian)
+        entries[i][j] = entries[j][i] = c * (s[..., j] * A[..., i, j] + s[..., i] * A[..., j, i])
+    return jnp.stack([jnp.stack(row, -1) for row in entries], -2)
+
+
+class _Pair:
+    """Divided differences over the singular values i and j, with their limits.
+
+    "Near" is relative to the two values, so that a pair of small ones is treated as any other. The
+    tolerance balances the limit's error, its square, against the round-off of the difference.
+    """
+
+    def __init__(self, s, i, j):
+        self.i, self.j = i, j
+        self.difference, self.sum = s[..., i] - s[..., j], s[..., i] + s[..., j]
+        near = jnp.finfo(s.dtype).eps ** (1 / 3) * (jnp.abs(s[..., i]) + jnp.abs(s[..., j]))
+        self.equal = jnp.abs(self.difference) <= near
+        self.opposite = jnp.abs(self.sum) <= near
+
+    def over_difference(self, numerator, jacobian):
+        """(g_i - g_j) / (s_i - s_j)."""
+        return jnp.where(self.equal, self._at_equal(jacobian), numerator / self._safe_difference())
+
+    def over_sum(self, numerator, jacobian):
+        """(g_i + g_j) / (s_i + s_j)."""
+        i, j = self.i, self.j
+        limit = (jacobian[..., i, i] + jacobian[..., j, i] + jacobian[..., i, j] + jacobian[..., j, j]) / 2
+        return jnp.where(self.opposite, limit, numerator / self._safe_sum())
+
+    def over_square_difference(self, numerator, jacobian):
+        """(t_i - t_j) / (s_i^2 - s_j^2); zero for a pair of zeros, where tau's derivative vanishes with s."""
+        i, j = self.i, self.j
+        at_opposite = (
+            jacobian[..., i, i] - jacobian[..., j, i] + jacobian[..., i, j] - jacobian[..., j, j]
+        ) / 2
+        difference, total = self._safe_difference(), self._safe_sum()
+        inside = jnp.where(
+            self.equal,
+            self._at_equal(jacobian) / total,
+            jnp.where(self.opposite, at_opposite / difference, numerator / (difference * total)),
+        )
+        return jnp.where(self.equal & self.opposite, 0, inside)
+
+    def _at_equal(self, jacobian):
+        i, j = self.i, self.j
+        return (jacobian[..., i, i] - jacobian[..., i, j] + jacobian[..., j, j] - jacobian[..., j, i]) / 2
+
+    def _safe_difference(self):
+        return jnp.where(self.equal, 1, self.difference)
+
+    def _safe_sum(self):
+        return jnp.where(self.opposite, 1, self.sum)

@@ -1,0 +1,75 @@
+"""Drucker-Prager sand."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.mpm.materials.base import History
+from physagent_jax.mpm.materials.hencky import HenckyElasticity, deviator, relative_excess, return_mapping
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class DruckerPrager(HenckyElasticity):
+    """Hencky elasticity in a Drucker-Prager cone  (Klar et al. 2016), with cohesion and volume correction.
+
+    Yields when |dev tau| + alpha tr(tau) exceeds k, where
+
+        alpha = sqrt(2/3) 2 sin(phi) / (3 - sin(phi)),    k = sqrt(2/3) 6 c cos(phi) / (3 - sin(phi))
+
+    make the cone pass through Mohr-Coulomb's triaxial compression, p1 (1 - sin phi) = p3 (1 + sin phi) +
+    2 c cos(phi): put tau = -diag(p1, p3, p3) into the yield function. Flow keeps the volume (non-associated,
+    no dilation). Beyond the apex tr(tau) = k / alpha the stress stays there: cohesionless sand is free of
+    stress under tension.
+
+    The volume gained at the apex would come back as pressure on recompression. The history v_c remembers it
+    and is used up before pressure builds (Tampubolon et al. 2017): tr(eps) + v_c is conserved by the return.
+    It never adds tension, which with cohesion would create energy.
+
+    phi = 0 with cohesion has no apex (Tresca's circumscribed circle, |dev tau| <= 2 sqrt(2/3) c); without
+    cohesion either, only pressure is left.
+
+    Attributes:
+        mu, lam: Lame parameters [Pa], shape (n,).
+        friction_angle: phi in [0, pi/2) [rad], shape (n,).
+        cohesion: c >= 0 [Pa], shape (n,).
+    """
+
+    mu: jax.Array
+    lam: jax.Array
+    friction_angle: jax.Array
+    cohesion: jax.Array
+
+    def initial_history(self) -> History:
+        """No volume to give back."""
+        return jnp.zeros_like(self.friction_angle)
+
+    def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
+        """Return to the cone along the deviator, or to its apex; the history is the volume correction v_c."""
+        del dt
+        return return_mapping(_cone_return, F, (self, history))
+
+
+def _cone_return(eps: jax.Array, parameters: tuple[DruckerPrager, jax.Array]) -> tuple[jax.Array, jax.Array]:
+    material, correction = parameters
+    mu, bulk = material.mu, 3 * material.lam + 2 * material.mu  # tr(tau) = bulk tr(eps)
+    sine = jnp.sin(material.friction_angle)
+    alpha = math.sqrt(2 / 3) * 2 * sine / (3 - sine)
+    k = math.sqrt(2 / 3) * 6 * material.cohesion * jnp.cos(material.friction_angle) / (3 - sine)
+    deviation, norm = deviator(eps)
+    trace = eps.sum(-1)
+
+    beyond_apex = (k < alpha * bulk * trace) | ((k <= 0) & (trace > 0))
+    has_apex = alpha > 0
+    apex = jnp.where(has_apex, k / jnp.where(has_apex, alpha * bulk, 1), 0)
+    compression = jnp.where(trace < 0, -trace, 0)
+    closing = jnp.where(compression < correction, compression, correction)
+    opening = jnp.where(beyond_apex, trace - apex, -closing)
+
+    strength = jnp.where(beyond_apex, 0, k - alpha * bulk * (trace - opening))
+    change = -deviation * relative_excess(2 * mu * norm, strength)[..., None]
+    return change - (opening / 3)[..., None], correction + opening

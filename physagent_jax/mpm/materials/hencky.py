@@ -1,0 +1,100 @@
+"""Hencky (logarithmic strain) solid, and what the plastic laws built on it share."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.mpm.linalg import Principal, spectral
+from physagent_jax.mpm.materials.base import History, Hyperelastic
+
+
+class HenckyElasticity(Hyperelastic):
+    """psi = mu sum eps_i^2 + lam/2 (sum eps_i)^2 with eps = ln s, the logarithmic principal stretches.
+
+    tau = U diag(2 mu eps + lam tr(eps)) U^T. The elastic part of `Hencky` and of the plastic laws.
+    """
+
+    mu: jax.Array
+    lam: jax.Array
+
+    def energy(self, F: jax.Array, history: History = ()) -> jax.Array:
+        """Strain energy per rest volume [J/m^3], shape (n,)."""
+        return spectral(_energy, F, (self.mu, self.lam)).scalar
+
+    def stress(self, F: jax.Array, history: History = ()) -> jax.Array:
+        """Kirchhoff stress [Pa], shape (n, 3, 3)."""
+        return spectral(_stress, F, (self.mu, self.lam)).spatial
+
+    def stiffness(self, F: jax.Array, history: History = ()) -> jax.Array:
+        """Since d tau_i / d eps_j = 2 mu delta_ij + lam at every strain: 2 mu + 3 lam, or 2 mu for lam < 0."""
+        return 2 * self.mu + 3 * jnp.maximum(self.lam, 0)
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Hencky(HenckyElasticity):
+    """StVK-Hencky solid: psi = mu sum (ln s_i)^2 + lam/2 (ln J)^2  (Hencky 1928; Klar et al. 2016, eq. 26).
+
+    tau = U diag(2 mu ln s + lam ln J) U^T. Its tangent in the logarithmic strain is constant, so that the
+    stable time step does not depend on the deformation. For J <= 0 energy and stress are not finite.
+
+    Attributes:
+        mu, lam: Lame parameters [Pa], shape (n,).
+    """
+
+    mu: jax.Array
+    lam: jax.Array
+
+
+def return_mapping(
+    correction: Callable[[jax.Array, Any], tuple[jax.Array, History]], F: jax.Array, parameters: Any
+) -> tuple[jax.Array, History]:
+    """Changes the logarithmic strains of a trial F, leaving its principal directions.
+
+    F + U diag(s (exp(d eps) - 1)) V^T rather than U diag(s exp(d eps)) V^T: where nothing flows F is
+    returned to the last bit, and where little does the round-off is small in proportion.
+
+    Args:
+        correction: ``(eps, parameters) -> (d eps, history)``, shapes (n, 3) and (n,); symmetric in eps.
+        F: Trial deformation gradients, shape (n, 3, 3). Not finite after it where det F <= 0.
+        parameters: What ``correction`` needs, arrays with one entry per particle.
+    """
+
+    def principal(s, parameters):
+        change, history = correction(jnp.log(s), parameters)
+        return Principal(two_point=s * jnp.expm1(change), scalar=history)
+
+    result = spectral(principal, F, parameters)
+    return F + result.two_point, result.scalar
+
+
+def deviator(eps: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Deviator eps - tr(eps)/3 and its norm, shapes (n, 3) and (n,); the norm's derivative at zero is zero."""
+    deviation = eps - eps.sum(-1, keepdims=True) / 3
+    square = (deviation**2).sum(-1)
+    positive = square > 0
+    return deviation, jnp.where(positive, jnp.sqrt(jnp.where(positive, square, 1)), 0)
+
+
+def relative_excess(norm: jax.Array, bound: jax.Array) -> jax.Array:
+    """(norm - bound) / norm where positive, else 0; 1 for a bound of zero, whatever the norm. Shape (n,)."""
+    beyond = norm > bound
+    excess = jnp.where(beyond, norm - bound, 0) / jnp.where(beyond & (norm > 0), norm, 1)
+    return jnp.where(bound > 0, excess, 1)
+
+
+def _energy(s: jax.Array, parameters: tuple[jax.Array, jax.Array]) -> Principal:
+    mu, lam = parameters
+    eps = jnp.log(s)
+    return Principal(scalar=mu * (eps**2).sum(-1) + 0.5 * lam * eps.sum(-1) ** 2)
+
+
+def _stress(s: jax.Array, parameters: tuple[jax.Array, jax.Array]) -> Principal:
+    mu, lam = parameters
+    eps = jnp.log(s)
+    return Principal(spatial=2 * mu[..., None] * eps + (lam * eps.sum(-1))[..., None])

@@ -1,0 +1,53 @@
+"""Viscoplastic foam."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.mpm.materials.base import History
+from physagent_jax.mpm.materials.hencky import HenckyElasticity, deviator, relative_excess, return_mapping
+
+_LONGEST_RELAXATION = 50.0  # relaxation times in a step; exp(-50) is below double precision
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Viscoplastic(HenckyElasticity):
+    """Hencky elasticity with Perzyna overstress  (Simo & Hughes 1998, sec. 2.7; foam of Yue et al. 2015).
+
+    Above the yield surface, |dev tau| = sqrt(2/3) sigma_y, the excess flows off at the rate
+    d eps_plastic / dt = excess / eta along dev tau. For a strain that is held, the excess decays exactly as
+    exp(-2 mu t / eta); a step applies that decay to the trial state. The volume is elastic.
+
+    eta -> 0 gives the rate-independent return of `VonMises` without hardening, and eta = inf elasticity.
+    PhysGaussian's foam has the same sigma_y (it includes the factor sqrt(2/3)) and the same eta, with the
+    decay 1 / (1 + 2 mu dt / eta) of a backward Euler step.
+
+    Attributes:
+        mu, lam: Lame parameters [Pa], shape (n,).
+        yield_stress: Uniaxial yield stress sigma_y >= 0 [Pa], shape (n,).
+        plastic_viscosity: eta >= 0 [Pa s], shape (n,).
+    """
+
+    mu: jax.Array
+    lam: jax.Array
+    yield_stress: jax.Array
+    plastic_viscosity: jax.Array
+
+    def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
+        """Relaxation of the overstress over ``dt`` [s]."""
+        return return_mapping(_relaxation, F, (self, history, dt))
+
+
+def _relaxation(eps: jax.Array, parameters: tuple[Viscoplastic, History, jax.Array]):
+    material, history, dt = parameters
+    viscosity, rate = material.plastic_viscosity, 2 * material.mu * dt
+    viscous = viscosity * _LONGEST_RELAXATION > rate
+    relaxed = jnp.where(viscous, -jnp.expm1(-rate / jnp.where(viscous, viscosity, 1)), 1)
+    deviation, norm = deviator(eps)
+    excess = relative_excess(2 * material.mu * norm, math.sqrt(2 / 3) * material.yield_stress)
+    return -deviation * (excess * relaxed)[..., None], history
