@@ -5,9 +5,8 @@ With E = `energy.total_energy`, over a frame
     E(end) - E(start) = force_work + boundary_work - plastic_dissipation - viscous_dissipation - numerical_loss
     P(end) - P(start) = force_impulse + boundary_impulse
 
-The numerical loss is what remains. APIC loses energy in every transfer, most at short wavelengths, and matter that
-meets a wall loses its velocity towards it at once; a loss below zero by more than round-off means instability.
-The momentum balance is exact to round-off.
+The numerical loss is what remains. APIC loses energy in every transfer, most at short wavelengths; a loss below zero
+by more than the error of the time integration means instability. The momentum balance is exact to round-off.
 """
 
 from __future__ import annotations
@@ -18,8 +17,10 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.mpm.energy import kinetic_energy, total_energy
+from physagent_jax.mpm.linalg import cofactor, determinant, matmul, transpose
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.step import Trace, body_gradient, external_acceleration, per_material, viscous_stress
+from physagent_jax.mpm.step import Trace, damped_affine, grid_velocity, per_material, scatter, viscous_stress
+from physagent_jax.mpm.transfer import stencil
 
 
 @jax.tree_util.register_dataclass
@@ -29,12 +30,12 @@ class Exchange:
 
     Attributes:
         force_work: By body forces other than gravity [J].
-        boundary_work: By walls, obstacles and prescribed motions (friction: negative) [J].
-        plastic_dissipation: Strain energy given up by return mappings [J].
+        boundary_work: By walls, obstacles, prescribed motions and the drag of `Model.damping_rate` [J].
+        plastic_dissipation: By return mappings: stress times plastic strain [J].
         viscous_dissipation: By viscosity [J].
         numerical_loss: What closes the balance [J]; known per frame only, zero for a substep.
         force_impulse: By gravity and body forces [kg m/s].
-        boundary_impulse: By walls, obstacles and prescribed motions [kg m/s].
+        boundary_impulse: By walls, obstacles, prescribed motions and that drag [kg m/s].
     """
 
     force_work: jax.Array
@@ -56,25 +57,35 @@ class Exchange:
 
 
 def exchange(model: Model, before: State, trace: Trace, after: State) -> Exchange:
-    """The exchange of one substep, from its `step.Trace`."""
-    held = kinetic_energy(model, trace.held) - kinetic_energy(model, trace.pushed)
-    placed = kinetic_energy(model, after) - kinetic_energy(model, trace.gathered)
-    # A wall works on what moves along it or with it: impulse times the velocity after. The mean of before and
-    # after would book the stress's push into a resting wall, and the wall's answer, as work.
+    """The exchange of one substep, from its `step.Trace`.
+
+    Within a step all impulses (stress, forces, walls) act together, and each works on the mean of the velocities
+    before and after all of them. Work booked on any other velocity would leave a remainder for every pair of
+    impulses that cancel, such as a pull and the stress that balances it, or a weight and the floor under it.
+    """
+    begun = dataclasses.replace(before, C=damped_affine(model, before.C))
+    gathered, pushed = trace.gathered, trace.pushed
+    weightless = pushed
+    if model.gravity is not None:  # its work is in the potential
+        weightless = dataclasses.replace(pushed, v=pushed.v - model.dt * model.gravity)
+    nodes = scatter(model, stencil(before.x, model.grid), begun, jnp.zeros_like(before.F))
+    begun_on_grid = grid_velocity(model, nodes)
     kick = trace.node_mass[..., None] * (trace.velocity - trace.free)
-    met = (kick * trace.velocity).sum()
+    met = 0.5 * (kick * (begun_on_grid + trace.velocity)).sum()
+    held = _work(model, begun, gathered, pushed, trace.held)
+    placed = kinetic_energy(model, after) - kinetic_energy(model, gathered)
     kicks = (
         kick.sum((0, 1, 2))
-        + _momentum_change(model, trace.pushed, trace.held)
-        + _momentum_change(model, trace.gathered, after)
+        + _momentum_change(model, pushed, trace.held)
+        + _momentum_change(model, gathered, after)
     )
     return Exchange(
-        force_work=_force_work(model, before, trace.pushed),
+        force_work=_work(model, begun, gathered, begun, weightless),
         boundary_work=held + met + placed,
         plastic_dissipation=_plastic(model, before, trace),
         viscous_dissipation=_viscous(model, before, trace),
         numerical_loss=jnp.zeros((), before.x.dtype),
-        force_impulse=_momentum_change(model, before, trace.pushed),
+        force_impulse=_momentum_change(model, before, pushed),
         boundary_impulse=kicks,
     )
 
@@ -86,32 +97,42 @@ def balanced(model: Model, start: State, end: State, total: Exchange) -> Exchang
     return dataclasses.replace(total, numerical_loss=loss)
 
 
+def _work(model: Model, begun: State, gathered: State, one: State, other: State) -> jax.Array:
+    """Of the impulses that take ``one`` to ``other``, in a step from ``begun`` to ``gathered``; C included."""
+    v = (other.v - one.v) * 0.5 * (begun.v + gathered.v)
+    C = (other.C - one.C) * 0.5 * (begun.C + gathered.C)
+    return (model.mass * (v.sum(-1) + (model.grid.dx**2 / 4) * C.sum((-1, -2)))).sum()
+
+
 def _momentum_change(model: Model, one: State, other: State) -> jax.Array:
     return (model.mass[:, None] * (other.v - one.v)).sum(0)
 
 
-def _force_work(model: Model, before: State, pushed: State) -> jax.Array:
-    """The sum of dt a . v at mid-step, and its counterpart for the field's gradient and C."""
-    if not model.forces:
-        return jnp.zeros((), before.x.dtype)
-    middle = 0.5 * (before.v + pushed.v)
-    work = (model.mass[:, None] * external_acceleration(model, before) * middle).sum()
-    rate = body_gradient(model, before) * (pushed.C - 0.5 * model.dt * body_gradient(model, before))
-    return model.dt * (work + (model.grid.dx**2 / 4) * (model.mass[:, None, None] * rate).sum())
-
-
 def _plastic(model: Model, before: State, trace: Trace) -> jax.Array:
-    """Strain energy before less after the return mapping; the history is part of the state after."""
-    trial = dataclasses.replace(trace.gathered, F=trace.trial, history=before.history)
+    """Mean stress of the step times the plastic strain, and the energy that the changed history sets free.
 
-    def density(state):
+    Not the energy that the return mapping takes off the trial state: nobody has put in the part of that which is
+    beyond the yield surface. Torn sand, free of stress and of energy, would dissipate for ever.
+    """
+
+    def stress(state: State) -> jax.Array:
+        return per_material(model, state, lambda material, F, history: material.stress(F, history))
+
+    def density(state: State) -> jax.Array:
         return per_material(model, state, lambda material, F, history: material.energy(F, history))
 
-    return (model.volume * (density(trial) - density(trace.gathered))).sum()
+    end = trace.gathered
+    inverse = transpose(cofactor(end.F)) / determinant(end.F)[:, None, None]
+    strain = matmul(trace.trial - end.F, inverse)
+    dissipated = 0.5 * ((stress(before) + stress(end)) * strain).sum((-1, -2))
+    if jax.tree.leaves(end.history):
+        dissipated = dissipated + density(dataclasses.replace(end, history=before.history)) - density(end)
+    return (model.volume * dissipated).sum()
 
 
 def _viscous(model: Model, before: State, trace: Trace) -> jax.Array:
     if model.viscosity is None:
         return jnp.zeros((), before.x.dtype)
-    tau = viscous_stress(model.viscosity, before.F, trace.strain_rate)
-    return model.dt * (model.volume[:, None, None] * tau * trace.gathered.C).sum()
+    end = trace.gathered
+    tau = viscous_stress(model.viscosity, before.F, before.C) + viscous_stress(model.viscosity, end.F, end.C)
+    return 0.5 * model.dt * (model.volume[:, None, None] * tau * end.C).sum()

@@ -31,11 +31,10 @@ class Trace:
         pushed: Particles after body forces.
         held: Particles after body forces and constraints, as P2G sees them.
         node_mass: [kg], shape (nx, ny, nz).
-        free: Node velocities before boundaries [m/s], shape (nx, ny, nz, 3).
+        free: Node velocities before damping and boundaries [m/s], shape (nx, ny, nz, 3).
         velocity: Node velocities after boundaries and constraints [m/s], same shape.
         gathered: Particles after G2P and return mapping, before constraints.
         trial: F before the return mapping, shape (n, 3, 3).
-        strain_rate: The velocity gradient that viscosity acted on [1/s], shape (n, 3, 3).
     """
 
     pushed: State
@@ -45,7 +44,6 @@ class Trace:
     velocity: jax.Array
     gathered: State
     trial: jax.Array
-    strain_rate: jax.Array
 
 
 def substep(model: Model, state: State) -> tuple[State, Trace]:
@@ -54,7 +52,7 @@ def substep(model: Model, state: State) -> tuple[State, Trace]:
     with jax.named_scope("forces"):
         C = damped_affine(model, state.C) + dt * body_gradient(model, state)
         pushed = dataclasses.replace(state, v=state.v + dt * body_acceleration(model, state), C=C)
-        held = constraints.before_p2g(model.constraints, pushed)
+        held = constraints.before_p2g(model, pushed)
     with jax.named_scope("stress"):
         tau = kirchhoff_stress(model, state)
     with jax.named_scope("p2g"):
@@ -62,13 +60,11 @@ def substep(model: Model, state: State) -> tuple[State, Trace]:
         nodes = scatter(model, s, held, -dt * model.volume[:, None, None] * tau)
     with jax.named_scope("grid_update"):
         node_mass = nodes[..., 3]
-        free = velocity = grid_velocity(model, nodes)
+        free = grid_velocity(model, nodes)
+        velocity = damped(model, free)
         for boundary in model.boundaries:
             velocity = boundary.apply(velocity, grid, state.time)
-        if model.constraints:
-            velocity = constraints.on_grid(
-                model.constraints, velocity, node_mass, s, grid, model.mass, state.time
-            )
+        velocity = constraints.on_grid(model, free, velocity, node_mass, s, state.time)
     with jax.named_scope("g2p"):
         v, C = g2p(s, grid, velocity)
         grad_v = C if model.stress_form == "mls" else velocity_gradient(s, grid, velocity)
@@ -79,9 +75,9 @@ def substep(model: Model, state: State) -> tuple[State, Trace]:
             state, x=state.x + dt * v, v=v, C=C, F=F, history=history, time=state.time + dt
         )
     with jax.named_scope("constraints"):
-        after = constraints.after_g2p(model.constraints, state, gathered, dt)
+        after = constraints.after_g2p(model, state, gathered)
         after = stop_at_walls(model, after)
-    return after, Trace(pushed, held, node_mass, free, velocity, gathered, trial, state.C)
+    return after, Trace(pushed, held, node_mass, free, velocity, gathered, trial)
 
 
 def scatter(model: Model, s: Stencil, held: State, impulse: jax.Array) -> jax.Array:
@@ -173,7 +169,7 @@ def damped_affine(model: Model, C: jax.Array) -> jax.Array:
 
 
 def grid_velocity(model: Model, nodes: jax.Array) -> jax.Array:
-    """Node velocities [m/s] from momentum and mass, damped; empty nodes stay at zero.
+    """Node velocities [m/s] from momentum and mass; empty nodes stay at zero.
 
     A node counts as empty below eps^1.5 of the lightest particle's mass. Every particle's weight there is
     smaller still, so that its velocity would be lost in round-off; but the derivative of momentum / mass
@@ -182,10 +178,12 @@ def grid_velocity(model: Model, nodes: jax.Array) -> jax.Array:
     mass = nodes[..., 3:]
     lightest = jax.lax.stop_gradient(model.mass.min())
     occupied = mass > jnp.finfo(mass.dtype).eps ** 1.5 * lightest
-    velocity = jnp.where(occupied, nodes[..., :3] / jnp.where(occupied, mass, 1.0), 0.0)
-    if model.damping_rate > 0:
-        velocity = velocity * jnp.exp(-model.damping_rate * model.dt)
-    return velocity
+    return jnp.where(occupied, nodes[..., :3] / jnp.where(occupied, mass, 1.0), 0.0)
+
+
+def damped(model: Model, velocity: jax.Array) -> jax.Array:
+    """Node velocities after the global damping of one substep."""
+    return velocity * jnp.exp(-model.damping_rate * model.dt) if model.damping_rate > 0 else velocity
 
 
 def stop_at_walls(model: Model, state: State) -> State:

@@ -8,11 +8,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from physagent_jax.mpm import PrescribedMotion, step
+from physagent_jax.mpm.constraints import rotate
 from tests.mpm.blocks import block
 
 
+@jax.jit
 def run(model, state, steps):
-    return jax.jit(lambda s: jax.lax.fori_loop(0, steps, lambda _, s: step(model, s), s))(state)
+    return jax.lax.fori_loop(0, steps, lambda _, s: step(model, s), state)
 
 
 def motion(particles, velocity=(0, 0, 0), angular=(0, 0, 0), center=(0.5, 0.5, 0.5), start=0.0, end=1e9):
@@ -84,3 +86,80 @@ def test_inactive_constraints_change_nothing(x64):
     state = dataclasses.replace(state, v=0.1 * jnp.sin(9 * state.x))
     late = model.replace(constraints=(motion(np.arange(20), start=5.0),))
     np.testing.assert_allclose(run(late, state, 50).x, run(model, state, 50).x, atol=1e-15)
+
+
+# --- release one after another ------------------------------------------------------------------------
+
+RELEASED_AFTER = np.array([40, 80, 120])  # steps
+GAP = 0.2  # four cells: the layers share no node
+
+
+def three_layers(dt=1e-3, g=2.0):
+    """Three layers that share no node, held by one constraint with a release time per particle."""
+    model, state = block((6, 2, 9), low=(0.3, 0.45, 0.4), dtype=np.float64, dt=dt, gravity=jnp.array([0, 0, -g]))
+    x = np.asarray(state.x)
+    layer = np.round((x[:, 2] - 0.4125) / GAP).astype(int)
+    keep = np.flatnonzero(np.abs(x[:, 2] - 0.4125 - GAP * layer) < 0.03)
+    solid = jax.tree.map(lambda a: a[keep], model.materials[0])
+    model = model.replace(mass=model.mass[keep], volume=model.volume[keep], materials=(solid,))
+    state = dataclasses.replace(state, **{name: getattr(state, name)[keep] for name in ("x", "v", "C", "F")})
+    layer = layer[keep]
+    ends = (RELEASED_AFTER[layer] - 0.5) * dt
+    held = motion(np.arange(len(keep)), end=ends)
+    return model.replace(constraints=(held,)), state, layer
+
+
+def test_each_layer_falls_exactly_from_its_release_on(x64):
+    model, state, layer = three_layers()
+    assert sorted(set(layer)) == [0, 1, 2]
+    end = run(model, state, 160)
+    free_steps = (160 - RELEASED_AFTER)[layer]
+    fall = 2.0 * 1e-3**2 * free_steps * (free_steps + 1) / 2
+    np.testing.assert_allclose(np.asarray(state.x - end.x)[:, 2], fall, atol=1e-12)
+    np.testing.assert_allclose(end.v[:, 2], -2.0 * 1e-3 * free_steps, atol=1e-11)
+    held = run(model, state, 100)  # the last layer is still where it was
+    np.testing.assert_array_equal(held.x[layer == 2], state.x[layer == 2])
+
+
+def test_one_constraint_with_release_times_is_as_good_as_one_per_layer(x64):
+    model, state, layer = three_layers()
+    single = model.constraints[0]
+    split = tuple(
+        motion(np.flatnonzero(layer == i), end=np.asarray(single.end)[layer == i][0]) for i in range(3)
+    )
+    np.testing.assert_allclose(
+        run(model.replace(constraints=split), state, 160).x, run(model, state, 160).x, atol=1e-14
+    )
+
+
+def test_particles_let_go_no_longer_clamp_the_nodes_they_share(x64):
+    """Holding half of a block is the same whether the other half was let go before or never held."""
+    model, state = block(dtype=np.float64, dt=5e-4, gravity=jnp.array([0.0, 0.0, -3.0]))
+    everything, low = np.arange(len(state.x)), np.asarray(state.x)[:, 2] < 0.5
+    released = motion(everything, end=np.where(low, 1e9, 0.0))
+    half = motion(everything[low])
+    ends = [run(model.replace(constraints=(c,)), state, 100) for c in (released, half)]
+    np.testing.assert_allclose(ends[0].x, ends[1].x, atol=1e-15)
+    assert float(jnp.abs(ends[0].x - state.x).max()) > 1e-4  # the upper half did sag
+
+
+# --- rotations ---------------------------------------------------------------------------------------
+
+
+def test_rotations_agree_with_scipy_at_any_angle(x64):
+    x = np.random.default_rng(0).normal(size=(5, 3))
+    for angle in (0.0, 1e-9, 1e-3, 0.00999, 0.01001, 0.5, 3.0, 7.0):
+        vector = angle * np.array([0.6, 0.0, -0.8])
+        np.testing.assert_allclose(
+            rotate(jnp.asarray(x), jnp.asarray(vector)), Rotation.from_rotvec(vector).apply(x), atol=2e-15
+        )
+
+
+def test_a_rotation_of_zero_has_the_derivative_of_a_small_one(x64):
+    x = jnp.array([1.0, 2.0, 3.0])
+    for at in (jnp.zeros(3), jnp.array([0.004, 0.003, -0.005]), jnp.array([0.3, -1.0, 0.2])):
+        derivative = jax.jacfwd(rotate, argnums=1)(x, at)
+        eps = 1e-6
+        for k, unit in enumerate(np.eye(3)):
+            difference = (rotate(x, at + eps * unit) - rotate(x, at - eps * unit)) / (2 * eps)
+            np.testing.assert_allclose(derivative[:, k], difference, atol=1e-8)

@@ -7,14 +7,18 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.mpm.boundaries.box import Box
+from physagent_jax.mpm.boundaries.contact import Contact
+
 
 @jax.tree_util.register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Cuboid:
     """Imposes ``velocity`` on the nodes inside a box, for start <= time < end.
 
-    The box starts at ``point`` at time ``start`` and moves with ``velocity`` until ``end``
-    (PhysGaussian's "cuboid", without its reset of the whole grid outside the window).
+    This is sticky contact with a moving box. It starts at ``point`` at time ``start`` and moves with
+    ``velocity`` until ``end`` (PhysGaussian's "cuboid", without its reset of the whole grid outside the
+    window).
 
     Attributes:
         point: Centre at ``start`` [m], shape (3,).
@@ -31,8 +35,14 @@ class Cuboid:
 
     def apply(self, velocity: jax.Array, grid, time: jax.Array) -> jax.Array:
         """Overwrites the velocities inside the box."""
-        center = self.point + self.velocity * (time - self.start)
-        inside = (self.start <= time) & (time < self.end)
-        for axis, position in enumerate(grid.node_positions(velocity.dtype)):
-            inside = inside & (jnp.abs(position - center[axis]) <= self.half_size[axis])
-        return jnp.where(inside[..., None], self.velocity, velocity)
+        frictionless = jnp.zeros((), velocity.dtype)  # sticky contact has no use for it
+        box = Box(
+            self.point,
+            self.half_size,
+            frictionless,
+            self.start,
+            self.end,
+            Contact.STICKY,
+            velocity=self.velocity,
+        )
+        return box.apply(velocity, grid, time)

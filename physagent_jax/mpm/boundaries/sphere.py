@@ -1,0 +1,47 @@
+"""A ball, or a spherical container."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.mpm.boundaries.contact import Contact, carried, collide, in_window, touching, unit
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Sphere:
+    """A solid ball, or the solid around a spherical hollow; active for start <= time < end.
+
+    Attributes:
+        point: Centre, at ``start`` if it moves [m], shape (3,).
+        radius: [m], scalar.
+        friction: Coulomb coefficient, scalar; used by SEPARATE.
+        start, end: Window of activity [s], scalars.
+        contact: Kind of contact, static.
+        container: Whether matter is inside, and the solid outside, static.
+        velocity: Of the solid [m/s], shape (3,); None = at rest (skipped).
+    """
+
+    point: jax.Array
+    radius: jax.Array
+    friction: jax.Array
+    start: jax.Array
+    end: jax.Array
+    contact: Contact = dataclasses.field(default=Contact.SEPARATE, metadata=dict(static=True))
+    container: bool = dataclasses.field(default=False, metadata=dict(static=True))
+    velocity: jax.Array | None = None
+
+    def apply(self, velocity: jax.Array, grid, time: jax.Array) -> jax.Array:
+        """Velocities after contact with the sphere."""
+        x, y, z = grid.node_positions(velocity.dtype)
+        p = carried(self.point, self.velocity, self.start, time)
+        offset = jnp.stack(jnp.broadcast_arrays(x - p[0], y - p[1], z - p[2]), axis=-1)
+        outwards = unit(offset)
+        distance = (offset * outwards).sum(-1) - self.radius
+        if self.container:
+            distance, outwards = -distance, -outwards
+        inside = touching(distance, grid.dx) & in_window(self.start, self.end, time)
+        return collide(velocity, inside, outwards, self.contact, self.friction, self.velocity)

@@ -1,0 +1,53 @@
+"""What is done to chosen particles within a substep: prescribed motions and rigid bodies.
+
+Each constraint acts at three places, in the order of `Model.constraints`: on the particles before P2G, on the
+grid velocities, and on the particles after G2P. Where two claim the same particles, the later one wins.
+"""
+
+from __future__ import annotations
+
+import jax
+
+from physagent_jax.mpm.constraints.prescribed import PrescribedMotion as PrescribedMotion
+from physagent_jax.mpm.constraints.rigid import RigidBody as RigidBody
+from physagent_jax.mpm.constraints.rotation import rotate as rotate
+from physagent_jax.mpm.state import Model, State
+from physagent_jax.mpm.transfer import Stencil
+
+
+def before_p2g(model: Model, state: State) -> State:
+    """Gives the constrained particles the v and C that P2G is to see."""
+    for constraint in model.constraints:
+        state = constraint.before_p2g(model, state)
+    return state
+
+
+def on_grid(
+    model: Model, free: jax.Array, velocity: jax.Array, node_mass: jax.Array, s: Stencil, time: jax.Array
+) -> jax.Array:
+    """Constrains grid velocities.
+
+    Args:
+        model: Its ``boundaries`` have acted.
+        free: Node velocities before the boundaries [m/s], shape (nx, ny, nz, 3).
+        velocity: The same after them.
+        node_mass: [kg], shape (nx, ny, nz).
+        s: Stencils of all particles.
+        time: At the start of the substep [s].
+    """
+    for constraint in model.constraints:
+        velocity = constraint.on_grid(model, free, velocity, node_mass, s, time)
+    return velocity
+
+
+def after_g2p(model: Model, before: State, after: State) -> State:
+    """Puts the constrained particles where they belong.
+
+    Args:
+        model: Its ``dt`` lies between the two states.
+        before: At the start of the substep.
+        after: As G2P and the return mapping left it.
+    """
+    for constraint in model.constraints:
+        after = constraint.after_g2p(model, before, after)
+    return after

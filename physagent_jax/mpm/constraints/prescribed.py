@@ -1,0 +1,91 @@
+"""Particles whose motion is prescribed: held fixed, translated, or turned about an axis."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.mpm.constraints.rotation import rotate
+from physagent_jax.mpm.linalg import cross, skew
+from physagent_jax.mpm.state import Model, State
+from physagent_jax.mpm.transfer import Stencil, scatter_mass
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class PrescribedMotion:
+    """A rigid velocity field u(x) = velocity + angular_velocity x (x - center) for some particles.
+
+    It acts on the particles before P2G, on the grid nodes that carry mostly their mass (otherwise the free
+    neighbours would drag the shared nodes along, and the clamp would be soft), and on the particles after G2P,
+    so that they follow the prescribed path exactly. With an ``end`` per particle they are let go one by one.
+
+    Attributes:
+        particles: Indices, int32, shape (k,).
+        velocity: [m/s], shape (3,).
+        angular_velocity: [rad/s], shape (3,).
+        center: A point of the axis [m], shape (3,).
+        start, end: Active for start <= time < end [s], scalars or one per particle, shape (k,).
+    """
+
+    particles: jax.Array
+    velocity: jax.Array
+    angular_velocity: jax.Array
+    center: jax.Array
+    start: jax.Array
+    end: jax.Array
+
+    @staticmethod
+    def fixed(particles: jax.Array, dtype=jnp.float32) -> PrescribedMotion:
+        """Holds ``particles`` where they are, for ever."""
+        zero, forever = jnp.zeros(3, dtype), jnp.asarray(jnp.inf, dtype)
+        return PrescribedMotion(particles, zero, zero, zero, jnp.zeros((), dtype), forever)
+
+    def active(self, time: jax.Array) -> jax.Array:
+        """Whether each particle is held at ``time`` [s], shape (k,)."""
+        return jnp.broadcast_to((self.start <= time) & (time < self.end), self.particles.shape)
+
+    def field(self, x: jax.Array) -> jax.Array:
+        """u(x) [m/s], shape (..., 3)."""
+        return self.velocity + cross(jnp.broadcast_to(self.angular_velocity, x.shape), x - self.center)
+
+    def displaced(self, x: jax.Array, dt: jax.Array) -> jax.Array:
+        """Positions after ``dt`` [s]: an exact rotation about the axis and a translation."""
+        return self.center + rotate(x - self.center, self.angular_velocity * dt) + self.velocity * dt
+
+    def before_p2g(self, model: Model, state: State) -> State:
+        """Gives the held particles their velocity and velocity gradient."""
+        del model
+        active, p = self.active(state.time), self.particles
+        v = jnp.where(active[:, None], self.field(state.x[p]), state.v[p])
+        C = jnp.where(active[:, None, None], skew(self.angular_velocity), state.C[p])
+        return dataclasses.replace(state, v=state.v.at[p].set(v), C=state.C.at[p].set(C))
+
+    def on_grid(
+        self,
+        model: Model,
+        free: jax.Array,
+        velocity: jax.Array,
+        node_mass: jax.Array,
+        s: Stencil,
+        time: jax.Array,
+    ) -> jax.Array:
+        """Imposes u on the nodes more than half of whose mass is held."""
+        del free
+        p = self.particles
+        own = jax.tree.map(lambda part: part[p], s)
+        share = scatter_mass(own, model.grid, jnp.where(self.active(time), model.mass[p], 0))
+        held = share > 0.5 * node_mass
+        x, y, z = model.grid.node_positions(velocity.dtype)
+        nodes = jnp.stack(jnp.broadcast_arrays(x, y, z), axis=-1)
+        return jnp.where(held[..., None], self.field(nodes), velocity)
+
+    def after_g2p(self, model: Model, before: State, after: State) -> State:
+        """Puts the held particles exactly where the prescription has them."""
+        active, p = self.active(before.time)[:, None], self.particles
+        target = self.displaced(before.x[p], model.dt)
+        x = jnp.where(active, target, after.x[p])
+        v = jnp.where(active, self.field(target), after.v[p])
+        return dataclasses.replace(after, x=after.x.at[p].set(x), v=after.v.at[p].set(v))

@@ -1,0 +1,188 @@
+"""Particles that move as one rigid body and exchange momentum with everything else through the grid."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.mpm.constraints.rotation import rotate, rotation_matrix
+from physagent_jax.mpm.linalg import cofactor, cross, determinant, matmul, matvec, skew, transpose
+from physagent_jax.mpm.state import Model, State
+from physagent_jax.mpm.transfer import Stencil, scatter_mass
+
+CONTACT_ITERATIONS = 8
+_LEAST_INERTIA = 1e-3  # determinant, over the mass and dx^2; a lone particle's nodes have 1/8
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class RigidMotion:
+    """The rigid motion with the momenta of some masses.
+
+    Attributes:
+        share: Of each point in the mass, shape (k,).
+        r: Points relative to the centre of mass [m], shape (k, 3).
+        center: Centre of mass [m], shape (3,).
+        velocity: Of the centre [m/s], shape (3,).
+        spin: Angular momentum about the centre over the mass and dx^2 [rad/s], shape (3,).
+        inertia: About the centre over the mass and dx^2, shape (3, 3).
+        dx: [m], static.
+    """
+
+    share: jax.Array
+    r: jax.Array
+    center: jax.Array
+    velocity: jax.Array
+    spin: jax.Array
+    inertia: jax.Array
+    dx: float = dataclasses.field(metadata=dict(static=True))
+
+    @staticmethod
+    def of(mass: jax.Array, x: jax.Array, v: jax.Array, dx: float, C: jax.Array | None = None) -> RigidMotion:
+        """The motion of points of ``mass`` (k,) [kg] at ``x`` [m] with ``v`` [m/s], shapes (k, 3).
+
+        With ``C`` [1/s], shape (k, 3, 3), they are APIC particles: each has the angular momentum m dx^2/4
+        axial(C) (Jiang et al. 2015) and the moment of inertia m dx^2/2 about every axis of its own.
+        """
+        total = mass.sum()
+        share = mass / jnp.where(total > 0, total, 1)
+        center = _mean(share, x)
+        r = x - center
+        # In units of dx^2 the inertia is of order one: in single precision its determinant cannot underflow.
+        outer = (share[:, None, None] / dx**2 * r[:, :, None] * r[:, None, :]).sum(0)
+        own = 0.0 if C is None else 0.5
+        inertia = (outer[0, 0] + outer[1, 1] + outer[2, 2] + own) * jnp.eye(3, dtype=x.dtype) - outer
+        spin = _mean(share, cross(r, v)) / dx**2
+        if C is not None:
+            axial = [C[:, 2, 1] - C[:, 1, 2], C[:, 0, 2] - C[:, 2, 0], C[:, 1, 0] - C[:, 0, 1]]
+            spin = spin + _mean(share, jnp.stack(axial, axis=-1)) / 4
+        return RigidMotion(share, r, center, _mean(share, v), spin, inertia, dx)
+
+    def angular_velocity(self, turn: jax.Array | None = None) -> jax.Array:
+        """The angular velocity [rad/s] that has this spin, after the body has turned by ``turn`` (3, 3)."""
+        if turn is None:
+            return self.turned_by(self.spin)
+        return matvec(turn, self.turned_by(matvec(transpose(turn), self.spin)))
+
+    def turned_by(self, spin: jax.Array) -> jax.Array:
+        """Inverse of the inertia times ``spin``, shape (3,); zero for an inertia too small to be inverted."""
+        determinant_ = determinant(self.inertia)
+        firm = determinant_ > _LEAST_INERTIA
+        return jnp.where(firm, matvec(cofactor(self.inertia), spin) / jnp.where(firm, determinant_, 1), 0)
+
+    def firm(self) -> jax.Array:
+        """Whether the inertia can be inverted."""
+        return determinant(self.inertia) > _LEAST_INERTIA
+
+    def field(self, velocity: jax.Array, angular_velocity: jax.Array) -> jax.Array:
+        """V + w x r at the points [m/s], shape (k, 3)."""
+        return velocity + cross(jnp.broadcast_to(angular_velocity, self.r.shape), self.r)
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class RigidBody:
+    """Makes some particles move as one rigid body.
+
+    Before P2G, on the nodes that carry mostly its mass, and after G2P, velocities are replaced by the rigid
+    field of equal linear and angular momentum: what the body gains others lose, exactly. The nodes in between
+    let it rest on soft matter without creeping into it. Against boundaries, which give way to nothing, its rigid
+    motion on those nodes is corrected by descent until no node moves into a solid; every correction is an
+    impulse that the boundaries' own contact law gives, scaled, so that Coulomb's law holds for the whole.
+
+    The body turns by exp(dt w) with w taken half a turn ahead (the explicit midpoint rule for Euler's equations:
+    second order, and exact about a principal axis), and its spin is carried over unchanged: the angular
+    momentum is kept exactly, the energy of a tumbling body to second order. Distances between the particles and
+    F^T F never change but by round-off.
+
+    Attributes:
+        particles: Indices, int32, shape (k,). A body may be a single particle.
+    """
+
+    particles: jax.Array
+
+    def before_p2g(self, model: Model, state: State) -> State:
+        """Replaces v and C by the rigid field of equal momenta."""
+        motion = self._motion(model, state)
+        return self._moving(state, motion, motion.velocity, motion.angular_velocity())
+
+    def on_grid(
+        self,
+        model: Model,
+        free: jax.Array,
+        velocity: jax.Array,
+        node_mass: jax.Array,
+        s: Stencil,
+        time: jax.Array,
+    ) -> jax.Array:
+        """Makes the nodes more than half of whose mass is the body's move rigidly."""
+        grid, p = model.grid, self.particles
+        share = scatter_mass(jax.tree.map(lambda part: part[p], s), grid, model.mass[p])
+        owned = (share > 0.5 * node_mass).ravel()
+        nodes = jnp.stack(jnp.broadcast_arrays(*grid.node_positions(free.dtype)), axis=-1)
+        mass = jnp.where(owned, node_mass.ravel(), 0)
+        motion = RigidMotion.of(mass, nodes.reshape(-1, 3), free.reshape(-1, 3), grid.dx)
+        v, w = motion.velocity, motion.angular_velocity()
+        if model.boundaries:
+            v, w = _met(model, motion, v, w, time)
+        rigid = jnp.where((owned & motion.firm())[:, None], motion.field(v, w), velocity.reshape(-1, 3))
+        return rigid.reshape(velocity.shape)
+
+    def after_g2p(self, model: Model, before: State, after: State) -> State:
+        """Moves the body as a whole, with the momenta that its particles gathered."""
+        p, dt = self.particles, model.dt
+        motion = self._motion(model, dataclasses.replace(after, x=before.x))
+        halfway = rotation_matrix(0.5 * dt * motion.angular_velocity())
+        vector = dt * motion.angular_velocity(halfway)
+        turn, r = rotation_matrix(vector), rotate(motion.r, vector)
+        x = motion.center + dt * motion.velocity + r
+        F = matmul(turn, before.F[p])
+        moved = dataclasses.replace(after, x=after.x.at[p].set(x), F=after.F.at[p].set(F))
+        turned = dataclasses.replace(motion, r=r)
+        return self._moving(moved, turned, motion.velocity, motion.angular_velocity(turn))
+
+    def _motion(self, model: Model, state: State) -> RigidMotion:
+        p = self.particles
+        return RigidMotion.of(model.mass[p], state.x[p], state.v[p], model.grid.dx, state.C[p])
+
+    def _moving(self, state: State, motion: RigidMotion, velocity: jax.Array, angular: jax.Array) -> State:
+        """``state`` with the particles' v and C set to a rigid motion."""
+        p = self.particles
+        C = jnp.broadcast_to(skew(angular), (len(p), 3, 3))
+        return dataclasses.replace(
+            state, v=state.v.at[p].set(motion.field(velocity, angular)), C=state.C.at[p].set(C)
+        )
+
+
+def _met(
+    model: Model, motion: RigidMotion, velocity: jax.Array, angular_velocity: jax.Array, time: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """The rigid motion after contact with the boundaries, by steepest descent with exact line search.
+
+    What is reduced is the mass-weighted square of the velocity changes that boundaries would still make. In
+    translation one step is exact.
+    """
+    share = motion.share
+
+    def descend(now, _):
+        v, w = now
+        field = motion.field(v, w)
+        wanted = field.reshape(*model.grid.shape, 3)
+        for boundary in model.boundaries:
+            wanted = boundary.apply(wanted, model.grid, time)
+        change = jnp.where(share[:, None] > 0, wanted.reshape(-1, 3) - field, 0)
+        along_v = _mean(share, change)
+        along_w = motion.turned_by(_mean(share, cross(motion.r, change)) / motion.dx**2)
+        along = motion.field(along_v, along_w)
+        met = (change != 0).any(-1)
+        gain, cost = (share * (change * along).sum(-1)).sum(), (share * met * (along**2).sum(-1)).sum()
+        step = jnp.where(cost > 0, gain / jnp.where(cost > 0, cost, 1), 0)
+        return (v + step * along_v, w + step * along_w), None
+
+    return jax.lax.scan(descend, (velocity, angular_velocity), None, length=CONTACT_ITERATIONS)[0]
+
+
+def _mean(share: jax.Array, values: jax.Array) -> jax.Array:
+    return (share[:, None] * values).sum(0)
