@@ -12,20 +12,18 @@ from physagent_jax.forces.schema import (
     MAGNITUDE_MIN,
     Action,
     ActionType,
-    BoxRegion,
     ConstraintType,
     ForceField,
-    HalfSpaceRegion,
-    Region,
     SkillScaling,
     VelocityConstraint,
 )
 from physagent_jax.report.directions import axis_words, direction_words, turn_words, viewer_directions
+from physagent_jax.report.force_terms import force_term_words, region_words
 from physagent_jax.report.formats import fixed, number, plain, vector, window
 from physagent_jax.report.icons import action_icon
 from physagent_jax.report.layout import json_fold
 from physagent_jax.report.markup import Markup, div, span, tag
-from physagent_jax.scene.config import CameraConfig, SceneConfig
+from physagent_jax.scene.config import CameraConfig, ForceTerm, SceneConfig
 
 Timed = Action | VelocityConstraint
 UNITS = {
@@ -47,6 +45,7 @@ class Setting:
         frame_dt: Seconds per frame [s]; None if unknown.
         scaling: What a magnitude of 1 means; None if not recorded.
         always_gravity: Gravity acts whatever the force field says.
+        terms: What else acts, besides the force field.
     """
 
     directions: DirectionTable
@@ -54,6 +53,7 @@ class Setting:
     frame_dt: float | None = None
     scaling: SkillScaling | None = None
     always_gravity: bool = False
+    terms: tuple[ForceTerm, ...] = ()
 
 
 def setting_of(scene: SceneConfig | None) -> Setting:
@@ -67,13 +67,14 @@ def setting_of(scene: SceneConfig | None) -> Setting:
         timing.frame_dt,
         scene.scaling,
         scene.always_gravity,
+        scene.forces,
     )
 
 
 def force_cards(
     force_field: ForceField, setting: Setting, *, previous: ForceField | None = None, name: str = ""
 ) -> Markup:
-    """Cards of all actions and constraints, gravity, and the JSON behind a fold.
+    """Cards of all actions and constraints, the scene's own terms, gravity, and the JSON behind a fold.
 
     Args:
         force_field: What to show.
@@ -88,38 +89,15 @@ def force_cards(
             old = before[index] if index < len(before) and _kind(before[index]) == _kind(item) else None
             cards.append(_card(item, setting, old, id_=f"{name}-{kind}-{index}" if name else None))
     if not cards:
-        cards.append(div("card force quiet", "No force acts on the object."))
+        nothing = "No force acts on the object." if not setting.terms else "The force field is empty."
+        cards.append(div("card force quiet", nothing))
     return div(
         "forces",
         div("cards", *cards),
+        _terms(setting),
         _gravity(force_field, setting),
         json_fold("Force field as JSON", force_field),
     )
-
-
-def region_words(region: Region | None) -> str:
-    """Where an action acts."""
-    if region is None:
-        return "the whole object"
-    if isinstance(region, BoxRegion):
-        limited = [axis for axis in range(3) if region.low[axis] > 0 or region.high[axis] < 1]
-        if len(limited) == 1:
-            return _slab_words(region, limited[0])
-        return f"a box from {vector(region.low)} to {vector(region.high)} of the bounding box"
-    if isinstance(region, HalfSpaceRegion):
-        return f"beyond {vector(region.point)} of the bounding box, towards {vector(region.normal)}"
-    ball = f"a ball of radius {number(region.radius)} body lengths"
-    return f"{ball} about {vector(region.center)} of the bounding box"
-
-
-def _slab_words(region: BoxRegion, axis: int) -> str:
-    low, high = max(0.0, region.low[axis]), min(1.0, region.high[axis])
-    percent = f"{number(100 * (high - low))} % along {'xyz'[axis]}"
-    if high == 1.0:
-        return f"the {'upper' if axis == 2 else 'high'} {percent}"
-    if low == 0.0:
-        return f"the {'lower' if axis == 2 else 'low'} {percent}"
-    return f"{number(100 * low)}\u2013{number(100 * high)} % along {'xyz'[axis]}"
 
 
 def _kind(item: Timed) -> str:
@@ -229,6 +207,14 @@ def _was(old: Timed | None, item: Timed, field: str, words: Callable[[Any], str]
 def _share(magnitude: float) -> float:
     """Where a magnitude lies on the bar [%]."""
     return 100 * min(1.0, max(0.0, (abs(magnitude) - MAGNITUDE_MIN) / (MAGNITUDE_MAX - MAGNITUDE_MIN)))
+
+
+def _terms(setting: Setting) -> Markup | None:
+    """The scene's own terms."""
+    if not setting.terms:
+        return None
+    items = [tag("li", force_term_words(term, setting.directions)) for term in setting.terms]
+    return tag("ul", items, class_="quiet")
 
 
 def _gravity(force_field: ForceField, setting: Setting) -> Markup:

@@ -1,0 +1,19 @@
+"""Body-force terms. Pytrees; every magnitude is a differentiable leaf.
+
+All are accelerations, evaluated at the particles and accumulated on the grid by P2G, so that a region is
+exact and the total force is that of the particles. Each implements `mpm.protocols.BodyForce`. The skills
+compile to the first three; the others follow a time profile (`forces.envelope`) and are for scenes and
+library users.
+"""
+
+from physagent_jax.forces.terms.attractor import Attractor as Attractor
+from physagent_jax.forces.terms.rigid import mass_centre as mass_centre
+from physagent_jax.forces.terms.rigid import without_rigid_part as without_rigid_part
+from physagent_jax.forces.terms.stretch import Stretch as Stretch
+from physagent_jax.forces.terms.torque import Torque as Torque
+from physagent_jax.forces.terms.turbulence import Turbulence as Turbulence
+from physagent_jax.forces.terms.uniform import UniformAcceleration as UniformAcceleration
+from physagent_jax.forces.terms.uniform import UniformField as UniformField
+from physagent_jax.forces.terms.vortex import Vortex as Vortex
+from physagent_jax.forces.terms.wind import Wind as Wind
+from physagent_jax.forces.terms.wind import still_air as still_air

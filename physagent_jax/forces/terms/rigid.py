@@ -1,0 +1,35 @@
+"""What a body force gives an object as a whole."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.mpm.linalg import cross
+
+
+def mass_centre(x: jax.Array, mass: jax.Array) -> jax.Array:
+    """Centre of mass [m], shape (3,)."""
+    return (mass[:, None] * x).sum(0) / mass.sum()
+
+
+def without_rigid_part(field: jax.Array, arm: jax.Array, mass: jax.Array) -> jax.Array:
+    """Subtracts the rigid acceleration that ``field`` would give a rigid body of these particles.
+
+    Args:
+        field: Accelerations [m/s^2], shape (n, 3).
+        arm: Positions relative to the mass centre [m], shape (n, 3).
+        mass: [kg], shape (n,).
+
+    Returns:
+        A field of zero total force and zero total torque, shape (n, 3).
+    """
+    mean = (mass[:, None] * field).sum(0) / mass.sum()
+    torque = (mass[:, None] * cross(arm, field)).sum(0)
+    second_moment = jnp.einsum("n,ni,nj->ij", mass, arm, arm)
+    trace = jnp.trace(second_moment)
+    inertia = trace * jnp.eye(3, dtype=arm.dtype) - second_moment
+    # All mass on one line has no inertia about it, and no torque either: the floor only avoids 0/0.
+    inertia = inertia + (10 * jnp.finfo(arm.dtype).eps * trace) * jnp.eye(3, dtype=arm.dtype)
+    angular = jnp.linalg.solve(inertia, torque)
+    return field - mean - cross(jnp.broadcast_to(angular, arm.shape), arm)

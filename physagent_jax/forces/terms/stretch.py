@@ -1,0 +1,52 @@
+"""A pull on the two sides of an object: the skill `scale`."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.forces.terms.rigid import mass_centre, without_rigid_part
+from physagent_jax.mpm.protocols import window_fraction
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Stretch:
+    """Pulls the two sides of the mass centre's plane apart (or together, if negative).
+
+    The field is k sgn((x - x_c) . axis) axis (paper, skill 2) less its rigid part: an object whose halves differ
+    would otherwise drift and spin, which a stretch does not ask for. Its momentum and angular
+    momentum stay unchanged. The pull grows linearly over ``ramp`` seconds, so that the object follows
+    without ringing; it ends at once.
+
+    Attributes:
+        axis: Unit vector, shape (3,).
+        magnitude: Acceleration on either side [m/s^2], scalar.
+        start, end: Window [s], scalars.
+        ramp: [s], scalar.
+        weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
+    """
+
+    axis: jax.Array
+    magnitude: jax.Array
+    start: jax.Array
+    end: jax.Array
+    ramp: jax.Array
+    weight: jax.Array | None = None
+
+    def acceleration(self, x, v, mass, time, dt):
+        """Mean over the substep [m/s^2], shape (n, 3)."""
+        del v
+        mass = mass if self.weight is None else mass * self.weight
+        growth = jnp.clip((time + 0.5 * dt - self.start) / self.ramp, 0.0, 1.0)
+        strength = self.magnitude * growth * window_fraction(time, dt, self.start, self.end)
+        arm = x - mass_centre(x, mass)
+        side = jnp.sign((arm * self.axis).sum(-1))
+        field = strength * without_rigid_part(side[:, None] * self.axis, arm, mass)
+        return field if self.weight is None else self.weight[:, None] * field
+
+    def gradient(self, x, time, dt):
+        """None: uniform on either side, but for the small rigid part."""
+        del x, time, dt

@@ -1,0 +1,112 @@
+"""What pushes the object, as the simulator has it: the agents' force field and the scene's own terms."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physagent_jax.errors import UserError
+from physagent_jax.forces import terms
+from physagent_jax.forces.envelope import Envelope, EnvelopeKind
+from physagent_jax.forces.regions import region_mask
+from physagent_jax.forces.skills import closed_form_scaling, compile_force_field
+from physagent_jax.scene import config as c
+from physagent_jax.scene.body import Body
+from physagent_jax.scene.compile.select import DTYPE, leaf
+
+
+def compile_forces(
+    config: c.SceneConfig, body: Body, rest: np.ndarray, volume: np.ndarray
+) -> tuple[tuple, tuple]:
+    """Terms for `Model.forces`, and the force field's constraints for `Model.constraints`.
+
+    Args:
+        config: The scene.
+        body: Its object.
+        rest: Rest positions of the model's particles [m], shape (n, 3).
+        volume: Their rest volumes [m^3], shape (n,).
+
+    Raises:
+        UserError: A region selects nothing, or a window lies outside the clip.
+    """
+    skills, constraints = _force_field(config, body, rest, volume)
+    return (*skills, *compile_force_terms(config, rest)), constraints
+
+
+def compile_force_terms(config: c.SceneConfig, rest: np.ndarray) -> tuple:
+    """The scene's own terms (`SceneConfig.forces`); arguments and errors as for `compile_forces`."""
+    clip = (config.timing.frame_count - 1) * config.timing.frame_dt
+    compiled = []
+    for index, term in enumerate(config.forces):
+        place = f"forces[{index}]"
+        if term.envelope.start >= clip:
+            raise UserError(
+                f"`{place}.envelope.start` lies after the clip's end at {clip:g} s",
+                got=term.envelope.start,
+                do="Give seconds inside the clip",
+            )
+        weight = None
+        if term.region is not None:
+            weight = leaf(region_mask(term.region, rest, f"{place}.region"))
+        compiled.append(_term(term, _envelope(term.envelope), weight))
+    return tuple(compiled)
+
+
+def _term(term: c.ForceTerm, envelope: Envelope, weight):
+    match term:
+        case c.Wind():
+            return terms.Wind(
+                direction=leaf(term.direction or (1.0, 0.0, 0.0)),  # of still air, any
+                speed=leaf(term.speed),
+                linear_drag=leaf(term.linear_drag),
+                quadratic_drag=leaf(term.quadratic_drag),
+                envelope=envelope,
+                center=None if term.center is None else leaf(term.center),
+                radius=None if term.radius is None else leaf(term.radius),
+                weight=weight,
+            )
+        case c.Attractor():
+            place = leaf(term.point), leaf(term.strength)
+            return terms.Attractor(*place, leaf(term.power), leaf(term.softening), envelope, weight)
+        case c.Vortex():
+            return terms.Vortex(
+                point=leaf(term.point),
+                axis=leaf(term.axis),
+                swirl=leaf(term.swirl),
+                inward=leaf(term.inward),
+                axial=leaf(term.axial),
+                core=leaf(term.core),
+                power=leaf(term.power),
+                envelope=envelope,
+                weight=weight,
+            )
+        case c.Turbulence():
+            return terms.Turbulence.from_seed(
+                term.seed,
+                strength=leaf(term.strength),
+                length_scale=leaf(term.length_scale),
+                time_scale=leaf(term.time_scale),
+                envelope=envelope,
+                modes=term.modes,
+                weight=weight,
+                dtype=DTYPE,
+            )
+        case c.Uniform():
+            return terms.UniformField(leaf(term.acceleration), envelope, weight)
+
+
+def _envelope(envelope: c.Envelope) -> Envelope:
+    values = envelope.model_dump(exclude={"kind"})
+    return Envelope(EnvelopeKind(envelope.kind), **{name: leaf(value) for name, value in values.items()})
+
+
+def _force_field(config: c.SceneConfig, body: Body, rest: np.ndarray, volume: np.ndarray):
+    timing = config.timing
+    scaling = config.scaling or closed_form_scaling(
+        extent=body.extent,
+        youngs_modulus=config.material.youngs_modulus,
+        density=config.material.density,
+        duration=(timing.frame_count - 1) * timing.frame_dt,
+    )
+    return compile_force_field(
+        config.force_field, scaling, rest, volume, frame_dt=timing.frame_dt, frame_count=timing.frame_count
+    )
