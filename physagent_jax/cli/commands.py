@@ -9,6 +9,7 @@ from typing import Literal
 
 import tyro
 
+from physagent_jax.cli.materials import Materials
 from physagent_jax.cli.run import Run
 from physagent_jax.cli.simulate import ImportPhysGaussian, Simulate
 
@@ -103,6 +104,7 @@ COMMANDS = {
     "run": Run,
     "simulate": Simulate,
     "make": Make,
+    "materials": Materials,
     "import-physgaussian": ImportPhysGaussian,
     "schema": Schema,
     "report": Report,

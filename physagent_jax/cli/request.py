@@ -11,14 +11,15 @@ from pydantic import ValidationError
 from physagent_jax.agents.rule_executor import RuleExecutor
 from physagent_jax.agents.rule_planner import RulePlanner
 from physagent_jax.agents.rule_semantic import RuleSemanticAgent
+from physagent_jax.cli.matter import chosen_material
 from physagent_jax.errors import UserError
 from physagent_jax.provenance import make_manifest, settings_hash
 from physagent_jax.scene.card import load_card
-from physagent_jax.scene.config import Anchor, CameraConfig, Material, Source, validation_message
+from physagent_jax.scene.config import Anchor, CameraConfig, Source, validation_message
 from physagent_jax.scene.fuse import Ingredients
 from physagent_jax.scene.load import file_sha256
 from physagent_jax.scene.presets import PRESETS, Preset
-from physagent_jax.scene.priors import anchor_for, damping_for, guess_kind, material_for
+from physagent_jax.scene.priors import anchor_for, damping_for, guess_kind
 from physagent_jax.synthesis import Agents, Request
 
 if TYPE_CHECKING:
@@ -47,7 +48,9 @@ def make_request(command: Run, command_line: str) -> Request:
     card = load_card(path)
     name = card.name or path.stem.replace("_", " ")
     kind = command.kind or card.kind or guess_kind(name)
+    warnings: list[str] = []
     try:
+        preset = preset_of(command)
         source = Source(
             path=str(path.resolve()),
             sha256=sha256,
@@ -59,13 +62,14 @@ def make_request(command: Run, command_line: str) -> Request:
         ingredients = Ingredients(
             prompt=command.prompt,
             preset_name=command.preset.value,
-            preset=preset_of(command),
+            preset=preset,
             source=source,
-            material=_material(command, kind),
+            material=chosen_material(command, kind, preset, warnings),
             anchor=_anchor(command, kind),
             camera=_camera(command, card.azimuth_degrees),
             friction=command.friction,
             damping_rate=damping_for(kind),
+            ledger=command.ledger,
         )
     except ValidationError as error:
         raise validation_message(error, "command line") from None
@@ -75,7 +79,8 @@ def make_request(command: Run, command_line: str) -> Request:
         assumed = (
             "the file's up axis is not known: +z assumed; pass --up if the object lies or stands on its head"
         )
-        manifest = manifest.model_copy(update=dict(warnings=(assumed,)))
+        warnings.append(assumed)
+    manifest = manifest.model_copy(update=dict(warnings=tuple(warnings)))
     return Request(
         prompt=command.prompt,
         ingredients=ingredients,
@@ -88,21 +93,6 @@ def make_request(command: Run, command_line: str) -> Request:
         save_frames=command.save_frames,
         save_splats=command.save_splats,
     )
-
-
-def _material(command: Run, kind: str) -> Material:
-    prior = material_for(kind)
-    options = {
-        "model": command.material,
-        "youngs_modulus": command.youngs_modulus,
-        "poissons_ratio": command.poissons_ratio,
-        "density": command.density,
-    }
-    given = {key: value for key, value in options.items() if value is not None}
-    if not given:
-        return prior
-    reason = f"{', '.join(given)} from the command line, the rest: {prior.reason}"
-    return Material.model_validate({**prior.model_dump(), **given, "reason": reason})
 
 
 def _anchor(command: Run, kind: str, asked: Held = None, words: str = "") -> Anchor:

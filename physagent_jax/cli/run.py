@@ -14,7 +14,7 @@ import tyro
 
 from physagent_jax.cli.console import ConsoleObserver, stderr, warn
 from physagent_jax.errors import UserError
-from physagent_jax.scene.config import MaterialModel, SignedAxis
+from physagent_jax.scene.config import SignedAxis
 from physagent_jax.scene.presets import PresetName
 
 AnchorChoice = Literal["auto", "none", "base", "top", "box", "mask"]
@@ -51,14 +51,18 @@ class Run:
     """For --anchor box: centre and half size in metres (the object's longest side is 1 m, centred in the domain)."""
     anchor_mask: Path | None = None
     """For --anchor mask: .npy of one bool per Gaussian."""
-    material: MaterialModel | None = None
-    """Constitutive model; default: the kind's."""
+    material: str | None = None
+    """A named material (`physagent materials`), or a constitutive model with the kind's values; default: the kind's."""
+    physgm: Path | None = None
+    """predicted_phys.json of PhysGM, which then says what the object is made of."""
+    soften: float | Literal["auto"] | None = None
+    """Make the material so many times softer, with the same strains at yield; auto: so that a round is affordable."""
     youngs_modulus: float | None = None
-    """E [Pa]; default: the kind's."""
+    """E [Pa]; default: the material's."""
     poissons_ratio: float | None = None
-    """nu; default: the kind's."""
+    """nu; default: the material's."""
     density: float | None = None
-    """[kg/m^3]; default: the kind's."""
+    """[kg/m^3]; default: the material's."""
     friction: float = 0.0
     """Of the ground, for objects that fall."""
     opacity_threshold: float = 0.02
@@ -73,6 +77,8 @@ class Run:
     """Rounds at most."""
     seed: int = 0
     """Of everything random."""
+    ledger: bool = False
+    """Also record work, dissipation and impulses, frame by frame (plotted in the report)."""
     save_frames: bool = False
     """Also leave the frames as PNG."""
     save_splats: bool = False
@@ -92,16 +98,18 @@ class Run:
         if self.max_iterations < 1:
             raise UserError("`--max-iterations` must be at least 1", got=self.max_iterations)
         begun = time.perf_counter()
+        request = make_request(self, " ".join(map(shlex.quote, sys.argv)))
+        for text in request.manifest.warnings:  # now, while the run can still be stopped
+            warn(text)
         observer = ConsoleObserver()
         try:
-            store = synthesize(
-                make_request(self, " ".join(map(shlex.quote, sys.argv))), offline_agents(), observer
-            )
+            store = synthesize(request, offline_agents(), observer)
         finally:
             observer.close()
         report = write_report(store.path)
         for text in store.manifest.warnings:
-            warn(text)
+            if text not in request.manifest.warnings:
+                warn(text)
         summary = summarise(store, time.perf_counter() - begun)
         if self.json_line:
             print(json.dumps(summary))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from physagent_jax.report.directions import viewer_directions
+from physagent_jax.report.force_terms import force_term_words, span_words
 from physagent_jax.report.formats import (
     UNKNOWN,
     count,
@@ -19,7 +21,18 @@ from physagent_jax.report.layout import facts, fold, missing, table
 from physagent_jax.report.markup import Child, Markup, div, join, span, tag
 from physagent_jax.report.run_data import Iteration
 from physagent_jax.run_folder import AgentCost, Manifest, SimulationRecord, Stages
-from physagent_jax.scene.config import FOREVER, Anchor, Boundary, Constraint, Material, SceneConfig
+from physagent_jax.scene.config import (
+    Anchor,
+    Boundary,
+    Box,
+    Constraint,
+    HalfSpace,
+    Material,
+    Mesh,
+    SceneConfig,
+    Sphere,
+)
+from physagent_jax.scene.materials import describe
 
 STAGE_NAMES = {
     "prepare": "prepare the scene",
@@ -42,7 +55,7 @@ def scene_facts(scene: SceneConfig, record: SimulationRecord | None) -> list[Mar
     ]
     parts = [div("columns", *columns)]
     if scene.material_regions:
-        head = ["centre [m]", "half size [m]", "model", "Young\u2019s modulus", "Poisson", "density", "why"]
+        head = ["centre [m]", "half size [m]", "model", "properties", "why"]
         rows = [
             [vector(region.point), vector(region.half_size), *_material_cells(region.material)]
             for region in scene.material_regions
@@ -126,20 +139,27 @@ def _object_rows(scene: SceneConfig, record: SimulationRecord | None) -> list[tu
     ]
 
 
+def property_words(value: float | bool, unit: str) -> str:
+    """A property of `scene.materials.describe` as people read it: "100 kPa", "30\u00b0", "yes"."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if unit == "\u00b0":
+        return f"{number(value)}{unit}"
+    if unit in ("", "kg/m\u00b3"):
+        return f"{number(value)} {unit}".rstrip()
+    return quantity(value, unit)
+
+
 def _material_rows(material: Material) -> list[tuple[str, Child]]:
+    acting = [(name, property_words(value, unit)) for name, value, unit in describe(material)]
     reason = [("from", material.reason)] if material.reason else []
-    return [
-        ("model", plain(material.model.value)),
-        ("Young\u2019s modulus", quantity(material.youngs_modulus, "Pa")),
-        ("Poisson\u2019s ratio", number(material.poissons_ratio)),
-        ("density", f"{number(material.density)} kg/m\u00b3"),
-        *reason,
-    ]
+    return [("model", plain(material.model.value)), *acting, *reason]
 
 
 def _material_cells(material: Material) -> list[Child]:
-    """The material's rows without their names."""
-    return [value for _, value in _material_rows(material)] + ([] if material.reason else [UNKNOWN])
+    """Model, properties and reason of a region."""
+    acting = ", ".join(f"{name} {property_words(value, unit)}" for name, value, unit in describe(material))
+    return [plain(material.model.value), acting, material.reason or UNKNOWN]
 
 
 def _world_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
@@ -149,6 +169,8 @@ def _world_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
     damping = f", damping {number(transfer.damping_rate)} 1/s" if transfer.damping_rate else ""
     walls = [tag("li", boundary_words(boundary)) for boundary in scene.boundaries]
     held = [tag("li", constraint_words(constraint)) for constraint in scene.constraints]
+    viewer = viewer_directions(scene.camera)
+    pushes = [tag("li", force_term_words(term, viewer)) for term in scene.forces]
     return [
         ("domain", f"{number(scene.domain.size)} m cube, {count(scene.domain.cells)} cells a side"),
         ("grid spacing dx", quantity(scene.domain.dx, "m")),
@@ -156,6 +178,7 @@ def _world_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
         ("gravity", gravity),
         ("boundaries", tag("ul", walls) if walls else "none"),
         ("constraints", tag("ul", held)) if held else None,
+        ("forces", tag("ul", pushes)) if pushes else None,
     ]
 
 
@@ -198,20 +221,37 @@ def boundary_words(boundary: Boundary) -> str:
     """A boundary in words."""
     if boundary.kind == "domain_box":
         return f"walls of the domain, {boundary.padding} cells thick"
-    if boundary.kind == "half_space":
-        surface = boundary.surface.value
-        friction = f", friction {number(boundary.friction)}" if boundary.friction else ""
-        words = f"plane through {vector(boundary.point)} m facing {vector(boundary.normal)}, "
-        words += surface + friction
+    if boundary.kind == "cuboid":
+        words = f"material in a box about {vector(boundary.point)} m, half size {vector(boundary.half_size)} m, "
+        words += f"is moved at {vector(boundary.velocity)} m/s" if any(boundary.velocity) else "is held"
+        return words + span_words(boundary.start, boundary.end)
+    words = f"{_solid_words(boundary)}, {boundary.surface.value}"
+    if boundary.friction:
+        words += f", friction {number(boundary.friction)}"
+    if any(boundary.velocity):
+        words += f", moving at {vector(boundary.velocity)} m/s"
+    return words + span_words(boundary.start, boundary.end)
+
+
+def _solid_words(obstacle: HalfSpace | Sphere | Box | Mesh) -> str:
+    if obstacle.kind == "half_space":
+        return f"plane through {vector(obstacle.point)} m facing {vector(obstacle.normal)}"
+    if obstacle.kind == "mesh":
+        return f"mesh {obstacle.path} at {vector(obstacle.position)} m, scale {number(obstacle.scale)}"
+    place = f"about {vector(obstacle.point)} m"
+    if obstacle.kind == "sphere":
+        words = f"{place}, radius {quantity(obstacle.radius, 'm')}"
     else:
-        words = f"box about {vector(boundary.point)} m, half size {vector(boundary.half_size)} m"
-        if any(boundary.velocity):
-            words += f", moving at {vector(boundary.velocity)} m/s"
-    return words + _span_words(boundary.start, boundary.end)
+        words = f"{place}, half size {vector(obstacle.half_size)} m"
+    return f"{'container' if obstacle.container else 'solid'} {obstacle.kind} {words}"
 
 
 def constraint_words(constraint: Constraint) -> str:
     """A particle constraint in words."""
+    if constraint.kind == "particle_release":
+        reach = f"{number(constraint.start_position)} to {number(constraint.end_position)} m"
+        way = f"{plural(constraint.layers, 'layer')} along {vector(constraint.normal)} from {reach}"
+        return f"held, then let go in {way}" + span_words(constraint.start, constraint.end)
     where = f"particles about {vector(constraint.point)} m"
     if constraint.kind == "particle_impulse":
         if constraint.delta_velocity is not None:
@@ -222,13 +262,7 @@ def constraint_words(constraint: Constraint) -> str:
     else:
         speed = f"{number(constraint.angular_velocity)} rad/s"
         words = f"{where} turn about {vector(constraint.normal)} at {speed}"
-    return words + _span_words(constraint.start, constraint.end)
-
-
-def _span_words(start: float, end: float) -> str:
-    if start == 0 and end >= FOREVER:
-        return ""
-    return f", from {seconds(start)}" if end >= FOREVER else f", {seconds(start)} to {seconds(end)}"
+    return words + span_words(constraint.start, constraint.end)
 
 
 def _stopped(particle_steps: int) -> str:

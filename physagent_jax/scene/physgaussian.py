@@ -13,8 +13,6 @@ from physagent_jax.scene.config import (
     CameraConfig,
     Domain,
     Filling,
-    Material,
-    MaterialModel,
     MaterialRegion,
     SceneConfig,
     Source,
@@ -23,13 +21,12 @@ from physagent_jax.scene.config import (
     validation_message,
 )
 from physagent_jax.scene.physgaussian_conditions import Reader, conditions
+from physagent_jax.scene.physgaussian_materials import MATERIAL_KEYS, read_material, unused_keys
 from physagent_jax.scene.placement import extra_rotation
 
 CENTER = (1.0, 1.0, 1.0)  # PhysGaussian centres every object here
 
-_AVAILABLE = {"jelly": MaterialModel.FIXED_COROTATED}
-_PLASTIC = ("metal", "sand", "foam", "snow", "plasticine", "fluid")
-# Keys of materials that are not available, or that PhysGaussian reads and never uses, or of its interface.
+# Keys that PhysGaussian reads and never uses, or of its interface.
 _MEANINGLESS = {
     "pic_damping": "PhysGaussian reads it but never uses it",
     "show_hint": "it belongs to PhysGaussian's command line",
@@ -37,13 +34,9 @@ _MEANINGLESS = {
     "delta_a": "the camera stands still here",
     "delta_e": "the camera stands still here",
     "delta_r": "the camera stands still here",
-    **{
-        key: "it belongs to plastic materials; jelly is elastic"
-        for key in ("yield_stress", "hardening", "xi", "friction_angle", "plastic_viscosity", "softening")
-    },
 }
 _KNOWN = {
-    "material", "E", "nu", "density", "g", "n_grid", "grid_lim", "substep_dt", "frame_dt", "frame_num", "scale",
+    "g", "n_grid", "grid_lim", "substep_dt", "frame_dt", "frame_num", "scale",
     "opacity_threshold", "rotation_degree", "rotation_axis", "sim_area", "rpic_damping", "grid_v_damping_scale",
     "additional_material_params", "boundary_conditions", "particle_filling", "mpm_space_viewpoint_center",
     "mpm_space_vertical_upward_axis", "default_camera_index", "init_azimuthm", "init_elevation", "init_radius",
@@ -84,13 +77,14 @@ def import_physgaussian(
     reader = Reader(data, "")
     try:
         source = _source(reader, object_path)
+        material, notes = read_material(reader)
         substep_dt = reader.number("substep_dt", 1e-4)
         boundaries, constraints = conditions(reader, substep_dt)
         config = SceneConfig(
             preset="physgaussian",
             source=source,
             filling=_filling(reader),
-            material=_material(reader),
+            material=material,
             material_regions=_regions(reader),
             domain=Domain(size=reader.number("grid_lim", 2.0), cells=reader.integer("n_grid", 50)),
             timing=Timing(
@@ -107,10 +101,13 @@ def import_physgaussian(
         )
     except ValidationError as error:
         raise validation_message(error, "PhysGaussian scene") from None
+    for note in notes:
+        reader.warn(note)
+    meaningless = _MEANINGLESS | unused_keys(reader)
     for key in data:
-        if key in _MEANINGLESS:
-            reader.warn(f"`{key}` is ignored: {_MEANINGLESS[key]}")
-        elif key not in _KNOWN:
+        if key in meaningless:
+            reader.warn(f"`{key}` is ignored: {meaningless[key]}")
+        elif key not in _KNOWN | MATERIAL_KEYS:
             reader.warn(f"`{key}` is ignored: it is not known")
     return config, reader.warnings
 
@@ -128,44 +125,14 @@ def _source(reader: Reader, object_path: str) -> Source:
     )
 
 
-def _material(reader: Reader) -> Material:
-    name = reader.data.get("material", "jelly")
-    if name not in _AVAILABLE:
-        known = "is not available yet" if name in _PLASTIC else "is unknown"
-        raise UserError(
-            f"PhysGaussian scene: `material` {known}",
-            got=repr(name),
-            do=f"Available: {', '.join(_AVAILABLE)}. Change the key if an elastic stand-in will do",
-        )
-    return Material(
-        model=_AVAILABLE[name],
-        youngs_modulus=reader.number("E", 1e5),
-        poissons_ratio=reader.number("nu", 0.4),
-        density=reader.number("density", 200.0),
-        reason=f"PhysGaussian's `{name}`",
-    )
-
-
 def _regions(reader: Reader) -> tuple[MaterialRegion, ...]:
-    base = _material(reader)
-    regions = []
-    for part in reader.parts("additional_material_params"):
-        material = base.model_copy(
-            update=dict(
-                youngs_modulus=part.number("E"),
-                poissons_ratio=part.number("nu"),
-                density=part.number("density", base.density),
-                reason="PhysGaussian's `additional_material_params`",
-            )
+    """Boxes of other E, nu and density; the law and its other keys are the scene's."""
+    return tuple(
+        MaterialRegion(
+            point=part.vector("point"), half_size=part.vector("size"), material=read_material(reader, part)[0]
         )
-        regions.append(
-            MaterialRegion(
-                point=part.vector("point"),
-                half_size=part.vector("size"),
-                material=Material.model_validate(material.model_dump()),
-            )
-        )
-    return tuple(regions)
+        for part in reader.parts("additional_material_params")
+    )
 
 
 def _filling(reader: Reader) -> Filling:

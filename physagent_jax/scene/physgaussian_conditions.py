@@ -11,13 +11,13 @@ from physagent_jax.scene.config import (
     DomainBox,
     HalfSpace,
     ParticleImpulse,
+    ParticleRelease,
     ParticleRotation,
     ParticleTranslation,
     Surface,
 )
 from physagent_jax.strict import Vector
 
-STILL = (0.0, 0.0, 0.0)
 END = 1e3  # PhysGaussian's default end of a window [s]
 _SURFACES = {"sticky": Surface.STICKY, "slip": Surface.SLIP}  # anything else separates
 _MISSING = object()
@@ -212,10 +212,9 @@ def _rotation(part: Reader) -> list:
 
 
 def _release(part: Reader) -> list:
-    """Nested boxes that end at ``end_position`` and hold still; the outermost layer is let go first.
+    """Layers held still and let go one after another; ``num_layers`` is honoured (PhysGaussian overwrites it).
 
-    ``num_layers`` is honoured (PhysGaussian overwrites it with 50). As there, the boxes span [0, 2] across the
-    axis, are centred on ``end_position``, and layer i is released at end_time (i + 1) / num_layers.
+    The sign of PhysGaussian's ``normal`` means nothing: positions are coordinates along its axis.
     """
     normal = part.vector("normal")
     axes = [i for i in range(3) if normal[i] != 0]
@@ -225,29 +224,22 @@ def _release(part: Reader) -> list:
             got=list(normal),
             do="Mend the file",
         )
-    axis, layers = axes[0], part.integer("num_layers")
+    layers = part.integer("num_layers")
     if layers < 1:
         raise UserError(f"PhysGaussian scene: `{part.name('num_layers')}` must be positive", got=layers)
     start, end = part.number("start_position"), part.number("end_position")
-    window = _window(part)
-    released = window["end"]
-    point, size = [1.0, 1.0, 1.0], [1.0, 1.0, 1.0]
-    point[axis] = end
-    boxes = []
-    for layer in range(layers):
-        size[axis] = abs(start - end) * (layers - layer) / layers
-        until = released * (layer + 1) / layers
-        if until > window["start"]:
-            window["end"] = until
-            boxes.append(
-                ParticleTranslation(
-                    point=(point[0], point[1], point[2]),
-                    half_size=(size[0], size[1], size[2]),
-                    velocity=STILL,
-                    **window,
-                )
-            )
-    return boxes
+    if start == end:
+        raise UserError(
+            f"PhysGaussian scene: `{part.name('end_position')}` must differ from `start_position`",
+            got=end,
+            do="Mend the file",
+        )
+    x, y, z = (float(axis == axes[0]) for axis in range(3))
+    return [
+        ParticleRelease(
+            normal=(x, y, z), start_position=start, end_position=end, layers=layers, **_window(part)
+        )
+    ]
 
 
 _BOUNDARIES = {"bounding_box": lambda part: [], "cuboid": _cuboid, "surface_collider": _surface_collider}

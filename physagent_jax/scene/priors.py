@@ -3,18 +3,28 @@
 Stiffness is chosen for visible motion, not measured: at true scale a wooden guitar (E = 1e10 Pa) neither bends
 visibly nor allows a time step above a microsecond. With an object about 1 m long, a load of one body weight
 gives the strain rho g L / E, so that the values below put kinds in order, from a few tenths (jelly) to a few
-per cent (instrument). Densities are those of the real matter including its pores, within [50, 1000] kg/m^3.
+per cent (instrument). Densities are those of the real matter including its pores, within [50, 2000] kg/m^3.
+
+Matter that does not spring back has its own law. Its strength, too, is chosen against the weight of 1 m, rho g L:
+clay and metal bear their own weight and are dented by a fall from half a body length, which presses with rho c v,
+several times that. `scene.materials` holds true values.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import re
+from collections.abc import Mapping
 from typing import Literal
 
 from physagent_jax.scene.config import Anchor, Material, MaterialModel
 
 UNKNOWN = "object"
+# "A pile of sand" is sand: such words tell an amount, not a kind.
+_AMOUNTS = frozenset(
+    ("pile", "heap", "mound", "lump", "block", "piece", "chunk", "slab", "slice", "bit", "blob", "drop", "puddle",
+     "stack", "handful", "pinch", "cube", "sphere", "column")
+)  # fmt: skip
 _PREPOSITIONS = frozenset(("of", "in", "on", "with", "at", "from", "for", "by", "under", "near"))
 
 
@@ -31,6 +41,8 @@ class Prior:
         rooted: Whether the foot is held unless the prompt says otherwise; the reason, or None.
         base_fraction: Height of the held foot over the object's.
         damping_rate: Drag of the surrounding air on it [1/s].
+        model: Constitutive model.
+        parameters: Its own parameters, as in `Material`.
     """
 
     words: tuple[str, ...]
@@ -41,6 +53,8 @@ class Prior:
     rooted: str | None = None
     base_fraction: float = 0.12
     damping_rate: float = 0.0
+    model: MaterialModel = MaterialModel.NEO_HOOKEAN
+    parameters: Mapping[str, float] = dataclasses.field(default_factory=dict)
 
 
 # Every word belongs to one kind.
@@ -104,7 +118,7 @@ PRIORS: dict[str, Prior] = {
         "wood with hollows (400 kg/m^3); wood is 1e4 times stiffer: chosen for visible motion",
     ),
     "vessel": Prior(
-        ("cup", "mug", "vase", "pot", "bottle", "bowl", "glass", "teapot", "can", "jar"),
+        ("cup", "mug", "vase", "pot", "bottle", "bowl", "glass", "teapot", "jar", "jug"),
         2e5, 0.3, 500.0,
         "thin walls around air; ceramics are 1e5 times stiffer: chosen for visible motion",
     ),
@@ -118,6 +132,46 @@ PRIORS: dict[str, Prior] = {
         5e4, 0.35, 300.0,
         "soft vinyl or plush; chosen for visible motion",
     ),
+    "metal": Prior(
+        ("metal", "can", "tin", "bucket", "kettle", "pan", "foil", "wire", "spoon", "steel", "copper",
+         "aluminium", "aluminum"),
+        3e5, 0.3, 500.0,
+        "thin sheet around air (500 kg/m^3) that keeps its dents: it yields at a strain of 2 %, above its own weight "
+        "and below a fall; steel is 1e6 times stiffer: chosen for visible motion",
+        model=MaterialModel.VON_MISES,
+        parameters={"yield_stress": 6e3, "hardening_modulus": 3e4},
+    ),
+    "sand": Prior(
+        ("sand", "sandcastle", "dune", "gravel", "soil", "dirt"),
+        3e5, 0.3, 1600.0,
+        "loose grains (1600 kg/m^3, friction 33 degrees, no cohesion); real sand is 50 times stiffer, which cannot be "
+        "seen (Klar et al. 2016 take 3.5e5 Pa)",
+        model=MaterialModel.DRUCKER_PRAGER,
+        parameters={"friction_angle": 33.0, "cohesion": 0.0},
+    ),
+    "snow": Prior(
+        ("snow", "snowman", "snowball", "snowdrift", "igloo"),
+        1.4e5, 0.2, 400.0,
+        "packed snow with the values of Stomakhin et al. 2013, table 2",
+        model=MaterialModel.SNOW,
+    ),
+    "clay": Prior(
+        ("clay", "plasticine", "dough", "playdough", "playdoh", "putty", "mud"),
+        3e5, 0.4, 1700.0,
+        "modelling clay (1700 kg/m^3) keeps the shape it is pressed into: it yields at a strain of 6 %, just above "
+        "its own weight; real clay is 10 times stiffer and stronger: chosen for visible motion",
+        model=MaterialModel.VON_MISES,
+        parameters={"yield_stress": 1.8e4},
+    ),
+    "liquid": Prior(
+        ("liquid", "water", "juice", "milk", "honey", "oil", "syrup", "soup", "wine", "coffee", "fountain",
+         "splash"),
+        3e5, 0.45, 1000.0,
+        "water (1000 kg/m^3, 1 mPa s); its bulk modulus of 1 MPa carries sound at 32 m/s, ten times the speed of a "
+        "fall from half a body length, so that it looks incompressible; the real one is 2000 times that",
+        model=MaterialModel.FLUID,
+        parameters={"viscosity": 1e-3},
+    ),
     UNKNOWN: Prior(
         (), 5e4, 0.3, 200.0,
         "nothing is known of the object: PhysGaussian's default density, a stiffness chosen for visible motion",
@@ -129,9 +183,14 @@ def guess_kind(name: str) -> str:
     """The kind that a name or noun tells: "ficus_02.ply" -> "plant"; `UNKNOWN` if it tells none.
 
     Words are compared whole (a plural is allowed), so that "carpet" is no car. A name of several nouns goes
-    by the last known one before any preposition, its head: "toy robot", "a loaf of rye", "plant in a pot".
+    by the last known one before any preposition, its head: "toy robot", "a loaf of rye", "plant in a pot". An
+    amount does not count: "a pile of sand" is sand.
     """
     words = re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).lower())
+    amounts = [
+        i for i in range(1, len(words)) if words[i] == "of" and words[i - 1].removesuffix("s") in _AMOUNTS
+    ]
+    words = words[amounts[0] + 1 :] if amounts else words
     cut = next((i for i, word in enumerate(words) if word in _PREPOSITIONS), len(words))
     for word in reversed(words[:cut]):
         for kind, prior in PRIORS.items():
@@ -143,12 +202,15 @@ def guess_kind(name: str) -> str:
 def material_for(kind: str) -> Material:
     """The material prior of a kind; that of `UNKNOWN` for one that is not listed."""
     prior = PRIORS.get(kind, PRIORS[UNKNOWN])
-    return Material(
-        model=MaterialModel.NEO_HOOKEAN,
-        youngs_modulus=prior.youngs_modulus,
-        poissons_ratio=prior.poissons_ratio,
-        density=prior.density,
-        reason=f"prior for kind '{kind if kind in PRIORS else UNKNOWN}': {prior.reason}",
+    return Material.model_validate(
+        {
+            "model": prior.model,
+            "youngs_modulus": prior.youngs_modulus,
+            "poissons_ratio": prior.poissons_ratio,
+            "density": prior.density,
+            "reason": f"prior for kind '{kind if kind in PRIORS else UNKNOWN}': {prior.reason}",
+            **prior.parameters,
+        }
     )
 
 

@@ -1,10 +1,13 @@
 import json
 import math
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from physagent_jax.errors import UserError
+from physagent_jax.scene.compile.matter import Matter
 from physagent_jax.scene.config import (
     Cuboid,
     DomainBox,
@@ -286,10 +289,157 @@ def test_what_is_left_out_is_said():
         assert sum(word in w for w in warnings) == 1, word
 
 
-@pytest.mark.parametrize("material", ["metal", "sand", "foam", "snow", "plasticine"])
-def test_materials_that_are_not_available_are_refused_by_name(material):
-    with pytest.raises(UserError, match=rf"not available yet \(got '{material}'\).*jelly"):
-        imported({"material": material, "g": [0, 0, 0]})
+# --- materials ----------------------------------------------------------------------------------------
+
+PLANE = {"material": "metal", "E": 1e5, "nu": 0.25, "density": 1000, "yield_stress": 100.0, "g": [0, 0, 0]}
+
+
+def material_of(**changes):
+    config, warnings = imported({key: value for key, value in (PLANE | changes).items() if value is not None})
+    return config.material, [w for w in warnings if "camera" not in w]
+
+
+@jax.jit
+def sheared(law, steps):
+    """Shears a particle of ``law`` by one step after the other; |dev tau| after each."""
+
+    def shear(carry, step):
+        F, history = carry
+        F, history = law.project(jnp.eye(3).at[0, 1].set(step) @ F, history, jnp.array(1e-4))
+        tau = law.stress(F, history)[0]
+        return (F, history), jnp.linalg.norm(tau - jnp.trace(tau) / 3 * jnp.eye(3))
+
+    return jax.lax.scan(shear, (jnp.eye(3)[None], jnp.zeros(1)), steps)[1]
+
+
+def reference_flows(data, strain_steps):
+    """PhysGaussian's return mappings of metal and plasticine, with its explicit update of the bound."""
+    mu, bound = data["E"] / (2 * (1 + data["nu"])), data["yield_stress"]
+    F, norms = np.eye(3), []
+    for step in strain_steps:
+        shear = np.eye(3)
+        shear[0, 1] = step
+        U, sigma, Vt = np.linalg.svd(shear @ F)
+        eps = np.log(sigma)
+        deviator = eps - eps.mean()
+        norm = np.linalg.norm(deviator)
+        if 2 * mu * norm > bound:
+            gamma = norm - bound / (2 * mu)
+            eps = eps - gamma / norm * deviator
+            if data["material"] == "plasticine":
+                bound -= data.get("softening", 0.1) * gamma
+            if data.get("hardening") == 1:
+                bound += 2 * mu * data["xi"] * gamma
+        F = U @ np.diag(np.exp(eps)) @ Vt
+        norms.append(2 * mu * np.linalg.norm(eps - eps.mean()))
+    return np.array(norms)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"hardening": 1, "xi": 0.2},
+        {"xi": 0.2},  # `hardening` is off
+        {"material": "plasticine", "softening": 2e3},
+        {"material": "plasticine", "softening": 2e3, "hardening": 1, "xi": 0.01},
+        {"material": "plasticine", "softening": 2e3, "hardening": 1, "xi": 0.1},  # hardens on balance
+    ],
+)
+def test_yield_hardening_and_softening_mean_what_they_do_in_physgaussian(changes, x64):
+    data, steps = PLANE | changes, np.full(500, 2e-5)
+    expected = reference_flows(data, steps)
+    assert abs(expected[-1] - expected[200]) > 5 or not (changes.get("hardening") or changes.get("softening"))
+    # Its bound lags behind by one step, which is 0.2 % here.
+    (law,) = Matter((imported(data)[0].material,), np.zeros(1, np.int32)).materials()
+    np.testing.assert_allclose(sheared(law, jnp.asarray(steps)), expected, rtol=3e-3)
+
+
+def test_metal_converts_as_worked_out_by_hand():
+    material, (note,) = material_of(hardening=1, xi=0.5)
+    assert material.model is MaterialModel.VON_MISES
+    assert material.yield_stress == pytest.approx(122.474487)
+    assert material.hardening_modulus == pytest.approx(3 * 4e4 * 0.5)
+    assert "factor of the stretch" in note
+
+
+def test_foam_keeps_its_uniaxial_yield_stress():
+    material, _ = material_of(material="foam", plastic_viscosity=10.0)
+    assert material.model is MaterialModel.VISCOPLASTIC
+    assert (material.yield_stress, material.plastic_viscosity) == (100.0, 10.0)
+
+
+def test_sand_and_snow():
+    sand, (note,) = material_of(material="sand", friction_angle=30, yield_stress=None)
+    assert sand.model is MaterialModel.DRUCKER_PRAGER and (sand.friction_angle, sand.cohesion) == (30.0, 0.0)
+    assert "volume" in note
+    snow, (note,) = material_of(material="snow", yield_stress=None)
+    assert snow.model is MaterialModel.SNOW and snow.critical_compression == 2.5e-2
+    assert (snow.youngs_modulus, snow.poissons_ratio, snow.density) == (1e5, 0.25, 1000.0)
+    assert "no stress" in note
+
+
+def test_missing_keys_take_physgaussians_defaults():
+    data = {"material": "sand", "g": [0, 0, 0]}
+    assert imported(data)[0].material.friction_angle == 25.0
+    plasticine = imported(data | {"material": "plasticine", "yield_stress": 1e3})[0].material
+    assert plasticine.softening_modulus == pytest.approx(0.15)
+    foam = imported(data | {"material": "foam", "yield_stress": 1e3})[0].material
+    assert foam.plastic_viscosity == 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "model"),
+    [
+        ("metal", MaterialModel.FLUID),
+        ("foam", MaterialModel.FLUID),
+        ("plasticine", MaterialModel.FIXED_COROTATED),
+    ],
+)
+def test_without_a_yield_stress_matter_is_what_it_is_in_physgaussian(name, model):
+    material, notes = material_of(material=name, yield_stress=0.0, plastic_viscosity=6.0)
+    assert material.model is model and any("`yield_stress` is missing or 0" in note for note in notes)
+    if model is MaterialModel.FLUID:
+        assert material.tension and material.bulk_modulus == pytest.approx(1e5 / 1.5)
+    assert material.viscosity == (3.0 if name == "foam" else None)
+
+
+def test_fluid_is_warp_mpms():
+    """There p = K (J^-1.1 - 1), so that -dp/dJ = 1.1 K at rest."""
+    material, notes = material_of(material="fluid", bulk_modulus=2e5)
+    assert material.model is MaterialModel.FLUID and material.bulk_modulus == pytest.approx(2.2e5)
+    assert any("warp-mpm" in note for note in notes)
+    assert material_of(material="fluid")[0].bulk_modulus == pytest.approx(1.1 * 1e5 / 1.5)
+
+
+def test_regions_have_the_scenes_law_with_their_own_stiffness():
+    part = {"point": [1, 1, 1], "size": [1, 1, 1], "E": 3e5, "nu": 0.25}
+    config, _ = imported(PLANE | {"hardening": 1, "xi": 0.5, "additional_material_params": [part]})
+    (region,) = config.material_regions
+    assert region.material.yield_stress == config.material.yield_stress
+    assert region.material.hardening_modulus == pytest.approx(3 * 1.2e5 * 0.5)
+    assert region.material.density == 1000.0
+
+
+@pytest.mark.parametrize("material", ["jelly", "metal", "sand", "foam", "snow", "plasticine", "fluid"])
+def test_keys_of_other_materials_are_said_to_be_ignored(material):
+    own = {
+        "metal": {"yield_stress", "hardening", "xi"},
+        "sand": {"friction_angle"},
+        "foam": {"yield_stress", "plastic_viscosity"},
+        "plasticine": {"yield_stress", "hardening", "xi", "softening"},
+        "fluid": {"bulk_modulus"},
+    }.get(material, set())
+    values = {"yield_stress": 9, "hardening": 1, "xi": 0.1, "friction_angle": 30, "plastic_viscosity": 1}
+    values |= {"softening": 1, "bulk_modulus": 1e5}
+    _, warnings = imported({"material": material, "g": [0, 0, 0]} | values)
+    ignored = {w.split("`")[1] for w in warnings if "is ignored" in w}
+    assert ignored == values.keys() - own
+
+
+def test_an_unknown_material_is_refused_with_the_known_ones():
+    with pytest.raises(UserError, match=r"`material` is unknown \(got 'rubber'\).*jelly.*snow"):
+        imported({"material": "rubber", "g": [0, 0, 0]})
 
 
 @pytest.mark.parametrize(
@@ -298,6 +448,10 @@ def test_materials_that_are_not_available_are_refused_by_name(material):
         ({"E": "stiff"}, "`E`"),
         ({"E": -1}, "youngs_modulus"),
         ({"nu": 0.5}, "poissons_ratio"),
+        ({"material": "fluid", "nu": 0.5}, "poissons_ratio"),
+        ({"material": "metal", "yield_stress": "high"}, "`yield_stress`"),
+        ({"material": "sand", "friction_angle": 95}, "friction_angle"),
+        ({"material": "foam", "yield_stress": 1, "plastic_viscosity": -1}, "plastic_viscosity"),
         ({"nu": float("nan")}, "`nu`"),
         ({"n_grid": 50.5}, "`n_grid`"),
         ({"g": [0, 0]}, "`g`"),

@@ -1,5 +1,8 @@
+import math
+
 import pytest
 
+from physagent_jax.scene.config import MaterialModel
 from physagent_jax.scene.priors import PRIORS, UNKNOWN, anchor_for, guess_kind, material_for
 
 
@@ -22,6 +25,14 @@ from physagent_jax.scene.priors import PRIORS, UNKNOWN, anchor_for, guess_kind, 
         ("Cushions", "pillow"),
         ("dining chair", "furniture"),
         ("teddy", "toy"),
+        ("a pile of sand", "sand"),
+        ("lumps of clay", "clay"),
+        ("a slice of bread", "food"),
+        ("clay pot", "vessel"),
+        ("water bottle", "vessel"),
+        ("snowman", "snow"),
+        ("trash can", "metal"),
+        ("splash of water", "liquid"),
         ("carpet", UNKNOWN),  # no car
         ("point_cloud.ply", UNKNOWN),
         ("", UNKNOWN),
@@ -40,8 +51,37 @@ def test_no_word_belongs_to_two_kinds():
 def test_materials_are_soft_enough_to_be_seen_moving_and_say_why(kind):
     material = material_for(kind)
     assert 5e3 <= material.youngs_modulus <= 3e5
-    assert 50 <= material.density <= 1000
+    assert 50 <= material.density <= 2000
     assert material.reason and kind in material.reason
+
+
+@pytest.mark.parametrize(
+    ("kind", "model"),
+    [
+        ("sand", MaterialModel.DRUCKER_PRAGER),
+        ("snow", MaterialModel.SNOW),
+        ("clay", MaterialModel.VON_MISES),
+        ("metal", MaterialModel.VON_MISES),
+        ("liquid", MaterialModel.FLUID),
+        ("plant", MaterialModel.NEO_HOOKEAN),
+    ],
+)
+def test_matter_that_does_not_spring_back_has_its_own_law(kind, model):
+    assert material_for(kind).model is model
+
+
+@pytest.mark.parametrize("kind", ["clay", "metal"])
+def test_clay_and_metal_stand_under_their_weight_and_are_dented_by_a_fall(kind):
+    material, gravity, length = material_for(kind), 9.8, 1.0
+    speed = math.sqrt(2 * gravity * 0.5 * length)
+    impact = math.sqrt(material.density * material.youngs_modulus) * speed  # rho c v
+    assert material.density * gravity * length < material.yield_stress < 0.5 * impact
+
+
+def test_sound_in_the_liquid_is_ten_times_as_fast_as_its_fall():
+    material = material_for("liquid")
+    speed = math.sqrt(material.bulk_modulus / material.density)
+    assert speed == pytest.approx(10 * math.sqrt(2 * 9.8 * 0.5), rel=0.02)
 
 
 def test_an_unlisted_kind_gets_the_material_of_an_unknown_object():

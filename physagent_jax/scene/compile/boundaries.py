@@ -2,24 +2,62 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from physagent_jax.errors import UserError
 from physagent_jax.mpm import Contact, boundaries
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile.select import leaf
+from physagent_jax.scene.placement import extra_rotation
+from physagent_jax.scene.signed_distance import load_solid, sample
 
 
-def compile_boundary(boundary: c.Boundary):
-    """The simulator's boundary."""
+def compile_boundaries(config: c.SceneConfig, base_dir: str | Path) -> tuple:
+    """The simulator's boundaries, in the scene's order.
+
+    Args:
+        config: The scene.
+        base_dir: Folder that relative paths of meshes start from.
+
+    Raises:
+        UserError: A mesh cannot be read, is not closed, or is out of reach; the message names its field.
+    """
+    return tuple(
+        _compiled(boundary, config.domain, f"boundaries[{index}]", base_dir)
+        for index, boundary in enumerate(config.boundaries)
+    )
+
+
+def _compiled(boundary: c.Boundary, domain: c.Domain, place: str, base_dir: str | Path):
     match boundary:
         case c.DomainBox():
             return boundaries.DomainBox(boundary.padding)
         case c.HalfSpace():
             return boundaries.HalfSpace(
+                point=leaf(boundary.point), normal=leaf(boundary.normal), **_contact(boundary)
+            )
+        case c.Sphere():
+            return boundaries.Sphere(
                 point=leaf(boundary.point),
-                normal=leaf(boundary.normal),
-                friction=leaf(boundary.friction),
-                start=leaf(boundary.start),
-                end=leaf(boundary.end),
-                contact=Contact(boundary.surface.value),
+                radius=leaf(boundary.radius),
+                container=boundary.container,
+                **_contact(boundary),
+            )
+        case c.Box():
+            return boundaries.Box(
+                point=leaf(boundary.point),
+                half_size=leaf(boundary.half_size),
+                container=boundary.container,
+                **_contact(boundary),
+            )
+        case c.Mesh():
+            values, origin = _sampled(boundary, domain, place, base_dir)
+            return boundaries.SignedDistance(
+                values=leaf(values), origin=leaf(origin), spacing=domain.dx, **_contact(boundary)
             )
         case c.Cuboid():
             return boundaries.Cuboid(
@@ -29,3 +67,31 @@ def compile_boundary(boundary: c.Boundary):
                 start=leaf(boundary.start),
                 end=leaf(boundary.end),
             )
+
+
+def _contact(obstacle: c.HalfSpace | c.Sphere | c.Box | c.Mesh) -> dict[str, Any]:
+    return dict(
+        friction=leaf(obstacle.friction),
+        start=leaf(obstacle.start),
+        end=leaf(obstacle.end),
+        contact=Contact(obstacle.surface.value),
+        velocity=leaf(obstacle.velocity) if any(obstacle.velocity) else None,
+    )
+
+
+def _sampled(mesh: c.Mesh, domain: c.Domain, place: str, base_dir: str | Path):
+    """A mesh on a grid like the simulation's: all of it if it moves, else what lies in the domain."""
+    path = Path(base_dir) / mesh.path
+    if not path.is_file():
+        raise UserError(f"`{place}.path`: there is no mesh file {path}", do="Check the path")
+    reach = (-np.inf, np.inf) if any(mesh.velocity) else (0.0, domain.size)
+    placed = mesh.scale, mesh.position, mesh.rotation_degrees, mesh.rotation_axes
+    return _sample_once(path.resolve(), path.stat().st_mtime_ns, place, placed, domain.dx, *reach)
+
+
+@lru_cache(maxsize=8)  # a run compiles its scene anew for every force field that it tries
+def _sample_once(path: Path, stamp: int, place: str, placed: tuple, dx: float, low: float, high: float):
+    del stamp  # part of the key: the file may have changed
+    scale, position, degrees, axes = placed
+    triangles = load_solid(path, f"{place}.path") @ (scale * extra_rotation(degrees, axes)).T
+    return sample(triangles + np.asarray(position), dx, low, high, place)

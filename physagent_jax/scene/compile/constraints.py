@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import jax.numpy as jnp
 import numpy as np
 
 from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.mpm import PrescribedMotion
 from physagent_jax.scene import config as c
-from physagent_jax.scene.compile.select import DTYPE, in_box, in_cylinder, leaf
+from physagent_jax.scene.compile.select import DTYPE, in_box, in_cylinder, leaf, not_empty
+
+STILL = (0.0, 0.0, 0.0)
 
 
 def compile_constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarray) -> tuple[tuple, tuple]:
@@ -26,7 +30,7 @@ def compile_constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarra
                 forces.append(UniformAcceleration(leaf(change), *window, leaf(weight)))
             case c.ParticleTranslation():
                 inside = in_box(rest, constraint, place)
-                motions.append(_motion(inside, constraint, constraint.velocity, (0, 0, 0)))
+                motions.append(_motion(inside, constraint, constraint.velocity, STILL, constraint.point))
             case c.ParticleRotation():
                 axis = np.asarray(constraint.normal)
                 inside = in_cylinder(rest, constraint, place)
@@ -36,17 +40,38 @@ def compile_constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarra
                         constraint,
                         constraint.axial_velocity * axis,
                         constraint.angular_velocity * axis,
+                        constraint.point,
                     )
                 )
+            case c.ParticleRelease():
+                inside, times = _release_times(rest, constraint, place)
+                held = _motion(inside, constraint, STILL, STILL, STILL)
+                motions.append(dataclasses.replace(held, end=leaf(times)))
     return tuple(forces), tuple(motions)
 
 
-def _motion(inside: np.ndarray, constraint, velocity, angular_velocity) -> PrescribedMotion:
+def _motion(inside: np.ndarray, constraint, velocity, angular_velocity, center) -> PrescribedMotion:
     return PrescribedMotion(
         particles=jnp.asarray(np.flatnonzero(inside), jnp.int32),
         velocity=leaf(velocity),
         angular_velocity=leaf(angular_velocity),
-        center=leaf(constraint.point),
+        center=leaf(center),
         start=leaf(constraint.start),
         end=leaf(constraint.end),
     )
+
+
+def _release_times(
+    rest: np.ndarray, release: c.ParticleRelease, place: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """Which particles are held, shape (n,), and until when each of them is [s].
+
+    PhysGaussian holds nested boxes about ``end_position``, the i-th with a share 1 - i/layers of the full
+    reach; a particle is free once the last box that contains it is.
+    """
+    reach = abs(release.start_position - release.end_position)
+    height = rest.astype(np.float64) @ np.asarray(release.normal)
+    share = np.abs(height - release.end_position) / reach
+    inside = not_empty(share <= 1, rest, place)
+    layer = np.minimum(np.floor(release.layers * (1 - share[inside])), release.layers - 1)
+    return inside, release.end * (layer + 1) / release.layers

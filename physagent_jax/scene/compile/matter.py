@@ -1,60 +1,138 @@
-"""Material parameters per particle, and the blocks of equal model."""
+"""Which material every particle is made of, and the simulator's blocks of equal model."""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.mpm import FixedCorotated, NeoHookean, lame_parameters
+from physagent_jax.mpm import materials as m
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile.select import DTYPE, in_box
 
-MODELS = {c.MaterialModel.NEO_HOOKEAN: NeoHookean, c.MaterialModel.FIXED_COROTATED: FixedCorotated}
+_ORDER = {model: rank for rank, model in enumerate(c.MaterialModel)}
 
 
 @dataclasses.dataclass(frozen=True)
 class Matter:
-    """Material parameters per particle."""
+    """The configured materials and who has which.
 
-    model: np.ndarray
-    youngs_modulus: np.ndarray
-    poissons_ratio: np.ndarray
-    density: np.ndarray
+    Attributes:
+        choices: The scene's material, then those of its regions.
+        choice: Index into ``choices``, shape (n,).
+    """
+
+    choices: tuple[c.Material, ...]
+    choice: np.ndarray
 
     @staticmethod
     def of(config: c.SceneConfig, body: Body) -> Matter:
-        """The parameters of every particle of ``body``, in its order."""
-        names = list(MODELS)
-        count, rest = body.particles.count, body.particles.x
+        """The matter of every particle of ``body``, in its order; a later region wins where two overlap.
 
-        def spread(material: c.Material):
-            return (
-                names.index(material.model),
-                material.youngs_modulus,
-                material.poissons_ratio,
-                material.density,
-            )
-
-        columns = [np.full(count, value) for value in spread(config.material)]
+        Raises:
+            UserError: A region holds no particle.
+        """
+        choice = np.zeros(body.particles.count, np.int32)
         for index, region in enumerate(config.material_regions):
-            inside = in_box(rest, region, f"material_regions[{index}]")
-            for column, value in zip(columns, spread(region.material)):
-                column[inside] = value
-        return Matter(*columns)
+            choice[in_box(body.particles.x, region, f"material_regions[{index}]")] = index + 1
+        return Matter((config.material, *(region.material for region in config.material_regions)), choice)
 
     def take(self, order: np.ndarray) -> Matter:
         """The same in another order."""
-        return Matter(*(getattr(self, f.name)[order] for f in dataclasses.fields(self)))
+        return Matter(self.choices, self.choice[order])
 
-    def materials(self) -> tuple:
-        """One material per block of equal model; the particles must be in order."""
+    def values(self, name: str) -> np.ndarray:
+        """A parameter per particle, shape (n,); 0 where the material does not have it."""
+        return np.array([getattr(material, name) or 0.0 for material in self.choices])[self.choice]
+
+    @property
+    def density(self) -> np.ndarray:
+        """[kg/m^3], shape (n,)."""
+        return self.values("density")
+
+    @property
+    def model(self) -> np.ndarray:
+        """A number per particle that is equal within a block, shape (n,): sort by it."""
+        # Whether a fluid bears tension is part of its program, so fluids of both kinds are two blocks.
+        keys = [2 * _ORDER[material.model] + bool(material.tension) for material in self.choices]
+        return np.array(keys)[self.choice]
+
+    def materials(self) -> tuple[m.Material, ...]:
+        """One material per block of equal `model`; the particles must be in order."""
         blocks = []
-        for index, solid in enumerate(MODELS.values()):
-            block = self.model == index
-            if block.any():
-                mu, lam = lame_parameters(self.youngs_modulus[block], self.poissons_ratio[block])
-                blocks.append(solid(jnp.asarray(mu, DTYPE), jnp.asarray(lam, DTYPE)))
+        for key in np.unique(self.model):
+            block = self.take(self.model == key)
+            first = block.choices[block.choice[0]]
+            blocks.append(_BUILDERS[first.model](block, first))
         return tuple(blocks)
+
+    def viscosity(self) -> jax.Array | None:
+        """Newtonian viscosity of fluids and damping of solids [Pa s], shape (n,); None if there is none."""
+        viscosity = self.values("viscosity")
+        return _leaf(viscosity) if viscosity.any() else None
+
+    def stationary(self) -> np.ndarray:
+        """Particles that never move, shape (n,): a prescribed motion holds them."""
+        return self._of_model(c.MaterialModel.STATIONARY)[self.choice]
+
+    def rigid_bodies(self) -> tuple[np.ndarray, ...]:
+        """Particles of each rigid body, shape (n,) each: every rigid entry of ``choices`` is a body of its own."""
+        rigid = np.flatnonzero(self._of_model(c.MaterialModel.RIGID))
+        masks = [self.choice == index for index in rigid]
+        return tuple(mask for mask in masks if mask.any())
+
+    def _of_model(self, model: c.MaterialModel) -> np.ndarray:
+        return np.array([material.model is model for material in self.choices])
+
+
+def _leaf(values: np.ndarray) -> jax.Array:
+    return jnp.asarray(values, DTYPE)
+
+
+def _solid(law: Callable, *names: str) -> Callable[[Matter, c.Material], m.Material]:
+    """A builder of ``law(mu, lam, ...)`` with the named parameters after the Lame parameters."""
+
+    def build(block: Matter, _: c.Material) -> m.Material:
+        lame = m.lame_parameters(block.values("youngs_modulus"), block.values("poissons_ratio"))
+        return law(*map(_leaf, lame), *(_leaf(block.values(name)) for name in names))
+
+    return build
+
+
+def _drucker_prager(block: Matter, _: c.Material) -> m.Material:
+    mu, lam = m.lame_parameters(block.values("youngs_modulus"), block.values("poissons_ratio"))
+    angle, cohesion = np.radians(block.values("friction_angle")), block.values("cohesion")
+    return m.DruckerPrager(_leaf(mu), _leaf(lam), _leaf(angle), _leaf(cohesion))
+
+
+def _fluid(block: Matter, first: c.Material) -> m.Material:
+    return m.Fluid(_leaf(block.values("bulk_modulus")), tension=bool(first.tension))
+
+
+def _without_stress(block: Matter, _: c.Material) -> m.Material:
+    return m.Rigid(len(block.choice))
+
+
+_BUILDERS: dict[c.MaterialModel, Callable[[Matter, c.Material], m.Material]] = {
+    c.MaterialModel.NEO_HOOKEAN: _solid(m.NeoHookean),
+    c.MaterialModel.FIXED_COROTATED: _solid(m.FixedCorotated),
+    c.MaterialModel.HENCKY: _solid(m.Hencky),
+    c.MaterialModel.VON_MISES: _solid(m.VonMises, "yield_stress", "hardening_modulus"),
+    c.MaterialModel.PLASTICINE: _solid(m.Plasticine, "yield_stress", "softening_modulus"),
+    c.MaterialModel.DRUCKER_PRAGER: _drucker_prager,
+    c.MaterialModel.VISCOPLASTIC: _solid(m.Viscoplastic, "yield_stress", "plastic_viscosity"),
+    c.MaterialModel.SNOW: _solid(
+        m.Snow,
+        "critical_compression",
+        "critical_stretch",
+        "hardening_coefficient",
+        "hardening_cap",
+    ),
+    c.MaterialModel.FLUID: _fluid,
+    c.MaterialModel.RIGID: _without_stress,
+    c.MaterialModel.STATIONARY: _without_stress,
+}

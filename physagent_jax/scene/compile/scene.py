@@ -8,15 +8,16 @@ from pathlib import Path
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.forces.skills import closed_form_scaling, compile_force_field
 from physagent_jax.mpm import Model, PrescribedMotion, State, smallest_window
+from physagent_jax.mpm.constraints import RigidBody
 from physagent_jax.render.camera import Camera
 from physagent_jax.scene import config as c
 from physagent_jax.scene.anchor import anchored_particles
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.camera import reference_camera
-from physagent_jax.scene.compile.boundaries import compile_boundary
+from physagent_jax.scene.compile.boundaries import compile_boundaries
 from physagent_jax.scene.compile.constraints import compile_constraints
+from physagent_jax.scene.compile.forces import compile_forces
 from physagent_jax.scene.compile.matter import Matter
 from physagent_jax.scene.compile.select import DTYPE
 
@@ -60,10 +61,11 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         base_dir,
         gaussian_count=body.cloud.count,
     )
-    forces, constraints = _force_field(config, body, rest, body.particles.volume[order])
+    forces, constraints = compile_forces(config, body, rest, body.particles.volume[order])
     imposed, prescribed = compile_constraints(config, rest, mass)
-    if held.any():
-        prescribed = (*prescribed, PrescribedMotion.fixed(jnp.asarray(np.flatnonzero(held), jnp.int32)))
+    bodies = tuple(RigidBody(_indices(mask)) for mask in matter.rigid_bodies())
+    if (still := held | matter.stationary()).any():
+        prescribed = (*prescribed, PrescribedMotion.fixed(_indices(still)))
     falling = config.force_field.default_drop or config.always_gravity
     model = Model(
         grid=smallest_window(config.domain.size, config.domain.cells),
@@ -73,9 +75,11 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         volume=jnp.asarray(body.particles.volume[order], DTYPE),
         materials=matter.materials(),
         forces=(*forces, *imposed),
-        boundaries=tuple(compile_boundary(b) for b in config.boundaries),
-        constraints=(*constraints, *prescribed),
+        boundaries=compile_boundaries(config, base_dir),
+        constraints=(*bodies, *constraints, *prescribed),
+        viscosity=matter.viscosity(),
         transfer=config.transfer.scheme,
+        stress_form=config.transfer.stress_form,
         rpic_damping=config.transfer.rpic_damping,
         damping_rate=config.transfer.damping_rate,
     )
@@ -84,14 +88,5 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     return Scene(config, body, model, state, camera, order, int(held.sum()))
 
 
-def _force_field(config: c.SceneConfig, body: Body, rest: np.ndarray, volume: np.ndarray):
-    timing = config.timing
-    scaling = config.scaling or closed_form_scaling(
-        extent=body.extent,
-        youngs_modulus=config.material.youngs_modulus,
-        density=config.material.density,
-        duration=(timing.frame_count - 1) * timing.frame_dt,
-    )
-    return compile_force_field(
-        config.force_field, scaling, rest, volume, frame_dt=timing.frame_dt, frame_count=timing.frame_count
-    )
+def _indices(mask: np.ndarray) -> jnp.ndarray:
+    return jnp.asarray(np.flatnonzero(mask), jnp.int32)

@@ -1,15 +1,19 @@
 """`SceneConfig`: one JSON file that holds everything a simulation needs; replayable, versioned, strict."""
 
 from physagent_jax.scene.config.boundaries import Boundary as Boundary
+from physagent_jax.scene.config.boundaries import Box as Box
 from physagent_jax.scene.config.boundaries import Cuboid as Cuboid
 from physagent_jax.scene.config.boundaries import DomainBox as DomainBox
 from physagent_jax.scene.config.boundaries import HalfSpace as HalfSpace
+from physagent_jax.scene.config.boundaries import Mesh as Mesh
+from physagent_jax.scene.config.boundaries import Sphere as Sphere
 from physagent_jax.scene.config.boundaries import Surface as Surface
 from physagent_jax.scene.config.common import FOREVER as FOREVER
 from physagent_jax.scene.config.common import SignedAxis as SignedAxis
 from physagent_jax.scene.config.constraints import Anchor as Anchor
 from physagent_jax.scene.config.constraints import Constraint as Constraint
 from physagent_jax.scene.config.constraints import ParticleImpulse as ParticleImpulse
+from physagent_jax.scene.config.constraints import ParticleRelease as ParticleRelease
 from physagent_jax.scene.config.constraints import ParticleRotation as ParticleRotation
 from physagent_jax.scene.config.constraints import ParticleTranslation as ParticleTranslation
 from physagent_jax.scene.config.files import dump_scene as dump_scene
@@ -17,6 +21,17 @@ from physagent_jax.scene.config.files import load_json as load_json
 from physagent_jax.scene.config.files import load_scene as load_scene
 from physagent_jax.scene.config.files import parse_scene as parse_scene
 from physagent_jax.scene.config.files import validation_message as validation_message
+from physagent_jax.scene.config.forces import Attractor as Attractor
+from physagent_jax.scene.config.forces import ConstantEnvelope as ConstantEnvelope
+from physagent_jax.scene.config.forces import Envelope as Envelope
+from physagent_jax.scene.config.forces import ForceTerm as ForceTerm
+from physagent_jax.scene.config.forces import PulseEnvelope as PulseEnvelope
+from physagent_jax.scene.config.forces import RampEnvelope as RampEnvelope
+from physagent_jax.scene.config.forces import SineEnvelope as SineEnvelope
+from physagent_jax.scene.config.forces import Turbulence as Turbulence
+from physagent_jax.scene.config.forces import Uniform as Uniform
+from physagent_jax.scene.config.forces import Vortex as Vortex
+from physagent_jax.scene.config.forces import Wind as Wind
 from physagent_jax.scene.config.material import Material as Material
 from physagent_jax.scene.config.material import MaterialModel as MaterialModel
 from physagent_jax.scene.config.material import MaterialRegion as MaterialRegion

@@ -5,15 +5,15 @@ from __future__ import annotations
 import enum
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from physagent_jax.forces.schema import unit_vector
-from physagent_jax.scene.config.common import NonNegative, Windowed
+from physagent_jax.scene.config.common import NonNegative, Positive, Windowed
 from physagent_jax.strict import Strict, Vector
 
 
 class Surface(enum.StrEnum):
-    """What a half-space does to grid velocities inside it."""
+    """What an obstacle does to grid velocities inside it, relative to its own."""
 
     STICKY = "sticky"  # no motion at all
     SLIP = "slip"  # no normal motion, either way (bilateral)
@@ -27,19 +27,73 @@ class DomainBox(Strict):
     padding: int = Field(default=3, ge=2, le=16)
 
 
-class HalfSpace(Windowed):
-    """A plane; ``normal`` points out of the solid. Acts on grid nodes behind it within [start, end) [s]."""
+class Obstacle(Windowed):
+    """A solid that grid velocities meet within [start, end) [s].
+
+    Attributes:
+        surface: Kind of contact.
+        friction: Coulomb coefficient of a separating surface.
+        velocity: With which the solid moves on from where it is at ``start`` [m/s].
+    """
+
+    surface: Surface = Surface.SEPARATE
+    friction: NonNegative = 0.0
+    velocity: Vector = (0.0, 0.0, 0.0)
+
+
+class HalfSpace(Obstacle):
+    """A plane; ``normal`` points out of the solid, which is what lies behind it."""
 
     kind: Literal["half_space"] = "half_space"
     point: Vector
     normal: Vector
-    surface: Surface = Surface.SEPARATE
-    friction: NonNegative = 0.0
 
     @field_validator("normal")
     @classmethod
     def _unit(cls, value: Vector) -> Vector:
         return unit_vector(value)
+
+
+class Sphere(Obstacle):
+    """A ball about ``point``; as a ``container``, the solid around a spherical hollow."""
+
+    kind: Literal["sphere"] = "sphere"
+    point: Vector
+    radius: Positive
+    container: bool = False
+
+
+class Box(Obstacle):
+    """A solid box of ``point`` +- ``half_size`` [m]; as a ``container``, the solid around such a hollow."""
+
+    kind: Literal["box"] = "box"
+    point: Vector
+    half_size: tuple[Positive, Positive, Positive]
+    container: bool = False
+
+
+class Mesh(Obstacle):
+    """The solid within a closed mesh: world = scale * rotation @ file + position.
+
+    Attributes:
+        path: .obj, .ply with faces, .glb, .stl; absolute or relative to the scene file. It must be watertight.
+        scale: World metres per unit of the file [m].
+        position: Where the file's origin is [m].
+        rotation_degrees, rotation_axes: Rotations about fixed axes (0, 1, 2), applied in order.
+    """
+
+    kind: Literal["mesh"] = "mesh"
+    path: str
+    scale: Positive = 1.0
+    position: Vector = (0.0, 0.0, 0.0)
+    rotation_degrees: tuple[float, ...] = ()
+    rotation_axes: tuple[Literal[0, 1, 2], ...] = ()
+
+    @model_validator(mode="after")
+    def _paired(self) -> Mesh:
+        if len(self.rotation_degrees) != len(self.rotation_axes):
+            raise ValueError("`rotation_degrees` and `rotation_axes` must have equal length")
+        return self
 
 
 class Cuboid(Windowed):
@@ -51,4 +105,4 @@ class Cuboid(Windowed):
     velocity: Vector = (0.0, 0.0, 0.0)
 
 
-Boundary = Annotated[DomainBox | HalfSpace | Cuboid, Field(discriminator="kind")]
+Boundary = Annotated[DomainBox | HalfSpace | Sphere | Box | Mesh | Cuboid, Field(discriminator="kind")]

@@ -67,7 +67,40 @@ class ParticleImpulse(Strict):
         return self
 
 
-Constraint = Annotated[ParticleTranslation | ParticleRotation | ParticleImpulse, Field(discriminator="kind")]
+class ParticleRelease(Windowed):
+    """Particles held still from ``start`` on and let go layer by layer, the last ones at ``end`` [s].
+
+    Layer i (of 0 to ``layers`` - 1) is let go at end * (i + 1) / layers, as in PhysGaussian.
+
+    Attributes:
+        normal: Axis along which the layers are stacked.
+        start_position: Coordinate along ``normal`` of the first layer to go [m].
+        end_position: Coordinate of the last one [m]. The layers lie on both sides of it, out to the distance of
+            ``start_position``; what rests farther away is free.
+        layers: How many.
+    """
+
+    kind: Literal["particle_release"] = "particle_release"
+    normal: Vector
+    start_position: float
+    end_position: float
+    layers: int = Field(ge=1, le=10_000)
+
+    @field_validator("normal")
+    @classmethod
+    def _unit(cls, value: Vector) -> Vector:
+        return unit_vector(value)
+
+    @model_validator(mode="after")
+    def _apart(self) -> ParticleRelease:
+        if self.start_position == self.end_position:
+            raise ValueError("`start_position` and `end_position` must differ")
+        return self
+
+
+Constraint = Annotated[
+    ParticleTranslation | ParticleRotation | ParticleImpulse | ParticleRelease, Field(discriminator="kind")
+]
 
 
 class Anchor(Strict):

@@ -3,29 +3,103 @@
 from __future__ import annotations
 
 import enum
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from physagent_jax.scene.config.common import Positive
+from physagent_jax.scene.config.common import NonNegative, Positive
 from physagent_jax.strict import Strict, Vector
 
 
 class MaterialModel(enum.StrEnum):
-    """Constitutive models."""
+    """Constitutive models.
+
+    NEO_HOOKEAN, FIXED_COROTATED, HENCKY: elastic. VON_MISES: metal, hardens. PLASTICINE: yields and softens.
+    DRUCKER_PRAGER: sand, soil. VISCOPLASTIC: foam, paste; flows at a finite rate. SNOW: Stomakhin et al. 2013.
+    FLUID: weakly compressible liquid. RIGID: keeps its shape and moves as one body. STATIONARY: never moves.
+    """
 
     NEO_HOOKEAN = "neo_hookean"
     FIXED_COROTATED = "fixed_corotated"
+    HENCKY = "hencky"
+    VON_MISES = "von_mises"
+    PLASTICINE = "plasticine"
+    DRUCKER_PRAGER = "drucker_prager"
+    VISCOPLASTIC = "viscoplastic"
+    SNOW = "snow"
+    FLUID = "fluid"
+    RIGID = "rigid"
+    STATIONARY = "stationary"
+
+
+_REQUIRED = "required"
+_DERIVED = "derived from E and nu"
+_VISCOSITY = {"viscosity": None}
+
+# What each model takes besides E, nu and density, with its default (None = not used unless given).
+MODEL_PARAMETERS: Mapping[MaterialModel, Mapping[str, Any]] = {
+    MaterialModel.NEO_HOOKEAN: _VISCOSITY,
+    MaterialModel.FIXED_COROTATED: _VISCOSITY,
+    MaterialModel.HENCKY: _VISCOSITY,
+    MaterialModel.VON_MISES: {"yield_stress": _REQUIRED, "hardening_modulus": 0.0, **_VISCOSITY},
+    MaterialModel.PLASTICINE: {"yield_stress": _REQUIRED, "softening_modulus": 0.0, **_VISCOSITY},
+    MaterialModel.DRUCKER_PRAGER: {"friction_angle": 30.0, "cohesion": 0.0, **_VISCOSITY},
+    MaterialModel.VISCOPLASTIC: {"yield_stress": _REQUIRED, "plastic_viscosity": 0.0, **_VISCOSITY},
+    # Stomakhin et al. 2013, table 2; their hardening has no cap, an explicit step needs one.
+    MaterialModel.SNOW: {
+        "critical_compression": 2.5e-2,
+        "critical_stretch": 7.5e-3,
+        "hardening_coefficient": 10.0,
+        "hardening_cap": 20.0,
+        **_VISCOSITY,
+    },
+    MaterialModel.FLUID: {"bulk_modulus": _DERIVED, "tension": False, **_VISCOSITY},
+    MaterialModel.RIGID: {},
+    MaterialModel.STATIONARY: {},
+}
+OPTIONAL_PARAMETERS = tuple(dict.fromkeys(name for each in MODEL_PARAMETERS.values() for name in each))
+ELASTIC_MODELS = frozenset(MaterialModel) - {
+    MaterialModel.FLUID,
+    MaterialModel.RIGID,
+    MaterialModel.STATIONARY,
+}
+"""Models whose stress depends on E and nu."""
+
+_GENERAL_DEFAULTS = {
+    MaterialModel.SNOW: {"youngs_modulus": 1.4e5, "poissons_ratio": 0.2, "density": 400.0},
+    MaterialModel.FLUID: {"density": 1000.0},
+}
+_Share = Annotated[float, Field(gt=0, lt=1)]
 
 
 class Material(Strict):
     """A homogeneous material.
 
+    Only the parameters of its model may be set (`MODEL_PARAMETERS`); what is left out or null takes the
+    model's default, so that a dumped material says all that acts. For `snow`, E, nu and density default to
+    1.4e5 Pa, 0.2 and 400 kg/m^3; a `fluid` has 1000 kg/m^3.
+
     Attributes:
         model: Constitutive model.
         youngs_modulus: E [Pa].
-        poissons_ratio: nu, in [0, 0.5).
+        poissons_ratio: nu, in [0, 0.499).
         density: Mass density [kg/m^3].
         reason: Where these values come from, for the report.
+        viscosity: Newtonian viscosity of a fluid, Kelvin-Voigt damping of a solid [Pa s].
+        yield_stress: Uniaxial von Mises yield stress [Pa]; required where a model has one.
+        hardening_modulus: Its growth per equivalent plastic strain [Pa]; default 0.
+        softening_modulus: Its loss per equivalent plastic strain [Pa]; default 0.
+        plastic_viscosity: Overstress over the rate of plastic flow [Pa s]; default 0, flow without delay.
+        friction_angle: Internal friction [degrees]; default 30.
+        cohesion: Shear strength without pressure [Pa]; default 0.
+        critical_compression: Strain at which snow crushes; default 2.5e-2.
+        critical_stretch: Strain at which snow tears; default 7.5e-3.
+        hardening_coefficient: xi; crushed snow is exp(xi (1 - J_p)) times as stiff; default 10.
+        hardening_cap: Largest such factor; default 20.
+        bulk_modulus: K of a fluid [Pa]; default E / (3 (1 - 2 nu)). Without E, E follows from K.
+        tension: Whether a fluid resists being pulled apart; default false.
     """
 
     model: MaterialModel = MaterialModel.NEO_HOOKEAN
@@ -33,6 +107,63 @@ class Material(Strict):
     poissons_ratio: float = Field(default=0.3, ge=0, lt=0.499)
     density: Positive = 200.0
     reason: str = ""
+    viscosity: NonNegative | None = None
+    yield_stress: Positive | None = None
+    hardening_modulus: NonNegative | None = None
+    softening_modulus: NonNegative | None = None
+    plastic_viscosity: NonNegative | None = None
+    friction_angle: Annotated[float, Field(ge=0, lt=90)] | None = None
+    cohesion: NonNegative | None = None
+    critical_compression: _Share | None = None
+    critical_stretch: _Share | None = None
+    hardening_coefficient: NonNegative | None = None
+    hardening_cap: Annotated[float, Field(ge=1)] | None = None
+    bulk_modulus: Positive | None = None
+    tension: bool | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill(cls, data: Any) -> Any:
+        model = _model_of(data)
+        if model is None:
+            return data
+        given = {key: value for key, value in data.items() if value is not None}
+        filled = {**_GENERAL_DEFAULTS.get(model, {}), **data}
+        if model is MaterialModel.FLUID:
+            filled |= _fluid_moduli(given)
+        for name, default in MODEL_PARAMETERS[model].items():
+            if name not in given and default not in (None, _REQUIRED, _DERIVED):
+                filled[name] = default
+        return filled
+
+    @model_validator(mode="after")
+    def _belongs(self) -> Material:
+        takes = MODEL_PARAMETERS[self.model]
+        for name in OPTIONAL_PARAMETERS:
+            given = getattr(self, name) is not None
+            if given and name not in takes:
+                known = ", ".join(f"`{own}`" for own in takes) or "none"
+                raise ValueError(f"`{name}` has no meaning for `{self.model}` (its own parameters: {known})")
+            if not given and takes.get(name) == _REQUIRED:
+                raise ValueError(f"`{self.model}` needs `{name}`")
+        return self
+
+    def changed(self, **changes: Any) -> Material:
+        """The same with ``changes``; what has no meaning for a new model is dropped, the rest is kept.
+
+        A fluid's K follows a change of E or nu unless K itself is given.
+
+        Raises:
+            pydantic.ValidationError: The changed material breaks the schema.
+        """
+        values = {**self.model_dump(), **changes}
+        takes = MODEL_PARAMETERS.get(_model_of(values) or self.model, {})
+        dropped = {name for name in OPTIONAL_PARAMETERS if name not in takes}
+        if {"youngs_modulus", "poissons_ratio"} & changes.keys():
+            dropped.add("bulk_modulus")
+        for name in dropped - changes.keys():
+            values[name] = None
+        return Material.model_validate(values)
 
 
 class MaterialRegion(Strict):
@@ -47,3 +178,29 @@ class MaterialRegion(Strict):
     point: Vector
     half_size: Vector
     material: Material
+
+
+def _model_of(data: Any) -> MaterialModel | None:
+    """The model that raw data names; None where the schema will complain itself."""
+    if not isinstance(data, dict):
+        return None
+    try:
+        return MaterialModel(data.get("model", MaterialModel.NEO_HOOKEAN))
+    except ValueError:
+        return None
+
+
+def _fluid_moduli(given: dict) -> dict[str, float]:
+    """K from E and nu, or E from K, whichever is missing; nothing where a number is not one."""
+    nu = given.get("poissons_ratio", 0.3)
+    known = given.get("bulk_modulus", given.get("youngs_modulus", 1e5))
+    if not (_is_number(nu) and _is_number(known) and 0 <= nu < 0.499):
+        return {}
+    factor = 3 * (1 - 2 * nu)
+    if "bulk_modulus" not in given:
+        return {"bulk_modulus": known / factor}
+    return {} if "youngs_modulus" in given else {"youngs_modulus": known * factor}
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

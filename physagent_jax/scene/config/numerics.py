@@ -50,10 +50,13 @@ class Transfer(Strict):
 
     Attributes:
         scheme: "apic" or "pic".
+        stress_form: "mls" (Hu et al. 2018), or "gradient", the classical form of warp-mpm and PhysGaussian, whose
+            stable step is three quarters as long.
         rpic_damping: 0 = APIC, 1 = only the rotational part of C (RPIC).
         damping_rate: Global velocity damping [1/s]: grid velocities decay by exp(-rate dt) per substep.
     """
 
     scheme: Literal["apic", "pic"] = "apic"
+    stress_form: Literal["mls", "gradient"] = "mls"
     rpic_damping: float = Field(default=0.0, ge=0, le=1)
     damping_rate: NonNegative = 0.0

@@ -12,6 +12,7 @@ from typing import Literal
 from physagent_jax.forces.schema import ForceField, SkillScaling
 from physagent_jax.scene.config.boundaries import Boundary, DomainBox
 from physagent_jax.scene.config.constraints import Anchor, Constraint
+from physagent_jax.scene.config.forces import ForceTerm
 from physagent_jax.scene.config.material import Material, MaterialRegion
 from physagent_jax.scene.config.numerics import Domain, Timing, Transfer
 from physagent_jax.scene.config.pictures import CameraConfig, Rendering
@@ -28,6 +29,8 @@ class SceneConfig(Strict):
         preset: Name of the preset that gave the defaults, for the record.
         gravity: [m/s^2]; acts only if ``force_field.default_drop``, or ``always_gravity``.
         always_gravity: Whether gravity acts regardless of the force field (imported scenes).
+        forces: Terms that act besides the force field; the agents neither see nor change them.
+        ledger: Whether work, dissipation and impulses are recorded frame by frame (`mpm.ledger`).
         scaling: None = the closed forms of `forces.skills`, evaluated when the scene is compiled.
     """
 
@@ -47,6 +50,8 @@ class SceneConfig(Strict):
     constraints: tuple[Constraint, ...] = ()
     anchor: Anchor = Anchor()
     force_field: ForceField = ForceField()
+    forces: tuple[ForceTerm, ...] = ()
     scaling: SkillScaling | None = None
+    ledger: bool = False
     camera: CameraConfig = CameraConfig()
     rendering: Rendering = Rendering()

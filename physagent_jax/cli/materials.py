@@ -1,0 +1,120 @@
+"""`physagent materials`: the named library, where its values come from, and what they cost to simulate."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from typing import Annotated
+
+import tyro
+
+CLIP_SECONDS = 2.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Materials:
+    """List the named materials, or show one with its sources.
+
+    The stable step and the substeps of a 2 s clip are those of the fast preset's grid: what a run with
+    `--material` costs without `--soften`.
+    """
+
+    name: tyro.conf.Positional[str | None] = None
+    """A material; all of them if left out."""
+    json_line: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print JSON instead of a table."""
+
+    def __call__(self) -> int:
+        """Runs the command; returns the exit code."""
+        from physagent_jax.scene.materials import LIBRARY, find_material
+
+        chosen = list(LIBRARY.values()) if self.name is None else [find_material(self.name)]
+        if self.json_line:
+            entries = [_as_json(each) for each in chosen]
+            print(json.dumps(entries if self.name is None else entries[0], indent=2, ensure_ascii=False))
+        elif self.name is None:
+            _print_table(chosen)
+        else:
+            _print_details(chosen[0])
+        return 0
+
+
+def _cost(material) -> tuple[float, int]:
+    from physagent_jax.scene.materials import stable_step, substeps
+    from physagent_jax.scene.presets import PRESETS, PresetName
+
+    dx = PRESETS[PresetName.FAST].domain.dx
+    return stable_step(material, dx), substeps(material, dx, CLIP_SECONDS)
+
+
+def _as_json(each) -> dict:
+    step, many = _cost(each.material)
+    return {
+        "name": each.name,
+        "aliases": each.aliases,
+        "what": each.what,
+        "material": each.material.model_dump(mode="json", exclude_none=True),
+        "source": each.source,
+        "notes": each.notes,
+        "stable_step": step if math.isfinite(step) else None,
+        "substeps": many,
+    }
+
+
+def _print_table(entries) -> None:
+    from rich import box
+    from rich.table import Table
+
+    from physagent_jax.report.facts import property_words
+    from physagent_jax.report.formats import count, plain, quantity
+    from physagent_jax.scene.materials import describe
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for title in ("material", "model"):
+        table.add_column(title, no_wrap=True)
+    for title in ("E or K", "density", "stable step", f"substeps in {CLIP_SECONDS:g} s"):
+        table.add_column(title, justify="right", no_wrap=True)
+    table.add_column("what")
+    for each in entries:
+        facts = {name: property_words(value, unit) for name, value, unit in describe(each.material)}
+        step, many = _cost(each.material)
+        stiff = facts.get("bulk modulus") or facts.get("Young\u2019s modulus", "")
+        model = plain(each.material.model.value)
+        table.add_row(each.name, model, stiff, facts["density"], quantity(step, "s"), count(many), each.what)
+    _print(table)
+
+
+def _print_details(each) -> None:
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    from physagent_jax.report.facts import property_words
+    from physagent_jax.report.formats import count, plain, quantity
+    from physagent_jax.scene.materials import describe
+
+    step, many = _cost(each.material)
+    rows = [("model", plain(each.material.model.value))]
+    rows += [(name, property_words(value, unit)) for name, value, unit in describe(each.material)]
+    rows += [("stable step", f"{quantity(step, 's')} at the fast preset's grid spacing")]
+    rows += [(f"{CLIP_SECONDS:g} s of clip", f"at least {count(many)} substeps")]
+    rows += [("source", each.source), ("notes", each.notes)]
+    if each.aliases:
+        rows.append(("also called", ", ".join(each.aliases)))
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title=f"{each.name}: {each.what}", show_header=False)
+    table.add_column(no_wrap=True)
+    table.add_column()
+    for name, value in rows:
+        table.add_row(name, Text(value))
+    _print(table)
+
+
+def _print(table) -> None:
+    """To standard output, at least wide enough that no column but the last is cut in a pipe."""
+    from rich.console import Console
+
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console.width = max(console.width, 160)
+    console.print(table)

@@ -1,0 +1,98 @@
+"""Softer stand-ins for stiff materials, which keep what can be seen.
+
+An explicit step resolves the sound wave through one cell, so that steel costs a thousand times more substeps
+than rubber although neither visibly compresses. A softer stand-in of the same density bends more under the
+same load, and is otherwise the same matter.
+"""
+
+from __future__ import annotations
+
+import math
+
+from physagent_jax.errors import UserError
+from physagent_jax.scene.config.material import Material, MaterialModel
+from physagent_jax.scene.materials.cost import stiffness, substeps
+
+_SCALED = ("yield_stress", "hardening_modulus", "softening_modulus", "plastic_viscosity", "bulk_modulus")
+
+
+def softened(material: Material, factor: float) -> Material:
+    """A stand-in ``factor`` times as soft; the stable step grows by sqrt(factor).
+
+    Density, nu and all strains stay: yield stress, hardening, softening and plastic viscosity are divided like
+    E, so that it yields at the same strain and relaxes in the same time. The damping of a solid is divided by
+    sqrt(factor), which keeps its damping ratio; the viscosity of a fluid stays, since it decides how it flows.
+    Friction and cohesion of granular matter stay as well: whether a heap stands is decided by strength over
+    weight, not over stiffness.
+
+    Raises:
+        UserError: ``factor`` is below 1 or not finite.
+    """
+    if not (math.isfinite(factor) and factor >= 1):
+        raise UserError(
+            "a material is softened by a factor of at least 1", got=factor, do="1 changes nothing"
+        )
+    if factor == 1:
+        return material
+    soft = _scaled(material, 1 / factor)
+    return soft.changed(
+        reason=f"{_join(material.reason)}{factor:g} times as soft, with the same strains at yield"
+    )
+
+
+def with_youngs_modulus(material: Material, youngs_modulus: float) -> Material:
+    """The material with another E [Pa] and the same strains; see `softened`."""
+    return _scaled(material, youngs_modulus / material.youngs_modulus)
+
+
+def scaled_for(material: Material, *, dx: float, duration: float, at_most: int = 10_000) -> Material:
+    """The material, softened just enough for a clip of ``duration`` [s] to take ``at_most`` substeps.
+
+    Raises:
+        UserError: The viscosity alone needs more substeps; softening does not help.
+    """
+    return softened(material, softening_for(material, dx=dx, duration=duration, at_most=at_most))
+
+
+def softening_for(material: Material, *, dx: float, duration: float, at_most: int) -> float:
+    """The factor of `scaled_for`, rounded up to two digits; 1 if nothing is to be done.
+
+    Raises:
+        UserError: As `scaled_for`.
+    """
+    if substeps(material, dx, duration) <= at_most:
+        return 1.0
+    # From the condition of `mpm.timestep`, dt^2 (4 k / m) + 2 dt (8 eta / m) = 4 with m = rho dx^2.
+    step, inertia = duration / at_most, material.density * dx**2
+    viscous = 4 - 16 * step * (material.viscosity or 0.0) / inertia
+    if material.model is not MaterialModel.FLUID:
+        factor = _damped_factor(material, step, inertia)
+    elif viscous <= 0:
+        raise UserError(
+            f"a viscosity of {material.viscosity:g} Pa s needs more than {at_most} substeps on this grid, "
+            "however soft the matter",
+            do="Use a coarser grid or a lower viscosity",
+        )
+    else:
+        factor = stiffness(material) * 4 * step**2 / (viscous * inertia)
+    digits = 10 ** (math.floor(math.log10(factor)) - 1)
+    return max(1.0, math.ceil(factor / digits - 1e-9) * digits)
+
+
+def _damped_factor(material: Material, step: float, inertia: float) -> float:
+    """Damping shrinks with the root of the factor, so that root solves 4 f - 16 dt eta sqrt(f) / m = 4 k dt^2 / m."""
+    damping = 2 * step * (material.viscosity or 0.0) / inertia
+    root = damping + math.sqrt(damping**2 + stiffness(material) * step**2 / inertia)
+    return root**2
+
+
+def _scaled(material: Material, share: float) -> Material:
+    names = [name for name in _SCALED if getattr(material, name) is not None]
+    changes = {name: share * getattr(material, name) for name in ("youngs_modulus", *names)}
+    if material.viscosity is not None and material.model is not MaterialModel.FLUID:
+        changes["viscosity"] = math.sqrt(share) * material.viscosity
+    return material.changed(**changes)
+
+
+def _join(reason: str) -> str:
+    return f"{reason}; " if reason else ""

@@ -1,0 +1,141 @@
+"""The material library on the command line."""
+
+import json
+
+import pytest
+
+from physagent_jax.cli import main
+from physagent_jax.cli.matter import AFFORDABLE, chosen_material
+from physagent_jax.cli.run import Run
+from physagent_jax.errors import UserError
+from physagent_jax.scene.config import MaterialModel
+from physagent_jax.scene.materials import LIBRARY, substeps
+from physagent_jax.scene.presets import PRESETS, PresetName
+from physagent_jax.scene.priors import material_for
+
+FAST = PRESETS[PresetName.FAST]
+
+
+@pytest.fixture(autouse=True)
+def no_cache(monkeypatch):
+    monkeypatch.setenv("PHYSAGENT_COMPILE_CACHE", "off")
+
+
+def test_the_table_lists_every_material_with_its_price(capsys):
+    assert main(["materials"]) == 0
+    out = capsys.readouterr().out
+    assert all(name in out for name in LIBRARY)
+    assert "207 GPa" in out and "7850 kg/m\u00b3" in out
+    steel = substeps(LIBRARY["steel"].material, FAST.domain.dx, 2.0)
+    assert f"{steel:,}".replace(",", "\u202f") in out
+
+
+def test_one_material_is_shown_with_its_sources(capsys):
+    assert main(["materials", "wet-sand"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    sand = LIBRARY["wet_sand"]
+    assert "friction angle 33\u00b0" in out and "cohesion 1 kPa" in out and "20 MPa" in out
+    assert sand.source in out and "capillary" in out
+
+
+def test_json_holds_what_a_scene_file_takes(capsys):
+    assert main(["materials", "aluminum", "--json"]) == 0
+    entry = json.loads(capsys.readouterr().out)
+    assert entry["name"] == "aluminium" and entry["source"] == LIBRARY["aluminium"].source
+    assert (
+        type(LIBRARY["aluminium"].material).model_validate(entry["material"]) == LIBRARY["aluminium"].material
+    )
+    assert entry["substeps"] > 1e5 and 0 < entry["stable_step"] < 1e-5
+    assert main(["materials", "--json"]) == 0
+    assert [each["name"] for each in json.loads(capsys.readouterr().out)] == list(LIBRARY)
+
+
+def test_an_unknown_name_is_answered_with_close_ones(capsys):
+    assert main(["materials", "stell"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("physagent: ") and "steel" in error and "Traceback" not in error
+
+
+# --- in a run -----------------------------------------------------------------------------------------
+
+
+def chosen(tmp_path, kind="robot", **options):
+    warnings: list[str] = []
+    command = Run(object=tmp_path / "x.ply", prompt="push it", out=tmp_path / "out", **options)
+    return chosen_material(command, kind, FAST, warnings), warnings
+
+
+def test_without_options_the_kind_decides(tmp_path):
+    assert chosen(tmp_path, "sand") == (material_for("sand"), [])
+
+
+def test_a_named_material_is_taken_whole(tmp_path):
+    material, warnings = chosen(tmp_path, material="natural rubber")
+    assert material == LIBRARY["natural_rubber"].material and warnings == []
+
+
+def test_a_model_keeps_the_kinds_values(tmp_path):
+    material, _ = chosen(tmp_path, material="fixed_corotated")
+    prior = material_for("robot")
+    assert material.model is MaterialModel.FIXED_COROTATED
+    assert (material.youngs_modulus, material.density) == (prior.youngs_modulus, prior.density)
+    assert chosen(tmp_path, "sand", material="hencky")[0].friction_angle is None
+    with pytest.raises(UserError, match="`von_mises` needs `yield_stress`.*physagent materials"):
+        chosen(tmp_path, material="von_mises")
+
+
+def test_options_overrule_single_values(tmp_path):
+    material, _ = chosen(tmp_path, material="muscle", youngs_modulus=5e4, density=900.0)
+    muscle = LIBRARY["muscle"].material
+    assert (material.youngs_modulus, material.density) == (5e4, 900.0)
+    assert material.poissons_ratio == muscle.poissons_ratio
+    assert (
+        "youngs_modulus, density from the command line" in material.reason
+        and muscle.reason in material.reason
+    )
+
+
+def test_a_stiff_material_is_warned_about_with_a_remedy_that_works(tmp_path):
+    _, (warning,) = chosen(tmp_path, material="steel")
+    assert "substeps" in warning
+    factor = float(warning.split("--soften ")[1].split()[0])
+    material, warnings = chosen(tmp_path, material="steel", soften=factor)
+    assert warnings == [] and substeps(material, FAST.domain.dx, 1.96) <= AFFORDABLE
+    steel = LIBRARY["steel"].material
+    assert material.yield_stress / material.youngs_modulus == pytest.approx(
+        steel.yield_stress / steel.youngs_modulus
+    )
+    assert chosen(tmp_path, material="steel", soften="auto")[0] == material
+
+
+def test_auto_softening_leaves_affordable_materials_alone(tmp_path):
+    assert chosen(tmp_path, material="gelatine", soften="auto")[0] == LIBRARY["gelatine"].material
+
+
+def test_a_prediction_replaces_the_kinds_prior(tmp_path):
+    path = tmp_path / "predicted_phys.json"
+    path.write_text(json.dumps({"E": 3.0e5, "nu": 0.6, "material": "Foam"}))
+    material, warnings = chosen(tmp_path, physgm=path)
+    assert (material.youngs_modulus, material.poissons_ratio) == (3.0e5, 0.49)
+    assert material.density == LIBRARY["pu_foam"].material.density
+    assert len(warnings) == 1 and "nu = 0.6" in warnings[0]
+    with pytest.raises(UserError, match="`--physgm` and `--material`"):
+        chosen(tmp_path, physgm=path, material="steel")
+
+
+@pytest.mark.parametrize(
+    ("options", "fragment"),
+    [
+        (["--material", "unobtainium"], "no such material"),
+        (["--material", "von_mise"], "von_mises"),
+        (["--soften", "0.5"], "at least 1"),
+        (["--physgm", "nowhere.json"], "nowhere.json"),
+    ],
+)
+def test_bad_choices_are_one_line_and_leave_nothing(options, fragment, tmp_path, robot_path, capsys):
+    out = tmp_path / "run"
+    arguments = ["run", "--object", str(robot_path), "--prompt", "push it left", "--out", str(out), *options]
+    assert main(arguments) == 2
+    error = capsys.readouterr().err
+    assert "physagent: " in error and fragment in error and "Traceback" not in error
+    assert not out.exists()
