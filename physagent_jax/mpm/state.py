@@ -76,7 +76,8 @@ class Model:
             or "gradient" (grad w_i, the classical form), static.
         rpic_damping: 0 = APIC, 1 = only the rotational part of C; static.
         damping_rate: Global damping of grid velocities [1/s], static; 0 = none (skipped).
-        wall: Cells from the domain's faces at which particles are stopped, static.
+        wall: Cells from the domain's faces at which particles are stopped, static. One: matter rests up to 1.5 cells
+            deep in the walls of `boundaries.DomainBox`, and its stencil needs half a cell.
     """
 
     grid: Grid
@@ -93,7 +94,7 @@ class Model:
     stress_form: Literal["mls", "gradient"] = dataclasses.field(default="mls", metadata=_STATIC)
     rpic_damping: float = dataclasses.field(default=0.0, metadata=_STATIC)
     damping_rate: float = dataclasses.field(default=0.0, metadata=_STATIC)
-    wall: int = dataclasses.field(default=2, metadata=_STATIC)
+    wall: int = dataclasses.field(default=1, metadata=_STATIC)
 
     def replace(self, **changes) -> Model:
         """A copy with ``changes``."""

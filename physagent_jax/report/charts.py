@@ -41,6 +41,9 @@ def physics_charts(iteration: Iteration) -> Markup | None:
     return _grid([*plots, *_ledger(record)], iteration)
 
 
+_NOTICEABLE = 1e-4  # share of the largest flow of energy below which a curve would only be round-off
+
+
 def active_windows(force_field: ForceField | None, last_frame: int) -> list[tuple[float, float]]:
     """When forces act, in frames, overlapping windows merged."""
     if force_field is None:
@@ -160,8 +163,9 @@ def _ledger(record: SimulationRecord):
         "viscous dissipation": ledger.viscous_dissipation,
         "numerical loss": ledger.numerical_loss,
     }
-    flows = {name: values for name, values in flows.items() if any(values)}
-    factor, letter = prefix(_largest(*flows.values()))
+    largest = _largest(*flows.values())
+    flows = {name: values for name, values in flows.items() if _largest(values) > _NOTICEABLE * largest}
+    factor, letter = prefix(largest)
     energy = [
         Series(name, [e * factor for e in values], color) for color, (name, values) in enumerate(flows.items())
     ]
