@@ -222,7 +222,7 @@ def boundary_words(boundary: Boundary) -> str:
     if boundary.kind == "domain_box":
         return f"walls of the domain, {boundary.padding} cells thick"
     if boundary.kind == "cuboid":
-        words = f"material in a box about {vector(boundary.point)} m, half size {vector(boundary.half_size)} m, "
+        words = f"material about {vector(boundary.point)} m, half size {vector(boundary.half_size)} m, "
         words += f"is moved at {vector(boundary.velocity)} m/s" if any(boundary.velocity) else "is held"
         return words + span_words(boundary.start, boundary.end)
     words = f"{_solid_words(boundary)}, {boundary.surface.value}"

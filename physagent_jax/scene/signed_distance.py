@@ -2,7 +2,8 @@
 
 Near the surface the distances are those to the triangles, exact to round-off. Deep inside and far outside,
 where an obstacle needs only the sign and a rough direction, they are those to one near triangle. The sign
-comes from the winding number along vertical lines, so parts of the mesh may overlap.
+comes from the winding number along vertical lines, so parts of the mesh may overlap; but deep inside such a
+solid the distance is that to its inner faces.
 """
 
 from __future__ import annotations
@@ -134,12 +135,11 @@ def _count_crossings(crossings, flat, heights, first, sides, z) -> None:
     line = first[t] + np.stack([within // sides[t, 1], within % sides[t, 1]], axis=1)
     a, b, c = (flat[t, corner] - line for corner in range(3))
     parts = np.stack([_area(b, c), _area(c, a), _area(a, b)], axis=1)
-    up = (parts > 0).all(1)
-    hit = up | (parts < 0).all(1)
+    hit = (parts > 0).all(1) | (parts < 0).all(1)
     t, line, parts = t[hit], line[hit], parts[hit]
     height = (parts * heights[t]).sum(1) / parts.sum(1)
     k = np.clip(np.floor((height - z[0]) / (z[1] - z[0])).astype(int) + 1, 0, len(z))
-    np.add.at(crossings, (line[:, 0], line[:, 1], k), np.where(up[hit], 1, -1))
+    np.add.at(crossings, (line[:, 0], line[:, 1], k), np.where(parts[:, 0] > 0, 1, -1))
 
 
 def _area(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -151,13 +151,16 @@ def _distance(points: np.ndarray, pieces: np.ndarray, spacing: float) -> np.ndar
     centres = pieces.mean(1)
     radius = float(np.linalg.norm(pieces - centres[:, None], axis=2).max())
     tree = KDTree(centres)
-    to_centre, nearest = (np.asarray(found) for found in tree.query(points))
+    found = tree.query(points)
+    to_centre, nearest = np.asarray(found[0]), np.asarray(found[1])
     result = np.empty(len(points))
     for part in _chunks(np.ones(len(points))):
         result[part] = _to_triangles(points[part], pieces[nearest[part]])
     # The nearest piece of the surface has its centre within the nearest centre's distance plus its own radius.
     near = np.flatnonzero(to_centre <= BAND * spacing + radius)
-    counts = tree.query_ball_point(points[near], to_centre[near] + radius + 1e-9 * spacing, return_length=True)
+    counts = tree.query_ball_point(
+        points[near], to_centre[near] + radius + 1e-9 * spacing, return_length=True
+    )
     for part in _chunks(np.asarray(counts)):
         at = near[part]
         lists = tree.query_ball_point(points[at], to_centre[at] + radius + 1e-9 * spacing)

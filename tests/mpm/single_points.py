@@ -29,7 +29,7 @@ PARAMETERS = {
     "fixed corotated": (FixedCorotated, dict(mu=MU, lam=LAM)),
     "Hencky": (Hencky, dict(mu=MU, lam=LAM)),
     "von Mises": (VonMises, dict(mu=MU, lam=LAM, yield_stress=0.1 * E, hardening=0.2 * E)),
-    "plasticine": (Plasticine, dict(mu=MU, lam=LAM, yield_stress=0.1 * E, softening=0.3 * E)),
+    "plasticine": (Plasticine, dict(mu=MU, lam=LAM, yield_stress=0.1 * E, softening=0.1 * E)),
     "sand": (DruckerPrager, dict(mu=MU, lam=LAM, friction_angle=0.6, cohesion=0.0)),
     "cohesive soil": (DruckerPrager, dict(mu=MU, lam=LAM, friction_angle=0.6, cohesion=0.05 * E)),
     "clay": (DruckerPrager, dict(mu=MU, lam=LAM, friction_angle=0.0, cohesion=0.05 * E)),
@@ -75,9 +75,9 @@ def histories(matter, seed=3):
     if isinstance(initial, tuple):
         return initial
     past = np.random.default_rng(seed).uniform(0, 0.3, initial.shape)
-    past[0] = 0.0
+    past[0] = past[-1] = 0.0
     if isinstance(matter, Plasticine):
-        past[1::4] = 1.0  # its yield stress is used up
+        past[1::4] = 1.5  # its yield stress is used up
     return initial + jnp.asarray(past - (0.15 if isinstance(matter, Snow) else 0), initial.dtype)
 
 

@@ -96,7 +96,9 @@ GAP = 0.2  # four cells: the layers share no node
 
 def three_layers(dt=1e-3, g=2.0):
     """Three layers that share no node, held by one constraint with a release time per particle."""
-    model, state = block((6, 2, 9), low=(0.3, 0.45, 0.4), dtype=np.float64, dt=dt, gravity=jnp.array([0, 0, -g]))
+    model, state = block(
+        (6, 2, 9), low=(0.3, 0.45, 0.4), dtype=np.float64, dt=dt, gravity=jnp.array([0, 0, -g])
+    )
     x = np.asarray(state.x)
     layer = np.round((x[:, 2] - 0.4125) / GAP).astype(int)
     keep = np.flatnonzero(np.abs(x[:, 2] - 0.4125 - GAP * layer) < 0.03)

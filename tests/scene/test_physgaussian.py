@@ -14,6 +14,7 @@ from physagent_jax.scene.config import (
     HalfSpace,
     MaterialModel,
     ParticleImpulse,
+    ParticleRelease,
     ParticleRotation,
     ParticleTranslation,
     Surface,
@@ -258,20 +259,39 @@ def test_friction_is_kept_where_it_means_something():
     assert imported(data)[0].boundaries[0].friction == 0.4
 
 
-def test_sequential_release_lets_the_outermost_layer_go_first():
-    release = {
+def release(**changes):
+    return {
         "type": "release_particles_sequentially",
-        "normal": [0, 0, 1],
+        "normal": [0, 0, -1],
         "start_position": 1.5,
         "end_position": 0.5,
         "num_layers": 4,
         "start_time": 0,
         "end_time": 2.0,
-    }
-    config, _ = imported({"g": [0, 0, -9.8], "boundary_conditions": [release]})
-    assert [c.end for c in config.constraints] == [0.5, 1.0, 1.5, 2.0]
-    assert [c.half_size for c in config.constraints] == [(1.0, 1.0, s) for s in (1.0, 0.75, 0.5, 0.25)]
-    assert all(c.point == (1.0, 1.0, 0.5) and c.velocity == (0.0, 0.0, 0.0) for c in config.constraints)
+    } | changes
+
+
+def test_sequential_release_honours_its_number_of_layers():
+    config, _ = imported({"g": [0, 0, -9.8], "boundary_conditions": [release()]})
+    (condition,) = config.constraints
+    assert isinstance(condition, ParticleRelease)
+    assert condition.normal == (0.0, 0.0, 1.0)  # positions are coordinates, whatever the normal's sign
+    assert (condition.start_position, condition.end_position, condition.layers) == (1.5, 0.5, 4)
+    assert (condition.start, condition.end) == (0.0, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "name"),
+    [
+        ({"normal": [0, 1, 1]}, r"\[0\].normal` must lie along one axis"),
+        ({"num_layers": 0}, r"\[0\].num_layers` must be positive"),
+        ({"num_layers": 2.5}, r"\[0\].num_layers` must be a whole number"),
+        ({"end_position": 1.5}, r"\[0\].end_position` must differ"),
+    ],
+)
+def test_a_bad_release_is_refused_by_its_key(change, name):
+    with pytest.raises(UserError, match=name):
+        imported({"g": [0, 0, 0], "boundary_conditions": [release(**change)]})
 
 
 def test_what_is_left_out_is_said():

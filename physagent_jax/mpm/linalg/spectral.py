@@ -123,70 +123,81 @@ def _in_frames(values: Principal, U: jax.Array, V: jax.Array) -> Principal:
 
 
 def _two_point_tangent(s, g, dg, jacobian, A):
-    entries: list[list[Any]] = [[dg[..., i] if i == j else None for j in range(3)] for i in range(3)]
-    for i, j in ((0, 1), (0, 2), (1, 2)):
-        pair = _Pair(s, i, j)
-        a = pair.over_difference(g[..., i] - g[..., j], jacobian)
-        b = pair.over_sum(g[..., i] + g[..., j], jacobian)
-        even, odd = (a + b) / 2, (a - b) / 2
-        entries[i][j] = even * A[..., i, j] + odd * A[..., j, i]
-        entries[j][i] = even * A[..., j, i] + odd * A[..., i, j]
-    return jnp.stack([jnp.stack(row, -1) for row in entries], -2)
+    """U^T dG V of the module's docstring, shape (..., 3, 3)."""
+    pairs = _Pairs(s, jacobian)
+    a, b = pairs.over_difference(_first(g) - _second(g)), pairs.over_sum(_first(g) + _second(g))
+    even, odd = (a + b) / 2, (a - b) / 2
+    upper, lower = _upper(A), _upper(transpose(A))
+    return _assemble(dg, even * upper + odd * lower, even * lower + odd * upper)
 
 
 def _spatial_tangent(s, t, dt, jacobian, A):
-    entries: list[list[Any]] = [[dt[..., i] if i == j else None for j in range(3)] for i in range(3)]
-    for i, j in ((0, 1), (0, 2), (1, 2)):
-        pair = _Pair(s, i, j)
-        c = pair.over_square_difference(t[..., i] - t[..., j], jacobian)
-        entries[i][j] = entries[j][i] = c * (s[..., j] * A[..., i, j] + s[..., i] * A[..., j, i])
-    return jnp.stack([jnp.stack(row, -1) for row in entries], -2)
+    """U^T dtau U of the module's docstring, shape (..., 3, 3)."""
+    c = _Pairs(s, jacobian).over_square_difference(_first(t) - _second(t))
+    off_diagonal = c * (_second(s) * _upper(A) + _first(s) * _upper(transpose(A)))
+    return _assemble(dt, off_diagonal, off_diagonal)
 
 
-class _Pair:
-    """Divided differences over the singular values i and j, with their limits.
+class _Pairs:
+    """Divided differences over the pairs (i, j) of singular values, shape (..., 3), with their limits.
 
     "Near" is relative to the two values, so that a pair of small ones is treated as any other. The
     tolerance balances the limit's error, its square, against the round-off of the difference.
     """
 
-    def __init__(self, s, i, j):
-        self.i, self.j = i, j
-        self.difference, self.sum = s[..., i] - s[..., j], s[..., i] + s[..., j]
-        near = jnp.finfo(s.dtype).eps ** (1 / 3) * (jnp.abs(s[..., i]) + jnp.abs(s[..., j]))
+    def __init__(self, s, jacobian):
+        self.difference, self.sum = _first(s) - _second(s), _first(s) + _second(s)
+        near = jnp.finfo(s.dtype).eps ** (1 / 3) * (jnp.abs(_first(s)) + jnp.abs(_second(s)))
         self.equal = jnp.abs(self.difference) <= near
         self.opposite = jnp.abs(self.sum) <= near
+        self.safe_difference = jnp.where(self.equal, 1, self.difference)
+        self.safe_sum = jnp.where(self.opposite, 1, self.sum)
+        diagonal = jnp.stack([jacobian[..., i, i] for i in range(3)], -1)
+        self.own_i, self.own_j = _first(diagonal), _second(diagonal)  # d_i g_i, d_j g_j
+        self.cross_ij, self.cross_ji = _upper(jacobian), _upper(transpose(jacobian))  # d_j g_i, d_i g_j
 
-    def over_difference(self, numerator, jacobian):
+    def over_difference(self, numerator):
         """(g_i - g_j) / (s_i - s_j)."""
-        return jnp.where(self.equal, self._at_equal(jacobian), numerator / self._safe_difference())
+        return jnp.where(self.equal, self._at_equal(), numerator / self.safe_difference)
 
-    def over_sum(self, numerator, jacobian):
+    def over_sum(self, numerator):
         """(g_i + g_j) / (s_i + s_j)."""
-        i, j = self.i, self.j
-        limit = (jacobian[..., i, i] + jacobian[..., j, i] + jacobian[..., i, j] + jacobian[..., j, j]) / 2
-        return jnp.where(self.opposite, limit, numerator / self._safe_sum())
+        limit = (self.own_i + self.cross_ji + self.cross_ij + self.own_j) / 2
+        return jnp.where(self.opposite, limit, numerator / self.safe_sum)
 
-    def over_square_difference(self, numerator, jacobian):
+    def over_square_difference(self, numerator):
         """(t_i - t_j) / (s_i^2 - s_j^2); zero for a pair of zeros, where tau's derivative vanishes with s."""
-        i, j = self.i, self.j
-        at_opposite = (
-            jacobian[..., i, i] - jacobian[..., j, i] + jacobian[..., i, j] - jacobian[..., j, j]
-        ) / 2
-        difference, total = self._safe_difference(), self._safe_sum()
-        inside = jnp.where(
-            self.equal,
-            self._at_equal(jacobian) / total,
-            jnp.where(self.opposite, at_opposite / difference, numerator / (difference * total)),
-        )
-        return jnp.where(self.equal & self.opposite, 0, inside)
+        at_opposite = (self.own_i - self.cross_ji + self.cross_ij - self.own_j) / 2
+        apart = numerator / (self.safe_difference * self.safe_sum)
+        value = jnp.where(self.opposite, at_opposite / self.safe_difference, apart)
+        value = jnp.where(self.equal, self._at_equal() / self.safe_sum, value)
+        return jnp.where(self.equal & self.opposite, 0, value)
 
-    def _at_equal(self, jacobian):
-        i, j = self.i, self.j
-        return (jacobian[..., i, i] - jacobian[..., i, j] + jacobian[..., j, j] - jacobian[..., j, i]) / 2
+    def _at_equal(self):
+        return (self.own_i - self.cross_ij + self.own_j - self.cross_ji) / 2
 
-    def _safe_difference(self):
-        return jnp.where(self.equal, 1, self.difference)
 
-    def _safe_sum(self):
-        return jnp.where(self.opposite, 1, self.sum)
+def _first(v):
+    """Entry i of each pair (i, j) = (0, 1), (0, 2), (1, 2)."""
+    return jnp.stack([v[..., 0], v[..., 0], v[..., 1]], -1)
+
+
+def _second(v):
+    """Entry j of each pair."""
+    return jnp.stack([v[..., 1], v[..., 2], v[..., 2]], -1)
+
+
+def _upper(a):
+    """Entry (i, j) of each pair."""
+    return jnp.stack([a[..., 0, 1], a[..., 0, 2], a[..., 1, 2]], -1)
+
+
+def _assemble(diagonal, upper, lower):
+    """The matrix with these entries at (i, i), (i, j) and (j, i)."""
+    d, u, l = diagonal, upper, lower
+    rows = (
+        (d[..., 0], u[..., 0], u[..., 1]),
+        (l[..., 0], d[..., 1], u[..., 2]),
+        (l[..., 1], l[..., 2], d[..., 2]),
+    )
+    return jnp.stack([jnp.stack(row, -1) for row in rows], -2)

@@ -47,7 +47,6 @@ def _jacobi(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     both = jnp.concatenate([scaled, unit])
     columns = tuple(both[:, j] for j in range(3))
     columns = jax.lax.fori_loop(0, _SWEEPS[F.dtype.itemsize], _sweep, columns)
-    columns = _sort(columns)
     U, s = _left_factor(*(column[:3] for column in columns))
     return _matrix(U), jnp.stack(s, -1) * scale[..., None], _matrix(tuple(column[3:] for column in columns))
 
@@ -63,26 +62,20 @@ def _sweep(_: int, columns: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
 
 
 def _rotation(a: jax.Array, b: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Cosine and sine of the smaller angle (at most 45 degrees) that makes vectors a and b orthogonal."""
+    """Cosine and sine of the angle that makes vectors a and b orthogonal, the longer one the first.
+
+    It is the smaller angle, at most 45 degrees, where a is the longer; else that less a right angle, which
+    exchanges the two.
+    """
     difference, product = _dot(b, b) - _dot(a, a), _dot(a, b)
-    twice = 2 * jnp.where(difference < 0, -product, product)
+    exchange = difference > 0
+    twice = 2 * jnp.where(exchange, product, -product)
     denominator = jnp.abs(difference) + jnp.sqrt(difference**2 + twice**2)
     t = jnp.where(twice == 0, 0, twice / jnp.where(denominator == 0, 1, denominator))
     t = jnp.clip(t, -1, 1)  # for where the squares have underflowed
     c = 1 / jnp.sqrt(1 + t**2)
-    return c, c * t
-
-
-def _sort(columns: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
-    """Columns by descending length. An exchange negates one, so that V stays a rotation."""
-    ordered = list(columns)
-    squares = [_dot(a[:3], a[:3]) for a in ordered]
-    for p, q in ((0, 1), (0, 2), (1, 2)):
-        a, b = ordered[p], ordered[q]
-        swap = squares[p] < squares[q]
-        ordered[p], ordered[q] = jnp.where(swap, b, a), jnp.where(swap, -a, b)
-        squares[p], squares[q] = jnp.maximum(squares[p], squares[q]), jnp.minimum(squares[p], squares[q])
-    return tuple(ordered)
+    s = c * t
+    return jnp.where(exchange, s, c), jnp.where(exchange, -c, s)
 
 
 def _left_factor(a1: jax.Array, a2: jax.Array, a3: jax.Array):

@@ -11,6 +11,13 @@ from physagent_jax.mpm.linalg import singular_values
 History = jax.Array | tuple[()]
 """What a material remembers of the past: one number per particle, shape (n,), or () for none."""
 
+TORN = 1.2
+"""Expansion J beyond which matter that bears no tension forgets to have expanded.
+
+A particle alone keeps its grad v for ever, so that its J would grow exponentially in free flight, until float32
+overflows; and long before, matter that had to be squeezed by as much before it resisted would pass through others.
+"""
+
 
 class Material(Protocol):
     """A constitutive law with per-particle parameters, shape (n,) each.

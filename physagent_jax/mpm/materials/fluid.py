@@ -8,12 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.mpm.linalg import determinant
-from physagent_jax.mpm.materials.base import History
-
-# A droplet alone keeps its grad v for ever, so that its J would grow exponentially in free flight, until float32
-# overflows; and long before, matter that had to be squeezed by as much before it resisted would pass through others.
-TORN = 1.2
-
+from physagent_jax.mpm.materials.base import TORN, History
 
 @jax.tree_util.register_dataclass
 @dataclasses.dataclass(frozen=True)
@@ -68,7 +63,7 @@ class Fluid:
         return 3 * self.bulk_modulus * jnp.maximum(((gamma - 1) * J ** (1 - gamma) + J) / gamma, 1)
 
     def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
-        """J^(1/3) I: a fluid forgets shear, and if it bears no tension, expansion beyond `TORN`.
+        """J^(1/3) I: a fluid forgets shear, and if it bears no tension, expansion beyond `base.TORN`.
 
         An inverted F stays one, with its negative determinant.
         """

@@ -82,10 +82,10 @@ def deviator(eps: jax.Array) -> tuple[jax.Array, jax.Array]:
 
 
 def relative_excess(norm: jax.Array, bound: jax.Array) -> jax.Array:
-    """(norm - bound) / norm where positive, else 0; 1 for a bound of zero, whatever the norm. Shape (n,)."""
-    beyond = norm > bound
-    excess = jnp.where(beyond, norm - bound, 0) / jnp.where(beyond & (norm > 0), norm, 1)
-    return jnp.where(bound > 0, excess, 1)
+    """(norm - bound) / norm where positive, else 0, shape (n,); 1 at norm = bound = 0, as at any other norm."""
+    beyond = (norm > bound) & (norm > 0)
+    excess = jnp.where(beyond, norm - bound, 0) / jnp.where(beyond, norm, 1)
+    return jnp.where((norm > 0) | (bound > 0), excess, 1)
 
 
 def _energy(s: jax.Array, parameters: tuple[jax.Array, jax.Array]) -> Principal:

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.mpm.linalg import Principal, spectral
-from physagent_jax.mpm.materials.base import History
+from physagent_jax.mpm.materials.base import TORN, History
 from physagent_jax.mpm.materials.hencky import HenckyElasticity, deviator, relative_excess, return_mapping
 
 
@@ -20,8 +20,8 @@ class Plasticine(HenckyElasticity):
 
     The return is `VonMises`'s with H = -S, and takes the whole deviator where that would overshoot sigma_y =
     0. For S >= 3 mu the unloading branch is steeper than the elastic one and the first yield breaks the
-    bond at once. Matter with no yield stress left is a crumbling paste: no deviator, and no tension either,
-    psi = (lam/2 + mu/3) min(tr eps, 0)^2 + mu |dev eps|^2.
+    bond at once. Matter with no yield stress left is a crumbling paste: no deviator, and no tension either (its
+    expansion is forgotten beyond `base.TORN`), psi = (lam/2 + mu/3) min(tr eps, 0)^2 + mu |dev eps|^2.
 
     Attributes:
         mu, lam: Lame parameters [Pa], shape (n,).
@@ -75,7 +75,11 @@ def _softening_return(eps: jax.Array, parameters: tuple[Plasticine, jax.Array]):
     stable = slope > 0
     fraction = jnp.where(stable, excess * 3 * mu / jnp.where(stable, slope, 1), jnp.sign(excess))
     fraction = jnp.where(fraction < 1, fraction, 1)
-    return -deviation * fraction[..., None], alpha + fraction * q / (3 * mu)
+    after = alpha + fraction * q / (3 * mu)
+    trace = eps.sum(-1)
+    torn = (_remaining_yield_stress(material, after) <= 0) & (trace > math.log(TORN))
+    forgotten = jnp.where(torn, trace - math.log(TORN), 0) / 3
+    return -deviation * fraction[..., None] - forgotten[..., None], after
 
 
 def _tension_free(eps: jax.Array, material: Plasticine, alpha: jax.Array) -> jax.Array:

@@ -61,9 +61,7 @@ def _motion(inside: np.ndarray, constraint, velocity, angular_velocity, center) 
     )
 
 
-def _release_times(
-    rest: np.ndarray, release: c.ParticleRelease, place: str
-) -> tuple[np.ndarray, np.ndarray]:
+def _release_times(rest: np.ndarray, release: c.ParticleRelease, place: str) -> tuple[np.ndarray, np.ndarray]:
     """Which particles are held, shape (n,), and until when each of them is [s].
 
     PhysGaussian holds nested boxes about ``end_position``, the i-th with a share 1 - i/layers of the full

@@ -1,0 +1,201 @@
+"""Meshes as obstacles: their sampled distance against exact ones, and what cannot be sampled."""
+
+import json
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from physagent_jax import mpm
+from physagent_jax.errors import UserError
+from physagent_jax.mpm.boundaries import SignedDistance
+from physagent_jax.scene import config as c
+from physagent_jax.scene.compile.boundaries import compile_boundaries
+from physagent_jax.scene.signed_distance import BAND, MARGIN, load_solid, sample, winding_number
+from tests.mpm.blocks import block
+
+
+def compiled(path, *, cells=32, size=1.0, base_dir=".", **options):
+    domain = {"size": size, "cells": cells}
+    mesh = {"kind": "mesh", "path": str(path), **options}
+    config = c.parse_scene(
+        json.loads(json.dumps({"source": {"path": "x"}, "domain": domain, "boundaries": [mesh]}))
+    )
+    (obstacle,) = compile_boundaries(config, base_dir)
+    assert isinstance(obstacle, SignedDistance) and obstacle.spacing == size / cells
+    return obstacle
+
+
+def samples(obstacle):
+    """Positions of the samples and phi there."""
+    index = np.indices(obstacle.values.shape).reshape(3, -1).T
+    return np.asarray(obstacle.origin) + index * obstacle.spacing, np.asarray(obstacle.values).ravel()
+
+
+def box_distance(points, half):
+    beyond = np.abs(points) - half
+    return np.linalg.norm(np.maximum(beyond, 0), axis=1) + np.minimum(beyond.max(1), 0)
+
+
+@pytest.fixture
+def ball_path(tmp_path):
+    trimesh.creation.icosphere(subdivisions=4, radius=1.0).export(tmp_path / "ball.obj")
+    return tmp_path / "ball.obj"
+
+
+def test_a_ball_has_the_distance_of_a_sphere_to_the_order_of_its_facets(ball_path):
+    """The facets of a sphere cut in 2^k parts lie inside by O(4^-k), and no grid makes it worse."""
+    errors = []
+    for subdivisions in (2, 3, 4):
+        triangles = np.asarray(trimesh.creation.icosphere(subdivisions=subdivisions, radius=0.3).triangles)
+        phi, first = sample(triangles + 0.5, 0.05, 0.0, 1.0, "mesh")
+        points = first + 0.05 * np.indices(phi.shape).reshape(3, -1).T
+        errors.append(np.abs(phi.ravel() - (np.linalg.norm(points - 0.5, axis=1) - 0.3)).max())
+    np.testing.assert_allclose(np.log2(np.array(errors[:-1]) / errors[1:]), 2, atol=0.35)
+    assert errors[-1] < 0.0004
+
+
+def test_scale_rotation_and_position_are_applied_in_that_order(tmp_path):
+    half, degrees, centre = np.array([1.0, 2.0, 0.5]), (30.0, 45.0), np.array([0.55, 0.5, 0.45])
+    trimesh.creation.box(2 * half).export(tmp_path / "brick.stl")
+    obstacle = compiled(
+        "brick.stl",
+        base_dir=tmp_path,
+        scale=0.1,
+        position=centre.tolist(),
+        rotation_degrees=degrees,
+        rotation_axes=[2, 0],
+    )
+    turn = Rotation.from_euler("zx", degrees, degrees=True)  # about fixed axes, z first
+    points, phi = samples(obstacle)
+    exact = box_distance(turn.inv().apply(points - centre), 0.1 * half)
+    near = np.abs(exact) < BAND / 32
+    np.testing.assert_allclose(phi[near], exact[near], atol=2e-6)
+    np.testing.assert_array_equal(phi[np.abs(exact) > 1e-6] < 0, exact[np.abs(exact) > 1e-6] < 0)
+    np.testing.assert_allclose(phi, exact, atol=0.5 / 32)  # far away it is roughly right
+
+
+def test_the_samples_lie_on_the_grids_nodes_with_a_margin(ball_path):
+    obstacle = compiled(ball_path, scale=0.2, position=[0.5, 0.5, 0.5])
+    on_nodes = np.asarray(obstacle.origin) * 32
+    np.testing.assert_allclose(on_nodes, np.round(on_nodes), atol=1e-5)
+    phi = np.asarray(obstacle.values)
+    rim = np.concatenate([np.take(phi, [0, -1], axis=axis).ravel() for axis in range(3)])
+    assert rim.min() > (MARGIN - 1) / 32
+
+
+def test_a_block_rebounds_from_a_mesh_as_from_a_sphere(ball_path, x64):
+    """The whole way: file, samples, contact."""
+    mesh = compiled(ball_path, cells=20, scale=0.22, position=[0.52, 0.48, 0.3])
+    sphere = mpm.Sphere(
+        jnp.array([0.52, 0.48, 0.3]), jnp.asarray(0.22), mesh.friction, mesh.start, mesh.end, mesh.contact
+    )
+    ends = []
+    for obstacle in (mesh, sphere):
+        model, state = block(
+            (2, 2, 2), low=(0.47, 0.47, 0.55), youngs_modulus=5e4, dtype=np.float64, boundaries=(obstacle,)
+        )
+        state = mpm.State.at_rest(state.x, jnp.full_like(state.v, 0.0).at[:, 2].set(-1.0))
+        ends.append(
+            jax.jit(lambda m, s: jax.lax.fori_loop(0, 200, lambda _, s: mpm.step(m, s), s))(model, state)
+        )
+    assert float(ends[1].v[:, 2].mean()) > 0.1
+    np.testing.assert_allclose(ends[0].x.mean(0), ends[1].x.mean(0), atol=2e-3)
+    np.testing.assert_allclose(ends[0].v.mean(0), ends[1].v.mean(0), atol=2e-2)
+
+
+def test_overlapping_parts_make_one_solid_whichever_way_their_faces_turn():
+    first = np.asarray(trimesh.creation.box((0.4, 0.4, 0.4)).triangles) + 0.4
+    second = np.asarray(trimesh.creation.box((0.4, 0.4, 0.4)).triangles) + 0.55
+    for triangles in (np.concatenate([first, second]), np.concatenate([first, second])[:, ::-1]):
+        phi, low = sample(triangles, 0.05, 0.0, 1.0, "mesh")
+        points = low + 0.05 * np.indices(phi.shape).reshape(3, -1).T
+        exact = np.minimum(box_distance(points - 0.4, 0.2), box_distance(points - 0.55, 0.2))
+        clear = np.abs(exact) > 1e-6
+        np.testing.assert_array_equal((phi.ravel() <= 0)[clear], (exact < 0)[clear])
+
+
+def test_a_hollow_is_not_solid():
+    """A box with a box-shaped cavity, whose faces turn the other way."""
+    outer = np.asarray(trimesh.creation.box((0.8, 0.8, 0.8)).triangles)
+    inner = np.asarray(trimesh.creation.box((0.4, 0.4, 0.4)).triangles)[:, ::-1]
+    axis = np.linspace(-0.5, 0.5, 21)
+    winding = winding_number(np.concatenate([outer, inner]), [axis, axis, axis])
+    depth = np.abs(np.stack(np.meshgrid(axis, axis, axis, indexing="ij"))).max(0)
+    solid = (depth < 0.39) & (depth > 0.21)
+    assert (winding[solid] == 1).all() and (winding[(depth < 0.19) | (depth > 0.41)] == 0).all()
+
+
+def test_of_a_large_mesh_only_what_the_domain_holds_is_sampled(tmp_path):
+    trimesh.creation.box((50.0, 50.0, 2.0)).export(tmp_path / "ground.stl")
+    obstacle = compiled(tmp_path / "ground.stl", position=[0, 0, -0.7], cells=16)  # its top is at 0.3
+    assert max(obstacle.values.shape) <= 16 + 2 * MARGIN + 1
+    points, phi = samples(obstacle)
+    within = ((points >= 0) & (points <= 1)).all(1)
+    near = within & (np.abs(points[:, 2] - 0.3) < BAND / 16)
+    np.testing.assert_allclose(phi[near], points[near, 2] - 0.3, atol=1e-6)
+    assert (phi[within & (points[:, 2] > 0.31)] > 0).all() and (phi[within & (points[:, 2] < 0.29)] < 0).all()
+
+
+def test_a_moving_mesh_is_sampled_whole_though_it_starts_outside(ball_path):
+    moving = compiled(ball_path, scale=0.2, position=[-0.5, 0.5, 0.5], velocity=[1.0, 0.0, 0.0])
+    assert float(moving.values.min()) < -0.15
+    np.testing.assert_allclose(moving.velocity, [1, 0, 0])
+
+
+def test_a_real_mesh_with_texture_seams_keeps_its_volume(shared_data):
+    triangles = load_solid(shared_data / "spot.obj", "mesh")
+    spacing = 1 / 12
+    phi, _ = sample(triangles, spacing, -9.0, 9.0, "mesh")
+    share = np.clip(0.5 - phi / spacing, 0, 1)  # of a cell that is inside
+    np.testing.assert_allclose(share.sum() * spacing**3, 0.718259, rtol=0.02)  # the known volume
+
+
+def test_an_open_mesh_is_refused(tmp_path):
+    box = trimesh.creation.box((1, 1, 1))
+    box.update_faces(np.arange(len(box.faces)) > 0)
+    box.export(tmp_path / "open.obj")
+    with pytest.raises(UserError, match=r"boundaries\[0\].path.*not watertight.*3 edges.*[Cc]lose its holes"):
+        compiled(tmp_path / "open.obj")
+
+
+def test_faces_that_wind_both_ways_are_refused(tmp_path):
+    box = trimesh.creation.box((1, 1, 1))
+    faces = box.faces.copy()
+    faces[0] = faces[0][::-1]
+    trimesh.Trimesh(box.vertices, faces, process=False).export(tmp_path / "mixed.obj")
+    with pytest.raises(UserError, match=r"boundaries\[0\].path.*wind the same way"):
+        compiled(tmp_path / "mixed.obj")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"path": "missing.obj"}, r"boundaries\[0\].path.*there is no mesh file.*missing.obj"),
+        ({"position": [5, 5, 5]}, r"boundaries\[0\]`: no part of the mesh.s surface is in the domain.*spans"),
+        ({"scale": 100.0}, r"boundaries\[0\]`: no part of the mesh.s surface is in the domain"),
+        ({"scale": 100.0, "velocity": [1, 0, 0]}, r"boundaries\[0\]`: the mesh spans too many grid cells"),
+    ],
+)
+def test_a_mesh_out_of_reach_is_refused(options, message, ball_path):
+    with pytest.raises(UserError, match=message):
+        compiled(**{"path": ball_path, "base_dir": ball_path.parent, **options})
+
+
+def test_what_is_no_mesh_is_refused_by_its_field(tmp_path):
+    (tmp_path / "text.obj").write_text("hello")
+    with pytest.raises(UserError, match=r"`boundaries\[0\].path`"):
+        compiled(tmp_path / "text.obj")
+
+
+def test_a_mesh_is_sampled_once_until_its_file_changes(ball_path, monkeypatch):
+    first = compiled(ball_path, scale=0.2, position=[0.5, 0.5, 0.5])
+    monkeypatch.setattr("physagent_jax.scene.compile.boundaries.sample", None)  # would fail if called
+    again = compiled(ball_path, scale=0.2, position=[0.5, 0.5, 0.5])
+    np.testing.assert_array_equal(first.values, again.values)
+    monkeypatch.undo()
+    trimesh.creation.box((1, 1, 1)).export(ball_path)
+    assert compiled(ball_path, scale=0.2, position=[0.5, 0.5, 0.5]).values.shape != first.values.shape
