@@ -62,7 +62,7 @@ def project(material, F, history, dt=DT):
     return material.project(F, history, dt)
 
 
-def material(name, count=COUNT, dtype=None, **changes):
+def material(name, count=COUNT, dtype=float, **changes):
     """The material called ``name`` with the same parameters at each of ``count`` particles."""
     kind, parameters = PARAMETERS[name]
     static = {key: changes.pop(key) for key in ("tension", "exponent") if key in changes}

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from physagent_jax.mpm import Rigid
+from physagent_jax.mpm.materials.base import TORN
 from tests.mpm.single_points import (
     COUNT,
     DT,
@@ -195,8 +196,13 @@ def test_plastic_flow_dissipates(name, x64):
 @pytest.mark.parametrize("name", ["von Mises", "plasticine", "foam"])
 def test_deviatoric_flow_keeps_the_volume(name, x64):
     matter, F, history = matter_and_states(name)
-    new, _ = project(matter, F, history, DT)
-    np.testing.assert_allclose(np.linalg.det(new), np.linalg.det(F), rtol=1e-13)
+    new, past = project(matter, F, history, DT)
+    J = np.linalg.det(F)
+    if name == "plasticine":  # crumbled, it forgets its expansion
+        crumbled = np.asarray(matter.yield_stress - matter.softening * past) <= 0
+        assert crumbled.any() and not crumbled.all()
+        J = np.where(crumbled, np.minimum(J, TORN), J)
+    np.testing.assert_allclose(np.linalg.det(new), J, rtol=1e-12)
 
 
 @pytest.mark.parametrize("name", PLASTIC)
