@@ -1,6 +1,7 @@
 """Derivatives of return mapping and stress, with respect to F and every parameter, against central differences."""
 
 import dataclasses
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -44,7 +45,8 @@ def response(matter, F, history, dt):
     return total + E * (weights * new).sum((1, 2)) + E * memory
 
 
-@jax.jit
+# Run a few times each: compiling is what costs.
+@partial(jax.jit, compiler_options={"xla_backend_optimization_level": 0})
 def gradients(matter, F, history, dt):
     """With respect to (matter, F, history, dt)."""
     return jax.grad(lambda *a: response(*a).sum(), argnums=(0, 1, 2, 3))(matter, F, history, dt)

@@ -1,0 +1,1 @@
+"""Does anything go wrong without saying so: `python -m benchmarks.stability --json OUT`."""

@@ -1,0 +1,281 @@
+"""What must hold in every frame, and the verdict on a run.
+
+P1 finite; P2 inside; P3 det F in range; P4 no energy from nowhere; P5 momentum balances; P6 the grid has the
+particles' mass. (P7 to P10 compare runs: `settling`, `matrix`, `equivalence`.)
+
+Two bars depend on how hard a run is. Its *load* is the energy supplied per volume, over E: where it nears one, an
+impact squeezes matter to a few per cent of its volume whatever the scheme, and det F and the share of particles
+held at the wall are reported, not judged. And the energy of a leapfrog is only good to about a quarter of the
+square of the cells that matter crosses in a step.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Iterable
+from typing import Literal
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from benchmarks.stability.materials import FLUID, SOLIDS
+from benchmarks.stability.scenario import Run, Scenario, build
+from physagent_jax.errors import UserError
+from physagent_jax.mpm import Frame
+from physagent_jax.mpm.energy import elastic_energy
+from physagent_jax.mpm.transfer import scatter_mass, stencil
+
+ENERGY = 1e-3  # P4: least gain that counts, over the energy supplied
+EXTREME = 0.1  # load above which det F and the wall share are only reported
+LIMITS_J = (0.05, 20.0)  # P3, solids
+FINITE_J = 1e6  # P3, anything
+WALL_SHARE = 1e-3  # P2: particle-steps stopped at the wall
+MOMENTUM = {"float32": (1e-5, 1e-4), "float64": (1e-12, 1e-11)}  # P5, over M v: in free space, touching walls
+SPIN = {"float32": 1e-4, "float64": 1e-11}  # P5, angular, over M v R
+
+Verdict = Literal["pass", "refused", "FAIL"]
+
+
+@dataclasses.dataclass
+class Result:
+    """What became of a run.
+
+    Attributes:
+        name: Of the scenario.
+        verdict: "refused" if it ended with a `UserError`.
+        message: The error's, or the criteria that failed, with numbers.
+        failed: Their names.
+        figures: Numbers worth keeping.
+    """
+
+    name: str
+    verdict: Verdict = "pass"
+    message: str = ""
+    failed: list[str] = dataclasses.field(default_factory=list)
+    figures: dict = dataclasses.field(default_factory=dict)
+
+    def fail(self, criterion: str, what: str) -> None:
+        """Notes a broken criterion, once."""
+        if criterion not in self.failed:
+            self.failed.append(criterion)
+            self.message = f"{self.message}; {criterion}: {what}".lstrip("; ")
+            self.verdict = "FAIL"
+
+
+def examine(scenario: Scenario) -> Result:
+    """Builds and runs a scenario, and judges it."""
+    begun = time.perf_counter()
+    result = Result(scenario.name)
+    try:
+        run = build(scenario)
+        watch(scenario, run, run.frames(), result)
+        if scenario.refusable:
+            result.fail("P8", "a step above the stable bound was accepted")
+    except UserError as error:
+        result.verdict = "refused"
+        result.message = str(error)
+    result.figures["seconds"] = round(time.perf_counter() - begun, 3)
+    return result
+
+
+def watch(scenario: Scenario, run: Run, frames: Iterable[Frame], result: Result) -> None:
+    """Applies P1 to P6 to every frame; failures and figures go to ``result``.
+
+    Raises:
+        UserError: The simulator gave up, in words.
+    """
+    book = _Book(scenario, run)
+    for frame in frames:
+        book.enter(frame)
+        state = frame.state
+        if not all(np.isfinite(np.asarray(leaf)).all() for leaf in (state.x, state.v, state.C, state.F)):
+            result.fail("P1", f"a value of frame {frame.index} is not finite")
+            break
+        _inside(book, frame, result)
+        _deformation(book, frame, result)
+        _energy(book, frame, result)
+        _momentum(book, frame, result)
+        _mass(book, frame, result)
+        result.figures.update(book.figures(frame))
+    _asked_for(book, result)
+
+
+class _Book:
+    """What is summed over the frames of a run, in double precision."""
+
+    def __init__(self, scenario: Scenario, run: Run):
+        self.scenario, self.run = scenario, run
+        self.mass = np.asarray(run.model.mass, np.float64)
+        self.volume = float(np.asarray(run.model.volume, np.float64).sum())
+        self.x0 = np.asarray(run.state.x, np.float64)
+        self.v0 = np.asarray(run.state.v, np.float64)
+        self.radius = max(float(np.ptp(self.x0, axis=0).max()) / 2, run.model.grid.dx / 2)
+        self.stored = float(elastic_energy(run.model, run.state)) if bool((run.state.F != jnp.eye(3)).any()) else 0.0
+        self.steps, self.retries, self.loss, self.lowest = 0, 0, 0.0, 0.0
+        self.min_J, self.max_J, self.courant, self.fastest = 1.0, 1.0, 0.0, 0.0
+        self.work, self.drop, self.impulse = 0.0, 0.0, np.zeros(3)
+        self.touched, self.pushed = False, 0.0
+        self.worst: dict[str, float] = {"momentum": 0.0, "spin": 0.0, "grid mass": 0.0}
+
+    def enter(self, frame: Frame) -> None:
+        """Adds a frame."""
+        state, exchange = frame.state, frame.exchange
+        assert exchange is not None
+        self.v, self.x = np.asarray(state.v, np.float64), np.asarray(state.x, np.float64)
+        self.C = np.asarray(state.C, np.float64)
+        self.steps += frame.substeps
+        self.retries += len(frame.retries)
+        self.min_J, self.max_J = min(self.min_J, frame.min_J), max(self.max_J, frame.max_J)
+        speed = float(np.sqrt((self.v**2).sum(-1).max()))
+        self.fastest = max(self.fastest, speed)
+        self.courant = max(self.courant, self.fastest * frame.dt / self.run.model.grid.dx)
+        # The walls rest: they do no work, and what an impact loses there is the scheme's loss.
+        self.loss += float(exchange.numerical_loss) - float(exchange.boundary_work)
+        self.lowest = min(self.lowest, self.loss)
+        self.work = max(self.work, self.work + float(exchange.force_work))
+        gravity = np.asarray(self.run.model.gravity, np.float64)
+        self.drop = max(self.drop, float((self.mass[:, None] * (self.x - self.x0) * gravity).sum()))
+        wall = np.asarray(exchange.boundary_impulse, np.float64)
+        near = 4.5 * self.run.model.grid.dx  # of a face: the walls' nodes are in reach
+        inside = near < self.x.min() and self.x.max() < self.run.model.grid.cells * self.run.model.grid.dx - near
+        self.touched = self.touched or not inside or bool(np.abs(wall).max() > 1e-6 * self.scale)
+        asked = self.scenario.magnitude if self.scenario.force != "drop" else 0.0
+        self.pushed = float(self.mass.sum()) * (asked + float(np.linalg.norm(gravity)) * float(state.time))
+        self.impulse = self.impulse + wall + np.asarray(exchange.force_impulse, np.float64)
+
+    @property
+    def supplied(self) -> float:
+        """Energy the run began with and was given [J]."""
+        kinetic = 0.5 * float((self.mass * (self.v0**2).sum(-1)).sum())
+        return kinetic + self.stored + self.work + self.drop
+
+    @property
+    def load(self) -> float:
+        """Energy supplied per volume, over E."""
+        return self.supplied / (self.volume * self.scenario.youngs_modulus)
+
+    @property
+    def scale(self) -> float:
+        """Momentum of the whole at the largest speed so far, and what has been pushed [kg m/s]: its round-off counts."""
+        return float(self.mass.sum()) * max(self.fastest, 1e-30) + self.pushed
+
+    def figures(self, frame: Frame) -> dict:
+        """For the record."""
+        return {
+            "particles": len(self.mass),
+            "substeps": self.steps,
+            "dt": frame.dt,
+            "retries": self.retries,
+            "min_J": self.min_J,
+            "max_J": self.max_J,
+            "load": self.load,
+            "stopped": int(frame.state.stopped) / max(1, self.steps * len(self.mass)),
+            "loss": self.loss / max(self.supplied, 1e-30),
+            "lowest_loss": self.lowest / max(self.supplied, 1e-30),
+            **self.worst,
+        }
+
+
+def _inside(book: _Book, frame: Frame, result: Result) -> None:
+    model = book.run.model
+    low, high = model.wall * model.grid.dx, (model.grid.cells - model.wall) * model.grid.dx
+    slack = 1e-6 * high
+    if book.x.min() < low - slack or book.x.max() > high + slack:
+        result.fail("P2", f"a particle is outside the domain in frame {frame.index}")
+    share = int(frame.state.stopped) / max(1, book.steps * len(book.mass))
+    if share > WALL_SHARE and book.load < EXTREME:
+        result.fail("P2", f"{share:.2%} of particle-steps were stopped at the wall, load {book.load:.2g}")
+
+
+def _deformation(book: _Book, frame: Frame, result: Result) -> None:
+    if not 0 < frame.min_J <= frame.max_J < FINITE_J:
+        result.fail("P3", f"det F in [{frame.min_J:.3g}, {frame.max_J:.3g}] in frame {frame.index}")
+    low, high = _range_of_J(book.scenario.material)
+    if book.load < EXTREME and not (low < book.min_J and book.max_J < high):
+        result.fail("P3", f"det F in [{book.min_J:.3g}, {book.max_J:.3g}], load {book.load:.2g}")
+
+
+def _range_of_J(material: str) -> tuple[float, float]:
+    """The elastic det F that is in order."""
+    if material in FLUID:
+        return 0.0, 2.0  # torn fluid expands, but not freely
+    if material == "snow":
+        return 0.9 * (1 - 0.025) ** 3, 1.1 * (1 + 0.0075) ** 3
+    if material in ("sand", "wet-sand"):
+        return LIMITS_J[0], 1.2
+    return LIMITS_J
+
+
+def _energy(book: _Book, frame: Frame, result: Result) -> None:
+    noise = float(np.finfo(book.scenario.dtype).eps) * book.volume * book.scenario.youngs_modulus
+    allowed = (ENERGY + 0.25 * min(book.courant, 1.0) ** 2) * book.supplied + noise
+    if book.loss < -allowed:
+        gain = -book.loss / max(book.supplied, 1e-30)
+        result.fail("P4", f"energy gained {gain:.2e} of what was supplied by frame {frame.index}")
+
+
+def _momentum(book: _Book, frame: Frame, result: Result) -> None:
+    free, touching = MOMENTUM[book.scenario.dtype]
+    change = (book.mass[:, None] * (book.v - book.v0)).sum(0)
+    error = float(np.abs(change - book.impulse).max()) / book.scale
+    book.worst["momentum"] = max(book.worst["momentum"], error)
+    if error > (touching if book.touched else free):
+        result.fail("P5", f"momentum is off by {error:.1e} M v in frame {frame.index}")
+    if book.touched or book.scenario.force == "torque" or book.fastest == 0:
+        return
+    error = float(np.abs(_spin(book)).max()) / (book.scale * book.radius)
+    book.worst["spin"] = max(book.worst["spin"], error)
+    if error > SPIN[book.scenario.dtype]:
+        result.fail("P5", f"angular momentum about the mass centre is {error:.1e} M v R in frame {frame.index}")
+
+
+def _spin(book: _Book) -> np.ndarray:
+    """Angular momentum about the mass centre with APIC's own part [kg m^2/s], shape (3,)."""
+    centre = (book.mass[:, None] * book.x).sum(0) / book.mass.sum()
+    C = book.C
+    axial = np.stack([C[:, 2, 1] - C[:, 1, 2], C[:, 0, 2] - C[:, 2, 0], C[:, 1, 0] - C[:, 0, 1]], -1)
+    own = book.run.model.grid.dx**2 / 4 * axial
+    mean = (book.mass[:, None] * book.v).sum(0) / book.mass.sum()
+    return (book.mass[:, None] * (np.cross(book.x - centre, book.v - mean) + own)).sum(0)
+
+
+def _mass(book: _Book, frame: Frame, result: Result) -> None:
+    grid = book.run.model.grid
+    if frame.grid_shape != grid.shape or max(grid.shape) <= grid.cells:
+        return  # the window may have moved; where it covers the whole domain it cannot
+    error = abs(float(_grid_mass(grid, frame.state.x, book.run.model.mass)) / book.mass.sum() - 1)
+    book.worst["grid mass"] = max(book.worst["grid mass"], error)
+    if error > 1e-6:
+        result.fail("P6", f"the grid has {error:.1e} too much or too little mass in frame {frame.index}")
+
+
+@jax.jit
+def _grid_mass(grid, x, mass):
+    return scatter_mass(stencil(x, grid), grid, mass).sum()
+
+
+def _asked_for(book: _Book, result: Result) -> None:
+    """P5: in free space a push, a blow and a turn give the momentum that was asked for."""
+    scenario, forces = book.scenario, book.run.model.forces
+    if book.touched or scenario.wall != "far" or scenario.force not in ("translation", "impulse", "torque"):
+        return
+    duration = float(forces[0].end)
+    if scenario.force == "torque":
+        if scenario.magnitude > 1 or scenario.material not in SOLIDS:
+            return  # it changes its shape, and with it its moment of inertia
+        turn = forces[2]
+        axis, arm = np.asarray(turn.axis, np.float64), book.x0 - np.average(book.x0, axis=0, weights=book.mass)
+        own = book.run.model.grid.dx**2 / 2
+        inertia = (book.mass * ((arm**2).sum(-1) - (arm @ axis) ** 2 + own)).sum()
+        asked = inertia * float(turn.magnitude) * duration
+        error = abs(float(_spin(book) @ axis) / asked - 1)
+        if error > 0.01:
+            result.fail("P5", f"the torque gave {error:.1%} too much or too little")
+        return
+    asked = book.mass.sum() * np.asarray(forces[0].value, np.float64) * duration
+    given = (book.mass[:, None] * (book.v - book.v0)).sum(0)
+    error = float(np.linalg.norm(given - asked) / np.linalg.norm(asked))
+    if error > 1e-4:
+        result.fail("P5", f"the {scenario.force} gave {error:.1e} too much or too little momentum")
