@@ -55,13 +55,13 @@ class Row:
         return not self.failed and all(abs(self.errors[name]) <= bar for name, bar in self.bars.items())
 
 
-def work_precision(resolutions: tuple[int, ...]) -> Iterator[tuple[str, Numerics]]:
+def work_precision(resolutions: tuple[int, ...], base: Numerics) -> Iterator[tuple[str, Numerics]]:
     """(label, numerics) to compare: dt policies at every resolution, the rest at the middle one."""
     for resolution in resolutions:
         for rule in (NEAR_BOUND, ("bound", 0.45), ("fixed", REFERENCE_DT)):
-            yield rule_words(rule), Numerics(resolution, step=rule)
+            yield rule_words(rule), dataclasses.replace(base, resolution=resolution, step=rule)
     middle = resolutions[len(resolutions) // 2]
-    base = Numerics(middle, step=NEAR_BOUND)
+    base = dataclasses.replace(base, resolution=middle, step=NEAR_BOUND)
     yield "classical stress form", dataclasses.replace(base, stress_form="gradient")
     yield "RPIC 0.5", dataclasses.replace(base, rpic_damping=0.5)
     yield "PIC", dataclasses.replace(base, transfer="pic")

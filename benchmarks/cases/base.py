@@ -107,10 +107,17 @@ class Case(Protocol):
         resolutions: Cells along the case's length worth trying, coarse to fine.
     """
 
-    name: str
-    title: str
-    source: str
-    resolutions: tuple[int, ...]
+    @property
+    def name(self) -> str: ...  # noqa: D102  (see Attributes)
+
+    @property
+    def title(self) -> str: ...  # noqa: D102
+
+    @property
+    def source(self) -> str: ...  # noqa: D102
+
+    @property
+    def resolutions(self) -> tuple[int, ...]: ...  # noqa: D102
 
     def problem(self, numerics: Numerics) -> Problem:
         """Particles and model."""

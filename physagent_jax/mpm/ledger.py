@@ -19,8 +19,7 @@ import jax.numpy as jnp
 from physagent_jax.mpm.energy import kinetic_energy, total_energy
 from physagent_jax.mpm.linalg import cofactor, determinant, matmul, transpose
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.step import Trace, damped_affine, grid_velocity, per_material, scatter, viscous_stress
-from physagent_jax.mpm.transfer import stencil
+from physagent_jax.mpm.step import Trace, damped_affine, per_material, viscous_stress
 
 
 @jax.tree_util.register_dataclass
@@ -61,17 +60,17 @@ def exchange(model: Model, before: State, trace: Trace, after: State) -> Exchang
 
     Within a step all impulses (stress, forces, walls) act together, and each works on the mean of the velocities
     before and after all of them. Work booked on any other velocity would leave a remainder for every pair of
-    impulses that cancel, such as a pull and the stress that balances it, or a weight and the floor under it.
+    impulses that cancel, such as a pull and the stress that balances it. Boundaries are the exception: their work is
+    impulse times the velocity after it. P2G leaks momentum into the nodes of a wall that the wall takes out again, in
+    every step; on the mean velocity that exchange would be work to and fro, although the wall rests.
     """
     begun = dataclasses.replace(before, C=damped_affine(model, before.C))
     gathered, pushed = trace.gathered, trace.pushed
     weightless = pushed
     if model.gravity is not None:  # its work is in the potential
         weightless = dataclasses.replace(pushed, v=pushed.v - model.dt * model.gravity)
-    nodes = scatter(model, stencil(before.x, model.grid), begun, jnp.zeros_like(before.F))
-    begun_on_grid = grid_velocity(model, nodes)
     kick = trace.node_mass[..., None] * (trace.velocity - trace.free)
-    met = 0.5 * (kick * (begun_on_grid + trace.velocity)).sum()
+    met = (kick * trace.velocity).sum()
     held = _work(model, begun, gathered, pushed, trace.held)
     placed = kinetic_energy(model, after) - kinetic_energy(model, gathered)
     kicks = (

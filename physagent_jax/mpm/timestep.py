@@ -8,8 +8,11 @@ step is stable up to
     dt_c = dx sqrt(rho0 / k),   k = 3 lam + 2 mu = E / (1 - 2 nu) at rest,
 
 a little below dx / c_p. Viscosity eta, which acts on C of the step before, tightens this to the smaller root of
-dt^2 (4 k / rho0 dx^2) + 2 dt (8 eta / rho0 dx^2) = 4. The classical stress form is stiffer, by up to 6 / 4 in the
-worst place of a cell and somewhat more while particles move: its bound is three quarters of this.
+dt^2 (4 k / rho0 dx^2) + 2 dt (8 eta / rho0 dx^2) = 4.
+
+The classical stress form strains particles with sum v_i grad w_i but keeps C. With q = 4 dt^2 k / (rho0 dx^2) and
+m = dx^2/4 sum |grad w|^2 / w, at most 3/2 per axis (between two nodes), a lone particle is stable up to
+q = 4 / (2 m - 1): the bound is 1 / sqrt(2) of the above.
 
 Stretch stiffens k (twice for a neo-Hookean stretched by 1.4), so the bound is taken at the current F.
 Advection and the velocity gradient add their own limits. No formula guarantees stability for APIC (Bai &
@@ -28,7 +31,7 @@ from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import body_acceleration, per_material
 
 ADVECTION_LIMIT = 0.5  # cells a particle may cross in one substep
-CLASSICAL_SHARE = 0.75  # bound of the classical stress form over that of MLS, worst case measured
+CLASSICAL_SHARE = 0.5**0.5  # bound of the classical stress form over that of MLS (see above)
 GRADIENT_LIMIT = 0.3  # of |grad v| dt: det(I + dt grad v) > 0 needs < 1
 
 

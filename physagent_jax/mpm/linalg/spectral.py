@@ -68,13 +68,8 @@ def _spectral_jvp(function, primals, tangents):
     A = matmul(matmul(transpose(U), dF), V)
     ds = jnp.stack([A[..., i, i] for i in range(3)], -1)
     values, changes = jax.jvp(function, (s, parameters), (ds, dparameters))
-
     _, rates = jax.linearize(lambda s: function(s, parameters)[:2], s)
-
-    def along(j):
-        return rates(jnp.zeros_like(s).at[..., j].set(1))
-
-    columns = [along(j) for j in range(3)]
+    columns = [rates(jnp.zeros_like(s).at[..., j].set(1)) for j in range(3)]
     two_point = spatial = None
     if values.two_point is not None:
         jacobian = jnp.stack([column[0] for column in columns], -1)

@@ -8,7 +8,7 @@ import math
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.mpm.materials.base import History
+from physagent_jax.mpm.materials.base import TORN, History
 from physagent_jax.mpm.materials.hencky import HenckyElasticity, deviator, relative_excess, return_mapping
 
 
@@ -28,7 +28,7 @@ class DruckerPrager(HenckyElasticity):
 
     The volume gained at the apex would come back as pressure on recompression. The history v_c remembers it
     and is used up before pressure builds (Tampubolon et al. 2017): tr(eps) + v_c is conserved by the return.
-    It never adds tension, which with cohesion would create energy.
+    It never adds tension, which with cohesion would create energy; expansion beyond `base.TORN` is forgotten.
 
     phi = 0 with cohesion has no apex (Tresca's circumscribed circle, |dev tau| <= 2 sqrt(2/3) c); without
     cohesion either, only pressure is left.
@@ -72,4 +72,5 @@ def _cone_return(eps: jax.Array, parameters: tuple[DruckerPrager, jax.Array]) ->
 
     strength = jnp.where(beyond_apex, 0, k - alpha * bulk * (trace - opening))
     change = -deviation * relative_excess(2 * mu * norm, strength)[..., None]
-    return change - (opening / 3)[..., None], correction + opening
+    gap = correction + opening
+    return change - (opening / 3)[..., None], jnp.where(gap < math.log(TORN), gap, math.log(TORN))

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from physagent_jax.mpm.linalg import determinant
 from physagent_jax.mpm.materials.base import TORN, History
 
+
 @jax.tree_util.register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Fluid:

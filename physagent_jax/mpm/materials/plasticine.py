@@ -7,6 +7,7 @@ import math
 
 import jax
 import jax.numpy as jnp
+from jax.typing import ArrayLike
 
 from physagent_jax.mpm.linalg import Principal, spectral
 from physagent_jax.mpm.materials.base import TORN, History
@@ -52,13 +53,13 @@ class Plasticine(HenckyElasticity):
         return return_mapping(_softening_return, F, (self, history))
 
 
-def softening_from_deviator_norm(softening: jax.Array) -> jax.Array:
+def softening_from_deviator_norm(softening: ArrayLike) -> jax.Array:
     """The modulus S [Pa] of PhysGaussian's plasticine, whose bound Y on |dev tau| falls by softening |d eps_plastic|.
 
     There |d eps_plastic| = sqrt(3/2) d alpha, and sigma_y = sqrt(3/2) Y: S = 3/2 softening. For its yield
     stress see `von_mises.yield_stress_from_deviator_norm`.
     """
-    return 1.5 * softening
+    return 1.5 * jnp.asarray(softening)
 
 
 def _remaining_yield_stress(material: Plasticine, alpha: jax.Array) -> jax.Array:

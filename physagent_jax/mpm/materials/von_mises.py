@@ -7,6 +7,7 @@ import math
 
 import jax
 import jax.numpy as jnp
+from jax.typing import ArrayLike
 
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.materials.hencky import HenckyElasticity, deviator, relative_excess, return_mapping
@@ -48,22 +49,22 @@ class VonMises(HenckyElasticity):
         return return_mapping(_radial_return, F, (self, history))
 
 
-def yield_stress_from_deviator_norm(bound: jax.Array) -> jax.Array:
+def yield_stress_from_deviator_norm(bound: ArrayLike) -> jax.Array:
     """The uniaxial yield stress sigma_y [Pa] of a law that yields at |dev tau| = ``bound`` [Pa].
 
     Uniaxial stress sigma has |dev tau| = sqrt(2/3) sigma, hence sigma_y = sqrt(3/2) bound. PhysGaussian's
     metal and plasticine need this; its foam already compares with sqrt(2/3) of its yield stress.
     """
-    return math.sqrt(1.5) * bound
+    return math.sqrt(1.5) * jnp.asarray(bound)
 
 
-def hardening_from_deviator_norm(mu: jax.Array, xi: jax.Array) -> jax.Array:
+def hardening_from_deviator_norm(mu: ArrayLike, xi: ArrayLike) -> jax.Array:
     """The hardening modulus H [Pa] of PhysGaussian's metal, whose bound Y on |dev tau| grows by 2 mu xi d gamma.
 
     There d gamma = |d eps_plastic| = sqrt(3/2) d alpha, and sigma_y = sqrt(3/2) Y, so that
     d sigma_y = sqrt(3/2) 2 mu xi sqrt(3/2) d alpha: H = 3 mu xi.
     """
-    return 3 * mu * xi
+    return 3 * jnp.asarray(mu) * xi
 
 
 def _radial_return(eps: jax.Array, parameters: tuple[VonMises, jax.Array]) -> tuple[jax.Array, jax.Array]:

@@ -51,7 +51,7 @@ class Transfer(Strict):
     Attributes:
         scheme: "apic" or "pic".
         stress_form: "mls" (Hu et al. 2018), or "gradient", the classical form of warp-mpm and PhysGaussian, whose
-            stable step is three quarters as long.
+            stable step is 0.71 times as long.
         rpic_damping: 0 = APIC, 1 = only the rotational part of C (RPIC).
         damping_rate: Global velocity damping [1/s]: grid velocities decay by exp(-rate dt) per substep.
     """
