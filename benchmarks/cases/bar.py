@@ -56,7 +56,9 @@ class FreeBar:
             gravity=None,
             mass=jnp.asarray(_RHO * volume),
             volume=jnp.asarray(volume),
-            materials=(NeoHookean(jnp.full(len(x), mu, numerics.dtype), jnp.full(len(x), lam, numerics.dtype)),),
+            materials=(
+                NeoHookean(jnp.full(len(x), mu, numerics.dtype), jnp.full(len(x), lam, numerics.dtype)),
+            ),
         )
         model = numerics.finish(model, state, _SPEED)
         frequency = _SPEED / (2 * length)

@@ -187,7 +187,9 @@ def fit_damped_cosine(t: np.ndarray, y: np.ndarray, frequency: float) -> tuple[f
     return float(fitted[1]), float(fitted[2])
 
 
-def cosine_deviation(t: np.ndarray, y: np.ndarray, start: float, frequency: float, periods: float = 2.0) -> float:
+def cosine_deviation(
+    t: np.ndarray, y: np.ndarray, start: float, frequency: float, periods: float = 2.0
+) -> float:
     """RMS of y from start cos(2 pi f t) over the first periods, relative to the cosine's own RMS.
 
     Unlike the fitted frequency it counts damping too: what an observer of the motion would call its error.

@@ -35,7 +35,7 @@ class Swirl:
 
     name = "swirl"
     title = "viscous decay of a swirl in a free disk"
-    source = "Navier-Stokes: curl-free of pressure, v_theta = J1(kappa r) exp(-nu kappa^2 t)"
+    source = "Navier-Stokes equations at small amplitude: v_theta = J1(kappa r) exp(-nu kappa^2 t)"
     resolutions = (8, 16, 24)
 
     def problem(self, numerics: Numerics) -> Problem:

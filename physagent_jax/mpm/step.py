@@ -11,6 +11,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.mpm import constraints
+from physagent_jax.mpm.boundaries.symmetry_plane import SymmetryPlane
 from physagent_jax.mpm.linalg import determinant, matmul, transpose
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.state import Model, State
@@ -61,7 +62,7 @@ def substep(model: Model, state: State) -> tuple[State, Trace]:
     with jax.named_scope("grid_update"):
         node_mass = nodes[..., 3]
         free = grid_velocity(model, nodes)
-        velocity = damped(model, free)
+        velocity = damped(model, folded_velocity(model, nodes, free))
         for boundary in model.boundaries:
             velocity = boundary.apply(velocity, grid, state.time)
         velocity = constraints.on_grid(model, free, velocity, node_mass, s, state.time)
@@ -179,6 +180,16 @@ def grid_velocity(model: Model, nodes: jax.Array) -> jax.Array:
     lightest = jax.lax.stop_gradient(model.mass.min())
     occupied = mass > jnp.finfo(mass.dtype).eps ** 1.5 * lightest
     return jnp.where(occupied, nodes[..., :3] / jnp.where(occupied, mass, 1.0), 0.0)
+
+
+def folded_velocity(model: Model, nodes: jax.Array, free: jax.Array) -> jax.Array:
+    """``free``, or what it becomes where planes of symmetry add images of matter."""
+    mirrors = [boundary for boundary in model.boundaries if isinstance(boundary, SymmetryPlane)]
+    if not mirrors:
+        return free
+    for mirror in mirrors:
+        nodes = mirror.fold(nodes, model.grid)
+    return grid_velocity(model, nodes)
 
 
 def damped(model: Model, velocity: jax.Array) -> jax.Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import jax.numpy as jnp
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -18,6 +20,7 @@ from physagent_jax.mpm import (
     VonMises,
     lame_parameters,
 )
+from physagent_jax.mpm.materials.base import TORN
 
 E, NU = 1.7e5, 0.31
 MU, LAM = lame_parameters(E, NU)
@@ -50,19 +53,19 @@ COUNT = 32  # one batch size everywhere: the SVD compiles once
 
 
 # Not jitted: operation by operation they share what is compiled.
-def stress(material, F, history):
+def stress(material, F, history) -> Any:
     return material.stress(F, history)
 
 
-def energy(material, F, history):
+def energy(material, F, history) -> Any:
     return material.energy(F, history)
 
 
-def project(material, F, history, dt=DT):
+def project(material, F, history, dt: Any = DT) -> Any:
     return material.project(F, history, dt)
 
 
-def material(name, count=COUNT, dtype=float, **changes):
+def material(name, count=COUNT, dtype: Any = float, **changes: Any) -> Any:
     """The material called ``name`` with the same parameters at each of ``count`` particles."""
     kind, parameters = PARAMETERS[name]
     static = {key: changes.pop(key) for key in ("tension", "exponent") if key in changes}
@@ -78,6 +81,8 @@ def histories(matter, seed=3):
     past[0] = past[-1] = 0.0
     if isinstance(matter, Plasticine):
         past[1::4] = 1.5  # its yield stress is used up
+    if isinstance(matter, DruckerPrager):
+        past *= 0.5 * np.log(TORN) / 0.15
     return initial + jnp.asarray(past - (0.15 if isinstance(matter, Snow) else 0), initial.dtype)
 
 

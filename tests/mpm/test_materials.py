@@ -1,5 +1,7 @@
 """What every constitutive model must fulfil: objectivity, energy, small strains, idempotent and dissipative returns."""
 
+from typing import Any
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -133,7 +135,7 @@ def test_small_uniaxial_stress_gives_youngs_modulus_and_poissons_ratio(name, x64
     def tau(lateral):
         return stress(matter, diagonal([strain, lateral, lateral]), matter.initial_history())[0]
 
-    lateral = brentq(lambda e: float(tau(e)[1, 1]), -strain, 0)
+    lateral: Any = brentq(lambda e: float(tau(e)[1, 1]), -strain, 0)
     np.testing.assert_allclose(-lateral / strain, NU, rtol=1e-4)
     np.testing.assert_allclose(tau(lateral)[0, 0] / strain, E, rtol=1e-4)
 
@@ -220,7 +222,7 @@ def test_an_elastic_step_returns_f_to_the_last_bit(name, x64):
 
 
 def stretches():
-    return st.floats(1e-3, 1e3)
+    return st.floats(-3, 3).map(lambda power: 10.0**power)
 
 
 @pytest.mark.parametrize("dtype", ["float32", "float64"])
@@ -230,17 +232,18 @@ def test_project_is_finite_for_any_positive_deformation(name, dtype):
         matter = material(name, dtype=dtype)
         dt = jnp.asarray(DT, dtype)
 
-        @settings(max_examples=25, deadline=None)
+        @settings(max_examples=25, deadline=None, database=None)
         @given(st.lists(st.tuples(*[stretches()] * 3), min_size=4, max_size=4), st.integers(0, 10**6))
         def finite(rows, seed):
-            # The same stretches along the axes, turned, sheared by two rotations, and times a last one.
+            # Each row of stretches in eight frames, some of them along the axes.
             s = np.repeat(np.asarray(rows), COUNT // 4, 0)
             U, V = rotations(seed), rotations(seed + 1)
             U[::3], V[::4] = np.eye(3), np.eye(3)
             F = jnp.asarray((U * s[:, None, :]) @ V.swapaxes(1, 2), dtype)
             # Rounding F to single precision may invert what is flattened by 1e6.
-            valid = np.linalg.svd(np.asarray(F, float))[1][:, 2] > 1e-6 * s.max(-1)
-            valid &= np.linalg.det(np.asarray(F, float)) > 0
+            exact = np.asarray(F, float)
+            valid = (np.linalg.svd(exact)[1][:, 2] > 1e-6 * s.max(-1)) & (np.linalg.det(exact) > 0)
+            assert dtype == "float32" or valid.all()
             history = histories(matter)
             new, past = project(matter, F, history, dt)
             for array in jax.tree.leaves((new, past)):

@@ -60,7 +60,7 @@ def test_cohesive_soil_uniaxial_compressive_strength_is_mohr_coulombs(angle, x64
         return after_return(matter, diagonal([-0.3, lateral, lateral]))[0][0]
 
     # The flow keeps the volume, so that the sides must move outward for them to be free of stress.
-    lateral = brentq(lambda e: tau(e)[1, 1], 0, 0.16, xtol=1e-15, rtol=1e-14)
+    lateral = brentq(lambda e: tau(e)[1, 1], 0, 0.16, xtol=1e-15)
     np.testing.assert_allclose(tau(lateral)[0, 0], -2 * c * np.cos(angle) / (1 - np.sin(angle)), rtol=1e-9)
 
 
@@ -74,19 +74,20 @@ def test_sand_return_keeps_volume_under_pressure(x64):
 def test_sand_without_cohesion_is_free_of_stress_under_tension_and_remembers_the_volume(x64):
     for name in ("sand", "slurry"):
         matter = material(name)
-        F = 1.3 * random_F(0.1)
+        F = 1.05 * random_F(0.05)
+        assert 0 < np.log(np.linalg.det(F)).min() < np.log(TORN) < np.log(np.linalg.det(F)).max()
         new, gained = project(matter, F, matter.initial_history())
         np.testing.assert_allclose(stress(matter, new, gained), 0, atol=1e-12 * E)
-        np.testing.assert_allclose(gained, np.log(np.linalg.det(F)), rtol=1e-12)
+        np.testing.assert_allclose(gained, np.log(np.minimum(np.linalg.det(F), TORN)), rtol=1e-12)
 
 
 def test_cohesive_soil_tears_at_the_apex(x64):
     angle, c = 0.5, 0.02 * E
     matter = material("sand", 1, friction_angle=angle, cohesion=c)
-    tau, gained = after_return(matter, diagonal([0.4, 0.3, 0.2]))
+    tau, gained = after_return(matter, diagonal([0.15, 0.05, 0.0]))
     apex = 3 * c / np.tan(angle)  # k / alpha
     np.testing.assert_allclose(tau[0], apex / 3 * np.eye(3), atol=1e-11 * E)
-    np.testing.assert_allclose(gained, 0.9 - apex / (3 * K), rtol=1e-12)
+    np.testing.assert_allclose(gained, 0.2 - apex / (3 * K), rtol=1e-12)
 
 
 def test_clay_without_friction_has_no_apex_and_slurry_only_pressure(x64):
@@ -103,7 +104,7 @@ def test_clay_without_friction_has_no_apex_and_slurry_only_pressure(x64):
 @pytest.mark.parametrize("cohesion", [0.0, 0.02 * E])
 def test_volume_gained_in_tension_is_given_back_before_pressure_builds(cohesion, x64):
     matter = material("sand", 1, cohesion=cohesion)
-    step = 0.01
+    step = 0.008
     F, history, total, energies = jnp.eye(3)[None], jnp.zeros(1), 0.0, []
     path = [step] * 20 + [-step] * 25
     for d in path:
@@ -113,13 +114,21 @@ def test_volume_gained_in_tension_is_given_back_before_pressure_builds(cohesion,
         np.testing.assert_allclose(trace + history[0], total, atol=1e-13)  # volume is never lost
         assert history[0] >= 0
         energies.append(float(energy(matter, F, history)[0]))
-    np.testing.assert_allclose(trace, -0.05, atol=1e-12)
+    np.testing.assert_allclose(trace, -0.04, atol=1e-12)
     tau = stress(matter, F, history)
-    np.testing.assert_allclose(tau[0], -0.05 * K * np.eye(3), atol=1e-10 * E)
+    np.testing.assert_allclose(tau[0], -0.04 * K * np.eye(3), atol=1e-10 * E)
     # While the gap closes nothing resists, and the stored energy never grows.
     closing = np.asarray(energies[20:40])
     assert np.all(np.diff(closing) <= 1e-12 * E)
     np.testing.assert_allclose(closing[-1], 0, atol=1e-12 * E)
+
+
+def test_scattered_sand_resists_when_it_is_pressed_together_again(x64):
+    matter = material("sand", 1)
+    F, history = project(matter, diagonal([1.0, 1.0, 1.0]), jnp.zeros(1))
+    for pressed in (np.log(TORN), 0.01):  # the first closes the gap that it remembers
+        F, history = project(matter, np.exp(-pressed / 3) * F, history)
+    np.testing.assert_allclose(stress(matter, F, history)[0], -0.01 * K * np.eye(3), atol=1e-10 * E)
 
 
 def test_snow_clamps_the_singular_values_and_keeps_the_total_volume(x64):

@@ -7,3 +7,4 @@ from physagent_jax.mpm.boundaries.domain_box import DomainBox as DomainBox
 from physagent_jax.mpm.boundaries.half_space import HalfSpace as HalfSpace
 from physagent_jax.mpm.boundaries.signed_distance import SignedDistance as SignedDistance
 from physagent_jax.mpm.boundaries.sphere import Sphere as Sphere
+from physagent_jax.mpm.boundaries.symmetry_plane import SymmetryPlane as SymmetryPlane
