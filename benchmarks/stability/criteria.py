@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Literal
 
 import jax
@@ -64,18 +64,20 @@ class Result:
             self.verdict = "FAIL"
 
 
-def examine(scenario: Scenario) -> Result:
-    """Builds and runs a scenario, and judges it."""
+def examine(scenario: Scenario, name: str = "", make: Callable[[], Run] | None = None) -> Result:
+    """Builds and runs a scenario, and judges it; ``make`` builds it otherwise than `build` would."""
     begun = time.perf_counter()
-    result = Result(scenario.name)
+    result = Result(f"{name}: {scenario.material}" if name else scenario.name)
     try:
-        run = build(scenario)
+        run = build(scenario) if make is None else make()
         watch(scenario, run, run.frames(), result)
         if scenario.refusable:
             result.fail("P8", "a step above the stable bound was accepted")
     except UserError as error:
-        result.verdict = "refused"
-        result.message = str(error)
+        if not result.failed:
+            result.verdict, result.message = "refused", str(error)
+    except Exception as error:  # a crash is what must not happen: it is recorded, not passed on
+        result.fail("crash", f"{type(error).__name__}: {error}")
     result.figures["seconds"] = round(time.perf_counter() - begun, 3)
     return result
 
@@ -112,7 +114,9 @@ class _Book:
         self.x0 = np.asarray(run.state.x, np.float64)
         self.v0 = np.asarray(run.state.v, np.float64)
         self.radius = max(float(np.ptp(self.x0, axis=0).max()) / 2, run.model.grid.dx / 2)
-        self.stored = float(elastic_energy(run.model, run.state)) if bool((run.state.F != jnp.eye(3)).any()) else 0.0
+        self.stored = (
+            float(elastic_energy(run.model, run.state)) if bool((run.state.F != jnp.eye(3)).any()) else 0.0
+        )
         self.steps, self.retries, self.loss, self.lowest = 0, 0, 0.0, 0.0
         self.min_J, self.max_J, self.courant, self.fastest = 1.0, 1.0, 0.0, 0.0
         self.work, self.drop, self.impulse = 0.0, 0.0, np.zeros(3)
@@ -131,15 +135,19 @@ class _Book:
         speed = float(np.sqrt((self.v**2).sum(-1).max()))
         self.fastest = max(self.fastest, speed)
         self.courant = max(self.courant, self.fastest * frame.dt / self.run.model.grid.dx)
-        # The walls rest: they do no work, and what an impact loses there is the scheme's loss.
-        self.loss += float(exchange.numerical_loss) - float(exchange.boundary_work)
+        # Walls at rest do no work, and what an impact loses there is the scheme's loss.
+        by_walls = float(exchange.boundary_work)
+        self.loss += float(exchange.numerical_loss) - (by_walls if self.run.walls_rest else 0.0)
+        self.work = max(self.work, self.work + (0.0 if self.run.walls_rest else by_walls))
         self.lowest = min(self.lowest, self.loss)
         self.work = max(self.work, self.work + float(exchange.force_work))
         gravity = np.asarray(self.run.model.gravity, np.float64)
         self.drop = max(self.drop, float((self.mass[:, None] * (self.x - self.x0) * gravity).sum()))
         wall = np.asarray(exchange.boundary_impulse, np.float64)
         near = 4.5 * self.run.model.grid.dx  # of a face: the walls' nodes are in reach
-        inside = near < self.x.min() and self.x.max() < self.run.model.grid.cells * self.run.model.grid.dx - near
+        inside = (
+            near < self.x.min() and self.x.max() < self.run.model.grid.cells * self.run.model.grid.dx - near
+        )
         self.touched = self.touched or not inside or bool(np.abs(wall).max() > 1e-6 * self.scale)
         asked = self.scenario.magnitude if self.scenario.force != "drop" else 0.0
         self.pushed = float(self.mass.sum()) * (asked + float(np.linalg.norm(gravity)) * float(state.time))
@@ -228,7 +236,9 @@ def _momentum(book: _Book, frame: Frame, result: Result) -> None:
     error = float(np.abs(_spin(book)).max()) / (book.scale * book.radius)
     book.worst["spin"] = max(book.worst["spin"], error)
     if error > SPIN[book.scenario.dtype]:
-        result.fail("P5", f"angular momentum about the mass centre is {error:.1e} M v R in frame {frame.index}")
+        result.fail(
+            "P5", f"angular momentum about the mass centre is {error:.1e} M v R in frame {frame.index}"
+        )
 
 
 def _spin(book: _Book) -> np.ndarray:
@@ -266,7 +276,10 @@ def _asked_for(book: _Book, result: Result) -> None:
         if scenario.magnitude > 1 or scenario.material not in SOLIDS:
             return  # it changes its shape, and with it its moment of inertia
         turn = forces[2]
-        axis, arm = np.asarray(turn.axis, np.float64), book.x0 - np.average(book.x0, axis=0, weights=book.mass)
+        axis, arm = (
+            np.asarray(turn.axis, np.float64),
+            book.x0 - np.average(book.x0, axis=0, weights=book.mass),
+        )
         own = book.run.model.grid.dx**2 / 2
         inertia = (book.mass * ((arm**2).sum(-1) - (arm @ axis) ** 2 + own)).sum()
         asked = inertia * float(turn.magnitude) * duration

@@ -21,7 +21,6 @@ SIZE = 1.0  # side of the domain [m]
 DENSITY = 1000.0  # [kg/m^3]
 SIDE = 4  # of the block [cells]
 CLIP = 0.4  # longest clip [s]
-MOST_STEPS = 2000  # the clip of a stiff material is cut to so many automatic steps
 FRAMES = 8
 ACTIVE = 0.6  # share of the clip in which forces act; after it energy must not rise
 BLOW = 0.02  # share of the clip that an impulse takes
@@ -49,6 +48,7 @@ class Scenario:
         wall: "far" from any, "resting" on the floor under gravity, or thrown into a "corner" under gravity.
         dtype: "float32" or "float64" (which needs x64 enabled).
         stress_form: As `Model` has it.
+        most_steps: The clip is cut to so many automatic steps.
     """
 
     material: str
@@ -63,6 +63,7 @@ class Scenario:
     wall: Wall = "far"
     dtype: str = "float32"
     stress_form: Literal["mls", "gradient"] = "mls"
+    most_steps: int = 2000
 
     @property
     def name(self) -> str:
@@ -88,12 +89,14 @@ class Run:
         model, state: The scene.
         frame_dt: [s].
         options: Further arguments of `simulate`.
+        walls_rest: Whether no wall moves, so that none does work.
     """
 
     model: Model
     state: State
     frame_dt: float
     options: dict
+    walls_rest: bool = True
 
     def frames(self, count: int = FRAMES + 1, **options):
         """`simulate` with the ledger on."""
@@ -103,7 +106,8 @@ class Run:
 
 def build(scenario: Scenario) -> Run:
     """Particles, model and step of ``scenario``. Force terms that do not act are there with strength zero: so
-    all scenarios of a material share one executable."""
+    all scenarios of a material share one executable.
+    """
     dtype, dx = np.dtype(scenario.dtype).type, SIZE / scenario.cells
     x, volume = _particles(scenario, dx)
     material = make_material(
@@ -113,7 +117,9 @@ def build(scenario: Scenario) -> Run:
     v = np.full_like(x, -min(THROW, 0.4 * sound) if scenario.wall == "corner" else 0.0)
     state = State.at_rest(jnp.asarray(x, dtype), jnp.asarray(v, dtype), materials=(material,))
     falls = scenario.force == "drop" or scenario.wall != "far"
-    gravity = min(GRAVITY, 0.3 * sound**2 / (SIDE * dx)) * (scenario.magnitude if scenario.force == "drop" else 1.0)
+    gravity = min(GRAVITY, 0.3 * sound**2 / (SIDE * dx)) * (
+        scenario.magnitude if scenario.force == "drop" else 1.0
+    )
     model = Model(
         grid=_grid(scenario, x, dx),
         dt=jnp.asarray(0, dtype),
@@ -126,7 +132,7 @@ def build(scenario: Scenario) -> Run:
         stress_form=scenario.stress_form,
     )
     bound = float(stable_dt(model, state))
-    clip = min(CLIP, MOST_STEPS * 0.7 * bound)
+    clip = min(CLIP, scenario.most_steps * 0.7 * bound)
     model = model.replace(forces=_forces(scenario, clip, 0.5 * SIDE * dx, dtype))
     options: dict = {}
     if scenario.step[0] == "auto":

@@ -145,9 +145,11 @@ def simulate(
         ledger: Whether frames carry an `Exchange`.
 
     Raises:
-        UserError: ``substep_dt`` is above the stable bound and not forced, or a frame fails even with steps
-            2**MAX_RETRIES times smaller (the message says what the check saw).
+        UserError: The input cannot be simulated (`check_start`), ``substep_dt`` is above the stable bound and not
+            forced, or a frame fails even with steps 2**MAX_RETRIES times smaller (the message says what the
+            check saw).
     """
+    check_start(model, state)
     if substep_dt is not None and not force_substep:
         check_explicit_dt(substep_dt, float(stable_dt(model, state)))
     fixed = substep_dt is not None and force_substep
@@ -184,6 +186,32 @@ def simulate(
             time.perf_counter() - begun,
             total,
         )
+
+
+def check_start(model: Model, state: State) -> None:
+    """Refuses what no step could make sense of.
+
+    Raises:
+        UserError: Something is not finite, has no mass or volume, is inside out, or lies outside the domain.
+    """
+    low, high = 0.5 * model.grid.dx, (model.grid.cells - 0.5) * model.grid.dx
+    leaves = (state.x, state.v, state.C, state.F, model.mass, model.volume)
+    finite = [np.isfinite(np.asarray(a)).reshape(len(a), -1).all(1) for a in leaves]
+    faults = {
+        "have a value that is not finite": ~np.logical_and.reduce(finite),
+        "have no mass or no volume": ~(np.asarray(model.mass) > 0) | ~(np.asarray(model.volume) > 0),
+        "are turned inside out (det F <= 0)": ~(np.asarray(determinant(state.F)) > 0),
+        f"lie outside the domain, {low:.3g} to {high:.3g} m along each axis": ~np.all(
+            (low <= np.asarray(state.x)) & (np.asarray(state.x) <= high), axis=1
+        ),
+    }
+    for fault, particles in faults.items():
+        if particles.any():
+            raise UserError(
+                f"{particles.sum()} of {len(particles)} particles {fault} at the start",
+                got=f"particle {np.flatnonzero(particles)[0]}",
+                do="Mend or remove them",
+            )
 
 
 def _nothing(state: State, ledger: bool) -> Exchange | None:

@@ -1,0 +1,118 @@
+"""docs/stability.md from the JSON: no figure is typed by hand."""
+
+from __future__ import annotations
+
+import os
+from collections import defaultdict
+from pathlib import Path
+
+from benchmarks.stability.dt_crit import CONFIGURATIONS, REQUIRED
+
+_HEAD = """# Stability
+
+What was tried to break the simulator, as measured; every row is in [{name}]({link}), written by `python -m
+benchmarks.stability`. A run *passes* if it meets the criteria below in every frame, is *refused* if it ends with an
+error in words, and *fails* otherwise: a wrong result without a word is a failure.
+
+| part | rows | pass | refused | fail | seconds | command, machine, revision |
+|---|---|---|---|---|---|---|
+"""
+
+_CRITERIA = """
+Criteria: P1 everything is finite; P2 particles stay inside, and almost none is stopped at the last line of defence;
+P3 det F in range; P4 no energy from nowhere (by the ledger); P5 linear and angular momentum balance, and pushes,
+blows and torques give what was asked for; P6 the grid has the particles' mass; P7 damped matter comes to rest; P8 a
+step above the bound is refused, or, if forced, healthy or ended in words; P9 features that are not used change
+nothing; P10 neither does the order of particles or a shift by whole cells. `benchmarks/stability/criteria.py` has the
+bars and their reasons.
+"""
+
+_CRITICAL = """
+## Critical step over the closed-form bound
+
+Lone particles, a drifting spray of them, a plate one cell thick and a block, float64; "MLS / classical form". The
+step is bisected until a strain of one in a million no longer grows a thousandfold. Required: at least {required}.
+"2+" is stable at twice the bound.
+
+| material | {configurations} |
+|---|{rule}|
+"""
+
+
+def document(result: dict, json_path: Path, target: Path) -> str:
+    """The text of docs/stability.md."""
+    link = Path(os.path.relpath(json_path.resolve(), target.resolve().parent)).as_posix()
+    text = _HEAD.format(name=json_path.name, link=link)
+    for part, section in result.items():
+        counts = section["counts"]
+        figures = [len(section["rows"]), *(counts.get(verdict, 0) for verdict in ("pass", "refused", "FAIL"))]
+        origin = f"`{section['command']}`; {section['machine']}; {section['git_revision']}"
+        text += f"| {part} | {' | '.join(map(str, figures))} | {section['seconds']} | {origin} |\n"
+    text += _CRITERIA
+    if "critical" in result:
+        text += _critical(result["critical"]["rows"])
+    for part, title in (
+        ("matrix", "Materials x forces x magnitudes, automatic step"),
+        ("stiffness", "E from 1e3 to 1e9 Pa, automatic step"),
+        ("pairwise", "Pairs of everything else"),
+        ("degenerate", "Degenerate inputs, and runs that must agree"),
+    ):
+        if part in result:
+            text += _part(title, result[part]["rows"], whole=part == "degenerate")
+    return text
+
+
+def _critical(rows: list[dict]) -> str:
+    text = _CRITICAL.format(
+        required=REQUIRED,
+        configurations=" | ".join(CONFIGURATIONS),
+        rule="|".join(["---"] * len(CONFIGURATIONS)),
+    )
+    found: dict[str, dict] = defaultdict(dict)
+    for row in rows:
+        ratio = f"{row['ratio']:.0f}+" if row["unlimited"] else f"{row['ratio']:.3f}"
+        found[row["subject"]][row["configuration"], row["form"]] = ratio
+    for subject, ratios in found.items():
+        cells = [
+            f"{ratios.get((place, 'mls'), '')} / {ratios.get((place, 'gradient'), '')}"
+            for place in CONFIGURATIONS
+        ]
+        text += f"| {subject} | {' | '.join(cells)} |\n"
+    least = min(rows, key=lambda row: row["ratio"])
+    return text + (
+        f"\nLeast: {least['ratio']:.3f} ({least['subject']}, {least['configuration']}, {least['form']}).\n"
+    )
+
+
+def _part(title: str, rows: list[dict], whole: bool) -> str:
+    """Rows in full where they are few and telling; else what was refused or failed, and the extremes."""
+    text = f"\n## {title}\n\n"
+    shown = rows if whole else [row for row in rows if row["verdict"] == "FAIL"]
+    if not whole:
+        text += f"{len(rows)} runs{'' if shown else ', none fails'}. {_extremes(rows)}\n"
+        refused = [row for row in rows if row["verdict"] == "refused"]
+        if refused:
+            text += f"\nRefused ({len(refused)}), for example:\n\n"
+            text += "".join(f"- {row['name']}: {_line(row['message'])}\n" for row in refused[:6])
+    if shown:
+        text += "\n| run | verdict | what happened |\n|---|---|---|\n"
+        text += "".join(f"| {row['name']} | {row['verdict']} | {_line(row['message'])} |\n" for row in shown)
+    return text
+
+
+def _extremes(rows: list[dict]) -> str:
+    figures = [row["figures"] for row in rows if row["figures"].get("substeps")]
+    if not figures:
+        return ""
+    least = min(f["lowest_loss"] for f in figures)
+    momentum = max(f["momentum"] for f in figures)
+    redone = sum(f["retries"] > 0 for f in figures)
+    steps = sum(f["substeps"] for f in figures)
+    return (
+        f"{steps:,} substeps; the worst gain of energy is {max(0.0, -least):.1e} of what was supplied, the worst "
+        f"momentum error {momentum:.1e} M v; in {redone} runs the simulator redid frames with a smaller step."
+    )
+
+
+def _line(text: str) -> str:
+    return " ".join(text.split()).replace("|", "/")
