@@ -93,8 +93,7 @@ class Incline:
         )
 
     def judge(self, problem: Problem, signal: Signal) -> dict[str, float]:
-        """Sliding: relative errors of the acceleration (fitted) and of the distance, which counts what the block
-        yields at first. At rest: drift over length."""
+        """Sliding: relative errors of the acceleration (fitted) and the distance. At rest: drift over length."""
         moved, speed = signal.values.T
         if self.acceleration == 0:
             late = np.ptp(moved[len(moved) // 2 :])

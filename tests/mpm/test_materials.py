@@ -242,7 +242,7 @@ def test_project_is_finite_for_any_positive_deformation(name, dtype):
             F = jnp.asarray((U * s[:, None, :]) @ V.swapaxes(1, 2), dtype)
             # Rounding F to single precision may invert what is flattened by 1e6.
             exact = np.asarray(F, float)
-            valid = (np.linalg.svd(exact)[1][:, 2] > 1e-6 * s.max(-1)) & (np.linalg.det(exact) > 0)
+            valid = (np.linalg.svd(exact)[1][:, 2] > 5e-7 * s.max(-1)) & (np.linalg.det(exact) > 0)
             assert dtype == "float32" or valid.all()
             history = histories(matter)
             new, past = project(matter, F, history, dt)

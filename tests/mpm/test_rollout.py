@@ -88,10 +88,56 @@ def test_a_failing_frame_is_redone_with_smaller_steps(x64):
 
 
 def test_a_hopeless_frame_ends_with_a_clear_error(x64):
+    """A field that no step resolves: every retry sees the same, and the message says what."""
+    model, state = block(dtype=np.float64, forces=(Hole(),))
+    with pytest.raises(UserError, match="frame 1 cannot be simulated: a value is not finite"):
+        list(simulate(model, state, frame_count=2, frame_dt=0.01))
+
+
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Hole:
+    """An acceleration that is not a number from 1 ms on."""
+
+    def acceleration(self, x, v, mass, time, dt):
+        return jnp.where(time > 1e-3, jnp.nan, 0.0) * jnp.ones_like(x)
+
+    def gradient(self, x, time, dt):
+        return None
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda m, s: (m, dataclasses.replace(s, v=s.v.at[5, 1].set(jnp.inf))), "not finite"),
+        (lambda m, s: (m.replace(mass=m.mass.at[5].set(0.0)), s), "no mass or no volume"),
+        (lambda m, s: (m.replace(volume=m.volume.at[5].set(-1.0)), s), "no mass or no volume"),
+        (lambda m, s: (m, dataclasses.replace(s, F=s.F.at[5, 0, 0].set(-1.0))), "inside out"),
+        (lambda m, s: (m, dataclasses.replace(s, x=s.x.at[5, 2].set(1.2))), "outside the domain"),
+    ],
+)
+def test_what_no_step_could_make_sense_of_is_refused(change, words, x64):
+    model, state = change(*block(dtype=np.float64))
+    with pytest.raises(UserError, match=words) as caught:
+        list(simulate(model, state, frame_count=2, frame_dt=0.01))
+    assert "particle 5" in str(caught.value)
+
+
+def test_a_step_above_the_bound_runs_only_if_forced(x64):
     model, state = block(dtype=np.float64)
-    broken = dataclasses.replace(state, F=state.F.at[0].set(jnp.diag(jnp.array([-1.0, 1.0, 1.0]))))
-    with pytest.raises(UserError, match="frame 1 cannot be simulated"):
-        list(simulate(model, broken, frame_count=2, frame_dt=0.01))
+    bound = float(stable_dt(model, state))
+    options = dict(frame_count=2, frame_dt=4.4 * bound, substep_dt=1.1 * bound)
+    with pytest.raises(UserError, match="force_substep"):
+        list(simulate(model, state, **options))
+    forced = list(simulate(model, state, force_substep=True, **options))
+    assert bound < forced[1].dt <= 1.1 * bound and not forced[1].retries
+
+
+def test_a_forced_step_that_fails_is_not_shortened(x64):
+    model, state = block(dtype=np.float64, youngs_modulus=1e5)
+    state = dataclasses.replace(state, F=state.F * 1.05)
+    with pytest.raises(UserError, match="forced substep"):
+        list(simulate(model, state, frame_count=9, frame_dt=0.1, substep_dt=0.02, force_substep=True))
 
 
 def test_rollout_equals_the_frame_driver(x64):
