@@ -98,7 +98,7 @@ def _critical() -> list[tuple[str, str, str]]:
 
 def _runs(part: Part) -> list[Callable[[], Result]]:
     if part == "degenerate":
-        return [run for _, run in matrix.degenerate()]
+        return matrix.degenerate()
     scenarios = {"matrix": matrix.matrix, "pairwise": matrix.pairwise, "stiffness": matrix.stiffness}[part]()
     return [lambda scenario=scenario: _examined(scenario) for scenario in scenarios]
 

@@ -45,8 +45,12 @@ def edges() -> Iterator[Edge]:
         yield Edge("a single particle", thrown, lambda run: _some(run, slice(0, 1)))
         yield Edge("all particles in two points", thrown, _coincident)
         yield Edge("particles on nodes", thrown, _on_nodes)
-        yield Edge("particles on the wall's plane", thrown, lambda run: _moved(run, run.state.x - 0.75 * _dx(run)))
-        yield Edge("equal and paired stretches", thrown, lambda run: _strained(run, slice(None), (1.1, 1.1, 0.9)))
+        yield Edge(
+            "particles on the wall's plane", thrown, lambda run: _moved(run, run.state.x - 0.75 * _dx(run))
+        )
+        yield Edge(
+            "equal and paired stretches", thrown, lambda run: _strained(run, slice(None), (1.1, 1.1, 0.9))
+        )
         yield Edge("mass ratio 10^4", Scenario(material, wall="resting"), _heavy_on_light)
     for material in ("neo-hookean", "hencky", "sand"):
         thrown = Scenario(material, wall="corner")
@@ -92,7 +96,9 @@ def _some(run: Run, chosen: slice) -> Run:
 
 def _coincident(run: Run) -> Run:
     half = len(run.state.x) // 2
-    x = jnp.where(jnp.arange(len(run.state.x))[:, None] < half, run.state.x[0], run.state.x[0] + 1.4 * _dx(run))
+    x = jnp.where(
+        jnp.arange(len(run.state.x))[:, None] < half, run.state.x[0], run.state.x[0] + 1.4 * _dx(run)
+    )
     return _moved(run, x)
 
 
@@ -170,4 +176,3 @@ MALFORMED: dict[str, Callable[[Run], Run]] = {
     "a safety of zero": lambda run: dataclasses.replace(run, options=dict(safety=0.0)),
     "faster than a thousand cells per step": lambda run: _with_state(run, v=_first(run.state.v, 1e7)),
 }
-
