@@ -18,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from physagent_jax.errors import UserError
+from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.ledger import Exchange, balanced, exchange
 from physagent_jax.mpm.linalg import determinant
 from physagent_jax.mpm.state import Model, State
@@ -26,6 +27,7 @@ from physagent_jax.mpm.timestep import check_explicit_dt, kinematic_dt, stable_d
 from physagent_jax.mpm.window import fit_window
 
 MAX_RETRIES = 6  # halvings of the step before a frame is given up
+MAX_SUBSTEPS = 1_000_000  # in one frame; more would look like a hang
 
 
 @jax.tree_util.register_dataclass
@@ -145,11 +147,11 @@ def simulate(
         ledger: Whether frames carry an `Exchange`.
 
     Raises:
-        UserError: The input cannot be simulated (`check_start`), ``substep_dt`` is above the stable bound and not
-            forced, or a frame fails even with steps 2**MAX_RETRIES times smaller (the message says what the
-            check saw).
+        UserError: The input cannot be simulated (`checks.check_start`), ``substep_dt`` is above the stable bound
+            and not forced, or a frame fails even with steps 2**MAX_RETRIES times smaller (the message says what
+            the check saw).
     """
-    check_start(model, state)
+    check_start(model, state, frame_dt=frame_dt, substep_dt=substep_dt, safety=safety)
     if substep_dt is not None and not force_substep:
         check_explicit_dt(substep_dt, float(stable_dt(model, state)))
     fixed = substep_dt is not None and force_substep
@@ -188,32 +190,6 @@ def simulate(
         )
 
 
-def check_start(model: Model, state: State) -> None:
-    """Refuses what no step could make sense of.
-
-    Raises:
-        UserError: Something is not finite, has no mass or volume, is inside out, or lies outside the domain.
-    """
-    low, high = 0.5 * model.grid.dx, (model.grid.cells - 0.5) * model.grid.dx
-    leaves = (state.x, state.v, state.C, state.F, model.mass, model.volume)
-    finite = [np.isfinite(np.asarray(a)).reshape(len(a), -1).all(1) for a in leaves]
-    faults = {
-        "have a value that is not finite": ~np.logical_and.reduce(finite),
-        "have no mass or no volume": ~(np.asarray(model.mass) > 0) | ~(np.asarray(model.volume) > 0),
-        "are turned inside out (det F <= 0)": ~(np.asarray(determinant(state.F)) > 0),
-        f"lie outside the domain, {low:.3g} to {high:.3g} m along each axis": ~np.all(
-            (low <= np.asarray(state.x)) & (np.asarray(state.x) <= high), axis=1
-        ),
-    }
-    for fault, particles in faults.items():
-        if particles.any():
-            raise UserError(
-                f"{particles.sum()} of {len(particles)} particles {fault} at the start",
-                got=f"particle {np.flatnonzero(particles)[0]}",
-                do="Mend or remove them",
-            )
-
-
 def _nothing(state: State, ledger: bool) -> Exchange | None:
     return Exchange.none(state.x.dtype) if ledger else None
 
@@ -221,11 +197,25 @@ def _nothing(state: State, ledger: bool) -> Exchange | None:
 def _substeps(
     model: Model, state: State, frame_dt: float, substep_dt: float | None, safety: float, fixed: bool
 ) -> int:
-    """Substeps for the coming frame."""
+    """Substeps for the coming frame.
+
+    Raises:
+        UserError: They would be more than MAX_SUBSTEPS.
+    """
     if fixed and substep_dt is not None:
         return substeps_for(frame_dt, substep_dt)
-    dt = substep_dt or safety * float(stable_dt(model, state))
-    dt = min(dt, float(kinematic_dt(model, state, jnp.asarray(frame_dt, state.x.dtype))))
+    elastic = substep_dt or safety * float(stable_dt(model, state))
+    horizon = jnp.asarray(frame_dt, state.x.dtype)
+    # With the frame as the step, forces give their mean over it: blows within the frame are foreseen.
+    kinematic = float(kinematic_dt(model.replace(dt=horizon), state, horizon))
+    dt = elastic if math.isnan(kinematic) else min(elastic, kinematic)
+    if frame_dt / dt > MAX_SUBSTEPS:
+        reason = "the material is so stiff" if dt == elastic else "matter moves so fast"
+        raise UserError(
+            f"a frame of {frame_dt:.3g} s would take {frame_dt / dt:.3g} substeps: {reason}",
+            got=f"a step of {dt:.3g} s",
+            do="Use shorter frames, a softer or denser material, weaker forces, or fewer grid cells",
+        )
     return substeps_for(frame_dt, dt)
 
 

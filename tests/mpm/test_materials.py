@@ -101,9 +101,9 @@ def test_stress_matches_finite_differences_of_the_energy(name, x64):
 def test_single_precision_agrees_with_double(name, x64):
     matter, F, history = matter_and_states(name)
     new, past = project(matter, F, history, DT)
-    single = jax.tree.map(lambda a: a.astype(jnp.float32), (matter, F, history))
-    new32, past32 = project(*single, jnp.float32(DT))
-    tau32 = stress(single[0], new32, past32)
+    matter32, F32, history32 = jax.tree.map(lambda a: a.astype(jnp.float32), (matter, F, history))
+    new32, past32 = project(matter32, F32, history32, jnp.float32(DT))
+    tau32 = stress(matter32, new32, past32)
     assert {a.dtype for a in jax.tree.leaves((new32, past32, tau32))} == {jnp.dtype("float32")}
     np.testing.assert_allclose(new32, new, atol=2e-6)
     # Fluid and snow are stiffer than E here (exponent 7, hardening 4).
@@ -267,7 +267,7 @@ def test_rigid_matter_has_no_stress_energy_stiffness_or_return():
     assert matter.count == 4 and matter.initial_history() == ()
     assert not matter.stress(F).any() and not matter.energy(F).any() and not matter.stiffness(F).any()
     assert matter.stress(F).shape == (4, 3, 3) and matter.energy(F).shape == matter.stiffness(F).shape == (4,)
-    np.testing.assert_array_equal(matter.project(F, (), DT)[0], F)
+    np.testing.assert_array_equal(project(matter, F, ())[0], F)
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -275,3 +275,15 @@ def test_count_is_that_of_the_parameters_and_history_fits(name):
     matter = material(name, 7)
     assert matter.count == 7
     assert all(leaf.shape == (7,) for leaf in jax.tree.leaves(matter.initial_history()))
+
+
+def test_materials_with_the_same_fields_are_told_apart_by_compiled_functions():
+    # Else a jitted function may run what it compiled for the other law.
+    structures = [jax.tree.structure((material(name, 1),)) for name in ALL]
+    kinds = [PARAMETERS[name][0] for name in ALL]
+    for one, kind in zip(structures, kinds):
+        for other, another in zip(structures, kinds):
+            assert (one == other) == (kind is another)
+    for kind, structure in zip(kinds, structures):
+        rebuilt = jax.tree.unflatten(structure, [jnp.zeros(1)] * structure.num_leaves)[0]
+        assert type(rebuilt) is kind

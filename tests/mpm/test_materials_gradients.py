@@ -2,6 +2,7 @@
 
 import dataclasses
 from functools import partial
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -148,12 +149,13 @@ def test_gradients_are_finite_when_plasticine_breaks_at_once(softening, x64):
 def test_a_liquid_in_shear_has_the_derivative_of_its_projection_at_rest(x64):
     # With no strength at all the return is F -> J^(1/3) R: smooth at F = I under pressure, although
     # the yield surface has shrunk to a point there.
-    for name, changes in (
-        ("von Mises", dict(yield_stress=0.0, hardening=0.0)),
-        ("plasticine", dict(yield_stress=0.0)),
-        ("foam", dict(yield_stress=0.0, plastic_viscosity=0.0)),
-        ("slurry", {}),
-    ):
+    cases: dict[str, dict[str, Any]] = {
+        "von Mises": dict(yield_stress=0.0, hardening=0.0),
+        "plasticine": dict(yield_stress=0.0),
+        "foam": dict(yield_stress=0.0, plastic_viscosity=0.0),
+        "slurry": {},
+    }
+    for name, changes in cases.items():
         matter = material(name, **changes)
         F, dF = diagonal(*[[-0.1] * 3] * COUNT), np.random.default_rng(7).normal(size=(COUNT, 3, 3))
         tangent = jax.jvp(

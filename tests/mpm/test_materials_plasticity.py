@@ -1,5 +1,7 @@
 """Return mappings against textbook answers: metal, plasticine and foam."""
 
+from typing import Any
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -205,7 +207,7 @@ def test_softening_steeper_than_elastic_unloading_breaks_at_the_first_yield(soft
 
 @pytest.mark.parametrize("name", ["von Mises", "plasticine", "foam"])
 def test_no_yield_stress_at_all_is_a_fluid_in_shear(name, x64):
-    changes = dict(yield_stress=0.0) | (dict(hardening=0.0) if name == "von Mises" else {})
+    changes: dict[str, Any] = dict(yield_stress=0.0) | (dict(hardening=0.0) if name == "von Mises" else {})
     if name == "foam":
         changes["plastic_viscosity"] = 0.0
     tau, _ = after_return(material(name, **changes), random_F())

@@ -10,9 +10,10 @@ import jax.numpy as jnp
 
 from physagent_jax.mpm.materials.base import TORN, History
 from physagent_jax.mpm.materials.hencky import HenckyElasticity, deviator, relative_excess, return_mapping
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class DruckerPrager(HenckyElasticity):
     """Hencky elasticity in a Drucker-Prager cone  (Klar et al. 2016), with cohesion and volume correction.

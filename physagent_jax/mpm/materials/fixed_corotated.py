@@ -9,9 +9,10 @@ import jax.numpy as jnp
 
 from physagent_jax.mpm.linalg import determinant, matmul, polar_rotation, transpose
 from physagent_jax.mpm.materials.base import History, Hyperelastic, principal_stretches_squared
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class FixedCorotated(Hyperelastic):
     """psi = mu |F - R|^2 + lam/2 (J - 1)^2  (Stomakhin et al. 2012, "Energetically consistent invertible elasticity").

@@ -9,9 +9,10 @@ import jax.numpy as jnp
 
 from physagent_jax.mpm.linalg import determinant
 from physagent_jax.mpm.materials.base import TORN, History
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Fluid:
     """Tait's equation of state, p = K/gamma (J^-gamma - 1)  (Monaghan 1994; Becker & Teschner 2007).

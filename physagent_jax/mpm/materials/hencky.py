@@ -11,6 +11,7 @@ import jax.numpy as jnp
 
 from physagent_jax.mpm.linalg import Principal, spectral
 from physagent_jax.mpm.materials.base import History, Hyperelastic
+from physagent_jax.pytree import register_dataclass
 
 
 class HenckyElasticity(Hyperelastic):
@@ -35,7 +36,7 @@ class HenckyElasticity(Hyperelastic):
         return 2 * self.mu + 3 * jnp.maximum(self.lam, 0)
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Hencky(HenckyElasticity):
     """StVK-Hencky solid: psi = mu sum (ln s_i)^2 + lam/2 (ln J)^2  (Hencky 1928; Klar et al. 2016, eq. 26).

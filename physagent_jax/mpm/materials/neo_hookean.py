@@ -9,9 +9,10 @@ import jax.numpy as jnp
 
 from physagent_jax.mpm.linalg import determinant, matmul, transpose
 from physagent_jax.mpm.materials.base import History, Hyperelastic, principal_stretches_squared
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class NeoHookean(Hyperelastic):
     """psi = mu/2 (tr(F^T F) - 3) - mu ln J + lam/2 (ln J)^2  (Bonet & Wood 2008, eq. 6.27).

@@ -12,9 +12,10 @@ from jax.typing import ArrayLike
 from physagent_jax.mpm.linalg import Principal, spectral
 from physagent_jax.mpm.materials.base import TORN, History
 from physagent_jax.mpm.materials.hencky import HenckyElasticity, deviator, relative_excess, return_mapping
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Plasticine(HenckyElasticity):
     """Hencky elasticity with J2 flow and linear softening, sigma_y(alpha) = max(sigma_y - S alpha, 0).

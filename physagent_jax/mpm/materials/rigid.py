@@ -8,9 +8,10 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.mpm.materials.base import History
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Rigid:
     """No stress, no energy, no limit on the time step; a constraint (`mpm.constraints.RigidBody`) moves it.

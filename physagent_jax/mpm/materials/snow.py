@@ -10,9 +10,10 @@ import jax.numpy as jnp
 from physagent_jax.mpm.linalg import Principal, singular_values, spectral
 from physagent_jax.mpm.materials.base import History, Hyperelastic
 from physagent_jax.mpm.materials.fixed_corotated import FixedCorotated
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Snow(Hyperelastic):
     """Fixed-corotated elasticity that hardens under compaction and breaks when stretched  (Stomakhin et al. 2013).

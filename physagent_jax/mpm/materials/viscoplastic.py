@@ -10,11 +10,12 @@ import jax.numpy as jnp
 
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.materials.hencky import HenckyElasticity, deviator, relative_excess, return_mapping
+from physagent_jax.pytree import register_dataclass
 
 _LONGEST_RELAXATION = 50.0  # relaxation times in a step; exp(-50) is below double precision
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Viscoplastic(HenckyElasticity):
     """Hencky elasticity with Perzyna overstress  (Simo & Hughes 1998, sec. 2.7; foam of Yue et al. 2015).

@@ -11,9 +11,10 @@ from jax.typing import ArrayLike
 
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.materials.hencky import HenckyElasticity, deviator, relative_excess, return_mapping
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class VonMises(HenckyElasticity):
     """Hencky elasticity with J2 flow and linear hardening  (Simo & Hughes 1998, box 3.1, in logarithmic strain).

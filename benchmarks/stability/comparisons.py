@@ -1,0 +1,172 @@
+"""Criteria that compare runs: rest (P7), unused features (P9), order and place (P10)."""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+from collections.abc import Callable, Iterator
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from benchmarks.stability.criteria import Result
+from benchmarks.stability.materials import MATERIALS, make_material
+from benchmarks.stability.scenario import GRAVITY, Run, Scenario, build
+from physagent_jax.mpm import Contact, HalfSpace, Model, State, smallest_window, stable_dt, step
+
+REST = 1e-4  # P7: kinetic energy left, over the initial potential
+UNUSED = 1e-6  # P9: displacement, over the domain's side
+ORDER = 1e-5  # P10: displacement, over the domain's side
+_STEPS = 200
+_FOREVER = 1e9
+
+
+def comparisons() -> Iterator[tuple[str, Callable[[], Result]]]:
+    """All checks of this module, by name."""
+    for material in MATERIALS:
+        yield f"P7 comes to rest: {material}", lambda material=material: at_rest(material)
+    for name, pair in UNUSED_FEATURES.items():
+        yield f"P9 {name}", lambda name=name, pair=pair: unused(name, *pair())
+    for material in ("neo-hookean", "sand", "fluid"):
+        yield f"P10 order of particles: {material}", lambda material=material: permuted(material)
+        yield f"P10 shift by whole cells: {material}", lambda material=material: shifted(material)
+
+
+def at_rest(material: str) -> Result:
+    """P7: a column that fills a small box is let go under gravity, with damping, and comes to rest."""
+    result = Result(f"P7 comes to rest: {material}")
+    run = build(Scenario(material, wall="resting", cells=10))
+    run = dataclasses.replace(run, model=run.model.replace(damping_rate=30.0), frame_dt=0.1)
+    mass = np.asarray(run.model.mass, np.float64)
+    height = np.asarray(run.state.x[:, 2], np.float64) - 3 * run.model.grid.dx
+    potential = GRAVITY * float((mass * height).sum())
+    left = np.inf
+    for frame in run.frames(9, ledger=False):
+        left = 0.5 * float((mass * (np.asarray(frame.state.v, np.float64) ** 2).sum(-1)).sum()) / potential
+    result.figures["kinetic over potential"] = left
+    if not left < REST:
+        result.fail("P7", f"kinetic energy is still {left:.1e} of the initial potential")
+    return result
+
+
+def permuted(material: str) -> Result:
+    """P10: the order of particles does not matter."""
+    run = build(Scenario(material, wall="corner"))
+    count = len(run.state.x)
+    order = np.random.default_rng(3).permutation(count)
+
+    def shuffle(leaf):
+        return leaf[order] if getattr(leaf, "ndim", 0) and leaf.shape[0] == count else leaf
+
+    mixed = run.model.replace(mass=shuffle(run.model.mass), volume=shuffle(run.model.volume))
+    one = _played(run.model, run.state)
+    other = _played(mixed, jax.tree.map(shuffle, run.state))
+    return _compared("P10", f"P10 order of particles: {material}", one.x[order], other.x, ORDER)
+
+
+def shifted(material: str) -> Result:
+    """P10: a shift by whole cells does not matter, where no wall is near."""
+    run = build(Scenario(material, force="torque"))
+    shift = jnp.asarray([3, -2, 1], run.state.x.dtype) * run.model.grid.dx
+    moved = dataclasses.replace(run.state, x=run.state.x + shift)
+    one, other = _played(run.model, run.state), _played(run.model, moved)
+    return _compared("P10", f"P10 shift by whole cells: {material}", one.x + shift, other.x, ORDER)
+
+
+def unused(name: str, with_it: Run, without: Run) -> Result:
+    """P9: what a scene does not use changes nothing; the figures say what it would cost."""
+    one, other = _played(with_it.model, with_it.state), _played(without.model, without.state)
+    result = _compared("P9", f"P9 {name}", one.x, other.x, UNUSED)
+    result.figures["seconds with it"] = _timed(with_it)
+    result.figures["seconds without"] = _timed(without)
+    return result
+
+
+def _compared(criterion: str, name: str, one: jax.Array, other: jax.Array, bar: float) -> Result:
+    result = Result(name)
+    difference = float(jnp.abs(one - other).max())
+    result.figures["largest difference"] = difference
+    if not difference <= bar:
+        result.fail(criterion, f"positions differ by {difference:.1e} m")
+    return result
+
+
+@jax.jit
+def _steps(model: Model, state: State) -> State:
+    return jax.lax.fori_loop(0, _STEPS, lambda _, s: step(model, s), state)
+
+
+def _played(model: Model, state: State) -> State:
+    dt = 0.7 * stable_dt(model, state)
+    return _steps(model.replace(dt=dt.astype(state.x.dtype)), state)
+
+
+def _timed(run: Run) -> float:
+    begun = time.perf_counter()
+    jax.block_until_ready(_played(run.model, run.state))
+    return round(time.perf_counter() - begun, 4)
+
+
+def _thrown(material: str) -> Run:
+    return build(Scenario(material, wall="corner"))
+
+
+def _law(run: Run, law) -> Run:
+    state = dataclasses.replace(run.state, history=(law.initial_history(),))
+    return dataclasses.replace(run, model=run.model.replace(materials=(law,)), state=state)
+
+
+def _unyielding(material: str, base: str) -> tuple[Run, Run]:
+    """A plastic law that never yields, and its elastic base."""
+    run = _thrown(base)
+    solid = make_material(material, len(run.state.x), 1e6, 0.3, np.float32)
+    limits = {"yield_stress": 1e30} if hasattr(solid, "yield_stress") else {"cohesion": 1e30}
+    changes = {name: jnp.full_like(getattr(solid, name), value) for name, value in limits.items()}
+    return _law(run, dataclasses.replace(solid, **changes)), run
+
+
+def _changed(material: str, **changes) -> tuple[Run, Run]:
+    run = _thrown(material)
+    return dataclasses.replace(run, model=run.model.replace(**changes)), run
+
+
+def _no_viscosity() -> tuple[Run, Run]:
+    return _changed("neo-hookean", viscosity=jnp.zeros_like(_thrown("neo-hookean").model.mass))
+
+
+def _no_forces() -> tuple[Run, Run]:
+    run = _thrown("neo-hookean")  # its terms have strength zero
+    return run, dataclasses.replace(run, model=run.model.replace(forces=()))
+
+
+def _far_obstacle() -> tuple[Run, Run]:
+    run = _thrown("neo-hookean")
+    zero, dtype = jnp.zeros((), run.state.x.dtype), run.state.x.dtype
+    normal = jnp.asarray([0.0, 0.0, -1.0], dtype)
+    ceiling = HalfSpace(0.9 * jnp.ones(3, dtype), normal, zero, zero, zero + _FOREVER, Contact.SEPARATE)
+    return dataclasses.replace(run, model=run.model.replace(boundaries=(*run.model.boundaries, ceiling))), run
+
+
+def _small_window() -> tuple[Run, Run]:
+    run = _thrown("neo-hookean")
+    grid = dataclasses.replace(smallest_window(1.0, run.model.grid.cells), shape=(16, 16, 16))
+    return run, dataclasses.replace(run, model=run.model.replace(grid=grid))
+
+
+def _no_gravity() -> tuple[Run, Run]:
+    run = build(Scenario("neo-hookean", force="torque"))
+    return run, dataclasses.replace(run, model=run.model.replace(gravity=None))
+
+
+UNUSED_FEATURES: dict[str, Callable[[], tuple[Run, Run]]] = {
+    "von Mises that never yields is Hencky": lambda: _unyielding("von-mises", "hencky"),
+    "plasticine that never yields is Hencky": lambda: _unyielding("plasticine", "hencky"),
+    "foam that never yields is Hencky": lambda: _unyielding("foam", "hencky"),
+    "sand of endless cohesion is Hencky": lambda: _unyielding("wet-sand", "hencky"),
+    "zero viscosity is none": _no_viscosity,
+    "force terms of strength zero are none": _no_forces,
+    "zero gravity is none": _no_gravity,
+    "an obstacle out of reach is none": _far_obstacle,
+    "nodes out of reach are none": _small_window,
+}

@@ -1,0 +1,73 @@
+"""What is refused before the first frame: input that no step could make sense of."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from physagent_jax.errors import UserError
+from physagent_jax.mpm.linalg import determinant
+from physagent_jax.mpm.state import Model, State
+from physagent_jax.mpm.timestep import stable_dt
+
+
+def check_start(
+    model: Model, state: State, *, frame_dt: float, substep_dt: float | None, safety: float
+) -> None:
+    """Checks the input of `mpm.simulate` once.
+
+    Raises:
+        UserError: Sizes differ; something is not finite, has no mass or volume, is inside out or lies outside
+            the domain; a step or a material parameter makes no sense.
+    """
+    if not frame_dt > 0 or not 0 < safety <= 1 or not (substep_dt is None or substep_dt > 0):
+        raise UserError(
+            "`frame_dt` and `substep_dt` must be positive, and `safety` in (0, 1]",
+            got=f"frame_dt={frame_dt}, substep_dt={substep_dt}, safety={safety}",
+        )
+    _check_sizes(model, state)
+    _check_particles(model, state)
+    bound = float(stable_dt(model, state))
+    if math.isnan(bound) or bound <= 0:
+        raise UserError(
+            "the material allows no time step: a stiffness is negative, infinite or not a number",
+            got=f"a stable bound of {bound} s",
+            do="Give E > 0 and 0 <= nu < 0.5",
+        )
+
+
+def _check_sizes(model: Model, state: State) -> None:
+    sizes = {name: len(getattr(state, name)) for name in ("x", "v", "C", "F")}
+    sizes |= {"mass": len(model.mass), "volume": len(model.volume)}
+    sizes["materials"] = sum(material.count for material in model.materials)
+    if model.viscosity is not None:
+        sizes["viscosity"] = len(model.viscosity)
+    if len(set(sizes.values())) > 1:
+        raise UserError(
+            "`model` and `state` must speak of the same number of particles",
+            got=", ".join(f"{name}: {size}" for name, size in sizes.items()),
+        )
+
+
+def _check_particles(model: Model, state: State) -> None:
+    # Half a cell more than where particles are stopped: the last place from which a stencil is complete.
+    low, high = (model.wall - 0.5) * model.grid.dx, (model.grid.cells - model.wall + 0.5) * model.grid.dx
+    leaves = (state.x, state.v, state.C, state.F, model.mass, model.volume)
+    finite = [np.isfinite(np.asarray(leaf)).reshape(len(leaf), -1).all(1) for leaf in leaves]
+    x = np.asarray(state.x)
+    faults = {
+        "have a value that is not finite": ~np.logical_and.reduce(finite),
+        "have no mass or no volume": ~((np.asarray(model.mass) > 0) & (np.asarray(model.volume) > 0)),
+        "are turned inside out (det F <= 0)": ~(np.asarray(determinant(state.F)) > 0),
+        f"lie outside the domain, {low:.3g} to {high:.3g} m along each axis": ~((low <= x) & (x <= high)).all(
+            1
+        ),
+    }
+    for fault, particles in faults.items():
+        if particles.any():
+            raise UserError(
+                f"{particles.sum()} of {len(particles)} particles {fault} at the start",
+                got=f"particle {np.flatnonzero(particles)[0]}",
+                do="Mend or remove them",
+            )
