@@ -93,7 +93,7 @@ def _peers(result: dict) -> list[str]:
 def _study(studied: Studied, command: Command, peers: list[str]):
     """Rows of one case: ours, and each peer at two steps where ours is near the bound."""
     case, repeats = studied.case, 1 if command.quick else command.repeats
-    resolutions = case.resolutions[:2] if command.quick else case.resolutions
+    resolutions = studied.resolutions[:2] if command.quick else studied.resolutions
     for label, numerics in work_precision(resolutions, studied.base):
         yield ours(case, label, numerics, repeats=repeats)
         if label == rule_words(NEAR_BOUND):

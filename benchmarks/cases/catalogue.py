@@ -73,13 +73,13 @@ CASES: tuple[Verified, ...] = (
     _pair(Incline(0.7), 4, 8),
     _pair(Hydrostatic(), 10, 20),
     _pair(Swirl(), 8, 16),
-    _pair(DamBreak(), 16, 32, step=("courant", 0.5)),
+    _pair(DamBreak(), 16, 16, step=("courant", 0.5)),
     _pair(Slope(-2.0), 8, 8, step=_LONG),
     _pair(Slope(3.0), 16, 16, step=_LONG),
-    _pair(SandColumn(0.5), 12, 24, step=_LONG),
+    _pair(SandColumn(0.5), 12, 12, step=_LONG),
     _pair(SandColumn(1.0), 8, 16, step=_LONG),
-    _pair(SandColumn(2.0), 6, 12, step=_LONG),
-    _pair(SandColumn(4.0), 5, 12, step=_LONG),
+    _pair(SandColumn(2.0), 6, 6, step=_LONG),
+    _pair(SandColumn(4.0), 5, 5, step=_LONG),
 )
 
 EXPENSIVE = (
@@ -101,16 +101,18 @@ class Studied:
     Attributes:
         case: The problem.
         error: The error that the plot shows.
+        resolutions: Cells, coarse to fine.
         base: What is not varied.
     """
 
     case: Case
     error: str
+    resolutions: tuple[int, ...]
     base: Numerics = Numerics()
 
 
 STUDIED: tuple[Studied, ...] = (
-    Studied(FreeBar(), "signal (rms)"),
-    Studied(Sphere(), "signal (rms)"),
-    Studied(Vortex(), "twisted [m]", Numerics(per_axis=3)),
+    Studied(FreeBar(), "signal (rms)", (8, 16, 32)),
+    Studied(Sphere(), "signal (rms)", (4, 6, 8)),
+    Studied(Vortex(), "twisted [m]", (5, 10, 20), Numerics(per_axis=3)),
 )

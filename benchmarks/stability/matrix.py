@@ -56,7 +56,9 @@ def pairwise(seed: int = 0) -> list[Scenario]:
     """A covering array over all other axes: all pairs of values occur. Some need x64."""
     keys = [tuple(row.values()) for row in covering_array(_KEYS, seed)]
     rows = covering_array(_AXES, seed, keys)
-    rows.sort(key=lambda row: [_KEYS[name].index(row[name]) for name in _KEYS])  # one executable after the other
+    rows.sort(
+        key=lambda row: [_KEYS[name].index(row[name]) for name in _KEYS]
+    )  # one executable after the other
     scenarios = []
     for row in rows:
         rule, forced = row.pop("step")
