@@ -19,6 +19,7 @@ from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.gaussians.ply import write_ply
 from physagent_jax.mpm import Grid, rollout, stable_dt
 from physagent_jax.mpm.timestep import substeps_for
+from physagent_jax.pytree import register_dataclass
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.compile import Scene, compile_scene
 from physagent_jax.scene.config import (
@@ -89,7 +90,7 @@ TASKS = {
 }
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Parameters:
     """The sought force as one vector: its length is the magnitude M, its direction the action's vector.

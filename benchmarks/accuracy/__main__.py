@@ -12,6 +12,7 @@ import json
 import math
 import sys
 from pathlib import Path
+from typing import Literal
 
 import tyro
 from rich.console import Console
@@ -39,6 +40,8 @@ class Command:
     """Also draw the work-precision plot here (PNG)."""
     markdown: Path | None = None
     """Also write the tables here (docs/accuracy.md)."""
+    parts: tuple[Literal["verification", "work_precision"], ...] = ("verification", "work_precision")
+    """Which tables to measure; the file's other one is kept."""
     quick: bool = False
     """Coarse grids and cheap cases only: a few minutes."""
     only: str = ""
@@ -50,19 +53,22 @@ class Command:
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
-    result = {**circumstances(), "verification": [], "work_precision": [], "peers": {}}
-    for row in _verification(command):
-        result["verification"].append(_shown(row))
-        _save(command, result)
-    peers = _peers(result)
-    for studied in STUDIED:
-        if command.only in studied.case.name:
-            for row in _study(studied, command, peers):
-                result["work_precision"].append(_shown(row, studied.error))
-                _save(command, result)
+    result = json.loads(command.json.read_text()) if command.json.is_file() else {}
+    for part in command.parts:
+        rows: list[dict] = []
+        result[part] = section = {**circumstances(), "rows": rows}
+        if part == "verification":
+            found = ((row, None) for row in _verification(command))
+        else:
+            section["peers"], usable = _peers()
+            found = _studies(command, usable)
+        for row, primary in found:
+            rows.append(_shown(row, primary))
+            write_text(command.json, json.dumps(result, indent=1) + "\n")
     _present(command, result)
-    failing = [row["case"] for row in result["verification"] if not row["within"]]
-    console.print(f"{len(result['verification'])} cases, outside their bar: {', '.join(failing) or 'none'}")
+    rows = result.get("verification", {}).get("rows", [])
+    failing = [row["case"] for row in rows if not row["within"]]
+    console.print(f"{len(rows)} cases verified, outside their bar: {', '.join(failing) or 'none'}")
     print(command.json)
     return 0
 
@@ -76,18 +82,26 @@ def _verification(command: Command):
             yield ours(verified.case, verified.note, numerics, judged=True)
 
 
-def _peers(result: dict) -> list[str]:
-    """Names of the peers that can run here; the others are listed with the reason."""
-    usable = []
+def _peers() -> tuple[dict[str, str], list[str]]:
+    """Version of each peer, or why it cannot run here; and the names of those that can."""
+    words, usable = {}, []
     for name in PEERS:
         peer = make_peer(name)
         reason = peer.available()
-        result["peers"][name] = reason or peer.version()
+        words[name] = reason or peer.version()
         if reason is None:
             usable.append(name)
         else:
             console.print(f"peer {name} is left out: {reason}")
-    return usable
+    return words, usable
+
+
+def _studies(command: Command, peers: list[str]):
+    """(row, the error that it is about) of every studied case."""
+    for studied in STUDIED:
+        if command.only in studied.case.name:
+            for row in _study(studied, command, peers):
+                yield row, studied.error
 
 
 def _study(studied: Studied, command: Command, peers: list[str]):
@@ -122,16 +136,12 @@ def _shown(row: Row, primary: str | None = None) -> dict:
 def _present(command: Command, result: dict) -> None:
     """The plot and the document, as far as they are asked for."""
     primary = {studied.case.name: studied.error for studied in STUDIED}
-    if command.plot is not None and result["work_precision"]:
+    if command.plot is not None and "work_precision" in result:
         from benchmarks.accuracy.plot import plot
 
-        plot(result["work_precision"], primary, command.plot)
+        plot(result["work_precision"]["rows"], primary, command.plot)
     if command.markdown is not None:
         write_text(command.markdown, document(result, command.json, command.plot, primary, command.markdown))
-
-
-def _save(command: Command, result: dict) -> None:
-    write_text(command.json, json.dumps(result, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -9,14 +9,13 @@ from benchmarks.cases.catalogue import CASES
 
 _INTRODUCTION = """# Accuracy
 
-Made by `{command}`; every figure below is in [{name}]({name_link}).
-Machine: {machine}. {versions}. Revision {git_revision}, load at the start {load}.
+Every figure is in [{name}]({name_link}), written by `python -m benchmarks.accuracy`.
 
 ## Cases with exact answers
 
 Each case is one object in `benchmarks/cases/` (set-up, exact answer, bar, source), and the same object is a test in
 `tests/verification/`. MLS-MPM stress, APIC, float32 (free motion and spin: float64); wall time
-warm, compilation apart.
+warm, compilation apart. {origin}
 
 | case | what moves, what is measured | cells | particles | error | bar | wall [s] | compile [s] |
 |---|---|---|---|---|---|---|---|
@@ -27,7 +26,7 @@ _WORK = """
 
 The step is given as a share of the isolated particle's bound (docs of `mpm.timestep`), or as the fixed 2e-4 s that is
 customary in PhysGaussian scenes. "signal (rms)" is the deviation of the whole motion from the exact one over two
-periods, damping included. Peers run the same particles on the same grid in the same process tree: {peers}.
+periods, damping included. Peers run the same particles on the same grid in the same process tree: {peers}. {origin}
 
 ![Error over wall time]({plot})
 
@@ -40,29 +39,34 @@ def document(
     result: dict, json_path: Path, plot_path: Path | None, primary: dict[str, str], target: Path
 ) -> str:
     """The text of docs/accuracy.md."""
-    versions = ", ".join(f"{name} {number}" for name, number in result["versions"].items())
-    text = _INTRODUCTION.format(
-        command=result["command"],
-        name=json_path.name,
-        name_link=_relative(json_path, target),
-        machine=result["machine"],
-        versions=versions,
-        git_revision=result["git_revision"],
-        load=", ".join(str(load) for load in result["load_average"]),
-    )
+    verification, work = result.get("verification"), result.get("work_precision")
+    link = _relative(json_path, target)
+    text = _INTRODUCTION.format(name=json_path.name, name_link=link, origin=_origin(verification))
     titles = {verified.case.name: verified.case.title for verified in CASES}
-    for row in result["verification"]:
+    rows = verification["rows"] if verification else []
+    for row in rows:
         text += _verified(row, titles.get(row["case"], ""))
-    outside = [row for row in result["verification"] if not row["within"]]
+    outside = [row for row in rows if not row["within"]]
     text += "\nEvery case is within its bars.\n" if not outside else _outside(outside)
-    if result["work_precision"]:
-        peers = "; ".join(f"{name}: {words}" for name, words in result["peers"].items())
+    if work:
+        peers = "; ".join(f"{name}: {words}" for name, words in work["peers"].items())
         plot = _relative(plot_path, target) if plot_path else ""
-        text += _WORK.format(peers=peers, plot=plot, error="error")
-        for row in result["work_precision"]:
+        text += _WORK.format(peers=peers, plot=plot, error="error", origin=_origin(work))
+        for row in work["rows"]:
             text += _studied(row, primary[row["case"]])
-        text += _findings(result["work_precision"], primary)
+        text += _findings(work["rows"], primary)
     return text
+
+
+def _origin(section: dict | None) -> str:
+    """Command, machine and revision of a table."""
+    if section is None:
+        return ""
+    versions = section["versions"]
+    return (
+        f"Made by `{section['command']}` on {section['machine']} (load {section['load_average'][0]} at the start), "
+        f"jax {versions['jax']}, revision {section['git_revision']}."
+    )
 
 
 def _verified(row: dict, title: str) -> str:

@@ -70,7 +70,9 @@ class FreeBar:
         """Errors of the frequency and of the signal itself, and the decay per period (exact: 0)."""
         exact = problem.exact["f"]
         frequency, decay = fit_damped_cosine(signal.t, signal.values[:, 0], exact)
-        deviation = cosine_deviation(signal.t, signal.values[:, 0], problem.exact["start"], exact)
+        deviation = cosine_deviation(
+            signal.t - problem.dt / 2, signal.values[:, 0], problem.exact["start"], exact
+        )
         return {
             "frequency": frequency / exact - 1,
             "decay per period": decay / frequency,

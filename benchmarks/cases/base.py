@@ -192,7 +192,8 @@ def cosine_deviation(
 ) -> float:
     """RMS of y from start cos(2 pi f t) over the first periods, relative to the cosine's own RMS.
 
-    Unlike the fitted frequency it counts damping too: what an observer of the motion would call its error.
+    Unlike the fitted frequency it counts damping too: what an observer of the motion would call its error. Velocities
+    belong to half a substep before the end of a step: shift ``t`` accordingly.
     """
     seen = t <= periods / frequency
     exact = start * np.cos(2 * np.pi * frequency * t[seen])

@@ -14,12 +14,13 @@ import jax.numpy as jnp
 import numpy as np
 
 from physagent_jax.mpm import State
+from physagent_jax.pytree import register_dataclass
 
 Field = Callable[[jax.Array, jax.Array], jax.Array]
 """A vector field of one particle: (rest position of shape (3,), time) -> shape (3,)."""
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class ManufacturedForce:
     """b(X, t) at the particles (`mpm.protocols.BodyForce`).

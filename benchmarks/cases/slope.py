@@ -12,6 +12,7 @@ from benchmarks.cases.base import Numerics, Problem, Signal, observed_steps
 from benchmarks.cases.bodies import body, half_space
 from benchmarks.cases.plane import sheet, sheet_grid, side_walls
 from physagent_jax.mpm import Contact, DruckerPrager, lame_parameters
+from physagent_jax.pytree import register_dataclass
 
 _RHO, _G, _HEIGHT, _NU = 1600.0, 9.81, 0.1, 0.3
 _STIFFNESS = 1e3  # E over rho g H
@@ -24,7 +25,7 @@ _FLOOR, _WIDTH, _MIDDLE = (
 _STILL, _FLOWING = 10.0, 1.5  # durations in sqrt(H / g)
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Endless:
     """Makes the motion uniform along x: all nodes move like those of one column.

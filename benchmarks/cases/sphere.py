@@ -77,7 +77,7 @@ class Sphere:
         return {
             "frequency": frequency / exact - 1,
             "decay per period": decay / frequency,
-            "signal (rms)": cosine_deviation(signal.t, y, problem.exact["start"], exact),
+            "signal (rms)": cosine_deviation(signal.t - problem.dt / 2, y, problem.exact["start"], exact),
         }
 
     def bars(self, numerics: Numerics) -> dict[str, float]:

@@ -12,6 +12,7 @@ from benchmarks.cases.base import Numerics, Problem, Signal, lattice
 from benchmarks.cases.bodies import body
 from benchmarks.cases.elastic import grid_for, neo_hookean_body
 from physagent_jax.mpm.materials import Fluid
+from physagent_jax.pytree import register_dataclass
 
 _E, _NU, _RHO, _DX = 1e6, 0.3, 1000.0, 0.1
 _MARGIN = 6  # cells: corners sweep outwards as the cube turns
@@ -85,7 +86,7 @@ class Spin:
         }
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Turning:
     """A boundary that turns every node rigidly.

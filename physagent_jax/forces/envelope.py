@@ -15,6 +15,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.mpm.protocols import window_fraction
+from physagent_jax.pytree import register_dataclass
 
 FOREVER = 1e9  # [s]; the end of a window that never closes
 Scalar = jax.Array | float
@@ -29,7 +30,7 @@ class EnvelopeKind(enum.StrEnum):
     SINE = "sine"  # sin(2 pi frequency s + phase)
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Envelope:
     """A profile of time; 0 outside the window [start, end), in [0, 1] inside it (sine: [-1, 1]).

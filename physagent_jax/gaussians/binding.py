@@ -15,13 +15,14 @@ from physagent_jax.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud, Splats
 from physagent_jax.gaussians.covariance import quats_scales_to_covariances, transform_covariances
 from physagent_jax.gaussians.polar import polar_rotation
+from physagent_jax.pytree import register_dataclass
 
 # A Gaussian nearer to a particle than this fraction of the scene's extent is that particle: float32
 # positions are not resolved any finer.
 _COINCIDENT = 1e-6
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Binding:
     """Which particles each Gaussian follows, made in the rest pose.

@@ -6,8 +6,10 @@ import dataclasses
 
 import jax
 
+from physagent_jax.pytree import register_dataclass
 
-@jax.tree_util.register_dataclass
+
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class GaussianCloud:
     """A static 3D Gaussian splatting object (Kerbl et al. 2023), in linear units.
@@ -37,7 +39,7 @@ class GaussianCloud:
         return round(self.sh.shape[1] ** 0.5) - 1
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Splats:
     """Gaussians in world space at one instant, as the renderer takes them.

@@ -20,9 +20,10 @@ from physagent_jax.mpm.energy import kinetic_energy, total_energy
 from physagent_jax.mpm.linalg import cofactor, determinant, matmul, transpose
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import Trace, damped_affine, per_material, viscous_stress
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Exchange:
     """What was exchanged with the surroundings, summed over substeps. Scalars but for the impulses, shape (3,).

@@ -25,12 +25,13 @@ from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import step, substep
 from physagent_jax.mpm.timestep import check_explicit_dt, kinematic_dt, stable_dt, substeps_for
 from physagent_jax.mpm.window import fit_window
+from physagent_jax.pytree import register_dataclass
 
 MAX_RETRIES = 6  # halvings of the step before a frame is given up
 MAX_SUBSTEPS = 1_000_000  # in one frame; more would look like a hang
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Health:
     """What went on during a frame's substeps, kept on the device.

@@ -9,11 +9,12 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.mpm.materials.base import History, Material
+from physagent_jax.pytree import register_dataclass
 
 _STATIC = dict(static=True)
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Grid:
     """A window of nodes in the domain [0, cells * dx]^3; node (i, j, k) sits at (origin + (i, j, k)) * dx.
@@ -54,7 +55,7 @@ class Grid:
         return tuple(out)
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Model:
     """Everything that `step` needs and does not change.
@@ -101,7 +102,7 @@ class Model:
         return dataclasses.replace(self, **changes)
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class State:
     """Everything that changes during a rollout; a run restarts exactly from it.

@@ -16,6 +16,7 @@ from physagent_jax.mpm.linalg import determinant, matmul, transpose
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, g2p, p2g, stencil, velocity_gradient
+from physagent_jax.pytree import register_dataclass
 
 
 def step(model: Model, state: State) -> State:
@@ -23,7 +24,7 @@ def step(model: Model, state: State) -> State:
     return substep(model, state)[0]
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Trace:
     """What happened within a substep, for `mpm.ledger`; compiled away where nobody looks.

@@ -13,9 +13,10 @@ import jax.numpy as jnp
 from jax import lax
 
 from physagent_jax.mpm.state import Grid
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Stencil:
     """Where each particle touches the grid.

@@ -8,8 +8,10 @@ import math
 import jax
 import numpy as np
 
+from physagent_jax.pytree import register_dataclass
 
-@jax.tree_util.register_dataclass
+
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Camera:
     """Pinhole camera: x right, y down, z forward; pixel centres at +0.5; depth is z, not ray length.

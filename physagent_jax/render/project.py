@@ -9,6 +9,7 @@ import jax.numpy as jnp
 
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.gaussians.sh import eval_sh
+from physagent_jax.pytree import register_dataclass
 from physagent_jax.render.camera import Camera
 
 NEAR_PLANE = 0.01
@@ -25,7 +26,7 @@ ALPHA_MIN = 1.0 / 255.0
 _JACOBIAN_LIMIT = 0.3
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Projected:
     """Gaussians on the image plane.

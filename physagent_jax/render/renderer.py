@@ -11,6 +11,7 @@ import numpy as np
 
 from physagent_jax.errors import UserError
 from physagent_jax.gaussians.cloud import Splats
+from physagent_jax.pytree import register_dataclass
 from physagent_jax.render.camera import Camera
 from physagent_jax.render.project import project
 from physagent_jax.render.rasterize import blend
@@ -26,7 +27,7 @@ _MAX_CAPACITY = 1 << 28
 _capacities: dict[tuple[int, int, int], int] = {}
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Rendering:
     """One RGB-D image.

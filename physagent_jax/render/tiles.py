@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.pytree import register_dataclass
 from physagent_jax.render.project import Projected
 
 # Rounding must not lose a pixel whose alpha is exactly at the limit; the rasteriser decides in the end.
@@ -16,7 +17,7 @@ _MARGIN = 0.01
 _INT32_MAX = np.iinfo(np.int32).max
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class TileLists:
     """Gaussians per tile in front-to-back order, tiles in row-major order.

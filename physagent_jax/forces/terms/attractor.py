@@ -9,9 +9,10 @@ import jax.numpy as jnp
 
 from physagent_jax.forces.envelope import Envelope, Scalar
 from physagent_jax.forces.terms.region import confined
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Attractor:
     """Pulls towards a point: a = -strength d / r^(power + 1), with d = x - point and r^2 = d^2 + softening^2.

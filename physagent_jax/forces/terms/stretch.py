@@ -9,9 +9,10 @@ import jax.numpy as jnp
 
 from physagent_jax.forces.terms.rigid import mass_centre, without_rigid_part
 from physagent_jax.mpm.protocols import window_fraction
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Stretch:
     """Pulls the two sides of the mass centre's plane apart (or together, if negative).

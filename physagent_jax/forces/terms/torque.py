@@ -10,9 +10,10 @@ import jax.numpy as jnp
 from physagent_jax.forces.terms.rigid import mass_centre
 from physagent_jax.mpm.linalg import cross, skew
 from physagent_jax.mpm.protocols import window_fraction
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Torque:
     """Turns the region about an axis through its present mass centre: axis x r (paper, skill 4).

@@ -11,11 +11,12 @@ import numpy as np
 
 from physagent_jax.forces.envelope import Envelope, Scalar
 from physagent_jax.forces.terms.region import confined
+from physagent_jax.pytree import register_dataclass
 
 _HIGHEST = jax.lax.Precision.HIGHEST  # phases of many radians do not survive a shortened mantissa
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Turbulence:
     """A random, smooth, divergence-free field: a sum of N Fourier modes (Kraichnan 1970, Phys. Fluids 13:22).

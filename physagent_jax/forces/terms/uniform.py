@@ -10,9 +10,10 @@ import jax.numpy as jnp
 from physagent_jax.forces.envelope import Envelope
 from physagent_jax.forces.terms.region import confined
 from physagent_jax.mpm.protocols import window_fraction
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class UniformAcceleration:
     """One acceleration for every particle of a region: push, pull, wind and, within a brief window, a blow.
@@ -39,7 +40,7 @@ class UniformAcceleration:
         del x, time, dt
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class UniformField:
     """One acceleration for every particle of a region, with a time profile.

@@ -10,9 +10,10 @@ import jax.numpy as jnp
 from physagent_jax.forces.envelope import Envelope, Scalar
 from physagent_jax.forces.terms.region import confined
 from physagent_jax.mpm.linalg import cross, skew
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Vortex:
     """Accelerates around, towards and along an axis through a point; the axis may have any direction.

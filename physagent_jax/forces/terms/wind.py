@@ -9,9 +9,10 @@ import jax.numpy as jnp
 
 from physagent_jax.forces.envelope import Envelope, Scalar
 from physagent_jax.forces.terms.region import confined
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Wind:
     """Drags particles towards the air's velocity u = speed * profile(t) * direction.

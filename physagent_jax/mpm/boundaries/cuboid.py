@@ -9,9 +9,10 @@ import jax.numpy as jnp
 
 from physagent_jax.mpm.boundaries.box import Box
 from physagent_jax.mpm.boundaries.contact import Contact
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Cuboid:
     """Imposes ``velocity`` on the nodes inside a box, for start <= time < end.

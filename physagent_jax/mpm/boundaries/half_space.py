@@ -7,9 +7,10 @@ import dataclasses
 import jax
 
 from physagent_jax.mpm.boundaries.contact import Contact, carried, collide, in_window, touching
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class HalfSpace:
     """The solid half-space behind a plane, active for start <= time < end.

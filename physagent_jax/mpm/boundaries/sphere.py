@@ -8,9 +8,10 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.mpm.boundaries.contact import Contact, carried, collide, in_window, touching, unit
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Sphere:
     """A solid ball, or the solid around a spherical hollow; active for start <= time < end.

@@ -7,8 +7,10 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.pytree import register_dataclass
 
-@jax.tree_util.register_dataclass
+
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class SymmetryPlane:
     """What lies behind the plane is the mirror image of what lies before it.

@@ -11,9 +11,10 @@ from physagent_jax.mpm.constraints.rotation import rotate
 from physagent_jax.mpm.linalg import cross, skew
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, scatter_mass
+from physagent_jax.pytree import register_dataclass
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class PrescribedMotion:
     """A rigid velocity field u(x) = velocity + angular_velocity x (x - center) for some particles.

@@ -11,12 +11,13 @@ from physagent_jax.mpm.constraints.rotation import rotate, rotation_matrix
 from physagent_jax.mpm.linalg import cofactor, cross, determinant, matmul, matvec, skew, transpose
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, scatter_mass
+from physagent_jax.pytree import register_dataclass
 
 CONTACT_ITERATIONS = 8
 _LEAST_INERTIA = 1e-3  # determinant, over the mass and dx^2; a lone particle's nodes have 1/8
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class RigidMotion:
     """The rigid motion with the momenta of some masses.
@@ -81,7 +82,7 @@ class RigidMotion:
         return velocity + cross(jnp.broadcast_to(angular_velocity, self.r.shape), self.r)
 
 
-@jax.tree_util.register_dataclass
+@register_dataclass
 @dataclasses.dataclass(frozen=True)
 class RigidBody:
     """Makes some particles move as one rigid body.
