@@ -123,7 +123,7 @@ class _Book:
         self.steps, self.retries, self.loss, self.lowest = 0, 0, 0.0, 0.0
         self.min_J, self.max_J, self.courant, self.fastest = 1.0, 1.0, 0.0, 0.0
         self.work, self.drop, self.impulse = 0.0, 0.0, np.zeros(3)
-        self.touched, self.pushed = False, 0.0
+        self.touched, self.pushed, self.time = False, 0.0, 0.0
         self.worst: dict[str, float] = {"momentum": 0.0, "spin": 0.0, "grid mass": 0.0}
 
     def enter(self, frame: Frame) -> None:
@@ -132,6 +132,7 @@ class _Book:
         assert exchange is not None
         self.v, self.x = np.asarray(state.v, np.float64), np.asarray(state.x, np.float64)
         self.C = np.asarray(state.C, np.float64)
+        self.time = float(state.time)
         self.steps += frame.substeps
         self.retries += len(frame.retries)
         self.min_J, self.max_J = min(self.min_J, frame.min_J), max(self.max_J, frame.max_J)
@@ -169,7 +170,7 @@ class _Book:
 
     @property
     def scale(self) -> float:
-        """Momentum of the whole at the largest speed so far, and what has been pushed [kg m/s]: its round-off counts."""
+        """Momentum at the largest speed so far and what was pushed [kg m/s]: the round-off of both counts."""
         return float(self.mass.sum()) * max(self.fastest, 1e-30) + self.pushed
 
     def figures(self, frame: Frame) -> dict:
@@ -274,7 +275,7 @@ def _asked_for(book: _Book, result: Result) -> None:
     scenario, forces = book.scenario, book.run.model.forces
     if book.touched or scenario.wall != "far" or scenario.force not in ("translation", "impulse", "torque"):
         return
-    duration = float(forces[0].end)
+    duration = min(float(forces[0].end), book.time)
     if scenario.force == "torque":
         if scenario.magnitude > 1 or scenario.material not in SOLIDS:
             return  # it changes its shape, and with it its moment of inertia

@@ -70,7 +70,8 @@ class Scenario:
         """Short, unique within a matrix."""
         step = "auto" if self.step[0] == "auto" else f"{self.step[0]} {self.step[1]:g}"
         return (
-            f"{self.material}, {self.force} x{self.magnitude:g}, E {self.youngs_modulus:g}, nu {self.poissons_ratio:g}, "
+            f"{self.material}, {self.force} x{self.magnitude:g}, "
+            f"E {self.youngs_modulus:g}, nu {self.poissons_ratio:g}, "
             f"{step}{' forced' if self.forced else ''}, {self.cells} cells, ppc {self.per_cell or 'random'}, "
             f"{self.wall}, {self.dtype}, {self.stress_form}"
         )

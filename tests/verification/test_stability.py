@@ -1,4 +1,4 @@
-"""The stress matrix: its checks can fail, and the simulator stands its hardest rows. The rest is benchmarks.stability."""
+"""The stress matrix: its checks can fail, and the simulator stands its hardest rows (all: benchmarks.stability)."""
 
 import dataclasses
 
