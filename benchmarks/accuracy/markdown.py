@@ -42,10 +42,10 @@ def document(
     verification, work = result.get("verification"), result.get("work_precision")
     link = _relative(json_path, target)
     text = _INTRODUCTION.format(name=json_path.name, name_link=link, origin=_origin(verification))
-    titles = {verified.case.name: verified.case.title for verified in CASES}
+    titles = {(verified.case.name, verified.note): verified.case.title for verified in CASES}
     rows = verification["rows"] if verification else []
     for row in rows:
-        text += _verified(row, titles.get(row["case"], ""))
+        text += _verified(row, titles.get((row["case"], row["label"]), ""))
     outside = [row for row in rows if not row["within"]]
     text += "\nEvery case is within its bars.\n" if not outside else _outside(outside)
     if work:

@@ -58,6 +58,7 @@ def plot(rows: list[dict], primary: dict[str, str], path: Path) -> None:
     for axis in list(axes.flat)[len(cases) :]:
         axis.axis("off")
     figure.legend(handles.values(), handles.keys(), loc="lower center", ncols=4, frameon=False, fontsize=9)
-    figure.tight_layout(rect=(0, 0.06 + 0.02 * (len(handles) > 8), 1, 1))
+    legend_lines = -(-len(handles) // 4)
+    figure.tight_layout(rect=(0, 0.07 * legend_lines, 1, 1))
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path, dpi=130)

@@ -106,8 +106,9 @@ class Run:
 
 
 def build(scenario: Scenario) -> Run:
-    """Particles, model and step of ``scenario``. Force terms that do not act are there with strength zero: so
-    all scenarios of a material share one executable.
+    """Particles, model and step of ``scenario``.
+
+    Force terms that do not act are there with strength zero: so all scenarios of a material share one executable.
     """
     dtype, dx = np.dtype(scenario.dtype).type, SIZE / scenario.cells
     x, volume = _particles(scenario, dx)

@@ -84,7 +84,9 @@ class Simulate:
         return config.model_copy(
             update=dict(
                 ledger=config.ledger or self.ledger,
-                timing=timing.model_copy(update=dict(force_substep=timing.force_substep or self.force_substep)),
+                timing=timing.model_copy(
+                    update=dict(force_substep=timing.force_substep or self.force_substep)
+                ),
             )
         )
 

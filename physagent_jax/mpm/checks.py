@@ -26,6 +26,8 @@ def check_start(
             "`frame_dt` and `substep_dt` must be positive, and `safety` in (0, 1]",
             got=f"frame_dt={frame_dt}, substep_dt={substep_dt}, safety={safety}",
         )
+    if model.gravity is not None and not np.isfinite(np.asarray(model.gravity)).all():
+        raise UserError("`model.gravity` must be finite", got=np.asarray(model.gravity).tolist())
     _check_sizes(model, state)
     _check_particles(model, state)
     bound = float(stable_dt(model, state))

@@ -167,7 +167,8 @@ def _ledger(record: SimulationRecord):
     flows = {name: values for name, values in flows.items() if _largest(values) > _NOTICEABLE * largest}
     factor, letter = prefix(largest)
     energy = [
-        Series(name, [e * factor for e in values], color) for color, (name, values) in enumerate(flows.items())
+        Series(name, [e * factor for e in values], color)
+        for color, (name, values) in enumerate(flows.items())
     ]
     impulse = [
         Series(f"{who} {name}", _column(rows, axis), axis, dashed=who == "walls")

@@ -119,7 +119,17 @@ def test_covering_arrays_cover():
 
 def test_the_matrix_holds_every_pair():
     scenarios = pairwise()
-    names = ("material", "cells", "per_cell", "dtype", "stress_form", "force", "youngs_modulus", "wall", "magnitude")
+    names = (
+        "material",
+        "cells",
+        "per_cell",
+        "dtype",
+        "stress_form",
+        "force",
+        "youngs_modulus",
+        "wall",
+        "magnitude",
+    )
     axes = {name: sorted({getattr(s, name) for s in scenarios}) for name in names}
     assert uncovered(axes, [{name: getattr(s, name) for name in names} for s in scenarios]) == 0
     assert {s.step for s in scenarios if s.refusable} == {("bound", 1.1), ("bound", 2.0)}
