@@ -62,15 +62,16 @@ def main() -> int:
     bad = 0
     for part in command.parts:
         begun, rows = time.perf_counter(), []
-        section = {**circumstances(), "quick": command.quick, "rows": rows}
+        result[part] = section = {**circumstances(), "quick": command.quick, "complete": False, "rows": rows}
         for row in _rows(part, command.quick):
             rows.append(row)
             bad += not row["good"]
             _tell(part, row)
-        section["seconds"] = round(time.perf_counter() - begun, 1)
-        section["counts"] = dict(Counter(row["verdict"] for row in rows))
-        result[part] = section
-        write_text(command.json, json.dumps(result, indent=1) + "\n")
+            section["seconds"] = round(time.perf_counter() - begun, 1)
+            section["counts"] = dict(Counter(row["verdict"] for row in rows))
+            write_text(command.json, json.dumps(result, indent=1) + "\n")
+        section["complete"] = True
+    write_text(command.json, json.dumps(result, indent=1) + "\n")
     if command.markdown is not None:
         write_text(command.markdown, document(result, command.json, command.markdown))
     console.print(f"{bad} row(s) fail" if bad else "no row fails")

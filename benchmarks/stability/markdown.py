@@ -47,6 +47,7 @@ def document(result: dict, json_path: Path, target: Path) -> str:
         counts = section["counts"]
         figures = [len(section["rows"]), *(counts.get(verdict, 0) for verdict in ("pass", "refused", "FAIL"))]
         origin = f"`{section['command']}`; {section['machine']}; {section['git_revision']}"
+        part = part if section["complete"] else f"{part} (stopped before its end)"
         text += f"| {part} | {' | '.join(map(str, figures))} | {section['seconds']} | {origin} |\n"
     text += _CRITERIA
     if "critical" in result:
