@@ -12,6 +12,7 @@ square of the cells that matter crosses in a step.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import time
 from collections.abc import Callable, Iterable
 from typing import Literal
@@ -89,8 +90,10 @@ def watch(scenario: Scenario, run: Run, frames: Iterable[Frame], result: Result)
     Raises:
         UserError: The simulator gave up, in words.
     """
+    frames = iter(frames)
+    first = next(frames)  # senseless input is refused here, before anything is made of it
     book = _Book(scenario, run)
-    for frame in frames:
+    for frame in itertools.chain([first], frames):
         book.enter(frame)
         state = frame.state
         if not all(np.isfinite(np.asarray(leaf)).all() for leaf in (state.x, state.v, state.C, state.F)):
