@@ -31,12 +31,11 @@ from benchmarks.machine import circumstances
 from benchmarks.stability import matrix
 from benchmarks.stability.criteria import Result, examine
 from benchmarks.stability.dt_crit import CONFIGURATIONS, FORMS, SUBJECTS, measure
-from benchmarks.stability.markdown import document
+from benchmarks.stability.markdown import PARTS, document
 from benchmarks.stability.scenario import Scenario
 from physagent_jax.output.files import write_text
 
 Part = Literal["critical", "matrix", "pairwise", "stiffness", "degenerate"]
-PARTS: tuple[Part, ...] = ("critical", "matrix", "pairwise", "stiffness", "degenerate")
 _QUICK = {"critical": 2, "matrix": 12, "pairwise": 6, "stiffness": 3, "degenerate": 8}  # rows of a quick look
 console = Console(stderr=True)
 
@@ -49,7 +48,7 @@ class Command:
     """File to write; sections of other parts that it holds are kept."""
     markdown: Path | None = None
     """Also write the tables here (docs/stability.md)."""
-    parts: tuple[Part, ...] = PARTS
+    parts: tuple[Part, ...] = PARTS  # type: ignore[assignment]
     """Which parts to run."""
     quick: bool = False
     """A spread of rows of each part only: about a minute."""

@@ -8,6 +8,8 @@ from pathlib import Path
 
 from benchmarks.stability.dt_crit import CONFIGURATIONS, REQUIRED
 
+PARTS = ("critical", "matrix", "pairwise", "stiffness", "degenerate")
+
 _HEAD = """# Stability
 
 What was tried to break the simulator, as measured; every row is in [{name}]({link}), written by `python -m
@@ -49,6 +51,9 @@ def document(result: dict, json_path: Path, target: Path) -> str:
         origin = f"`{section['command']}`; {section['machine']}; {section['git_revision']}"
         part = part if section["complete"] else f"{part} (stopped before its end)"
         text += f"| {part} | {' | '.join(map(str, figures))} | {section['seconds']} | {origin} |\n"
+    absent = [part for part in PARTS if part not in result]
+    if absent:
+        text += f"\nNot measured yet: {', '.join(absent)}.\n"
     text += _CRITERIA
     if "critical" in result:
         text += _critical(result["critical"]["rows"])
