@@ -65,7 +65,7 @@ def _origin(section: dict | None) -> str:
     versions = section["versions"]
     return (
         f"Made by `{section['command']}` on {section['machine']} (load {section['load_average'][0]} at the start), "
-        f"jax {versions['jax']}, revision {section['git_revision']}."
+        f"jax {versions['jax']}, revision {section['git_revision']}. {section.get('remark', '')}"
     )
 
 
