@@ -63,10 +63,10 @@ def substep(model: Model, state: State) -> tuple[State, Trace]:
     with jax.named_scope("grid_update"):
         node_mass = nodes[..., 3]
         free = grid_velocity(model, nodes)
-        velocity = damped(model, folded_velocity(model, nodes, free))
+        unmet = velocity = damped(model, folded_velocity(model, nodes, free))
         for boundary in model.boundaries:
             velocity = boundary.apply(velocity, grid, state.time)
-        velocity = constraints.on_grid(model, free, velocity, node_mass, s, state.time)
+        velocity = constraints.on_grid(model, unmet, velocity, node_mass, s, state.time)
     with jax.named_scope("g2p"):
         v, C = g2p(s, grid, velocity)
         grad_v = C if model.stress_form == "mls" else velocity_gradient(s, grid, velocity)

@@ -283,3 +283,12 @@ def test_gradients_through_a_collision_agree_with_finite_differences(x64):
         difference = (jnp.array(ends[0]) - jnp.array(ends[1])) / 2e-5
         assert float(jnp.abs(difference).min()) > 1e-4
         np.testing.assert_allclose(gradient(at), difference, rtol=1e-5, atol=1e-8)
+
+
+def test_global_damping_slows_a_rigid_body_too(x64):
+    """v(t) = v0 exp(-rate t) in free space, as for any other matter."""
+    model, state = block(dtype=np.float64, damping_rate=5.0, dt=1e-3, boundaries=())
+    model = model.replace(constraints=(RigidBody(jnp.arange(len(state.x))),))
+    state = dataclasses.replace(state, v=state.v.at[:, 0].set(1.0))
+    end = jax.lax.fori_loop(0, 100, lambda _, s: step(model, s), state)
+    np.testing.assert_allclose(end.v[:, 0], np.exp(-0.5), rtol=1e-9)
