@@ -41,7 +41,7 @@ class Health:
         min_J, max_J: Extremes of det F in any substep.
         min_increment: Least det(I + dt grad v), by which a substep scales volumes.
         outside: Particle-steps with a stencil beyond the grid window, int32.
-        finite: Whether the last state is finite.
+        finite: Whether the last state is finite. What is not does not count for the extremes.
     """
 
     max_speed: jax.Array
@@ -50,6 +50,12 @@ class Health:
     min_increment: jax.Array
     outside: jax.Array
     finite: jax.Array
+
+    def good(self, model: Model) -> jax.Array:
+        """Whether the substeps so far can be trusted."""
+        upright = (self.min_J > 0) & (self.min_increment > 0)
+        slow = self.max_speed * model.dt < model.grid.dx
+        return self.finite & upright & slow & (self.outside == 0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -86,21 +92,26 @@ def advance(
 ) -> tuple[State, Health, Exchange | None]:
     """``substeps`` steps in a row (a traced count: no recompilation when it changes), watched.
 
-    With ``ledger``, what was exchanged is summed too; without, it is not computed.
+    Stops where `Health` says that the frame has to be redone: its remaining steps would be wasted. With ``ledger``,
+    what was exchanged is summed too; without, it is not computed.
     """
 
-    def body(_, carry):
-        state, health, total = carry
+    def going(carry):
+        done, _, health, _ = carry
+        return (done < substeps) & health.good(model)
+
+    def body(carry):
+        done, state, health, total = carry
         after, trace = substep(model, state)
         if total is not None:
             total = total + exchange(model, state, trace, after)
-        return after, _watch(model, after, health), total
+        return done + 1, after, _watch(model, after, health), total
 
     dtype = state.x.dtype
     one = jnp.ones((), dtype)
     health = Health(jnp.zeros((), dtype), one, one, one, jnp.zeros((), jnp.int32), jnp.array(True))
-    start = (state, health, Exchange.none(dtype) if ledger else None)
-    after, health, total = jax.lax.fori_loop(0, substeps, body, start)
+    start = (jnp.zeros_like(substeps), state, health, Exchange.none(dtype) if ledger else None)
+    _, after, health, total = jax.lax.while_loop(going, body, start)
     return after, health, None if total is None else balanced(model, state, after, total)
 
 
@@ -108,10 +119,10 @@ def _watch(model: Model, state: State, health: Health) -> Health:
     J = determinant(state.F)
     increment = determinant(jnp.eye(3, dtype=J.dtype) + model.dt * state.C)
     return Health(
-        max_speed=jnp.maximum(health.max_speed, jnp.sqrt((state.v**2).sum(-1).max())),
-        min_J=jnp.minimum(health.min_J, J.min()),
-        max_J=jnp.maximum(health.max_J, J.max()),
-        min_increment=jnp.minimum(health.min_increment, increment.min()),
+        max_speed=jnp.fmax(health.max_speed, jnp.sqrt(jnp.nanmax((state.v**2).sum(-1)))),
+        min_J=jnp.fmin(health.min_J, jnp.nanmin(J)),
+        max_J=jnp.fmax(health.max_J, jnp.nanmax(J)),
+        min_increment=jnp.fmin(health.min_increment, jnp.nanmin(increment)),
         outside=health.outside + _outside(model, state).sum(dtype=jnp.int32),
         finite=jnp.isfinite(state.x).all() & jnp.isfinite(state.v).all() & jnp.isfinite(state.F).all(),
     )
@@ -243,7 +254,7 @@ def _follow(model: Model, state: State, frame_dt: float, margin: float):
 def _breach(model: Model, after: State, health: Health, fixed: bool) -> str | None:
     """Why the frame cannot be trusted, or None."""
     if not bool(health.finite):
-        return "a value is not finite"
+        return f"a value is not finite (the least det F is {float(health.min_J):.3g})"
     if float(health.min_J) <= 0:
         return f"matter is turned inside out (det F = {float(health.min_J):.3g})"
     if int(health.outside) > 0:
