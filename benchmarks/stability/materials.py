@@ -11,7 +11,6 @@ from physagent_jax.mpm.materials import lame_parameters
 ELASTIC = ("neo-hookean", "fixed-corotated", "hencky")
 PLASTIC = ("von-mises", "plasticine", "sand", "wet-sand", "foam", "snow")
 FLUID = ("fluid", "cohesive-fluid")
-SOLIDS = (*ELASTIC, "von-mises", "plasticine", "foam")  # what keeps its shape under a small load
 MATERIALS = ELASTIC + PLASTIC + FLUID
 
 SNOW_CAP = 4.0
