@@ -12,9 +12,10 @@ from pathlib import Path
 import jax
 
 from physagent_jax import __version__
+from physagent_jax.mpm.kernels import chosen
 from physagent_jax.run_folder import Manifest
 
-_PACKAGES = ("jax", "jaxlib", "numpy", "scipy", "opencv-python-headless", "pydantic")
+_PACKAGES = ("jax", "jaxlib", "numpy", "scipy", "numba", "opencv-python-headless", "pydantic")
 
 
 def make_manifest(*, command: str, prompt: str, seed: int, inputs: dict[str, str]) -> Manifest:
@@ -25,6 +26,7 @@ def make_manifest(*, command: str, prompt: str, seed: int, inputs: dict[str, str
         versions=versions(),
         git_revision=git_revision(),
         platform=platform_words(),
+        kernels=chosen("auto"),
         seed=seed,
         inputs=inputs,
     )

@@ -132,6 +132,7 @@ class Manifest(Strict):
         versions: Of this package and of what it computes with.
         git_revision: Of the working tree, if it is one.
         platform: Machine, processor, device kind.
+        kernels: What the transfers were computed with (`mpm.kernels.chosen`).
         seed: Master seed.
         inputs: sha256 of each input file.
         iterations: How many were made.
@@ -149,6 +150,7 @@ class Manifest(Strict):
     versions: dict[str, str]
     git_revision: str | None = None
     platform: str
+    kernels: str = "reference"
     seed: int
     inputs: dict[str, str]
     iterations: int = 0

@@ -134,5 +134,5 @@ def _viscous(model: Model, before: State, trace: Trace) -> jax.Array:
     if model.viscosity is None:
         return jnp.zeros((), before.x.dtype)
     end = trace.gathered
-    tau = viscous_stress(model.viscosity, before.F, before.C) + viscous_stress(model.viscosity, end.F, end.C)
+    tau = viscous_stress(model.viscosity, before) + viscous_stress(model.viscosity, end)
     return 0.5 * model.dt * (model.volume[:, None, None] * tau * end.C).sum()

@@ -20,10 +20,10 @@ import numpy as np
 from physagent_jax.errors import UserError
 from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.ledger import Exchange, balanced, exchange
-from physagent_jax.mpm.linalg import determinant
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.step import step, substep
+from physagent_jax.mpm.step import kirchhoff_stress, substep
 from physagent_jax.mpm.timestep import check_explicit_dt, kinematic_dt, stable_dt, substeps_for
+from physagent_jax.mpm.transfer import Watch, outside
 from physagent_jax.mpm.window import fit_window
 from physagent_jax.pytree import register_dataclass
 
@@ -38,7 +38,7 @@ class Health:
 
     Attributes:
         max_speed: Largest particle speed in any substep [m/s].
-        min_J, max_J: Extremes of det F in any substep.
+        min_J, max_J: Extremes of det F in any substep, before the return mapping.
         min_increment: Least det(I + dt grad v), by which a substep scales volumes.
         outside: Particle-steps with a stencil beyond the grid window, int32.
         finite: Whether the last state is finite. What is not does not count for the extremes.
@@ -97,41 +97,36 @@ def advance(
     """
 
     def going(carry):
-        done, _, health, _ = carry
+        done, _, _, health, _ = carry
         return (done < substeps) & health.good(model)
 
     def body(carry):
-        done, state, health, total = carry
-        after, trace = substep(model, state)
+        done, state, tau, health, total = carry
+        after, tau, trace = substep(model, state, tau)
         if total is not None:
             total = total + exchange(model, state, trace, after)
-        return done + 1, after, _watch(model, after, health), total
+        return done + 1, after, tau, _observed(health, trace.watch), total
 
     dtype = state.x.dtype
     one = jnp.ones((), dtype)
     health = Health(jnp.zeros((), dtype), one, one, one, jnp.zeros((), jnp.int32), jnp.array(True))
-    start = (jnp.zeros_like(substeps), state, health, Exchange.none(dtype) if ledger else None)
-    _, after, health, total = jax.lax.while_loop(going, body, start)
+    tau, total = kirchhoff_stress(model, state), Exchange.none(dtype) if ledger else None
+    start = (jnp.zeros_like(substeps), state, tau, health, total)
+    _, after, _, health, total = jax.lax.while_loop(going, body, start)
+    finite = health.finite & jnp.isfinite(after.F).all()  # the return mapping included
+    health = dataclasses.replace(health, finite=finite)
     return after, health, None if total is None else balanced(model, state, after, total)
 
 
-def _watch(model: Model, state: State, health: Health) -> Health:
-    J = determinant(state.F)
-    increment = determinant(jnp.eye(3, dtype=J.dtype) + model.dt * state.C)
+def _observed(health: Health, watch: Watch) -> Health:
     return Health(
-        max_speed=jnp.fmax(health.max_speed, jnp.sqrt(jnp.nanmax((state.v**2).sum(-1)))),
-        min_J=jnp.fmin(health.min_J, jnp.nanmin(J)),
-        max_J=jnp.fmax(health.max_J, jnp.nanmax(J)),
-        min_increment=jnp.fmin(health.min_increment, jnp.nanmin(increment)),
-        outside=health.outside + _outside(model, state).sum(dtype=jnp.int32),
-        finite=jnp.isfinite(state.x).all() & jnp.isfinite(state.v).all() & jnp.isfinite(state.F).all(),
+        max_speed=jnp.maximum(health.max_speed, watch.max_speed),
+        min_J=jnp.minimum(health.min_J, watch.min_J),
+        max_J=jnp.maximum(health.max_J, watch.max_J),
+        min_increment=jnp.minimum(health.min_increment, watch.min_increment),
+        outside=health.outside + watch.outside,
+        finite=watch.finite,
     )
-
-
-def _outside(model: Model, state: State) -> jax.Array:
-    """Particles whose stencil is not wholly inside the grid window, shape (n,)."""
-    low = jnp.floor(state.x / model.grid.dx - 0.5).astype(jnp.int32) - model.grid.origin
-    return ((low < 0) | (low + 3 > jnp.asarray(model.grid.shape))).any(-1)
 
 
 def simulate(
@@ -285,14 +280,16 @@ def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> t
         The final state, and the states at the end of every frame stacked along a new first axis.
     """
 
-    def substep(state, _):
-        state = jax.checkpoint(step)(model, state)
-        poison = jnp.where(_outside(model, state).any(), jnp.nan, 0.0).astype(state.x.dtype)
-        return dataclasses.replace(state, x=state.x + poison), None
+    @jax.checkpoint
+    def one(carry, _):
+        state, tau, _ = substep(model, *carry)
+        poison = jnp.where(outside(state.x, model.grid) > 0, jnp.nan, 0.0).astype(state.x.dtype)
+        return (dataclasses.replace(state, x=state.x + poison), tau), None
 
     @jax.checkpoint
-    def frame(state, _):
-        state, _ = jax.lax.scan(substep, state, None, length=substeps)
-        return state, state
+    def frame(carry, _):
+        carry, _ = jax.lax.scan(one, carry, None, length=substeps)
+        return carry, carry[0]
 
-    return jax.lax.scan(frame, state, None, length=frame_count)
+    (end, _), states = jax.lax.scan(frame, (state, kirchhoff_stress(model, state)), None, length=frame_count)
+    return end, states

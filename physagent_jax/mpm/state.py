@@ -79,6 +79,7 @@ class Model:
         damping_rate: Global damping of grid velocities [1/s], static; 0 = none (skipped).
         wall: Cells from the domain's faces at which particles are stopped, static. One: matter rests up to 1.5 cells
             deep in the walls of `boundaries.DomainBox`, and its stencil needs half a cell.
+        kernels: "auto", "reference" or "cpu" (`mpm.kernels`), static.
     """
 
     grid: Grid
@@ -96,6 +97,7 @@ class Model:
     rpic_damping: float = dataclasses.field(default=0.0, metadata=_STATIC)
     damping_rate: float = dataclasses.field(default=0.0, metadata=_STATIC)
     wall: int = dataclasses.field(default=1, metadata=_STATIC)
+    kernels: Literal["auto", "reference", "cpu"] = dataclasses.field(default="auto", metadata=_STATIC)
 
     def replace(self, **changes) -> Model:
         """A copy with ``changes``."""

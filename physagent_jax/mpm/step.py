@@ -1,6 +1,8 @@
 """One substep of explicit MPM with affine transfers (Hu et al. 2018; Jiang et al. 2015).
 
-x, v, C, F  --forces, stress, P2G-->  m_i, (m v)_i  --boundaries-->  v_i  --G2P-->  x, v, C, F  --return mapping-->  F
+x, v, C, tau  --forces, P2G-->  m_i, (m v)_i  --boundaries-->  v_i  --G2P-->  x, v, C, F  --return mapping-->  F, tau
+
+The stress comes last, so that it can share its work with the return mapping; `step` and the loops make the first.
 """
 
 from __future__ import annotations
@@ -10,18 +12,18 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.mpm import constraints
+from physagent_jax.mpm import constraints, kernels, materials, transfer
 from physagent_jax.mpm.boundaries.symmetry_plane import SymmetryPlane
-from physagent_jax.mpm.linalg import determinant, matmul, transpose
+from physagent_jax.mpm.linalg import determinant, transpose
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.transfer import Stencil, g2p, p2g, stencil, velocity_gradient
+from physagent_jax.mpm.transfer import stencil
 from physagent_jax.pytree import register_dataclass
 
 
 def step(model: Model, state: State) -> State:
     """Advances ``state`` by ``model.dt``; pure, jittable, differentiable."""
-    return substep(model, state)[0]
+    return substep(model, state, kirchhoff_stress(model, state))[0]
 
 
 @register_dataclass
@@ -37,6 +39,7 @@ class Trace:
         velocity: Node velocities after boundaries and constraints [m/s], same shape.
         gathered: Particles after G2P and return mapping, before constraints.
         trial: F before the return mapping, shape (n, 3, 3).
+        watch: Extremes over the particles.
     """
 
     pushed: State
@@ -46,49 +49,54 @@ class Trace:
     velocity: jax.Array
     gathered: State
     trial: jax.Array
+    watch: transfer.Watch
 
 
-def substep(model: Model, state: State) -> tuple[State, Trace]:
-    """`step`, and the trace of what happened in it."""
+def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Array, Trace]:
+    """`step` with the stress before and after it [Pa], shape (n, 3, 3), and the trace of what happened in it."""
     dt, grid = model.dt, model.grid
     with jax.named_scope("forces"):
-        C = damped_affine(model, state.C) + dt * body_gradient(model, state)
+        C = affine(model, state)
         pushed = dataclasses.replace(state, v=state.v + dt * body_acceleration(model, state), C=C)
         held = constraints.before_p2g(model, pushed)
-    with jax.named_scope("stress"):
-        tau = kirchhoff_stress(model, state)
     with jax.named_scope("p2g"):
-        s = stencil(state.x, grid)
-        nodes = scatter(model, s, held, -dt * model.volume[:, None, None] * tau)
+        nodes = scatter(
+            model, held, tau if model.viscosity is None else tau + viscous_stress(model.viscosity, state)
+        )
     with jax.named_scope("grid_update"):
         node_mass = nodes[..., 3]
         free = grid_velocity(model, nodes)
         unmet = velocity = damped(model, folded_velocity(model, nodes, free))
         for boundary in model.boundaries:
             velocity = boundary.apply(velocity, grid, state.time)
+        s = stencil(state.x, grid)  # compiled away where nothing is constrained
         velocity = constraints.on_grid(model, unmet, velocity, node_mass, s, state.time)
     with jax.named_scope("g2p"):
-        v, C = g2p(s, grid, velocity)
-        grad_v = C if model.stress_form == "mls" else velocity_gradient(s, grid, velocity)
-        trial = state.F + dt * matmul(grad_v, state.F)
-    with jax.named_scope("project"):
-        F, history = project(model, trial, state.history)
+        moved = gather(model, state, velocity)
+    with jax.named_scope("stress"):
+        F, history, tau = respond(model, moved.F, state.history)
         gathered = dataclasses.replace(
-            state, x=state.x + dt * v, v=v, C=C, F=F, history=history, time=state.time + dt
+            state, x=moved.x, v=moved.v, C=moved.C, F=F, history=history, time=state.time + dt
         )
     with jax.named_scope("constraints"):
         after = constraints.after_g2p(model, state, gathered)
-        after = stop_at_walls(model, after)
-    return after, Trace(pushed, held, node_mass, free, velocity, gathered, trial)
+        after, watch = stop_at_walls(model, after, moved.watch)
+        tau = kirchhoff_stress(model, after) if model.constraints else tau  # F may have been turned
+    return after, tau, Trace(pushed, held, node_mass, free, velocity, gathered, moved.F, watch)
 
 
-def scatter(model: Model, s: Stencil, held: State, impulse: jax.Array) -> jax.Array:
-    """Momentum and mass at the nodes, shape (nx, ny, nz, 4); ``impulse`` is -dt V0 tau, shape (n, 3, 3)."""
-    mass, momentum = model.mass, model.mass[:, None] * held.v
-    affine = model.mass[:, None, None] * held.C
-    if model.stress_form == "mls":
-        return p2g(s, model.grid, mass, momentum, affine + (4 / model.grid.dx**2) * impulse)
-    return p2g(s, model.grid, mass, momentum, affine, impulse)
+def scatter(model: Model, held: State, tau: jax.Array) -> jax.Array:
+    """Momentum and mass at the nodes, shape (nx, ny, nz, 4)."""
+    p2g = kernels.compiled().p2g if kernels.use_cpu(model.kernels) else transfer.particles_to_grid
+    particles = held.x, held.v, held.C, tau, model.mass, model.volume
+    return p2g(model.stress_form, model.grid, *particles, model.dt)
+
+
+def gather(model: Model, state: State, velocity: jax.Array) -> transfer.Moved:
+    """Particles moved and deformed with the node velocities."""
+    g2p = kernels.compiled().g2p if kernels.use_cpu(model.kernels) else transfer.grid_to_particles
+    options = model.stress_form, model.wall, model.grid
+    return g2p(*options, state.x, state.v, state.C, state.F, velocity, model.dt)
 
 
 def body_acceleration(model: Model, state: State) -> jax.Array:
@@ -105,43 +113,47 @@ def external_acceleration(model: Model, state: State) -> jax.Array:
     return total
 
 
-def body_gradient(model: Model, state: State) -> jax.Array | float:
-    """Sum of the force terms' gradients [1/s^2], shape (n, 3, 3) or (3, 3); 0.0 if all are uniform."""
-    gradients = [force.gradient(state.x, state.time, model.dt) for force in model.forces]
-    return sum((g for g in gradients if g is not None), 0.0)
+def affine(model: Model, state: State) -> jax.Array:
+    """C as P2G is to see it [1/s], shape (n, 3, 3): damped, and with the gradients of the force terms."""
+    C = damped_affine(model, state.C)
+    for force in model.forces:
+        gradient = force.gradient(state.x, state.time, model.dt)
+        if gradient is not None:
+            C = C + model.dt * gradient
+    return C
 
 
 def kirchhoff_stress(model: Model, state: State) -> jax.Array:
-    """Kirchhoff stress [Pa], shape (n, 3, 3), each block of particles by its own material; viscosity included."""
-    tau = per_material(model, state, lambda material, F, history: material.stress(F, history))
-    if model.viscosity is None:
-        return tau
-    return tau + viscous_stress(model.viscosity, state.F, state.C)
+    """Kirchhoff stress without viscosity [Pa], shape (n, 3, 3), each block of particles by its own material."""
+    return per_material(model, state, lambda material, F, history: material.stress(F, history))
 
 
-def viscous_stress(viscosity: jax.Array, F: jax.Array, grad_v: jax.Array) -> jax.Array:
+def viscous_stress(viscosity: jax.Array, state: State) -> jax.Array:
     """Newtonian Kirchhoff stress 2 eta J dev(sym grad v) [Pa], shape (n, 3, 3)."""
-    D = 0.5 * (grad_v + transpose(grad_v))
+    D = 0.5 * (state.C + transpose(state.C))
     mean = (D[:, 0, 0] + D[:, 1, 1] + D[:, 2, 2])[:, None, None] / 3
     deviator = D - mean * jnp.eye(3, dtype=D.dtype)
-    return (2 * viscosity * determinant(F))[:, None, None] * deviator
+    return (2 * viscosity * determinant(state.F))[:, None, None] * deviator
 
 
-def project(model: Model, trial: jax.Array, history: tuple[History, ...]) -> tuple[jax.Array, tuple]:
-    """Elastic deformation gradients after each material's return mapping, and the new histories."""
-    blocks, memories = [], []
-    for material, F, past in _blocks(model, trial, history):
-        F, past = material.project(F, past, model.dt)
-        blocks.append(F)
-        memories.append(past)
-    F = blocks[0] if len(blocks) == 1 else jnp.concatenate(blocks)
-    return F, tuple(memories) if history else ()
+def respond(
+    model: Model, trial: jax.Array, history: tuple[History, ...]
+) -> tuple[jax.Array, tuple, jax.Array]:
+    """Elastic deformation gradients after each material's return mapping, the new histories, and the stress [Pa]."""
+    with kernels.using(model.kernels):
+        blocks = [materials.respond(*block, model.dt) for block in _blocks(model, trial, history)]
+    F, memories, tau = zip(*blocks)
+    return _joined(F), memories if history else (), _joined(tau)
 
 
 def per_material(model: Model, state: State, function) -> jax.Array:
     """Applies ``function(material, F, history)`` to each material's block and joins the results."""
-    results = [function(*block) for block in _blocks(model, state.F, state.history)]
-    return results[0] if len(results) == 1 else jnp.concatenate(results)
+    with kernels.using(model.kernels):
+        return _joined([function(*block) for block in _blocks(model, state.F, state.history)])
+
+
+def _joined(blocks) -> jax.Array:
+    return blocks[0] if len(blocks) == 1 else jnp.concatenate(blocks)
 
 
 def _blocks(model: Model, F: jax.Array, history: tuple[History, ...]):
@@ -198,18 +210,21 @@ def damped(model: Model, velocity: jax.Array) -> jax.Array:
     return velocity * jnp.exp(-model.damping_rate * model.dt) if model.damping_rate > 0 else velocity
 
 
-def stop_at_walls(model: Model, state: State) -> State:
+def stop_at_walls(model: Model, state: State, watch: transfer.Watch) -> tuple[State, transfer.Watch]:
     """Stops particles ``model.wall`` cells before the domain's faces, and counts them.
 
     The walls of `boundaries.DomainBox` act before; this is the last line of defence, because a particle
-    without a full stencil would deposit elsewhere.
+    without a full stencil would deposit elsewhere. Nothing is done where G2P has seen none there.
     """
-    grid = model.grid
-    low, high = model.wall * grid.dx, (grid.cells - model.wall) * grid.dx
-    beyond_low, beyond_high = state.x < low, state.x > high
-    x = jnp.clip(state.x, low, high)
-    v = jnp.where(
-        beyond_low, jnp.maximum(state.v, 0), jnp.where(beyond_high, jnp.minimum(state.v, 0), state.v)
-    )
-    count = (beyond_low | beyond_high).any(-1).sum(dtype=jnp.int32)
-    return dataclasses.replace(state, x=x, v=v, stopped=state.stopped + count)
+    if model.constraints:  # they have moved particles since
+        strain = jnp.zeros((), state.x.dtype)
+        seen = transfer.watch(model.wall, model.grid, state.x, state.v, state.F, strain)
+        watch = dataclasses.replace(watch, max_speed=seen.max_speed, outside=seen.outside, beyond=seen.beyond)
+    low, high = model.wall * model.grid.dx, (model.grid.cells - model.wall) * model.grid.dx
+
+    def stop(x, v):
+        held = jnp.where(x < low, jnp.maximum(v, 0), jnp.where(x > high, jnp.minimum(v, 0), v))
+        return jnp.clip(x, low, high), held
+
+    x, v = jax.lax.cond(watch.beyond > 0, stop, lambda x, v: (x, v), state.x, state.v)
+    return dataclasses.replace(state, x=x, v=v, stopped=state.stopped + watch.beyond), watch

@@ -111,6 +111,7 @@ def reproduction(manifest: Manifest) -> list[Child]:
                 ("seed", str(manifest.seed)),
                 ("revision", manifest.git_revision or "not a git working tree"),
                 ("platform", manifest.platform),
+                ("kernels", manifest.kernels),
                 ("versions", _versions(manifest)),
             ]
         ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.mpm import kernels
 from physagent_jax.mpm.linalg.algebra import cofactor, determinant, matmul, matvec, skew, transpose
 
 _NEWTON_STEPS = 9  # f64 round-off from condition number 1e3 on; f32 is done after 7
@@ -15,12 +16,14 @@ def polar_rotation(F: jax.Array) -> jax.Array:
     """The orthogonal factor R of F = R S by scaled Newton iteration (Higham 1986, SIAM J. Sci. Stat. Comput.).
 
     For det F > 0, R is the rotation. For det F < 0 the orthogonal factor is a reflection and is returned
-    as such; for singular F the result is not finite. Rollouts stop such states before they are used
-    (`mpm.rollout`).
+    as such; for singular F the result is arbitrary or not finite. Rollouts stop such states before they are used
+    (`mpm.rollout`). The CPU kernel takes R from an SVD instead, which is as fast there.
 
     The derivative is the exact one, also at F = I and at repeated singular values, where differentiating
     an SVD fails: with dR = R W, (tr(S) I - S) w = axial(R^T dF - dF^T R), W = skew(w).
     """
+    if F.size and kernels.use_cpu():
+        return kernels.compiled().polar(F)
     return _newton(F)
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
-_SWEEPS = {4: 4, 8: 5}  # by bytes per number; more change no error, also at condition numbers beyond 1e6
+from physagent_jax.mpm import kernels
+
+SWEEPS = {4: 4, 8: 5}  # by bytes per number; more change no error, also at condition numbers beyond 1e6
 
 
 @jax.custom_jvp
@@ -25,6 +27,8 @@ def svd(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     Returns:
         U, shape (..., 3, 3); s, shape (..., 3); V, shape (..., 3, 3). Not finite where F is not.
     """
+    if F.size and kernels.use_cpu():
+        return kernels.compiled().svd(F)
     return _jacobi(F)
 
 
@@ -46,7 +50,7 @@ def _jacobi(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     # Column j of F V and of V as one array (6, ...): the particles lie in the fast axis.
     both = jnp.concatenate([scaled, unit])
     columns = tuple(both[:, j] for j in range(3))
-    columns = jax.lax.fori_loop(0, _SWEEPS[F.dtype.itemsize], _sweep, columns)
+    columns = jax.lax.fori_loop(0, SWEEPS[F.dtype.itemsize], _sweep, columns)
     U, s = _left_factor(*(column[:3] for column in columns))
     return _matrix(U), jnp.stack(s, -1) * scale[..., None], _matrix(tuple(column[3:] for column in columns))
 

@@ -57,6 +57,20 @@ class Material(Protocol):
         ...
 
 
+def respond(
+    material: Material, F: jax.Array, history: History, dt: jax.Array
+) -> tuple[jax.Array, History, jax.Array]:
+    """`project`, and the Kirchhoff stress after it: what a trial F leads to.
+
+    A material may have a method ``respond`` that does both in one go, such as with one SVD.
+    """
+    in_one_go = getattr(material, "respond", None)
+    if in_one_go is not None:
+        return in_one_go(F, history, dt)
+    F, history = material.project(F, history, dt)
+    return F, history, material.stress(F, history)
+
+
 class Hyperelastic:
     """Base of the laws that remember nothing: `project` returns what it is given."""
 

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 
 from physagent_jax.mpm.materials.base import TORN, History
-from physagent_jax.mpm.materials.hencky import HenckyElasticity, deviator, relative_excess, return_mapping
+from physagent_jax.mpm.materials.hencky import HenckyPlasticity, deviator, relative_excess
 from physagent_jax.pytree import register_dataclass
 
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class DruckerPrager(HenckyElasticity):
+class DruckerPrager(HenckyPlasticity):
     """Hencky elasticity in a Drucker-Prager cone  (Klar et al. 2016), with cohesion and volume correction.
 
     Yields when |dev tau| + alpha tr(tau) exceeds k, where
@@ -49,29 +50,24 @@ class DruckerPrager(HenckyElasticity):
         """No volume to give back."""
         return jnp.zeros_like(self.friction_angle)
 
-    def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
+    def flow(self, eps: jax.Array, history: Any, dt: jax.Array) -> tuple[jax.Array, Any]:
         """Return to the cone along the deviator, or to its apex; the history is the volume correction v_c."""
         del dt
-        return return_mapping(_cone_return, F, (self, history))
+        mu, bulk = self.mu, 3 * self.lam + 2 * self.mu  # tr(tau) = bulk tr(eps)
+        sine = jnp.sin(self.friction_angle)
+        alpha = math.sqrt(2 / 3) * 2 * sine / (3 - sine)
+        k = math.sqrt(2 / 3) * 6 * self.cohesion * jnp.cos(self.friction_angle) / (3 - sine)
+        deviation, norm = deviator(eps)
+        trace = eps.sum(-1)
 
+        beyond_apex = (k < alpha * bulk * trace) | ((k <= 0) & (trace > 0))
+        has_apex = alpha > 0
+        apex = jnp.where(has_apex, k / jnp.where(has_apex, alpha * bulk, 1), 0)
+        compression = jnp.where(trace < 0, -trace, 0)
+        closing = jnp.where(compression < history, compression, history)
+        opening = jnp.where(beyond_apex, trace - apex, -closing)
 
-def _cone_return(eps: jax.Array, parameters: tuple[DruckerPrager, jax.Array]) -> tuple[jax.Array, jax.Array]:
-    material, correction = parameters
-    mu, bulk = material.mu, 3 * material.lam + 2 * material.mu  # tr(tau) = bulk tr(eps)
-    sine = jnp.sin(material.friction_angle)
-    alpha = math.sqrt(2 / 3) * 2 * sine / (3 - sine)
-    k = math.sqrt(2 / 3) * 6 * material.cohesion * jnp.cos(material.friction_angle) / (3 - sine)
-    deviation, norm = deviator(eps)
-    trace = eps.sum(-1)
-
-    beyond_apex = (k < alpha * bulk * trace) | ((k <= 0) & (trace > 0))
-    has_apex = alpha > 0
-    apex = jnp.where(has_apex, k / jnp.where(has_apex, alpha * bulk, 1), 0)
-    compression = jnp.where(trace < 0, -trace, 0)
-    closing = jnp.where(compression < correction, compression, correction)
-    opening = jnp.where(beyond_apex, trace - apex, -closing)
-
-    strength = jnp.where(beyond_apex, 0, k - alpha * bulk * (trace - opening))
-    change = -deviation * relative_excess(2 * mu * norm, strength)[..., None]
-    gap = correction + opening
-    return change - (opening / 3)[..., None], jnp.where(gap < math.log(TORN), gap, math.log(TORN))
+        strength = jnp.where(beyond_apex, 0, k - alpha * bulk * (trace - opening))
+        change = -deviation * relative_excess(2 * mu * norm, strength)[..., None]
+        gap = history + opening
+        return change - (opening / 3)[..., None], jnp.where(gap < math.log(TORN), gap, math.log(TORN))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -52,26 +51,49 @@ class Hencky(HenckyElasticity):
     lam: jax.Array
 
 
-def return_mapping(
-    correction: Callable[[jax.Array, Any], tuple[jax.Array, History]], F: jax.Array, parameters: Any
-) -> tuple[jax.Array, History]:
-    """Changes the logarithmic strains of a trial F, leaving its principal directions.
+class HenckyPlasticity(HenckyElasticity):
+    """Hencky elasticity with a return mapping along the principal logarithmic strains: a law states its `flow`."""
 
-    F + U diag(s (exp(d eps) - 1)) V^T rather than U diag(s exp(d eps)) V^T: where nothing flows F is
-    returned to the last bit, and where little does the round-off is small in proportion.
+    def flow(self, eps: jax.Array, history: Any, dt: jax.Array) -> tuple[jax.Array, Any]:
+        """What plastic flow takes off the logarithmic strains of a trial F, negative, and the history after it.
 
-    Args:
-        correction: ``(eps, parameters) -> (d eps, history)``, shapes (n, 3) and (n,); symmetric in eps.
-        F: Trial deformation gradients, shape (n, 3, 3). Not finite after it where det F <= 0.
-        parameters: What ``correction`` needs, arrays with one entry per particle.
-    """
+        Args:
+            eps: Trial strains, shape (n, 3). The result must be symmetric in them.
+            history: Before the step.
+            dt: [s].
+        """
+        raise NotImplementedError
 
-    def principal(s, parameters):
-        change, history = correction(jnp.log(s), parameters)
-        return Principal(two_point=s * jnp.expm1(change), scalar=history)
+    def principal_stress(self, eps: jax.Array, history: Any) -> jax.Array:
+        """Principal Kirchhoff stresses [Pa], shape (n, 3)."""
+        del history
+        return 2 * self.mu[..., None] * eps + (self.lam * eps.sum(-1))[..., None]
 
-    result = spectral(principal, F, parameters)
-    return F + result.two_point, result.scalar
+    def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
+        """Return mapping by `flow`. Not finite where det F <= 0."""
+        result = spectral(_flow, F, (self, history, dt))
+        return F + result.two_point, result.scalar
+
+    def respond(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History, jax.Array]:
+        """`project` and the stress after it, from one SVD."""
+        result = spectral(_flow_and_stress, F, (self, history, dt))
+        return F + result.two_point, result.scalar, result.spatial
+
+
+def _flow(s: jax.Array, parameters: tuple[HenckyPlasticity, History, jax.Array]) -> Principal:
+    material, history, dt = parameters
+    change, history = material.flow(jnp.log(s), history, dt)
+    # F + U diag(s (exp(d eps) - 1)) V^T rather than U diag(s exp(d eps)) V^T: where nothing flows F is returned to
+    # the last bit, and where little does the round-off is small in proportion.
+    return Principal(two_point=s * jnp.expm1(change), scalar=history)
+
+
+def _flow_and_stress(s: jax.Array, parameters: tuple[HenckyPlasticity, History, jax.Array]) -> Principal:
+    material, history, dt = parameters
+    eps = jnp.log(s)
+    change, history = material.flow(eps, history, dt)
+    stress = material.principal_stress(eps + change, history)
+    return Principal(two_point=s * jnp.expm1(change), spatial=stress, scalar=history)
 
 
 def deviator(eps: jax.Array) -> tuple[jax.Array, jax.Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -11,13 +12,13 @@ from jax.typing import ArrayLike
 
 from physagent_jax.mpm.linalg import Principal, spectral
 from physagent_jax.mpm.materials.base import TORN, History
-from physagent_jax.mpm.materials.hencky import HenckyElasticity, deviator, relative_excess, return_mapping
+from physagent_jax.mpm.materials.hencky import HenckyPlasticity, deviator, relative_excess
 from physagent_jax.pytree import register_dataclass
 
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class Plasticine(HenckyElasticity):
+class Plasticine(HenckyPlasticity):
     """Hencky elasticity with J2 flow and linear softening, sigma_y(alpha) = max(sigma_y - S alpha, 0).
 
     The return is `VonMises`'s with H = -S, and takes the whole deviator where that would overshoot sigma_y =
@@ -48,10 +49,28 @@ class Plasticine(HenckyElasticity):
         """Kirchhoff stress [Pa], shape (n, 3, 3)."""
         return spectral(_stress, F, (self, history)).spatial
 
-    def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
+    def flow(self, eps: jax.Array, history: Any, dt: jax.Array) -> tuple[jax.Array, Any]:
         """Radial return; the history is the equivalent plastic strain."""
         del dt
-        return return_mapping(_softening_return, F, (self, history))
+        deviation, norm = deviator(eps)
+        q = math.sqrt(1.5) * 2 * self.mu * norm
+        excess = relative_excess(q, _remaining_yield_stress(self, history))
+        slope = 3 * self.mu - self.softening
+        stable = slope > 0
+        fraction = jnp.where(stable, excess * 3 * self.mu / jnp.where(stable, slope, 1), jnp.sign(excess))
+        fraction = jnp.where(fraction < 1, fraction, 1)
+        after = history + fraction * q / (3 * self.mu)
+        trace = eps.sum(-1)
+        torn = (_remaining_yield_stress(self, after) <= 0) & (trace > math.log(TORN))
+        forgotten = jnp.where(torn, trace - math.log(TORN), 0) / 3
+        return -deviation * fraction[..., None] - forgotten[..., None], after
+
+    def principal_stress(self, eps: jax.Array, history: Any) -> jax.Array:
+        """Principal Kirchhoff stresses [Pa], shape (n, 3)."""
+        bulk = self.lam + 2 / 3 * self.mu
+        deviation, _ = deviator(eps)
+        pressure = bulk * _tension_free(eps, self, history)
+        return 2 * self.mu[..., None] * deviation + pressure[..., None]
 
 
 def softening_from_deviator_norm(softening: ArrayLike) -> jax.Array:
@@ -65,23 +84,6 @@ def softening_from_deviator_norm(softening: ArrayLike) -> jax.Array:
 
 def _remaining_yield_stress(material: Plasticine, alpha: jax.Array) -> jax.Array:
     return jnp.maximum(material.yield_stress - material.softening * alpha, 0)
-
-
-def _softening_return(eps: jax.Array, parameters: tuple[Plasticine, jax.Array]):
-    material, alpha = parameters
-    mu, softening = material.mu, material.softening
-    deviation, norm = deviator(eps)
-    q = math.sqrt(1.5) * 2 * mu * norm
-    excess = relative_excess(q, _remaining_yield_stress(material, alpha))
-    slope = 3 * mu - softening
-    stable = slope > 0
-    fraction = jnp.where(stable, excess * 3 * mu / jnp.where(stable, slope, 1), jnp.sign(excess))
-    fraction = jnp.where(fraction < 1, fraction, 1)
-    after = alpha + fraction * q / (3 * mu)
-    trace = eps.sum(-1)
-    torn = (_remaining_yield_stress(material, after) <= 0) & (trace > math.log(TORN))
-    forgotten = jnp.where(torn, trace - math.log(TORN), 0) / 3
-    return -deviation * fraction[..., None] - forgotten[..., None], after
 
 
 def _tension_free(eps: jax.Array, material: Plasticine, alpha: jax.Array) -> jax.Array:
@@ -101,8 +103,4 @@ def _energy(s: jax.Array, parameters: tuple[Plasticine, jax.Array]) -> Principal
 
 def _stress(s: jax.Array, parameters: tuple[Plasticine, jax.Array]) -> Principal:
     material, alpha = parameters
-    eps = jnp.log(s)
-    bulk = material.lam + 2 / 3 * material.mu
-    deviation, _ = deviator(eps)
-    pressure = bulk * _tension_free(eps, material, alpha)
-    return Principal(spatial=2 * material.mu[..., None] * deviation + pressure[..., None])
+    return Principal(spatial=material.principal_stress(jnp.log(s), alpha))

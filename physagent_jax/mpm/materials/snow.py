@@ -70,6 +70,12 @@ class Snow(Hyperelastic):
         result = spectral(_clamp, F, (self, history))
         return F + result.two_point, result.scalar
 
+    def respond(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History, jax.Array]:
+        """`project` and the stress after it, from one SVD."""
+        del dt
+        result = spectral(_clamp_and_stress, F, (self, history))
+        return F + result.two_point, result.scalar, result.spatial
+
     def _elastic(self, factor: jax.Array) -> FixedCorotated:
         return FixedCorotated(self.mu * factor, self.lam * factor)
 
@@ -80,3 +86,12 @@ def _clamp(s: jax.Array, parameters: tuple[Snow, jax.Array]) -> Principal:
     # An inversion is not clamped into something plausible: it stays visible as a negative determinant.
     clamped = jnp.where(s > high, high, jnp.where((s < low) & (s > 0), low, s))
     return Principal(two_point=clamped - s, scalar=plastic_ratio * (s / clamped).prod(-1))
+
+
+def _clamp_and_stress(s: jax.Array, parameters: tuple[Snow, jax.Array]) -> Principal:
+    change, _, plastic_ratio = _clamp(s, parameters)
+    material, stretch = parameters[0], s + change
+    factor, J = material.hardening_factor(plastic_ratio), stretch.prod(-1)
+    shear = 2 * (material.mu * factor)[..., None] * (stretch - 1) * stretch
+    pressure = (material.lam * factor * J * (J - 1))[..., None]
+    return Principal(change, shear + pressure, plastic_ratio)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.mpm.materials.base import History
-from physagent_jax.mpm.materials.hencky import HenckyElasticity, deviator, relative_excess, return_mapping
+from physagent_jax.mpm.materials.hencky import HenckyPlasticity, deviator, relative_excess
 from physagent_jax.pytree import register_dataclass
 
 _LONGEST_RELAXATION = 50.0  # relaxation times in a step; exp(-50) is below double precision
@@ -17,7 +17,7 @@ _LONGEST_RELAXATION = 50.0  # relaxation times in a step; exp(-50) is below doub
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class Viscoplastic(HenckyElasticity):
+class Viscoplastic(HenckyPlasticity):
     """Hencky elasticity with Perzyna overstress  (Simo & Hughes 1998, sec. 2.7; foam of Yue et al. 2015).
 
     Above the yield surface, |dev tau| = sqrt(2/3) sigma_y, the excess flows off at the rate
@@ -39,16 +39,11 @@ class Viscoplastic(HenckyElasticity):
     yield_stress: jax.Array
     plastic_viscosity: jax.Array
 
-    def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
+    def flow(self, eps: jax.Array, history: Any, dt: jax.Array) -> tuple[jax.Array, Any]:
         """Relaxation of the overstress over ``dt`` [s]."""
-        return return_mapping(_relaxation, F, (self, history, dt))
-
-
-def _relaxation(eps: jax.Array, parameters: tuple[Viscoplastic, History, jax.Array]):
-    material, history, dt = parameters
-    viscosity, rate = material.plastic_viscosity, 2 * material.mu * dt
-    viscous = viscosity * _LONGEST_RELAXATION > rate
-    relaxed = jnp.where(viscous, -jnp.expm1(-rate / jnp.where(viscous, viscosity, 1)), 1)
-    deviation, norm = deviator(eps)
-    excess = relative_excess(2 * material.mu * norm, math.sqrt(2 / 3) * material.yield_stress)
-    return -deviation * (excess * relaxed)[..., None], history
+        viscosity, rate = self.plastic_viscosity, 2 * self.mu * dt
+        viscous = viscosity * _LONGEST_RELAXATION > rate
+        relaxed = jnp.where(viscous, -jnp.expm1(-rate / jnp.where(viscous, viscosity, 1)), 1)
+        deviation, norm = deviator(eps)
+        excess = relative_excess(2 * self.mu * norm, math.sqrt(2 / 3) * self.yield_stress)
+        return -deviation * (excess * relaxed)[..., None], history

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
 
 from physagent_jax.mpm.materials.base import History
-from physagent_jax.mpm.materials.hencky import HenckyElasticity, deviator, relative_excess, return_mapping
+from physagent_jax.mpm.materials.hencky import HenckyPlasticity, deviator, relative_excess
 from physagent_jax.pytree import register_dataclass
 
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class VonMises(HenckyElasticity):
+class VonMises(HenckyPlasticity):
     """Hencky elasticity with J2 flow and linear hardening  (Simo & Hughes 1998, box 3.1, in logarithmic strain).
 
     Yields when q = sqrt(3/2) |dev tau| exceeds sigma_y + H alpha. The return is radial and in closed form,
@@ -44,10 +45,14 @@ class VonMises(HenckyElasticity):
         """No plastic strain."""
         return jnp.zeros_like(self.yield_stress)
 
-    def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
+    def flow(self, eps: jax.Array, history: Any, dt: jax.Array) -> tuple[jax.Array, Any]:
         """Radial return; the history is the equivalent plastic strain."""
         del dt
-        return return_mapping(_radial_return, F, (self, history))
+        deviation, norm = deviator(eps)
+        q = math.sqrt(1.5) * 2 * self.mu * norm
+        excess = relative_excess(q, self.yield_stress + self.hardening * history)
+        stiffness = 3 * self.mu + self.hardening
+        return -deviation * (excess * 3 * self.mu / stiffness)[..., None], history + q * excess / stiffness
 
 
 def yield_stress_from_deviator_norm(bound: ArrayLike) -> jax.Array:
@@ -66,13 +71,3 @@ def hardening_from_deviator_norm(mu: ArrayLike, xi: ArrayLike) -> jax.Array:
     d sigma_y = sqrt(3/2) 2 mu xi sqrt(3/2) d alpha: H = 3 mu xi.
     """
     return 3 * jnp.asarray(mu) * xi
-
-
-def _radial_return(eps: jax.Array, parameters: tuple[VonMises, jax.Array]) -> tuple[jax.Array, jax.Array]:
-    material, alpha = parameters
-    mu, hardening = material.mu, material.hardening
-    deviation, norm = deviator(eps)
-    q = math.sqrt(1.5) * 2 * mu * norm
-    excess = relative_excess(q, material.yield_stress + hardening * alpha)
-    change = -deviation * (excess * 3 * mu / (3 * mu + hardening))[..., None]
-    return change, alpha + q * excess / (3 * mu + hardening)

@@ -1,0 +1,113 @@
+"""The CPU kernels as JAX functions, with their derivatives."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.mpm import transfer
+from physagent_jax.mpm.kernels.handlers import handler
+from physagent_jax.mpm.kernels.lanes import PARTICLES
+from physagent_jax.mpm.kernels.threads import thread_count
+from physagent_jax.mpm.kernels.transfer import NUMBERS, PADDING, WATCHED
+from physagent_jax.mpm.linalg.svd import SWEEPS
+from physagent_jax.mpm.state import Grid
+
+
+@partial(jax.custom_vjp, nondiff_argnums=(0,))
+def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, dt) -> jax.Array:
+    """As `transfer.particles_to_grid`."""
+    parts, size = thread_count(), NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
+    nodes = jax.ShapeDtypeStruct((*grid.shape, NUMBERS), x.dtype)
+    private = jax.ShapeDtypeStruct((parts, size), x.dtype)
+    call = jax.ffi.ffi_call(handler("p2g", x.dtype.name), (nodes, private), vmap_method="sequential")
+    scalars = _scalars(x.dtype, dt, grid.dx, form == "gradient")
+    return call(x, v, C, tau, mass, volume, grid.origin, scalars)[0]
+
+
+@partial(jax.custom_vjp, nondiff_argnums=(0, 1))
+def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.Moved:
+    """As `transfer.grid_to_particles`. ``v`` and ``C`` only lend their memory."""
+    parts, size = thread_count(), NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
+    results = tuple(jax.ShapeDtypeStruct(like.shape, x.dtype) for like in (x, v, C, F))
+    results += tuple(jax.ShapeDtypeStruct(shape, x.dtype) for shape in ((parts, WATCHED), (size,)))
+    # A particle's old x and F are read before its new ones are written: they may lie in the same place.
+    call = jax.ffi.ffi_call(
+        handler("g2p", x.dtype.name),
+        results,
+        vmap_method="sequential",
+        input_output_aliases={k: k for k in range(4)},
+    )
+    walls = (wall * grid.dx, (grid.cells - wall) * grid.dx)
+    scalars = _scalars(x.dtype, dt, grid.dx, form == "gradient", *walls)
+    x, v, C, F, watched, _ = call(x, v, C, F, velocity, grid.origin, scalars)
+    least_J, most_J, least_increment, speed, strange, outside, beyond = watched.T
+    return transfer.Moved(
+        *(x, v, C, F),
+        transfer.Watch(
+            least_J.min(),
+            most_J.max(),
+            least_increment.min(),
+            speed.max(),
+            strange.sum() == 0,
+            outside.sum().astype(jnp.int32),
+            beyond.sum().astype(jnp.int32),
+        ),
+    )
+
+
+def svd(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """As `linalg.svd`, of any number of matrices, shape (..., 3, 3)."""
+    count, matrices = F.size // 9, _batch(F)
+    shapes = (matrices.shape, matrices.shape[:2], matrices.shape)
+    results = tuple(jax.ShapeDtypeStruct(shape, F.dtype) for shape in shapes)
+    call = jax.ffi.ffi_call(handler("svd", F.dtype.name), results, vmap_method="sequential")
+    U, s, V = call(matrices, _control(F.dtype))
+    return U[:count].reshape(F.shape), s[:count].reshape(F.shape[:-1]), V[:count].reshape(F.shape)
+
+
+def polar(F: jax.Array) -> jax.Array:
+    """As `linalg.polar_rotation`, of any number of matrices, shape (..., 3, 3)."""
+    count, matrices = F.size // 9, _batch(F)
+    result = jax.ShapeDtypeStruct(matrices.shape, F.dtype)
+    call = jax.ffi.ffi_call(handler("polar", F.dtype.name), result, vmap_method="sequential")
+    return call(matrices, _control(F.dtype))[:count].reshape(F.shape)
+
+
+def _batch(F: jax.Array) -> jax.Array:
+    """The matrices in one row, at least as many as the kernels take at a time."""
+    return jnp.pad(F.reshape(-1, 3, 3), ((0, max(0, PARTICLES - F.size // 9)), (0, 0), (0, 0)))
+
+
+def _control(dtype) -> jax.Array:
+    return jnp.asarray([SWEEPS[dtype.itemsize], thread_count()], jnp.int32)
+
+
+def _scalars(dtype, *numbers) -> jax.Array:
+    return jnp.stack([jnp.asarray(number, dtype) for number in numbers])
+
+
+def _p2g_forward(form, grid, *operands):
+    return p2g(form, grid, *operands), (grid, operands)
+
+
+def _p2g_backward(form, residuals, cotangent):
+    grid, operands = residuals
+    _, pull = jax.vjp(lambda *operands: transfer.particles_to_grid(form, grid, *operands), *operands)
+    return (None, *pull(cotangent))
+
+
+def _g2p_forward(form, wall, grid, *operands):
+    return g2p(form, wall, grid, *operands), (grid, operands)
+
+
+def _g2p_backward(form, wall, residuals, cotangent):
+    grid, operands = residuals
+    _, pull = jax.vjp(lambda *operands: transfer.grid_to_particles(form, wall, grid, *operands), *operands)
+    return (None, *pull(cotangent))
+
+
+p2g.defvjp(_p2g_forward, _p2g_backward)
+g2p.defvjp(_g2p_forward, _g2p_backward)

@@ -1,0 +1,100 @@
+"""What the kernels share: constants of the right precision, splines, and the division of work."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, types
+from numba.extending import overload
+
+OPTIONS = {
+    "boundscheck": False,
+    "error_model": "numpy",
+    "fastmath": {"contract", "nsz"},  # not "nnan": what is not finite has to be noticed
+    "nogil": True,
+    "cache": True,
+}
+INLINE = {**OPTIONS, "forceinline": True}  # for what is called per particle: arrays are costly to pass
+
+
+def like(constant, number):
+    """``constant`` in the precision of ``number``: Numba would compute float32 with float64 constants in float64."""
+    raise NotImplementedError("only in compiled code")
+
+
+@overload(like, inline="always")
+def _like(constant, number):
+    if number == types.float32:
+        return lambda constant, number: np.float32(constant)
+    return lambda constant, number: np.float64(constant)
+
+
+def smallest(number):
+    """About the smallest normal number of the precision of ``number``."""
+    raise NotImplementedError("only in compiled code")
+
+
+@overload(smallest, inline="always")
+def _smallest(number):
+    if number == types.float32:
+        return lambda number: np.float32(1.2e-38)
+    return lambda number: np.float64(2.3e-308)
+
+
+@njit(**INLINE)
+def lowest_node(scaled, count):
+    """Lowest of the three nodes of a stencil, and the distance to it in cells; kept inside the window.
+
+    A particle outside deposits on the rim, as the reference does; NaN counts as zero, so that nothing is written
+    elsewhere.
+    """
+    low = np.floor(scaled - like(0.5, scaled))
+    inside = min(max(low, like(0, scaled)), like(count - 3, scaled)) if low == low else like(0, scaled)
+    return int(inside), scaled - low
+
+
+@njit(**INLINE)
+def spline(f):
+    """Quadratic B-spline weights of the three nodes, f cells from the lowest."""
+    a, b, c = like(1.5, f) - f, f - like(1, f), f - like(0.5, f)
+    half = like(0.5, f)
+    return half * a * a, like(0.75, f) - b * b, half * c * c
+
+
+@njit(**INLINE)
+def slopes(f):
+    """Their derivatives by the particle's position in cells."""
+    return f - like(1.5, f), like(2, f) - like(2, f) * f, f - like(0.5, f)
+
+
+@njit(**INLINE)
+def three(values, i):
+    """``values[i]`` for a tuple of three, which LLVM keeps in registers."""
+    return values[0] if i == 0 else (values[1] if i == 1 else values[2])
+
+
+@njit(**INLINE)
+def column(tau, factor, p, j):
+    """Column j of factor * tau of particle p."""
+    return factor * tau[p, 0, j], factor * tau[p, 1, j], factor * tau[p, 2, j]
+
+
+@njit(**INLINE)
+def row(matrices, p, i):
+    """Row i of particle p's matrix."""
+    return matrices[p, i, 0], matrices[p, i, 1], matrices[p, i, 2]
+
+
+@njit(**INLINE)
+def determinant(a, b, c):
+    """Of the matrix with rows a, b, c."""
+    return (
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+        - a[1] * (b[0] * c[2] - b[2] * c[0])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
+    )
+
+
+@njit(**INLINE)
+def share(count, part, parts):
+    """First and last + 1 of the ``part``-th of ``parts`` nearly equal shares."""
+    return part * count // parts, (part + 1) * count // parts

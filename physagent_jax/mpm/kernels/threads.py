@@ -1,0 +1,24 @@
+"""How many threads the CPU kernels use, and on what."""
+
+from __future__ import annotations
+
+import os
+from functools import cache
+
+# Waiting threads must not spin: between two kernels XLA needs the cores. Read when the OpenMP runtime is loaded.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
+
+@cache
+def thread_count() -> int:
+    """Threads of a kernel: ``NUMBA_NUM_THREADS`` if set, else the cores that this process may use.
+
+    Also starts Numba's threading layer, which compiled code from the cache needs to be there.
+    """
+    import numba
+
+    return min(numba.get_num_threads(), _cores())
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,296 @@
+"""P2G and G2P on the CPU: compiled by Numba, threaded, sixteen numbers at once.
+
+Particles are dealt to the threads in contiguous shares. Each thread scatters into a grid of its own, of which only
+the planes that its particles touch are cleared and added up: sorted particles touch few. The order of all sums is
+fixed by the number of threads, so that results repeat bit by bit.
+"""
+
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportPrivateImportUsage=false, reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, prange
+
+from physagent_jax.mpm.kernels.lanes import everywhere, load, node_sum, per_node, per_number, store
+from physagent_jax.mpm.kernels.numbers import (
+    INLINE,
+    OPTIONS,
+    column,
+    determinant,
+    like,
+    lowest_node,
+    row,
+    share,
+    slopes,
+    spline,
+    three,
+)
+
+NUMBERS = 4  # per node: momentum and mass
+PADDING = 16  # numbers by which a row's unused fourth node may reach beyond a grid's end
+WATCHED = 7  # as `mpm.transfer.Watch`, in its order
+
+
+@njit(parallel=True, **OPTIONS)
+def p2g(x, v, C, tau, mass, volume, origin, dt, dx, classical, nodes, private):
+    """Fills ``nodes`` with momentum and mass; ``private`` has room for a grid and `PADDING` per thread."""
+    shape, parts = nodes.shape, private.shape[0]
+    plane = NUMBERS * shape[1] * shape[2]
+    flat = nodes.reshape(shape[0] * plane)
+    touched = np.empty((parts, 2), np.int64)
+    for part in prange(parts):
+        first, last = share(x.shape[0], part, parts)
+        low, high = shape[0], 0
+        for p in range(first, last):
+            b, _ = lowest_node(x[p, 0] / dx - like(origin[0], dx), shape[0])
+            low, high = min(low, b), max(high, b + 3)
+        touched[part, 0], touched[part, 1] = low, high
+        own = private[part]
+        own[low * plane : max(low, high) * plane + PADDING] = 0
+        scatter(x, v, C, tau, mass, volume, origin, dt, dx, classical, own, shape, first, last)
+    for i in prange(shape[0]):
+        here = flat[i * plane : (i + 1) * plane]
+        here[:] = 0
+        for part in range(parts):
+            if touched[part, 0] <= i < touched[part, 1]:
+                own = private[part, i * plane : (i + 1) * plane]
+                for k in range(plane):
+                    here[k] += own[k]
+
+
+@njit(**OPTIONS)
+def scatter(x, v, C, tau, mass, volume, origin, dt, dx, classical, nodes, shape, first, last):
+    """Adds the particles ``first`` to ``last`` to ``nodes``, a flat array with four numbers per node."""
+    zero, rows = like(0, dx), NUMBERS * shape[2]
+    for p in range(first, last):
+        start, f0, f1, f2 = place(x, p, origin, dx, shape)
+        X, Y, Z = spline(f0), spline(f1), spline(f2)
+        along = per_node(Z)
+        # Node (i, j, k) of the stencil gets w_i (q + A (i, j, k)), with q the momentum at the lowest node.
+        m, push = mass[p], -dt * volume[p] / dx
+        k = zero if classical else like(4, dx) * push
+        a0, a1, a2 = affine(tau, k, C, m * dx, p)
+        q = momentum(v, m, a0, a1, a2, p, f0, f1, f2)
+        row0 = per_number(q, m) * along + per_number(a2, zero) * per_node((zero, Z[1], Z[2] + Z[2]))
+        next_x, next_y = per_number(a0, zero) * along, per_number(a1, zero) * along
+        row1 = row0 + next_y
+        row2 = row1 + next_y
+        for i in range(3):
+            w = three(X, i)
+            o0 = start + i * shape[1] * rows
+            o1, o2 = o0 + rows, o0 + 2 * rows
+            store(nodes, o0, load(nodes, o0) + everywhere(w * Y[0]) * row0)
+            store(nodes, o1, load(nodes, o1) + everywhere(w * Y[1]) * row1)
+            store(nodes, o2, load(nodes, o2) + everywhere(w * Y[2]) * row2)
+            row0, row1, row2 = row0 + next_x, row1 + next_x, row2 + next_x
+        if classical:
+            scatter_force(tau, push, p, X, Y, Z, slopes(f0), slopes(f1), slopes(f2), nodes, start, shape)
+
+
+@njit(**INLINE)
+def scatter_force(tau, push, p, X, Y, Z, dX, dY, dZ, nodes, start, shape):
+    """Adds the classical form's impulse push * tau grad w."""
+    zero, rows = like(0, push), NUMBERS * shape[2]
+    by_x = per_number(column(tau, push, p, 0), zero) * per_node(Z)
+    by_y = per_number(column(tau, push, p, 1), zero) * per_node(Z)
+    by_z = per_number(column(tau, push, p, 2), zero) * per_node(dZ)
+    for i in range(3):
+        w = three(X, i)
+        flat, steep = everywhere(three(dX, i)) * by_x + everywhere(w) * by_z, everywhere(w) * by_y
+        for j in range(3):
+            o = start + (i * shape[1] + j) * rows
+            store(
+                nodes, o, load(nodes, o) + everywhere(three(Y, j)) * flat + everywhere(three(dY, j)) * steep
+            )
+
+
+@njit(parallel=True, **OPTIONS)
+def g2p(x, F, velocity, origin, dt, dx, classical, low, high, new_x, new_v, new_C, new_F, watch, padded):
+    """Fills the ``new_`` arrays and a row of ``watch`` per thread; ``padded`` has room for a grid and `PADDING`."""
+    shape, parts = velocity.shape, watch.shape[0]
+    plane = NUMBERS * shape[1] * shape[2]
+    padded[shape[0] * plane :] = 0
+    for i in prange(shape[0]):
+        for j in range(shape[1]):
+            for k in range(shape[2]):
+                o = i * plane + NUMBERS * (j * shape[2] + k)
+                for d in range(3):
+                    padded[o + d] = velocity[i, j, k, d]
+                padded[o + 3] = 0
+    for part in prange(parts):
+        first, last = share(x.shape[0], part, parts)
+        own = watch[part]
+        gather(
+            x,
+            F,
+            padded,
+            origin,
+            dt,
+            dx,
+            classical,
+            low,
+            high,
+            shape,
+            new_x,
+            new_v,
+            new_C,
+            new_F,
+            own,
+            first,
+            last,
+        )
+
+
+@njit(**OPTIONS)
+def gather(
+    x,
+    F,
+    velocity,
+    origin,
+    dt,
+    dx,
+    classical,
+    low,
+    high,
+    shape,
+    new_x,
+    new_v,
+    new_C,
+    new_F,
+    watch,
+    first,
+    last,
+):
+    """Moves the particles ``first`` to ``last``; ``velocity`` is flat, with four numbers per node."""
+    one, inf = like(1, dx), like(np.inf, dx)
+    least_J, most_J, least_increment, fastest, strange, outside, beyond = inf, -inf, inf, like(0, dx), 0, 0, 0
+    for p in range(first, last):
+        start, f0, f1, f2 = place(x, p, origin, dx, shape)
+        X, Y, Z = spline(f0), spline(f1), spline(f2)
+        v, g0, g1, g2 = moments(velocity, start, shape, f0, f1, f2, X, Y, Z)
+        s = like(4, dx) / dx
+        for k in range(3):
+            new_x[p, k], new_v[p, k] = x[p, k] + dt * v[k], v[k]
+            new_C[p, k, 0], new_C[p, k, 1], new_C[p, k, 2] = s * g0[k], s * g1[k], s * g2[k]
+        if classical:
+            g0, g1, g2 = gradient(velocity, start, shape, X, Y, Z, slopes(f0), slopes(f1), slopes(f2))
+            s = one / dx
+        s *= dt
+        for j in range(3):
+            F0, F1, F2 = F[p, 0, j], F[p, 1, j], F[p, 2, j]
+            for k in range(3):
+                new_F[p, k, j] = F[p, k, j] + s * (g0[k] * F0 + g1[k] * F1 + g2[k] * F2)
+        increment = determinant(
+            (one + s * g0[0], s * g1[0], s * g2[0]),
+            (s * g0[1], one + s * g1[1], s * g2[1]),
+            (s * g0[2], s * g1[2], one + s * g2[2]),
+        )
+        J = determinant(row(new_F, p, 0), row(new_F, p, 1), row(new_F, p, 2))
+        if np.isfinite(J + increment + v[0] + v[1] + v[2]):
+            least_J, most_J, least_increment = (
+                min(least_J, J),
+                max(most_J, J),
+                min(least_increment, increment),
+            )
+            fastest = max(fastest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+        else:
+            strange += 1
+        outside += leaves(new_x, p, origin, dx, shape)
+        beyond += passes(new_x, p, low, high)
+    watch[0], watch[1], watch[2], watch[3] = least_J, most_J, least_increment, np.sqrt(fastest)
+    watch[4], watch[5], watch[6] = like(strange, dx), like(outside, dx), like(beyond, dx)
+
+
+@njit(**INLINE)
+def moments(velocity, start, shape, f0, f1, f2, X, Y, Z):
+    """Sums over the stencil: of w v, and of w v (i - f) along each axis, with i the node's number."""
+    rows = NUMBERS * shape[2]
+    y0, y1, y2, two = everywhere(Y[0]), everywhere(Y[1]), everywhere(Y[2]), everywhere(like(2, f0))
+    mean = by_x = by_y = everywhere(like(0, f0))
+    for i in range(3):
+        o = start + i * shape[1] * rows
+        second, third = y1 * load(velocity, o + rows), y2 * load(velocity, o + 2 * rows)
+        plane, w = y0 * load(velocity, o) + (second + third), everywhere(three(X, i))
+        mean = mean + w * plane
+        by_y = by_y + w * (second + two * third)
+        if i > 0:
+            by_x = by_x + everywhere(like(i, f0) * three(X, i)) * plane
+    along = per_node(Z)
+    v, g0, g1 = node_sum(along * mean), node_sum(along * by_x), node_sum(along * by_y)
+    g2 = node_sum(per_node((like(0, f0), Z[1], Z[2] + Z[2])) * mean)
+    return (
+        v,
+        (g0[0] - f0 * v[0], g0[1] - f0 * v[1], g0[2] - f0 * v[2]),
+        (g1[0] - f1 * v[0], g1[1] - f1 * v[1], g1[2] - f1 * v[2]),
+        (g2[0] - f2 * v[0], g2[1] - f2 * v[1], g2[2] - f2 * v[2]),
+    )
+
+
+@njit(**INLINE)
+def gradient(velocity, start, shape, X, Y, Z, dX, dY, dZ):
+    """Sum of v times the weights' slopes along each axis."""
+    rows, zero = NUMBERS * shape[2], like(0, X[0])
+    by_x = by_y = by_z = everywhere(zero)
+    for i in range(3):
+        for j in range(3):
+            here = load(velocity, start + (i * shape[1] + j) * rows)
+            by_x = by_x + everywhere(three(dX, i) * three(Y, j)) * here
+            by_y = by_y + everywhere(three(X, i) * three(dY, j)) * here
+            by_z = by_z + everywhere(three(X, i) * three(Y, j)) * here
+    along = per_node(Z)
+    return node_sum(along * by_x), node_sum(along * by_y), node_sum(per_node(dZ) * by_z)
+
+
+@njit(**INLINE)
+def place(x, p, origin, dx, shape):
+    """Where a particle's stencil starts in a flat grid, and its distances to the lowest node in cells."""
+    b0, f0 = lowest_node(x[p, 0] / dx - like(origin[0], dx), shape[0])
+    b1, f1 = lowest_node(x[p, 1] / dx - like(origin[1], dx), shape[1])
+    b2, f2 = lowest_node(x[p, 2] / dx - like(origin[2], dx), shape[2])
+    return NUMBERS * ((b0 * shape[1] + b1) * shape[2] + b2), f0, f1, f2
+
+
+@njit(**INLINE)
+def leaves(x, p, origin, dx, shape):
+    """1 if the stencil is not wholly inside the window, else 0."""
+    for d in range(3):
+        b = int(np.floor(x[p, d] / dx - like(0.5, dx))) - origin[d]
+        if b < 0 or b + 3 > shape[d]:
+            return 1
+    return 0
+
+
+@njit(**INLINE)
+def passes(x, p, low, high):
+    """1 if a coordinate is not within ``low`` and ``high``, else 0."""
+    for d in range(3):
+        if x[p, d] < low or x[p, d] > high:
+            return 1
+    return 0
+
+
+@njit(**INLINE)
+def affine(tau, k, C, m, p):
+    """Columns of k tau + m C."""
+    return both(tau, k, C, m, p, 0), both(tau, k, C, m, p, 1), both(tau, k, C, m, p, 2)
+
+
+@njit(**INLINE)
+def both(tau, k, C, m, p, j):
+    """Column j of k tau + m C."""
+    return (
+        k * tau[p, 0, j] + m * C[p, 0, j],
+        k * tau[p, 1, j] + m * C[p, 1, j],
+        k * tau[p, 2, j] + m * C[p, 2, j],
+    )
+
+
+@njit(**INLINE)
+def momentum(v, m, a0, a1, a2, p, f0, f1, f2):
+    """M v less the affine part between the particle and its lowest node."""
+    return (
+        m * v[p, 0] - (a0[0] * f0 + a1[0] * f1 + a2[0] * f2),
+        m * v[p, 1] - (a0[1] * f0 + a1[1] * f1 + a2[1] * f2),
+        m * v[p, 2] - (a0[2] * f0 + a1[2] * f1 + a2[2] * f2),
+    )

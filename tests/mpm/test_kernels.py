@@ -1,0 +1,196 @@
+"""The CPU kernels against the reference that they stand for, and what decides between the two."""
+
+import dataclasses
+import logging
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from physagent_jax.errors import UserError
+from physagent_jax.mpm import Grid, kernels, materials, rollout, simulate
+from physagent_jax.mpm.linalg import polar_rotation, svd
+from physagent_jax.mpm.transfer import grid_to_particles, particles_to_grid
+from tests.mpm.blocks import block
+
+pytest.importorskip("numba")
+cpu = kernels.compiled()
+
+TOLERANCE = {"float32": 1e-5, "float64": 1e-13}  # round-off of sums in another order
+GRID = Grid(jnp.array([3, 4, 5], jnp.int32), (12, 9, 14), 0.05, 60)
+
+
+def cloud(count, dtype, seed=0):
+    """Particles in `GRID`, with F, C and stress of all kinds."""
+    rng = np.random.default_rng(seed)
+    low = (np.asarray(GRID.origin) + 1) * GRID.dx
+    x = low + rng.uniform(size=(count, 3)) * (np.array(GRID.shape) - 4) * GRID.dx
+    tau = 1e3 * rng.normal(size=(count, 3, 3))
+    arrays = dict(
+        x=x,
+        v=rng.normal(size=(count, 3)),
+        C=rng.normal(size=(count, 3, 3)),
+        tau=tau + tau.swapaxes(1, 2),
+        mass=rng.uniform(1, 2, count),
+        volume=rng.uniform(1e-3, 2e-3, count),
+        F=np.eye(3) + 0.1 * rng.normal(size=(count, 3, 3)),
+        velocity=rng.normal(size=(*GRID.shape, 3)),
+    )
+    return {name: jnp.asarray(array, dtype) for name, array in arrays.items()}
+
+
+def close(got, expected, tolerance):
+    got, expected = np.asarray(got), np.asarray(expected)
+    np.testing.assert_allclose(got, expected, atol=tolerance * np.abs(expected).max())
+
+
+def p2g_operands(c):
+    return c["x"], c["v"], c["C"], c["tau"], c["mass"], c["volume"], jnp.asarray(1e-3, c["x"].dtype)
+
+
+def g2p_operands(c):
+    return c["x"], c["v"], c["C"], c["F"], c["velocity"], jnp.asarray(1e-3, c["x"].dtype)
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("form", ["mls", "gradient"])
+@pytest.mark.parametrize("count", [1, 7, 3001])
+def test_p2g_and_g2p_equal_the_reference(count, form, dtype, x64):
+    c = cloud(count, dtype)
+    got = jax.jit(lambda *o: cpu.p2g(form, GRID, *o))(*p2g_operands(c))
+    close(got, particles_to_grid(form, GRID, *p2g_operands(c)), TOLERANCE[dtype])
+    got = jax.jit(lambda *o: cpu.g2p(form, 1, GRID, *o))(*g2p_operands(c))
+    expected = grid_to_particles(form, 1, GRID, *g2p_operands(c))
+    jax.tree.map(lambda a, b: close(a, b, TOLERANCE[dtype]), got, expected)
+
+
+def test_particles_outside_and_not_finite_are_seen_and_write_nowhere_else():
+    c = cloud(50, "float32")
+    x = c["x"].at[3].set(jnp.array([0.01, 0.4, 0.5])).at[7, 1].set(2.99).at[9, 2].set(jnp.nan)
+    nodes = cpu.p2g("mls", GRID, *p2g_operands(c | {"x": x}))
+    assert nodes[..., 3].sum() == pytest.approx(float(c["mass"].sum()), rel=0.2) or jnp.isnan(nodes).any()
+    moved = cpu.g2p("mls", 1, GRID, *g2p_operands(c | {"x": x}))
+    reference = grid_to_particles("mls", 1, GRID, *g2p_operands(c | {"x": x}))
+    assert not moved.watch.finite and not reference.watch.finite
+    assert moved.watch.outside == reference.watch.outside == 3
+    assert jnp.isnan(moved.x[9]).any()
+
+
+def test_results_repeat_bit_by_bit():
+    c = cloud(3001, "float32")
+    one, other = (cpu.p2g("mls", GRID, *p2g_operands(c)) for _ in range(2))
+    np.testing.assert_array_equal(one, other)
+
+
+def test_p2g_keeps_mass_and_momentum(x64):
+    c = cloud(500, "float64")
+    nodes = cpu.p2g("gradient", GRID, *p2g_operands(c)).sum((0, 1, 2))
+    np.testing.assert_allclose(nodes[3], c["mass"].sum(), rtol=1e-13)
+    np.testing.assert_allclose(nodes[:3], (c["mass"][:, None] * c["v"]).sum(0), rtol=1e-10)
+
+
+def test_kernels_under_vmap():
+    clouds = [cloud(40, "float32", seed) for seed in range(3)]
+    stacked = [jnp.stack(parts) for parts in zip(*(p2g_operands(c) for c in clouds))]
+    got = jax.vmap(lambda *o: cpu.p2g("mls", GRID, *o))(*stacked)
+    for nodes, c in zip(got, clouds):
+        np.testing.assert_array_equal(nodes, cpu.p2g("mls", GRID, *p2g_operands(c)))
+
+
+@pytest.mark.parametrize("form", ["mls", "gradient"])
+def test_gradients_of_a_rollout_equal_the_reference(form, x64):
+    def loss(speed, choice):
+        model, state = block((3, 3, 3), dtype=np.float64, stress_form=form, kernels=choice)
+        v = speed * jnp.sin(7 * state.x)
+        end, _ = rollout(model, dataclasses.replace(state, v=v), frame_count=2, substeps=5)
+        return (end.x**2).sum() + 1e-3 * (end.F[:, 0, 1] ** 2).sum()
+
+    value, slope = map(float, jax.value_and_grad(loss)(0.3, "cpu"))
+    expected, expected_slope = map(float, jax.value_and_grad(loss)(0.3, "reference"))
+    assert value == pytest.approx(expected, rel=1e-12)
+    assert slope == pytest.approx(expected_slope, rel=1e-10)
+    h = 1e-5
+    difference = float(loss(0.3 + h, "cpu") - loss(0.3 - h, "cpu")) / (2 * h)
+    assert slope == pytest.approx(difference, rel=1e-6)
+
+
+def laws(n, dtype):
+    mu, lam = (jnp.full(n, value, dtype) for value in materials.lame_parameters(1e5, 0.3))
+
+    def full(value):
+        return jnp.full(n, value, dtype)
+
+    return {
+        "neo-hookean": materials.NeoHookean(mu, lam),
+        "fixed-corotated": materials.FixedCorotated(mu, lam),
+        "von-mises": materials.VonMises(mu, lam, full(2e3), full(1e3)),
+        "plasticine": materials.Plasticine(mu, lam, full(2e3), full(1e4)),
+        "sand": materials.DruckerPrager(mu, lam, full(0.6), full(0.0)),
+        "foam": materials.Viscoplastic(mu, lam, full(2e3), full(10.0)),
+        "snow": materials.Snow(mu, lam, full(0.025), full(0.0075), full(10.0), full(4.0)),
+        "fluid": materials.Fluid(full(1e5)),
+    }
+
+
+@pytest.mark.parametrize("law", laws(1, np.float32))
+def test_a_simulation_of_every_law_equals_the_reference(law, x64):
+    def frames(choice):
+        model, state = block(
+            (4, 4, 4),
+            low=(0.4, 0.4, 0.15),
+            dtype=np.float64,
+            gravity=jnp.array([0, 0, -9.8]),
+            kernels=choice,
+        )
+        model = model.replace(materials=(laws(len(state.x), np.float64)[law],))
+        state = dataclasses.replace(state, history=tuple(m.initial_history() for m in model.materials))
+        v = state.v.at[:, 2].set(-2.0)
+        return list(simulate(model, dataclasses.replace(state, v=v), frame_count=3, frame_dt=0.02))
+
+    one, other = frames("cpu")[-1], frames("reference")[-1]
+    assert one.substeps == other.substeps
+    np.testing.assert_allclose(one.state.x, other.state.x, atol=1e-10)
+    np.testing.assert_allclose(one.state.F, other.state.F, atol=1e-8)
+    assert one.min_J == pytest.approx(other.min_J, abs=1e-8)
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("count", [0, 1, 8, 21])
+def test_svd_and_polar_equal_numpy_for_any_number_of_matrices(count, dtype, x64):
+    F = (np.eye(3) + 0.5 * np.random.default_rng(count).normal(size=(count, 3, 3))).astype(dtype)
+    with kernels.using("cpu"):
+        U, s, V = svd(jnp.asarray(F))
+        R = polar_rotation(jnp.asarray(F))
+    eps = np.finfo(dtype).eps
+    np.testing.assert_allclose(np.einsum("nij,nj,nkj->nik", U, s, V), F, atol=20 * eps)
+    np.testing.assert_allclose(np.abs(s), np.linalg.svd(F.astype(float))[1], atol=20 * eps)
+    u, _, vt = np.linalg.svd(F.astype(float))
+    np.testing.assert_allclose(R, u @ vt, atol=200 * eps)
+
+
+def test_without_numba_the_reference_serves_and_says_so_once(monkeypatch, caplog):
+    kernels._numba_missing.cache_clear()
+    monkeypatch.setattr(kernels, "importlib", Absent)
+    try:
+        with caplog.at_level(logging.WARNING):
+            assert kernels.chosen("auto") == "reference"
+            assert not kernels.use_cpu("auto")
+        assert [record.levelname for record in caplog.records] == ["WARNING"]
+        with pytest.raises(UserError, match='"cpu"` cannot be used'):
+            kernels.use_cpu("cpu")
+    finally:
+        kernels._numba_missing.cache_clear()
+
+
+class Absent:
+    @staticmethod
+    def import_module(name):
+        raise ImportError("no module named 'numba'")
+
+
+def test_the_choice_holds_for_what_is_traced_within():
+    with kernels.using("reference"):
+        assert not kernels.use_cpu()
+    assert kernels.use_cpu()
+    assert kernels.chosen("auto").startswith("cpu (")
