@@ -22,11 +22,15 @@ from benchmarks.accuracy.peers import theirs
 from benchmarks.accuracy.study import NEAR_BOUND, REFERENCE_DT, Row, ours, rule_words, work_precision
 from benchmarks.cases.catalogue import CASES, EXPENSIVE, STUDIED, Studied
 from benchmarks.machine import circumstances
-from benchmarks.peers.base import PEERS, make_peer
+from benchmarks.peers.base import make_peer
 from physagent_jax.mpm.timestep import CLASSICAL_SHARE
 from physagent_jax.output.files import write_text
 
 console = Console(stderr=True)
+_PEERS = (
+    "warp_classical",
+    "genesis",
+)  # other algorithms than ours; the rest of `peers.base` is about run time
 _PEER_STEP = ("bound", round(NEAR_BOUND[1] * CLASSICAL_SHARE, 3))  # as near the classical form's own bound
 
 
@@ -85,7 +89,7 @@ def _verification(command: Command):
 def _peers() -> tuple[dict[str, str], list[str]]:
     """Version of each peer, or why it cannot run here; and the names of those that can."""
     words, usable = {}, []
-    for name in PEERS:
+    for name in _PEERS:
         peer = make_peer(name)
         reason = peer.available()
         words[name] = reason or peer.version()

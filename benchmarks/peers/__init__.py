@@ -9,8 +9,10 @@ and velocities. What is compared, accuracy or time, is the caller's business: a 
   their frictional planes and metal stress are wrong; so it is a fair and correct stand-in, and an
   independent implementation to check our own against.
 - `genesis.GenesisMPM`: Genesis' MPM solver (MLS-MPM), if `genesis-world` is installed.
+- `taichi_mls.TaichiMLS`: dense MLS-MPM as Taichi's examples do it, on any number of threads.
+- `jax_naive`: the way other JAX simulators do it, 27 scattered additions per particle: what the kernels save.
 
-`base` needs numpy only. Warp and Genesis are imported when a peer is loaded; one that lives in another
+`base` needs numpy only. Warp, Taichi and Genesis are imported when a peer is loaded; one that lives in another
 interpreter is run there by `base.run_in`.
 """
 

@@ -24,6 +24,8 @@ from benchmarks.peers.scene import Plane as Plane
 PEERS = {
     "warp_classical": ("benchmarks.peers.warp_classical", "WarpClassical"),
     "genesis": ("benchmarks.peers.genesis", "GenesisMPM"),
+    "taichi_mls": ("benchmarks.peers.taichi_mls", "TaichiMLS"),
+    "jax_naive": ("benchmarks.peers.jax_naive", "JaxNaive"),
 }
 """Module and class of each peer; modules import nothing heavy."""
 

@@ -33,7 +33,9 @@ ENERGY = 1e-3  # P4: least gain that counts, over the energy supplied
 EXTREME = 0.1  # load above which det F and the wall share are only reported
 SPREAD = 0.1  # change of the moment of inertia up to which the angular momentum that a torque gives is judged
 LIMITS_J = (0.05, 20.0)  # P3, solids
-FINITE_J = 1e6  # P3, anything; times the J at which Hencky's energy K/2 (ln J)^2, K = E/3, takes up the whole load
+FINITE_J = (
+    1e6  # P3, anything; times the J at which Hencky's energy K/2 (ln J)^2, K = E/3, takes up the whole load
+)
 WALL_SHARE = 1e-3  # P2: particle-steps stopped at the wall
 MOMENTUM = {"float32": (1e-5, 1e-4), "float64": (1e-12, 1e-11)}  # P5, over M v: in free space, touching walls
 MASS = {"float32": 4e-6, "float64": 1e-12}  # P6; the first is the round-off of 256 equal summands

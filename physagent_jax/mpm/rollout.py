@@ -21,14 +21,14 @@ from physagent_jax.errors import UserError
 from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.ledger import Exchange, balanced, exchange
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.step import kirchhoff_stress, substep
+from physagent_jax.mpm.step import initial_stress, substep
 from physagent_jax.mpm.timestep import check_explicit_dt, kinematic_dt, stable_dt, substeps_for
 from physagent_jax.mpm.transfer import Watch, outside
 from physagent_jax.mpm.window import fit_window
 from physagent_jax.pytree import register_dataclass
 
 MAX_RETRIES = 6  # halvings of the step before a frame is given up
-MAX_SUBSTEPS = 1_000_000  # in one frame; more would look like a hang
+MAX_SUBSTEPS = 100_000  # in one frame, retries included; more would look like a hang
 
 
 @register_dataclass
@@ -110,7 +110,7 @@ def advance(
     dtype = state.x.dtype
     one = jnp.ones((), dtype)
     health = Health(jnp.zeros((), dtype), one, one, one, jnp.zeros((), jnp.int32), jnp.array(True))
-    tau, total = kirchhoff_stress(model, state), Exchange.none(dtype) if ledger else None
+    tau, total = initial_stress(model, state), Exchange.none(dtype) if ledger else None
     start = (jnp.zeros_like(substeps), state, tau, health, total)
     _, after, _, health, total = jax.lax.while_loop(going, body, start)
     finite = health.finite & jnp.isfinite(after.F).all()  # the return mapping included
@@ -176,7 +176,8 @@ def simulate(
                 break
             retries.append(f"{breach} at dt = {frame_dt / substeps:.3g} s")
             tight_window = bool(health.finite) and int(health.outside) > 0
-            if len(retries) > MAX_RETRIES or (fixed and not tight_window):
+            spent = len(retries) > MAX_RETRIES or 2 * substeps > MAX_SUBSTEPS
+            if spent or (fixed and not tight_window):
                 raise _hopeless(index, retries, fixed)
             if tight_window:
                 margin *= 2.5  # the window was too small, not the step too long
@@ -291,5 +292,5 @@ def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> t
         carry, _ = jax.lax.scan(one, carry, None, length=substeps)
         return carry, carry[0]
 
-    (end, _), states = jax.lax.scan(frame, (state, kirchhoff_stress(model, state)), None, length=frame_count)
+    (end, _), states = jax.lax.scan(frame, (state, initial_stress(model, state)), None, length=frame_count)
     return end, states

@@ -8,6 +8,7 @@ The stress comes last, so that it can share its work with the return mapping; `s
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -15,6 +16,7 @@ import jax.numpy as jnp
 from physagent_jax.mpm import constraints, kernels, materials, transfer
 from physagent_jax.mpm.boundaries.symmetry_plane import SymmetryPlane
 from physagent_jax.mpm.linalg import determinant, transpose
+from physagent_jax.mpm.materials import NeoHookean
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import stencil
@@ -23,7 +25,7 @@ from physagent_jax.pytree import register_dataclass
 
 def step(model: Model, state: State) -> State:
     """Advances ``state`` by ``model.dt``; pure, jittable, differentiable."""
-    return substep(model, state, kirchhoff_stress(model, state))[0]
+    return substep(model, state, initial_stress(model, state))[0]
 
 
 @register_dataclass
@@ -52,17 +54,22 @@ class Trace:
     watch: transfer.Watch
 
 
-def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Array, Trace]:
-    """`step` with the stress before and after it [Pa], shape (n, 3, 3), and the trace of what happened in it."""
+def substep(model: Model, state: State, tau: jax.Array | None) -> tuple[State, jax.Array | None, Trace]:
+    """`step` with the stress before and after it [Pa], shape (n, 3, 3), and the trace of what happened in it.
+
+    Args:
+        model: As in `step`.
+        state: At the start.
+        tau: `initial_stress`, or what the substep before returned.
+    """
     dt, grid = model.dt, model.grid
     with jax.named_scope("forces"):
         C = affine(model, state)
         pushed = dataclasses.replace(state, v=state.v + dt * body_acceleration(model, state), C=C)
         held = constraints.before_p2g(model, pushed)
     with jax.named_scope("p2g"):
-        nodes = scatter(
-            model, held, tau if model.viscosity is None else tau + viscous_stress(model.viscosity, state)
-        )
+        viscous = None if model.viscosity is None else viscous_stress(model.viscosity, state)
+        nodes = scatter(model, held, tau if tau is None or viscous is None else tau + viscous)
     with jax.named_scope("grid_update"):
         node_mass = nodes[..., 3]
         free = grid_velocity(model, nodes)
@@ -74,22 +81,36 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
     with jax.named_scope("g2p"):
         moved = gather(model, state, velocity)
     with jax.named_scope("stress"):
-        F, history, tau = respond(model, moved.F, state.history)
+        F, history, stress = respond(model, moved.F, state.history)
         gathered = dataclasses.replace(
             state, x=moved.x, v=moved.v, C=moved.C, F=F, history=history, time=state.time + dt
         )
     with jax.named_scope("constraints"):
         after = constraints.after_g2p(model, state, gathered)
         after, watch = stop_at_walls(model, after, moved.watch)
-        tau = kirchhoff_stress(model, after) if model.constraints else tau  # F may have been turned
+        if model.constraints:  # F may have been turned
+            stress = kirchhoff_stress(model, after)
+        tau = None if tau is None else stress
     return after, tau, Trace(pushed, held, node_mass, free, velocity, gathered, moved.F, watch)
 
 
-def scatter(model: Model, held: State, tau: jax.Array) -> jax.Array:
+def scatter(model: Model, held: State, tau: jax.Array | None) -> jax.Array:
     """Momentum and mass at the nodes, shape (nx, ny, nz, 4)."""
+    form, grid, matter, dt = model.stress_form, model.grid, (model.mass, model.volume), model.dt
+    if tau is None:
+        law: Any = model.materials[0]
+        p2g = kernels.compiled().p2g_neo_hookean
+        return p2g(form, grid, held.x, held.v, held.C, held.F, law.mu, law.lam, *matter, dt)
     p2g = kernels.compiled().p2g if kernels.use_cpu(model.kernels) else transfer.particles_to_grid
-    particles = held.x, held.v, held.C, tau, model.mass, model.volume
-    return p2g(model.stress_form, model.grid, *particles, model.dt)
+    return p2g(form, grid, held.x, held.v, held.C, tau, *matter, dt)
+
+
+def initial_stress(model: Model, state: State) -> jax.Array | None:
+    """What `substep` needs first: the Kirchhoff stress, or None where a kernel's P2G makes it from F."""
+    alone = len(model.materials) == 1 and isinstance(model.materials[0], NeoHookean)
+    if alone and model.viscosity is None and kernels.use_cpu(model.kernels):
+        return None
+    return kirchhoff_stress(model, state)
 
 
 def gather(model: Model, state: State, velocity: jax.Array) -> transfer.Moved:

@@ -13,18 +13,30 @@ from physagent_jax.mpm.kernels.lanes import PARTICLES
 from physagent_jax.mpm.kernels.threads import thread_count
 from physagent_jax.mpm.kernels.transfer import NUMBERS, PADDING, WATCHED
 from physagent_jax.mpm.linalg.svd import SWEEPS
+from physagent_jax.mpm.materials.neo_hookean import NeoHookean
 from physagent_jax.mpm.state import Grid
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
 def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, dt) -> jax.Array:
     """As `transfer.particles_to_grid`."""
+    nothing = jnp.zeros(1, x.dtype)
+    return _scatter(form, grid, x, v, C, tau, nothing, nothing, mass, volume, dt, neo_hookean=False)
+
+
+@partial(jax.custom_vjp, nondiff_argnums=(0,))
+def p2g_neo_hookean(form: str, grid: Grid, x, v, C, F, mu, lam, mass, volume, dt) -> jax.Array:
+    """`p2g` with the stress of `materials.NeoHookean`, which never goes through memory."""
+    return _scatter(form, grid, x, v, C, F, mu, lam, mass, volume, dt, neo_hookean=True)
+
+
+def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, dt, *, neo_hookean: bool) -> jax.Array:
     parts, size = thread_count(), NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
     nodes = jax.ShapeDtypeStruct((*grid.shape, NUMBERS), x.dtype)
     private = jax.ShapeDtypeStruct((parts, size), x.dtype)
     call = jax.ffi.ffi_call(handler("p2g", x.dtype.name), (nodes, private), vmap_method="sequential")
-    scalars = _scalars(x.dtype, dt, grid.dx, form == "gradient")
-    return call(x, v, C, tau, mass, volume, grid.origin, scalars)[0]
+    scalars = _scalars(x.dtype, dt, grid.dx, form == "gradient", neo_hookean)
+    return call(x, v, C, tau, mu, lam, mass, volume, grid.origin, scalars)[0]
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0, 1))
@@ -99,6 +111,20 @@ def _p2g_backward(form, residuals, cotangent):
     return (None, *pull(cotangent))
 
 
+def _p2g_neo_hookean_forward(form, grid, *operands):
+    return p2g_neo_hookean(form, grid, *operands), (grid, operands)
+
+
+def _p2g_neo_hookean_backward(form, residuals, cotangent):
+    grid, operands = residuals
+
+    def reference(x, v, C, F, mu, lam, mass, volume, dt):
+        tau = NeoHookean(mu, lam).stress(F)
+        return transfer.particles_to_grid(form, grid, x, v, C, tau, mass, volume, dt)
+
+    return (None, *jax.vjp(reference, *operands)[1](cotangent))
+
+
 def _g2p_forward(form, wall, grid, *operands):
     return g2p(form, wall, grid, *operands), (grid, operands)
 
@@ -110,4 +136,5 @@ def _g2p_backward(form, wall, residuals, cotangent):
 
 
 p2g.defvjp(_p2g_forward, _p2g_backward)
+p2g_neo_hookean.defvjp(_p2g_neo_hookean_forward, _p2g_neo_hookean_backward)
 g2p.defvjp(_g2p_forward, _g2p_backward)

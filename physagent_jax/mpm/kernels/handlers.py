@@ -48,7 +48,7 @@ def _grid(buffer, number):
 
 @njit(cache=True)
 def _p2g(frame, number):
-    scalars = ffi.flat(ffi.operand(frame, 7), number)
+    scalars = ffi.flat(ffi.operand(frame, 9), number)
     p2g(
         _vectors(ffi.operand(frame, 0), number),
         _vectors(ffi.operand(frame, 1), number),
@@ -56,10 +56,13 @@ def _p2g(frame, number):
         _matrices(ffi.operand(frame, 3), number),
         ffi.flat(ffi.operand(frame, 4), number),
         ffi.flat(ffi.operand(frame, 5), number),
-        ffi.flat(ffi.operand(frame, 6), np.int32),
+        ffi.flat(ffi.operand(frame, 6), number),
+        ffi.flat(ffi.operand(frame, 7), number),
+        ffi.flat(ffi.operand(frame, 8), np.int32),
         scalars[0],
         scalars[1],
         scalars[2] != 0,
+        scalars[3] != 0,
         _grid(ffi.result(frame, 0), number),
         _table(ffi.result(frame, 1), number),
     )

@@ -73,9 +73,26 @@ def three(values, i):
 
 
 @njit(**INLINE)
-def column(tau, factor, p, j):
-    """Column j of factor * tau of particle p."""
-    return factor * tau[p, 0, j], factor * tau[p, 1, j], factor * tau[p, 2, j]
+def columns(matrices, p):
+    """Columns of particle p's matrix."""
+    M = matrices
+    return (
+        (M[p, 0, 0], M[p, 1, 0], M[p, 2, 0]),
+        (M[p, 0, 1], M[p, 1, 1], M[p, 2, 1]),
+        (M[p, 0, 2], M[p, 1, 2], M[p, 2, 2]),
+    )
+
+
+@njit(**INLINE)
+def times(factor, a):
+    """Factor a."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+@njit(**INLINE)
+def dot(a, b):
+    """A . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @njit(**INLINE)

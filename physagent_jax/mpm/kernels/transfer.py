@@ -16,8 +16,9 @@ from physagent_jax.mpm.kernels.lanes import everywhere, load, node_sum, per_node
 from physagent_jax.mpm.kernels.numbers import (
     INLINE,
     OPTIONS,
-    column,
+    columns,
     determinant,
+    dot,
     like,
     lowest_node,
     row,
@@ -25,6 +26,7 @@ from physagent_jax.mpm.kernels.numbers import (
     slopes,
     spline,
     three,
+    times,
 )
 
 NUMBERS = 4  # per node: momentum and mass
@@ -33,8 +35,11 @@ WATCHED = 7  # as `mpm.transfer.Watch`, in its order
 
 
 @njit(parallel=True, **OPTIONS)
-def p2g(x, v, C, tau, mass, volume, origin, dt, dx, classical, nodes, private):
-    """Fills ``nodes`` with momentum and mass; ``private`` has room for a grid and `PADDING` per thread."""
+def p2g(x, v, C, tau, mu, lam, mass, volume, origin, dt, dx, classical, neo_hookean, nodes, private):
+    """Fills ``nodes`` with momentum and mass; ``private`` has room for a grid and `PADDING` per thread.
+
+    Where all matter is neo-Hookean, ``tau`` is F and the stress is made on the way: it never goes through memory.
+    """
     shape, parts = nodes.shape, private.shape[0]
     plane = NUMBERS * shape[1] * shape[2]
     flat = nodes.reshape(shape[0] * plane)
@@ -48,7 +53,8 @@ def p2g(x, v, C, tau, mass, volume, origin, dt, dx, classical, nodes, private):
         touched[part, 0], touched[part, 1] = low, high
         own = private[part]
         own[low * plane : max(low, high) * plane + PADDING] = 0
-        scatter(x, v, C, tau, mass, volume, origin, dt, dx, classical, own, shape, first, last)
+        options = classical, neo_hookean
+        scatter(x, v, C, tau, mu, lam, mass, volume, origin, dt, dx, options, own, shape, first, last)
     for i in prange(shape[0]):
         here = flat[i * plane : (i + 1) * plane]
         here[:] = 0
@@ -60,9 +66,9 @@ def p2g(x, v, C, tau, mass, volume, origin, dt, dx, classical, nodes, private):
 
 
 @njit(**OPTIONS)
-def scatter(x, v, C, tau, mass, volume, origin, dt, dx, classical, nodes, shape, first, last):
+def scatter(x, v, C, tau, mu, lam, mass, volume, origin, dt, dx, options, nodes, shape, first, last):
     """Adds the particles ``first`` to ``last`` to ``nodes``, a flat array with four numbers per node."""
-    zero, rows = like(0, dx), NUMBERS * shape[2]
+    zero, rows, (classical, neo_hookean) = like(0, dx), NUMBERS * shape[2], options
     for p in range(first, last):
         start, f0, f1, f2 = place(x, p, origin, dx, shape)
         X, Y, Z = spline(f0), spline(f1), spline(f2)
@@ -70,7 +76,8 @@ def scatter(x, v, C, tau, mass, volume, origin, dt, dx, classical, nodes, shape,
         # Node (i, j, k) of the stencil gets w_i (q + A (i, j, k)), with q the momentum at the lowest node.
         m, push = mass[p], -dt * volume[p] / dx
         k = zero if classical else like(4, dx) * push
-        a0, a1, a2 = affine(tau, k, C, m * dx, p)
+        t0, t1, t2 = neo_hookean_stress(tau, mu[p], lam[p], p) if neo_hookean else columns(tau, p)
+        a0, a1, a2 = affine(t0, t1, t2, k, C, m * dx, p)
         q = momentum(v, m, a0, a1, a2, p, f0, f1, f2)
         row0 = per_number(q, m) * along + per_number(a2, zero) * per_node((zero, Z[1], Z[2] + Z[2]))
         next_x, next_y = per_number(a0, zero) * along, per_number(a1, zero) * along
@@ -85,16 +92,16 @@ def scatter(x, v, C, tau, mass, volume, origin, dt, dx, classical, nodes, shape,
             store(nodes, o2, load(nodes, o2) + everywhere(w * Y[2]) * row2)
             row0, row1, row2 = row0 + next_x, row1 + next_x, row2 + next_x
         if classical:
-            scatter_force(tau, push, p, X, Y, Z, slopes(f0), slopes(f1), slopes(f2), nodes, start, shape)
+            scatter_force(t0, t1, t2, push, X, Y, Z, slopes(f0), slopes(f1), slopes(f2), nodes, start, shape)
 
 
 @njit(**INLINE)
-def scatter_force(tau, push, p, X, Y, Z, dX, dY, dZ, nodes, start, shape):
+def scatter_force(t0, t1, t2, push, X, Y, Z, dX, dY, dZ, nodes, start, shape):
     """Adds the classical form's impulse push * tau grad w."""
     zero, rows = like(0, push), NUMBERS * shape[2]
-    by_x = per_number(column(tau, push, p, 0), zero) * per_node(Z)
-    by_y = per_number(column(tau, push, p, 1), zero) * per_node(Z)
-    by_z = per_number(column(tau, push, p, 2), zero) * per_node(dZ)
+    by_x = per_number(times(push, t0), zero) * per_node(Z)
+    by_y = per_number(times(push, t1), zero) * per_node(Z)
+    by_z = per_number(times(push, t2), zero) * per_node(dZ)
     for i in range(3):
         w = three(X, i)
         flat, steep = everywhere(three(dX, i)) * by_x + everywhere(w) * by_z, everywhere(w) * by_y
@@ -271,18 +278,25 @@ def passes(x, p, low, high):
 
 
 @njit(**INLINE)
-def affine(tau, k, C, m, p):
-    """Columns of k tau + m C."""
-    return both(tau, k, C, m, p, 0), both(tau, k, C, m, p, 1), both(tau, k, C, m, p, 2)
+def neo_hookean_stress(F, mu, lam, p):
+    """Columns of the Kirchhoff stress of `materials.NeoHookean`."""
+    a, b, c = row(F, p, 0), row(F, p, 1), row(F, p, 2)
+    pressure = lam * np.log(determinant(a, b, c)) - mu
+    ab, ac, bc = mu * dot(a, b), mu * dot(a, c), mu * dot(b, c)
+    return (
+        (mu * dot(a, a) + pressure, ab, ac),
+        (ab, mu * dot(b, b) + pressure, bc),
+        (ac, bc, mu * dot(c, c) + pressure),
+    )
 
 
 @njit(**INLINE)
-def both(tau, k, C, m, p, j):
-    """Column j of k tau + m C."""
+def affine(t0, t1, t2, k, C, m, p):
+    """Columns of k tau + m C."""
     return (
-        k * tau[p, 0, j] + m * C[p, 0, j],
-        k * tau[p, 1, j] + m * C[p, 1, j],
-        k * tau[p, 2, j] + m * C[p, 2, j],
+        (k * t0[0] + m * C[p, 0, 0], k * t0[1] + m * C[p, 1, 0], k * t0[2] + m * C[p, 2, 0]),
+        (k * t1[0] + m * C[p, 0, 1], k * t1[1] + m * C[p, 1, 1], k * t1[2] + m * C[p, 2, 1]),
+        (k * t2[0] + m * C[p, 0, 2], k * t2[1] + m * C[p, 1, 2], k * t2[2] + m * C[p, 2, 2]),
     )
 
 

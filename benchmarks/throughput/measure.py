@@ -1,0 +1,248 @@
+"""Child processes, and interleaved rounds of substeps over several of them."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import json
+import math
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, Literal
+
+from benchmarks.peers.base import PYTHON_VARIABLE
+from benchmarks.peers.scene import Material, PeerScene
+from benchmarks.throughput.scene import CELLS, DT, drop, floor_as_wall
+
+_ROOT = Path(__file__).resolve().parents[2]
+_MULTIPLE = 10  # Genesis advances by ten substeps at a time
+_THREAD_VARIABLES = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "TI_CPU_MAX_NUM_THREADS", "QD_NUM_THREADS")
+
+
+@dataclasses.dataclass(frozen=True)
+class Contender:
+    """One code with its options.
+
+    Attributes:
+        code: "ours" or the name of a peer.
+        law: What it simulates.
+        threads: Cores it may use.
+        kernels: As in `Model`, of ours.
+    """
+
+    code: str
+    law: Material
+    threads: int
+    kernels: Literal["auto", "reference"] = "auto"
+
+    @property
+    def label(self) -> str:
+        """As tables name it."""
+        return f"{self.code}, reference path" if self.kernels == "reference" else self.code
+
+
+@dataclasses.dataclass(frozen=True)
+class Effort:
+    """How long is measured.
+
+    Attributes:
+        rounds: Each code's turns.
+        round_seconds: A turn takes at least so long [s], if the code is fast.
+        least: Substeps of a turn, at least.
+        slowest: A code is skipped if one substep takes longer [s].
+    """
+
+    rounds: int = 5
+    round_seconds: float = 1.0
+    least: int = 20
+    slowest: float = 3.0
+
+
+class ChildError(Exception):
+    """A child process cannot do what was asked; the message is the reason."""
+
+
+class Child:
+    """A code in a process of its own. Use `open_child`."""
+
+    def __init__(self, process: subprocess.Popen, complaints: Any):
+        self._process, self._complaints = process, complaints
+
+    def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
+        """Sends a request and waits for the answer.
+
+        Raises:
+            ChildError: The request failed, or the process is dead.
+        """
+        assert self._process.stdin is not None and self._process.stdout is not None
+        try:
+            self._process.stdin.write(json.dumps({"do": do, **arguments}) + "\n")
+            self._process.stdin.flush()
+            line = self._process.stdout.readline()
+        except BrokenPipeError:
+            line = ""
+        if not line:
+            self._complaints.seek(0)
+            told = self._complaints.read().strip().splitlines()
+            code = self._process.wait()
+            raise ChildError(f"its process ended with code {code}: {' '.join(told[-3:])[-400:]}")
+        answer = json.loads(line)
+        if "error" in answer:
+            raise ChildError(answer["error"])
+        return answer
+
+
+@contextlib.contextmanager
+def open_child(contender: Contender) -> Iterator[Child]:
+    """A process for ``contender``; ended on leaving.
+
+    Genesis runs in the interpreter that ``PEER_PYTHON`` names, if it does; all else in this one.
+    """
+    elsewhere = os.environ.get(PYTHON_VARIABLE) if contender.code == "genesis" else None
+    command = [elsewhere or sys.executable, "-m", "benchmarks.throughput.worker", "--code", contender.code]
+    command += ["--threads", str(contender.threads), "--kernels", contender.kernels]
+    threads = {name: str(contender.threads) for name in _THREAD_VARIABLES}
+    with tempfile.TemporaryFile("w+") as complaints:
+        process = subprocess.Popen(
+            command,
+            cwd=_ROOT,
+            env={**os.environ, **threads},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=complaints,
+            text=True,
+        )
+        try:
+            yield Child(process, complaints)
+        finally:
+            assert process.stdin is not None and process.stdout is not None
+            with contextlib.suppress(BrokenPipeError):
+                process.stdin.close()
+            try:
+                process.wait(timeout=10)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+            process.stdout.close()
+
+
+def store(folder: Path, contender: Contender, particles: int, cells: int) -> tuple[str, str]:
+    """The file with the contender's scene, written once, and what is special about it."""
+    walls = contender.code == "genesis"
+    path = folder / f"{contender.law.value}-{particles}-{cells}{'-walls' if walls else ''}.npz"
+    if not path.is_file():
+        scene: PeerScene = drop(particles, contender.law, cells)
+        (floor_as_wall(scene) if walls else scene).save(path)
+    return str(path), "the floor is the domain's frictionless wall: planes are refused" if walls else ""
+
+
+def interleaved(
+    contenders: list[Contender],
+    particles: int,
+    effort: Effort,
+    cells: int = CELLS,
+    tell: Callable[[str], None] = lambda text: None,
+) -> list[dict[str, Any]]:
+    """A row for each contender: all load one after the other, then take turns, round after round."""
+    rows = [_blank(contender, particles, cells) for contender in contenders]
+    with contextlib.ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        children: dict[int, Child] = {}
+        for i, contender in enumerate(contenders):
+            tell(f"loading {contender.label}, {contender.law.value}, {contender.threads} thread(s)")
+            with _noting(rows[i]):
+                child = stack.enter_context(open_child(contender))
+                _load(child, rows[i], *store(folder, contender, particles, cells), effort)
+                children[i] = child
+        for _ in range(effort.rounds):
+            for i, child in list(children.items()):
+                if not rows[i]["message"]:
+                    with _noting(rows[i]):
+                        _turn(child, rows[i])
+        for i, child in children.items():
+            with _noting(rows[i]):
+                rows[i]["peak_mb"] = round(child.ask("memory")["peak_mb"])
+    for row in rows:
+        _summarise(row)
+    return rows
+
+
+def _blank(contender: Contender, particles: int, cells: int) -> dict[str, Any]:
+    figures = ("setup_seconds", "steps", "median_ms", "min_ms", "max_ms", "busy", "load_average", "peak_mb")
+    return {
+        "code": contender.label,
+        "law": contender.law.value,
+        "threads": contender.threads,
+        "particles": particles,
+        "cells": cells,
+        "version": "",
+        **dict.fromkeys(figures),
+        "rounds_ms": [],
+        "note": "",
+        "message": "",
+    }
+
+
+@contextlib.contextmanager
+def _noting(row: dict[str, Any]) -> Iterator[None]:
+    """A code that fails keeps its row, with the reason."""
+    try:
+        yield
+    except ChildError as error:
+        row["message"] = row["message"] or " ".join(str(error).split())
+
+
+def _load(child: Child, row: dict[str, Any], scene: str, note: str, effort: Effort) -> None:
+    """Loads, and finds out how many substeps a turn has."""
+    loaded = child.ask("load", scene=scene, dt=DT)
+    row |= {
+        "version": loaded["version"],
+        "setup_seconds": round(loaded["seconds"], 2),
+        "note": note,
+        "used": 0.0,
+    }
+    child.ask("run", steps=_MULTIPLE)  # the first steps may still allocate
+    trial = child.ask("run", steps=_MULTIPLE)
+    substep = (trial["seconds"] - trial["compile_seconds"]) / _MULTIPLE
+    if substep > effort.slowest:
+        raise ChildError(f"skipped: one substep takes {substep:.1f} s")
+    steps = max(effort.least, effort.round_seconds / substep)
+    row["steps"] = _MULTIPLE * math.ceil(steps / _MULTIPLE)
+
+
+def _turn(child: Child, row: dict[str, Any]) -> None:
+    took = child.ask("run", steps=row["steps"])
+    row["rounds_ms"].append(1e3 * (took["seconds"] - took["compile_seconds"]) / row["steps"])
+    row["setup_seconds"] = round(row["setup_seconds"] + took["compile_seconds"], 2)
+    row["used"] += took["processor_seconds"] / took["seconds"]
+    row["load_average"] = round(os.getloadavg()[0], 2)
+
+
+def _summarise(row: dict[str, Any]) -> None:
+    rounds, used = row["rounds_ms"], row.pop("used", 0.0)
+    row["rounds_ms"] = [round(value, 4) for value in rounds]
+    if rounds:
+        row |= {
+            "median_ms": round(statistics.median(rounds), 4),
+            "min_ms": round(min(rounds), 4),
+            "max_ms": round(max(rounds), 4),
+            "busy": round(used / len(rounds), 2),
+        }
+
+
+def compare(rows: list[dict[str, Any]]) -> None:
+    """Adds to each row its time over ours with as many threads: with the same law, and with our default jelly."""
+    for row in rows:
+        for name, law in (("over_ours", row["law"]), ("over_default", Material.NEO_HOOKEAN.value)):
+            base = [
+                ours["median_ms"]
+                for ours in rows
+                if ours["code"] == "ours" and ours["law"] == law and ours["threads"] == row["threads"]
+            ]
+            known = base and base[0] and row["median_ms"]
+            row[name] = round(row["median_ms"] / base[0], 3) if known else None

@@ -1,0 +1,124 @@
+"""One code in a process of its own, kept alive and driven by a line of JSON at a time.
+
+    python -m benchmarks.throughput.worker --code NAME --threads N [--kernels KERNELS]
+
+Every request is answered by one line: {"do": "load", "scene": FILE, "dt": DT}, {"do": "run", "steps": N},
+{"do": "height"}, {"do": "memory"}; of "ours" also {"do": "stages", "repeats": N} and {"do": "job", "scene": FILE,
+"safety": S}. What goes wrong is answered with "error". Imports numpy and the code's own library only, so that a
+peer may live in another interpreter. What libraries print goes to the standard error stream.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from benchmarks.peers.base import PeerScene, make_peer
+
+
+def main() -> int:
+    """Runs the command line."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.throughput.worker", description=__doc__)
+    parser.add_argument("--code", required=True, help="ours, or a name in benchmarks.peers.base.PEERS")
+    parser.add_argument("--threads", required=True, type=int)
+    parser.add_argument("--kernels", default="auto", help="of ours")
+    options = parser.parse_args()
+    answers = os.fdopen(os.dup(1), "w", buffering=1)
+    os.dup2(2, 1)
+    _restrict(options.threads)
+    worker = Worker(options.code, options.kernels)
+    for line in sys.stdin:
+        request = json.loads(line)
+        try:
+            answer = getattr(worker, request.pop("do"))(**request)
+        except Exception as error:  # whatever it is, the benchmark goes on without this code
+            answer = {"error": f"{type(error).__name__}: {error}"}
+        answers.write(json.dumps(answer) + "\n")
+    return 0
+
+
+class Worker:
+    """The requests.
+
+    Args:
+        code: "ours" or the name of a peer.
+        kernels: As in `Model`, of ours.
+    """
+
+    def __init__(self, code: str, kernels: str):
+        self._code, self._kernels = code, kernels
+        self._peer: Any = None
+
+    def load(self, scene: str, dt: float) -> dict:
+        """Imports, compiles and warms up."""
+        begun = time.perf_counter()
+        self._peer = self._make()
+        reason = self._peer.available()
+        if reason is not None:
+            return {"error": reason}
+        self._peer.load(PeerScene.load(Path(scene)), dt)
+        return {"seconds": time.perf_counter() - begun, "version": self._peer.version()}
+
+    def run(self, steps: int) -> dict:
+        """Seconds of ``steps`` substeps; of them, what compiling took, and processor seconds."""
+        compiled = getattr(self._peer, "compile_seconds", 0.0)
+        used, begun = time.process_time(), time.perf_counter()
+        self._peer.run(steps)
+        seconds, used = time.perf_counter() - begun, time.process_time() - used
+        compiled = getattr(self._peer, "compile_seconds", 0.0) - compiled
+        return {"seconds": seconds, "compile_seconds": compiled, "processor_seconds": used}
+
+    def height(self) -> dict:
+        """Height of the mass centre of equal particles [m]."""
+        return {"height": float(self._peer.x()[:, 2].mean(dtype=float))}
+
+    def memory(self) -> dict:
+        """The most memory that this process has held [MB]."""
+        return {"peak_mb": peak_mb()}
+
+    def stages(self, repeats: int) -> dict:
+        """Milliseconds per stage of ours."""
+        from benchmarks.throughput.ours import stages
+
+        return {"milliseconds": stages(self._peer, repeats)}
+
+    def job(self, scene: str, safety: float | None, frames: int) -> dict:
+        """A whole clip of ours."""
+        from benchmarks.throughput.ours import job
+
+        return job(PeerScene.load(Path(scene)), safety, frames)
+
+    def _make(self) -> Any:
+        if self._code == "ours":
+            from benchmarks.throughput.ours import Ours
+
+            return Ours(self._kernels)
+        return make_peer(self._code)
+
+
+def _restrict(threads: int) -> None:
+    """Keeps this process on ``threads`` cores: libraries' own settings do not reach all of their threads."""
+    if hasattr(os, "sched_setaffinity"):
+        cores = sorted(os.sched_getaffinity(0))
+        os.sched_setaffinity(0, cores[-threads:])
+
+
+def peak_mb() -> float:
+    """Peak resident memory [MB]. Linux' own counter first: that of getrusage outlives exec, with the parent's peak."""
+    status = Path("/proc/self/status")
+    if status.is_file():
+        for line in status.read_text().splitlines():
+            if line.startswith("VmHWM:"):
+                return int(line.split()[1]) / 1024
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (2**20 if sys.platform == "darwin" else 2**10)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
