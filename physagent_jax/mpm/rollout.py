@@ -28,7 +28,12 @@ from physagent_jax.mpm.window import fit_window
 from physagent_jax.pytree import register_dataclass
 
 MAX_RETRIES = 6  # halvings of the step before a frame is given up
+MAX_CRUSHES = (
+    3  # attempts that crush matter to nothing before a frame is given up: no step helps against that
+)
 MAX_SUBSTEPS = 100_000  # in one frame, retries included; more would look like a hang
+_LEFT = "particles left the grid window"
+_CRUSHED = "matter is crushed to nothing"
 
 
 @register_dataclass
@@ -175,8 +180,9 @@ def simulate(
             if breach is None:
                 break
             retries.append(f"{breach} at dt = {frame_dt / substeps:.3g} s")
-            tight_window = bool(health.finite) and int(health.outside) > 0
-            spent = len(retries) > MAX_RETRIES or 2 * substeps > MAX_SUBSTEPS
+            tight_window = breach == _LEFT
+            crushes = sum(_CRUSHED in reason for reason in retries)
+            spent = len(retries) > MAX_RETRIES or crushes >= MAX_CRUSHES or 2 * substeps > MAX_SUBSTEPS
             if spent or (fixed and not tight_window):
                 raise _hopeless(index, retries, fixed)
             if tight_window:
@@ -235,7 +241,10 @@ def _hopeless(index: int, retries: list[str], fixed: bool) -> UserError:
         )
     return UserError(
         f"frame {index} cannot be simulated: {'; '.join(retries)}",
-        do="Use a stiffer material, a weaker force, or a finer grid",
+        do="Use a stiffer material, a weaker force, or a finer grid"
+        + (
+            "; of the elastic laws, neo-hookean resists being crushed most" if _CRUSHED in retries[-1] else ""
+        ),
     )
 
 
@@ -251,10 +260,13 @@ def _breach(model: Model, after: State, health: Health, fixed: bool) -> str | No
     """Why the frame cannot be trusted, or None."""
     if not bool(health.finite):
         return f"a value is not finite (the least det F is {float(health.min_J):.3g})"
-    if float(health.min_J) <= 0:
-        return f"matter is turned inside out (det F = {float(health.min_J):.3g})"
     if int(health.outside) > 0:
-        return "particles left the grid window"
+        return _LEFT
+    min_J = float(health.min_J)
+    if abs(min_J) < jnp.finfo(health.min_J.dtype).eps:
+        return f"{_CRUSHED} (det F = {min_J:.3g})"
+    if min_J <= 0:
+        return f"matter is turned inside out (det F = {min_J:.3g})"
     if float(health.min_increment) <= 0:
         return f"a substep turns matter inside out (det(I + dt grad v) = {float(health.min_increment):.3g})"
     cells = float(health.max_speed) * float(model.dt) / model.grid.dx

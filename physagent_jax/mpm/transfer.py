@@ -184,9 +184,9 @@ def watch(wall: int, grid: Grid, x, v, F, strain) -> Watch:
     speed = jnp.sqrt(jnp.where(finite, (v**2).sum(-1), 0.0).max())
     low, high = wall * grid.dx, (grid.cells - wall) * grid.dx
     beyond = ((x < low) | (x > high)).any(-1).sum(dtype=jnp.int32)
-    return Watch(
-        *(sane_J.min(), sane_J.max(), sane_increment.min(), speed, finite.all()), outside(x, grid), beyond
-    )
+    within = jnp.clip(x, low, high)  # where the walls will stop them
+    extremes = sane_J.min(), sane_J.max(), sane_increment.min(), speed, finite.all()
+    return Watch(*extremes, outside(within, grid), beyond)
 
 
 def outside(x: jax.Array, grid: Grid) -> jax.Array:

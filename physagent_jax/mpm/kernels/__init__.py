@@ -51,6 +51,7 @@ def use_cpu(kernels: Kernels | None = None) -> bool:
 
 def compiled():
     """The module of the CPU kernels, which needs Numba."""
+    _numba_missing()  # imports it so that compiled code is kept
     return importlib.import_module("physagent_jax.mpm.kernels.cpu")
 
 
@@ -73,7 +74,9 @@ def _missing() -> str:
 @cache
 def _numba_missing() -> str:
     try:
-        importlib.import_module("physagent_jax.mpm.kernels.handlers")
+        store = importlib.import_module("physagent_jax.mpm.kernels.store")
+        with store.kept():
+            importlib.import_module("physagent_jax.mpm.kernels.handlers")
     except ImportError as error:
         log.warning("the CPU kernels are not available (%s): pure JAX takes about ten times as long", error)
         return str(error)

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 from numba import cfunc, njit
 
-from physagent_jax.mpm.kernels import ffi
+from physagent_jax.mpm.kernels import ffi, store
 from physagent_jax.mpm.kernels.svd import polar, svd
 from physagent_jax.mpm.kernels.threads import thread_count
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
@@ -21,7 +21,9 @@ def handler(kernel: str, precision: str) -> str:
     """Name under which XLA can call "p2g", "g2p", "svd" or "polar" in "float32" or "float64"."""
     thread_count()  # starts the threads: compiled code from the disk asks for them as it is loaded
     name = f"physagent_{kernel}_{precision}"
-    ffi.register(name, cfunc(ffi.HANDLER, cache=True)(_HANDLERS[kernel, precision]))
+    with store.kept():
+        function = cfunc(ffi.HANDLER, cache=True)(_HANDLERS[kernel, precision])
+    ffi.register(name, function)
     return name
 
 

@@ -203,7 +203,7 @@ def gather(
             fastest = max(fastest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
         else:
             strange += 1
-        outside += leaves(new_x, p, origin, dx, shape)
+        outside += leaves(new_x, p, origin, dx, low, high, shape)
         beyond += passes(new_x, p, low, high)
     watch[0], watch[1], watch[2], watch[3] = least_J, most_J, least_increment, np.sqrt(fastest)
     watch[4], watch[5], watch[6] = like(strange, dx), like(outside, dx), like(beyond, dx)
@@ -259,10 +259,11 @@ def place(x, p, origin, dx, shape):
 
 
 @njit(**INLINE)
-def leaves(x, p, origin, dx, shape):
-    """1 if the stencil is not wholly inside the window, else 0."""
+def leaves(x, p, origin, dx, low, high, shape):
+    """1 if the stencil is not wholly inside the window, once the walls have stopped the particle, else 0."""
     for d in range(3):
-        b = int(np.floor(x[p, d] / dx - like(0.5, dx))) - origin[d]
+        within = min(max(x[p, d], low), high)
+        b = int(np.floor(within / dx - like(0.5, dx))) - origin[d]
         if b < 0 or b + 3 > shape[d]:
             return 1
     return 0
