@@ -50,6 +50,7 @@ def document(result: dict, json_path: Path, target: Path) -> str:
         figures = [len(section["rows"]), *(counts.get(verdict, 0) for verdict in ("pass", "refused", "FAIL"))]
         origin = f"`{section['command']}`; {section['machine']}; {section['git_revision']}"
         part = part if section["complete"] else f"{part} (stopped before its end)"
+        origin += f". {section['remark']}" if "remark" in section else ""
         text += f"| {part} | {' | '.join(map(str, figures))} | {section['seconds']} | {origin} |\n"
     absent = [part for part in PARTS if part not in result]
     if absent:
