@@ -78,6 +78,6 @@ def _numba_missing() -> str:
         with store.kept():
             importlib.import_module("physagent_jax.mpm.kernels.handlers")
     except ImportError as error:
-        log.warning("the CPU kernels are not available (%s): pure JAX takes about ten times as long", error)
+        log.warning("the CPU kernels are not available (%s): pure JAX serves, several times slower", error)
         return str(error)
     return ""
