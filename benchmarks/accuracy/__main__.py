@@ -22,7 +22,7 @@ from benchmarks.accuracy.peers import theirs
 from benchmarks.accuracy.study import NEAR_BOUND, REFERENCE_DT, Row, ours, rule_words, work_precision
 from benchmarks.cases.catalogue import CASES, EXPENSIVE, STUDIED, Studied
 from benchmarks.machine import circumstances
-from benchmarks.peers.base import make_peer
+from benchmarks.peers.base import Found, find
 from physagent_jax.mpm.timestep import CLASSICAL_SHARE
 from physagent_jax.output.files import write_text
 
@@ -86,21 +86,17 @@ def _verification(command: Command):
             yield ours(verified.case, verified.note, numerics, judged=True)
 
 
-def _peers() -> tuple[dict[str, str], list[str]]:
-    """Version of each peer, or why it cannot run here; and the names of those that can."""
-    words, usable = {}, []
-    for name in _PEERS:
-        peer = make_peer(name)
-        reason = peer.available()
-        words[name] = reason or peer.version()
-        if reason is None:
-            usable.append(name)
-        else:
-            console.print(f"peer {name} is left out: {reason}")
-    return words, usable
+def _peers() -> tuple[dict[str, str], dict[str, Found]]:
+    """Version of each peer, or why it cannot run; and where those are that can."""
+    found = {name: find(name) for name in _PEERS}
+    for name, where in found.items():
+        if where.reason:
+            console.print(f"peer {name} is left out: {where.reason}")
+    words = {name: where.reason or where.version for name, where in found.items()}
+    return words, {name: where for name, where in found.items() if where.reason is None}
 
 
-def _studies(command: Command, peers: list[str]):
+def _studies(command: Command, peers: dict[str, Found]):
     """(row, the error that it is about) of every studied case."""
     for studied in STUDIED:
         if command.only in studied.case.name:
@@ -108,16 +104,18 @@ def _studies(command: Command, peers: list[str]):
                 yield row, studied.error
 
 
-def _study(studied: Studied, command: Command, peers: list[str]):
+def _study(studied: Studied, command: Command, peers: dict[str, Found]):
     """Rows of one case: ours, and each peer at two steps where ours is near the bound."""
     case, repeats = studied.case, 1 if command.quick else command.repeats
     resolutions = studied.resolutions[:2] if command.quick else studied.resolutions
     for label, numerics in work_precision(resolutions, studied.base):
         yield ours(case, label, numerics, repeats=repeats)
         if label == rule_words(NEAR_BOUND):
-            for name in peers:
+            for name, found in peers.items():
                 for rule in (_PEER_STEP, ("fixed", REFERENCE_DT)):
-                    yield theirs(case, rule_words(rule), dataclasses.replace(numerics, step=rule), name)
+                    yield theirs(
+                        case, rule_words(rule), dataclasses.replace(numerics, step=rule), name, found
+                    )
 
 
 def _shown(row: Row, primary: str | None = None) -> dict:

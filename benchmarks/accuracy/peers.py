@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.accuracy.study import Row, judge, row_of
 from benchmarks.cases.base import Case, Numerics, Problem, Signal
 from benchmarks.peers.base import Contact as PeerContact
-from benchmarks.peers.base import Material, PeerScene, Plane, drive, make_peer
+from benchmarks.peers.base import Found, Material, PeerScene, Plane, drive, make_peer, run_in
 from physagent_jax.mpm import DomainBox, FixedCorotated, HalfSpace, NeoHookean
 
 
@@ -59,24 +59,25 @@ def peer_scene(problem: Problem) -> PeerScene:
     )
 
 
-def theirs(case: Case, label: str, numerics: Numerics, peer_name: str) -> Row:
-    """One run of a peer, judged as ours is."""
+def theirs(case: Case, label: str, numerics: Numerics, name: str, found: Found) -> Row:
+    """One run of a peer where it was ``found``, judged as ours is."""
     problem = case.problem(numerics)
-    failed, errors, wall, setup = "", {}, float("nan"), float("nan")
+    failed, errors, walls, setup = "", {}, (), float("nan")
     try:
-        done = drive(make_peer(peer_name), peer_scene(problem), problem.dt, problem.steps, problem.every)
+        request = (peer_scene(problem), problem.dt, problem.steps, problem.every)
+        done = run_in(found.python, name, *request) if found.python else drive(make_peer(name), *request)
     except (NotImplementedError, RuntimeError) as error:
         failed = f"{type(error).__name__}: {error}"
     else:
-        wall, setup = float(done.seconds.sum()), done.setup_seconds
+        walls, setup = (float(done.seconds.sum()),), done.setup_seconds
         nothing = np.zeros((len(done.x[0]), 3, 3))
         values = np.stack(
             [np.atleast_1d(problem.observe(x, v, nothing, nothing)) for x, v in zip(done.x[1:], done.v[1:])]
         )
         last = (done.x[-1], done.v[-1], nothing, nothing)
-        signal = Signal(done.steps[1:] * problem.dt, np.asarray(values, float), wall, setup, last)
+        signal = Signal(done.steps[1:] * problem.dt, np.asarray(values, float), walls, setup, last)
         if np.isfinite(signal.values).all():
             errors, failed = judge(case, problem, signal)
         else:
             failed = "not finite"
-    return row_of(case, peer_name, label, problem, numerics, wall, setup, errors, failed)
+    return row_of(case, name, label, problem, numerics, walls, setup, errors, failed)

@@ -27,7 +27,8 @@ class Row:
         resolution: Cells along the case's length.
         particles, steps: Sizes.
         dt, dt_over_bound: Substep [s], and over the MLS bound of the isolated particle.
-        wall, compile: Wall time of the run and of compilation [s].
+        wall, compile: Wall time of the run (the median of several) and of compilation [s].
+        wall_range: The shortest and the longest run [s]; empty if it failed.
         errors: By name.
         bars: Largest acceptable errors; empty where the numerics are not the ones they hold for.
         reference: Whether this is the fixed step of 2e-4 s.
@@ -43,6 +44,7 @@ class Row:
     dt: float
     dt_over_bound: float
     wall: float
+    wall_range: tuple[float, ...]
     compile: float
     errors: dict[str, float]
     bars: dict[str, float]
@@ -92,7 +94,7 @@ def ours(case: Case, label: str, numerics: Numerics, *, repeats: int = 1, judged
         errors, failed = ({}, "not finite")
         if finite:
             errors, failed = judge(case, problem, signal)
-        row = row_of(case, "ours", label, problem, numerics, signal.wall, signal.compile, errors, failed)
+        row = row_of(case, "ours", label, problem, numerics, signal.walls, signal.compile, errors, failed)
         if judged and not failed:
             row = dataclasses.replace(row, bars=case.bars(numerics))
     jax.clear_caches()
@@ -114,7 +116,7 @@ def row_of(
     label: str,
     problem: Problem,
     numerics: Numerics,
-    wall: float,
+    walls: tuple[float, ...],
     compile_seconds: float,
     errors: dict[str, float],
     failed: str,
@@ -130,7 +132,8 @@ def row_of(
         steps=problem.steps,
         dt=problem.dt,
         dt_over_bound=problem.dt / float(stable_dt(mls, problem.state)),
-        wall=wall,
+        wall=float(np.median(walls)) if walls else float("nan"),
+        wall_range=(min(walls), max(walls)) if walls else (),
         compile=compile_seconds,
         errors=errors,
         bars={},

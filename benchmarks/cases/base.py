@@ -85,14 +85,14 @@ class Signal:
     """What was watched: ``t`` [s] of shape (s,), ``values`` of shape (s, k), without the initial state.
 
     Attributes:
-        wall: Wall time of the run, compilation excluded [s]; the median if run several times.
+        walls: Wall time of each run, compilation excluded [s].
         compile: Wall time of compilation [s].
         final: The last x, v, C, F.
     """
 
     t: np.ndarray
     values: np.ndarray
-    wall: float
+    walls: tuple[float, ...]
     compile: float
     final: tuple
 
@@ -133,7 +133,7 @@ class Case(Protocol):
 
 
 def run(problem: Problem, repeats: int = 1) -> Signal:
-    """Runs a problem on our simulator; the first run is compiled beforehand, the median of ``repeats`` is timed."""
+    """Runs a problem on our simulator; the first run is compiled beforehand, and ``repeats`` of them are timed."""
 
     def sample(state, _):
         state = jax.lax.fori_loop(0, problem.every, lambda _, s: step(problem.model, s), state)
@@ -152,7 +152,7 @@ def run(problem: Problem, repeats: int = 1) -> Signal:
     values = np.asarray(values, np.float64)
     t = problem.dt * problem.every * (1 + np.arange(len(values)))
     final = tuple(np.asarray(leaf) for leaf in (state.x, state.v, state.C, state.F))
-    return Signal(t, values.reshape(len(values), -1), float(np.median(walls)), compile_seconds, final)
+    return Signal(t, values.reshape(len(values), -1), tuple(walls), compile_seconds, final)
 
 
 def check(case: Case, numerics: Numerics) -> dict[str, float]:

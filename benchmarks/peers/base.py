@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import importlib
 import json
+import math
 import os
 import subprocess
 import sys
@@ -33,6 +34,9 @@ PYTHON_VARIABLE = "PEER_PYTHON"
 """Environment variable with the interpreter that `run_in` uses if none is given."""
 
 
+_ROOT = Path(__file__).resolve().parents[2]
+
+
 class Peer(Protocol):
     """A simulator that can run a `PeerScene`.
 
@@ -49,8 +53,13 @@ class Peer(Protocol):
         """Name, version and device of the library that does the work."""
         ...
 
-    def load(self, scene: PeerScene, dt: float) -> None:
+    def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
         """Prepares ``scene`` with a fixed substep ``dt`` [s]; afterwards it is at step 0 and warm.
+
+        Args:
+            scene: What to simulate.
+            dt: Substep [s].
+            granule: `run` will be asked for multiples of this; 0 = for multiples of what suits the peer.
 
         Raises:
             NotImplementedError: The peer has no counterpart for something in the scene.
@@ -88,6 +97,37 @@ def make_peer(name: str) -> Peer:
         raise ValueError(f"there is no peer {name!r}; there are {', '.join(PEERS)}.")
     module, cls = PEERS[name]
     return getattr(importlib.import_module(module), cls)()
+
+
+@dataclasses.dataclass(frozen=True)
+class Found:
+    """Where a peer can run.
+
+    Attributes:
+        python: The interpreter; None = this one.
+        version: As `Peer.version`; empty if it cannot run.
+        reason: Why it cannot run anywhere, or None.
+    """
+
+    python: str | None
+    version: str
+    reason: str | None
+
+
+def find(name: str) -> Found:
+    """Looks for a peer in this interpreter, then in the one that the environment variable ``PEER_PYTHON`` names."""
+    peer = make_peer(name)
+    reason = peer.available()
+    if reason is None:
+        return Found(None, peer.version(), None)
+    python = os.environ.get(PYTHON_VARIABLE)
+    if not python:
+        return Found(None, "", reason)
+    command = [python, "-m", "benchmarks.peers.serve", "--peer", name]
+    asked = subprocess.run(command, cwd=_ROOT, capture_output=True, text=True)
+    if asked.returncode != 0:
+        return Found(None, "", (asked.stderr or asked.stdout).strip().splitlines()[-1])
+    return Found(python, asked.stdout.strip().splitlines()[-1], None)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -139,7 +179,7 @@ def drive(peer: Peer, scene: PeerScene, dt: float, steps: int, sample_every: int
         raise RuntimeError(f"{peer.name} cannot run in {sys.executable}: {reason}")
     sample_every = sample_every or steps
     begin = time.perf_counter()
-    peer.load(scene, dt)
+    peer.load(scene, dt, math.gcd(steps, sample_every))
     setup = time.perf_counter() - begin
     samples = [(0, peer.x(), peer.v())]
     seconds = []
@@ -186,7 +226,7 @@ def run_in(
         command += ["--sample-every", str(sample_every or steps)]
         result = subprocess.run(
             command,
-            cwd=Path(__file__).resolve().parents[2],
+            cwd=_ROOT,
             env={**os.environ, **(environment or {})},
             capture_output=True,
             text=True,

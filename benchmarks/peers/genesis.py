@@ -21,6 +21,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
+import math
 import os
 from typing import Any
 
@@ -35,8 +36,8 @@ class GenesisMPM:
     """Runs a `PeerScene` with Genesis; on a CPU with ``QD_NUM_THREADS`` threads, one by default.
 
     Args:
-        substeps: Substeps per call of Genesis' step, whose overhead in Python they share; `run` takes
-            multiples of it.
+        substeps: Substeps per call of Genesis' step, whose overhead in Python they share; fewer where `load`
+            is asked for a granule that it does not divide. `run` takes multiples of it.
     """
 
     name = "genesis"
@@ -59,7 +60,7 @@ class GenesisMPM:
         device = "cuda" if _has_cuda() else f"cpu with {threads} thread(s)"
         return f"genesis-world {importlib.metadata.version('genesis-world')} on {device}"
 
-    def load(self, scene: PeerScene, dt: float) -> None:
+    def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
         """Builds the scene, compiles it by one call of Genesis' step, and puts the particles back.
 
         Raises:
@@ -68,7 +69,7 @@ class GenesisMPM:
         reason = unsupported(scene)
         if reason is not None:
             raise NotImplementedError(f"Genesis: {reason}")
-        self._scene = scene
+        self._scene, self.substeps = scene, math.gcd(self.substeps, granule)
         self._build(dt)
         self._place()
         self._world.step()

@@ -35,7 +35,7 @@ class JaxNaive:
 
         return f"jax {importlib.metadata.version('jax')} on {jax.default_backend()}"
 
-    def load(self, scene: PeerScene, dt: float) -> None:
+    def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
         """Uploads the scene, compiles the substep and takes one on trial.
 
         Raises:

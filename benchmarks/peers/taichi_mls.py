@@ -46,7 +46,7 @@ class TaichiMLS:
         threads = self.threads or os.environ.get(_THREADS_VARIABLE) or _cores()
         return f"taichi {importlib.metadata.version('taichi')} on cpu with {threads} thread(s)"
 
-    def load(self, scene: PeerScene, dt: float) -> None:
+    def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
         """Compiles the kernels for the scene, takes one trial substep, and puts the particles back."""
         ti = _taichi()
         threads = {} if self.threads is None else {"cpu_max_num_threads": self.threads}

@@ -44,7 +44,7 @@ class WarpClassical:
         """Warp's version and the device."""
         return f"warp-lang {_warp().__version__} on {self._pick_device()}"
 
-    def load(self, scene: PeerScene, dt: float) -> None:
+    def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
         """Uploads the scene, compiles the kernels and takes one trial substep."""
         wp = _warp()
         from benchmarks.peers import _warp_kernels as kernels
