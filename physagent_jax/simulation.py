@@ -86,18 +86,11 @@ def frames(scene: Scene) -> Iterator[Frame]:
 
 def splats_at(scene: Scene, frame: Frame) -> Splats:
     """The Gaussians of one frame."""
-    x, F = _in_body_order(scene, frame.state.x), _in_body_order(scene, frame.state.F)
+    x, F = frame.state.x[scene.back], frame.state.F[scene.back]
     return _deform(scene.body.cloud, scene.body.binding, x, F, scene.body.placement.rotation)
 
 
 _deform = jax.jit(deform)
-
-
-def _in_body_order(scene: Scene, values: jax.Array) -> jax.Array:
-    """Model particles are grouped by material; the binding counts them as the body does."""
-    if np.array_equal(scene.order, np.arange(len(scene.order))):
-        return values
-    return values[np.argsort(scene.order)]
 
 
 class _Shots:

@@ -19,7 +19,7 @@ _STYLES = {
     "PIC": ("#999999", "D"),
     "float64": ("#000000", "P"),
 }
-_PEER = ("#E69F00", "*")
+_PEERS = {"warp_classical": ("#E69F00", "*"), "genesis": ("#7F3C8D", "h")}
 
 
 def plot(rows: list[dict], primary: dict[str, str], path: Path) -> None:
@@ -37,7 +37,7 @@ def plot(rows: list[dict], primary: dict[str, str], path: Path) -> None:
                 for row in mine
                 if (row["code"], row["label"]) == label
             )
-            color, marker = _STYLES.get(label[1], _PEER) if label[0] == "ours" else _PEER
+            color, marker = _STYLES[label[1]] if label[0] == "ours" else _PEERS[label[0]]
             name = label[1] if label[0] == "ours" else f"{label[0]}, {label[1]}"
             style = "-" if label[0] == "ours" else ("--" if "fixed" in label[1] else ":")
             (line,) = axis.loglog(

@@ -188,6 +188,11 @@ class PeerScene:
         E, nu = self.youngs_modulus, self.poissons_ratio
         return E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
 
+    def take(self, order: np.ndarray) -> PeerScene:
+        """The same particles in another order, shape (n,)."""
+        arrays = {name: value for name, value in vars(self).items() if isinstance(value, np.ndarray)}
+        return dataclasses.replace(self, **{name: value[order] for name, value in arrays.items()})
+
     def save(self, path: Path) -> None:
         """Writes the scene to an npz file."""
         arrays, rest = {}, {}

@@ -20,15 +20,17 @@ _HEAD = """# Throughput
 What a substep and a job cost, measured; every row is in [{name}]({link}), written by `python -m
 benchmarks.throughput`.
 
-The scene: a 0.6 m cube of uniformly random, unsorted particles in a domain of 2 m, E = 1e5 Pa, nu = 0.3, 1000
-kg/m^3, falls at 1 m/s from 4 mm above a sticky floor at z = 0.2 m; walls around; {cells} cells along the domain unless
-the table says otherwise; substep {dt:g} s; float32. All codes get the same particles. Each code lives in a process of
-its own, kept on as many cores as it has threads; the processes take turns, round after round, so that a change of the
-machine's mood meets all. A turn takes about a second or longer, so that a fast code gets further into the motion than
-a slow one. Figures are the median over the rounds of warm substeps, with the fastest and slowest round; compilation is
-in the column set-up (codes that keep compiled kernels on disk may have found them there). "x ours": time over ours
-with as many threads and the same law; "x default": over our default jelly (neo-Hookean) with as many threads, which is
-what a user gets who takes each code's default (peers: fixed corotated). "busy cores": processor time over wall time.
+The scene: a 0.6 m cube of uniformly random, unsorted particles in a domain of 2 m, E = 1e5 Pa, nu = 0.3, 1000 kg/m^3,
+falls at 1 m/s from 4 mm above a sticky floor at z = 0.2 m; walls around; {cells} cells along the domain unless the
+table says otherwise; substep {dt:g} s; float32. All codes get the same particles in the same order. Ours sorts them
+by cell as it loads, as compiling a scene does (time in the column set-up); "unsorted" does not. Each code lives in a
+process of its own, kept on as many cores as it has threads; the processes take turns, round after round, so that a
+change of the machine's mood meets all. A turn takes about a second or longer, so that a fast code gets further into
+the motion than a slow one. Figures are the median over the rounds of warm substeps, with the fastest and slowest
+round; compilation is in the column set-up (codes that keep compiled kernels on disk may have found them there). "x
+ours": time over ours with as many threads and the same law; "x default": over our default jelly (neo-Hookean) with as
+many threads, which is what a user gets who takes each code's default (peers: fixed corotated). "busy cores":
+processor time over wall time.
 
 Laws are the same to the letter (`benchmarks/peers/scene.py`), with two exceptions: our sand also corrects the volume
 that it gained in tension, which the peers' does not; and Warp has the classical stress form, the others MLS.

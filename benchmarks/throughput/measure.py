@@ -33,17 +33,20 @@ class Contender:
         law: What it simulates.
         threads: Cores it may use.
         kernels: As in `Model`, of ours.
+        sort: Whether ours sorts the particles first, as it does when a scene is compiled.
     """
 
     code: str
     law: Material
     threads: int
     kernels: Literal["auto", "reference"] = "auto"
+    sort: bool = True
 
     @property
     def label(self) -> str:
         """As tables name it."""
-        return f"{self.code}, reference path" if self.kernels == "reference" else self.code
+        special = ", reference path" if self.kernels == "reference" else "" if self.sort else ", unsorted"
+        return self.code + special
 
 
 @dataclasses.dataclass(frozen=True)
@@ -106,6 +109,7 @@ def open_child(contender: Contender) -> Iterator[Child]:
     elsewhere = os.environ.get(PYTHON_VARIABLE) if contender.code == "genesis" else None
     command = [elsewhere or sys.executable, "-m", "benchmarks.throughput.worker", "--code", contender.code]
     command += ["--threads", str(contender.threads), "--kernels", contender.kernels]
+    command += [] if contender.sort else ["--unsorted"]
     threads = {name: str(contender.threads) for name in _THREAD_VARIABLES}
     with tempfile.TemporaryFile("w+") as complaints:
         process = subprocess.Popen(

@@ -87,7 +87,10 @@ QUICK = Sizes(
 def materials(sizes: Sizes, tell: Tell) -> Iterator[Rows]:
     """Law by law at one size, with one thread and with all."""
     ours = [Contender("ours", law, n) for law in (DEFAULT, Material.JELLY) for n in sizes.threads]
-    slow = [Contender("ours", DEFAULT, sizes.most_threads, "reference")]
+    slow = [
+        Contender("ours", DEFAULT, sizes.most_threads, "reference"),
+        Contender("ours", DEFAULT, sizes.most_threads, sort=False),
+    ]
     yield _group("jelly", [*ours, *slow, *_peers(Material.JELLY, sizes)], sizes.main, sizes, tell)
     for law in (DEFAULT, *sizes.laws):
         mine = [Contender("ours", law, n) for n in sizes.threads]

@@ -1,6 +1,6 @@
 """One code in a process of its own, kept alive and driven by a line of JSON at a time.
 
-    python -m benchmarks.throughput.worker --code NAME --threads N [--kernels KERNELS]
+    python -m benchmarks.throughput.worker --code NAME --threads N [--kernels KERNELS] [--unsorted]
 
 Every request is answered by one line: {"do": "load", "scene": FILE, "dt": DT}, {"do": "run", "steps": N},
 {"do": "height"}, {"do": "memory"}; of "ours" also {"do": "stages", "repeats": N} and {"do": "job", "scene": FILE,
@@ -28,11 +28,12 @@ def main() -> int:
     parser.add_argument("--code", required=True, help="ours, or a name in benchmarks.peers.base.PEERS")
     parser.add_argument("--threads", required=True, type=int)
     parser.add_argument("--kernels", default="auto", help="of ours")
+    parser.add_argument("--unsorted", action="store_true", help="ours takes the particles as they come")
     options = parser.parse_args()
     answers = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)
     _restrict(options.threads)
-    worker = Worker(options.code, options.kernels)
+    worker = Worker(options.code, options.kernels, not options.unsorted)
     for line in sys.stdin:
         request = json.loads(line)
         try:
@@ -49,10 +50,11 @@ class Worker:
     Args:
         code: "ours" or the name of a peer.
         kernels: As in `Model`, of ours.
+        sort: As in `Ours`.
     """
 
-    def __init__(self, code: str, kernels: str):
-        self._code, self._kernels = code, kernels
+    def __init__(self, code: str, kernels: str, sort: bool):
+        self._code, self._kernels, self._sort = code, kernels, sort
         self._peer: Any = None
 
     def load(self, scene: str, dt: float) -> dict:
@@ -98,7 +100,7 @@ class Worker:
         if self._code == "ours":
             from benchmarks.throughput.ours import Ours
 
-            return Ours(self._kernels)
+            return Ours(self._kernels, self._sort)
         return make_peer(self._code)
 
 

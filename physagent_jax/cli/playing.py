@@ -5,8 +5,6 @@ from __future__ import annotations
 import warnings
 from pathlib import Path
 
-import numpy as np
-
 from physagent_jax.cli.console import warn
 from physagent_jax.output.files import check_writable, write_text
 from physagent_jax.output.motion_file import write_motion
@@ -52,6 +50,5 @@ def play_scene(
         if save_frames:
             write_frames(out / "frames", recording.rgb)
         if save_splats:
-            back = np.argsort(scene.order)
-            write_splat_frames(out / "splats", body, recording.x[:, back], recording.F[:, back])
+            write_splat_frames(out / "splats", body, recording.x[:, scene.back], recording.F[:, scene.back])
     return recording.record, watch.stages()

@@ -63,11 +63,10 @@ def write_best(store: RunStore, index: int, body: Body, *, save_frames: bool, sa
 def motion_of(scene: Scene, recording: Recording) -> Motion:
     """The recording as a motion file's contents, particles in the body's order."""
     body, cloud = scene.body, scene.body.cloud
-    back = np.argsort(scene.order)
     return Motion(
         times=np.arange(len(recording.x)) * scene.config.timing.frame_dt,
-        x=recording.x[:, back],
-        F=recording.F[:, back],
+        x=recording.x[:, scene.back],
+        F=recording.F[:, scene.back],
         binding_indices=np.asarray(body.binding.indices),
         binding_weights=np.asarray(body.binding.weights),
         binding_offsets=np.asarray(body.binding.offsets),

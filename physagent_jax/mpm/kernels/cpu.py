@@ -72,25 +72,63 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.
 
 def svd(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     """As `linalg.svd`, of any number of matrices, shape (..., 3, 3)."""
-    count, matrices = F.size // 9, _batch(F)
-    shapes = (matrices.shape, matrices.shape[:2], matrices.shape)
+    matrices, count = F.reshape(-1, 3, 3), F.size // 9
+    s, basis = decompose(matrices)
+    # The last batch begins before the one before it ends.
+    batches = basis.shape[0]
+    rows = jnp.moveaxis(basis, -1, 1).reshape(batches * PARTICLES, 18)
+    repeated = batches * PARTICLES - s.shape[-1]
+    last = rows[(batches - 1) * PARTICLES + repeated :]
+    rows = jnp.concatenate([rows[: (batches - 1) * PARTICLES], last])[:count]
+    U, V = (jnp.swapaxes(part.reshape(F.shape), -1, -2) for part in (rows[:, :9], rows[:, 9:]))
+    return U, s[:, :count].T.reshape(F.shape[:-1]), V
+
+
+def decompose(F: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Singular values, shape (3, n), and the frames as `compose` takes them, of n matrices.
+
+    Where there are fewer than a kernel takes at a time, zeros are added.
+    """
+    matrices = _batch(F)
+    count = matrices.shape[0]
+    results = (
+        jax.ShapeDtypeStruct((3, count), F.dtype),
+        jax.ShapeDtypeStruct((-(-count // PARTICLES), 18, PARTICLES), F.dtype),
+    )
+    call = jax.ffi.ffi_call(handler("decompose", F.dtype.name), results, vmap_method="sequential")
+    s, basis = call(matrices, _control(F.dtype))
+    return s, basis
+
+
+def compose(
+    basis: jax.Array, F: jax.Array, change: jax.Array | None, spatial: jax.Array | None
+) -> tuple[jax.Array, jax.Array]:
+    """F + U diag(change) V^T and U diag(spatial) U^T; what is None makes its result empty.
+
+    Args:
+        basis: From `decompose`.
+        F: Shape (n, 3, 3).
+        change: Shape (n, 3).
+        spatial: Shape (n, 3).
+    """
+    count, matrices = F.shape[0], _batch(F)
+    nothing = jnp.zeros((0, 3), F.dtype)
+
+    def padded(diagonal):
+        return (
+            nothing if diagonal is None else jnp.pad(diagonal, ((0, matrices.shape[0] - count), (0, 0)))
+        ).T
+
+    shapes = ((0, 3, 3) if diagonal is None else matrices.shape for diagonal in (change, spatial))
     results = tuple(jax.ShapeDtypeStruct(shape, F.dtype) for shape in shapes)
-    call = jax.ffi.ffi_call(handler("svd", F.dtype.name), results, vmap_method="sequential")
-    U, s, V = call(matrices, _control(F.dtype))
-    return U[:count].reshape(F.shape), s[:count].reshape(F.shape[:-1]), V[:count].reshape(F.shape)
-
-
-def polar(F: jax.Array) -> jax.Array:
-    """As `linalg.polar_rotation`, of any number of matrices, shape (..., 3, 3)."""
-    count, matrices = F.size // 9, _batch(F)
-    result = jax.ShapeDtypeStruct(matrices.shape, F.dtype)
-    call = jax.ffi.ffi_call(handler("polar", F.dtype.name), result, vmap_method="sequential")
-    return call(matrices, _control(F.dtype))[:count].reshape(F.shape)
+    call = jax.ffi.ffi_call(handler("compose", F.dtype.name), results, vmap_method="sequential")
+    new_F, tau = call(basis, matrices, padded(change), padded(spatial), _control(F.dtype))
+    return new_F[:count], tau[:count]
 
 
 def _batch(F: jax.Array) -> jax.Array:
-    """The matrices in one row, at least as many as the kernels take at a time."""
-    return jnp.pad(F.reshape(-1, 3, 3), ((0, max(0, PARTICLES - F.size // 9)), (0, 0), (0, 0)))
+    """The matrices, and zeros so that they are at least as many as the kernels take at a time."""
+    return jnp.pad(F, ((0, max(0, PARTICLES - F.shape[0])), (0, 0), (0, 0)))
 
 
 def _control(dtype) -> jax.Array:

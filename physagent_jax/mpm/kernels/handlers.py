@@ -11,18 +11,19 @@ import numpy as np
 from numba import cfunc, njit
 
 from physagent_jax.mpm.kernels import ffi, store
-from physagent_jax.mpm.kernels.svd import polar, svd
+from physagent_jax.mpm.kernels.lanes import PARTICLES
+from physagent_jax.mpm.kernels.svd import compose, decompose
 from physagent_jax.mpm.kernels.threads import thread_count
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
 
 
 @cache
 def handler(kernel: str, precision: str) -> str:
-    """Name under which XLA can call "p2g", "g2p", "svd" or "polar" in "float32" or "float64"."""
+    """Name under which XLA can call "p2g", "g2p", "decompose" or "compose" in "float32" or "float64"."""
     thread_count()  # starts the threads: compiled code from the disk asks for them as it is loaded
     name = f"physagent_{kernel}_{precision}"
     with store.kept():
-        function = cfunc(ffi.HANDLER, cache=True)(_HANDLERS[kernel, precision])
+        function = cfunc(ffi.HANDLER, cache=True)(_entry(_KERNELS[kernel], getattr(np, precision)))
     ffi.register(name, function)
     return name
 
@@ -93,80 +94,35 @@ def _g2p(frame, number):
 
 
 @njit(cache=True)
-def _svd(frame, number):
-    control = ffi.flat(ffi.operand(frame, 1), np.int32)
-    svd(
-        ffi.flat(ffi.operand(frame, 0), number),
-        control[0],
+def _decompose(frame, number):
+    control, s, basis = ffi.flat(ffi.operand(frame, 1), np.int32), ffi.result(frame, 0), ffi.result(frame, 1)
+    batches = ffi.flat(basis, number).reshape(ffi.extent(basis, 0), 18, PARTICLES)
+    decompose(ffi.flat(ffi.operand(frame, 0), number), control[0], _table(s, number), batches, control[1])
+
+
+@njit(cache=True)
+def _compose(frame, number):
+    basis, control = ffi.operand(frame, 0), ffi.flat(ffi.operand(frame, 4), np.int32)
+    compose(
+        ffi.flat(basis, number).reshape(ffi.extent(basis, 0), 18, PARTICLES),
+        ffi.flat(ffi.operand(frame, 1), number),
+        _table(ffi.operand(frame, 2), number),
+        _table(ffi.operand(frame, 3), number),
         ffi.flat(ffi.result(frame, 0), number),
         ffi.flat(ffi.result(frame, 1), number),
-        ffi.flat(ffi.result(frame, 2), number),
         control[1],
     )
 
 
-@njit(cache=True)
-def _polar(frame, number):
-    control = ffi.flat(ffi.operand(frame, 1), np.int32)
-    F, R = ffi.flat(ffi.operand(frame, 0), number), ffi.flat(ffi.result(frame, 0), number)
-    polar(F, control[0], R, control[1])
+_KERNELS = {"p2g": _p2g, "g2p": _g2p, "decompose": _decompose, "compose": _compose}
 
 
-def _p2g_float32(frame):
-    if not ffi.answers_query(frame):
-        _p2g(frame, np.float32)
-    return 0
+def _entry(kernel, number):
+    """What XLA calls: ``kernel`` on the call's frame, except where XLA only asks what the handler is."""
 
+    def call(frame):
+        if not ffi.answers_query(frame):
+            kernel(frame, number)
+        return 0
 
-def _p2g_float64(frame):
-    if not ffi.answers_query(frame):
-        _p2g(frame, np.float64)
-    return 0
-
-
-def _g2p_float32(frame):
-    if not ffi.answers_query(frame):
-        _g2p(frame, np.float32)
-    return 0
-
-
-def _g2p_float64(frame):
-    if not ffi.answers_query(frame):
-        _g2p(frame, np.float64)
-    return 0
-
-
-def _svd_float32(frame):
-    if not ffi.answers_query(frame):
-        _svd(frame, np.float32)
-    return 0
-
-
-def _svd_float64(frame):
-    if not ffi.answers_query(frame):
-        _svd(frame, np.float64)
-    return 0
-
-
-def _polar_float32(frame):
-    if not ffi.answers_query(frame):
-        _polar(frame, np.float32)
-    return 0
-
-
-def _polar_float64(frame):
-    if not ffi.answers_query(frame):
-        _polar(frame, np.float64)
-    return 0
-
-
-_HANDLERS = {
-    ("p2g", "float32"): _p2g_float32,
-    ("p2g", "float64"): _p2g_float64,
-    ("g2p", "float32"): _g2p_float32,
-    ("g2p", "float64"): _g2p_float64,
-    ("svd", "float32"): _svd_float32,
-    ("svd", "float64"): _svd_float64,
-    ("polar", "float32"): _polar_float32,
-    ("polar", "float64"): _polar_float64,
-}
+    return call

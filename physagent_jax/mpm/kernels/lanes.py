@@ -51,8 +51,20 @@ def load(typing, array, index):
 
 
 @intrinsic
+def batch(typing, array, index):
+    """Eight lanes from ``array[index : index + 8]``, a contiguous one-dimensional array."""
+    lanes = Lanes(array.dtype, PARTICLES)
+
+    def generate(context, builder, signature, arguments):
+        pointer = _pointer(context, builder, signature.args[0], arguments, lanes)
+        return builder.load(pointer, align=array.dtype.bitwidth // 8)
+
+    return lanes(array, types.intp), generate
+
+
+@intrinsic
 def store(typing, array, index, value):
-    """Writes lanes to ``array[index : index + 16]``."""
+    """Writes lanes to ``array[index : index + n]``, n being their number."""
 
     def generate(context, builder, signature, arguments):
         pointer = _pointer(context, builder, signature.args[0], arguments, value)

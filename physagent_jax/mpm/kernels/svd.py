@@ -1,4 +1,8 @@
-"""The SVD of `mpm.linalg.svd` on the CPU: the same Jacobi sweeps, eight particles at a time."""
+"""The SVD of `mpm.linalg.svd` on the CPU: the same Jacobi sweeps, a batch of particles at a time.
+
+`decompose` leaves the frames as it has them, in batches, and `compose` takes them so: turning them into matrices and
+back costs more than the SVD itself.
+"""
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportPrivateImportUsage=false, reportAttributeAccessIssue=false
 
@@ -8,49 +12,122 @@ from numba import njit, prange
 
 from physagent_jax.mpm.kernels.lanes import (
     PARTICLES,
+    batch,
     collect,
     distribute,
     magnitude,
     root,
     same,
+    store,
     where_greater,
 )
-from physagent_jax.mpm.kernels.numbers import INLINE, OPTIONS, like, share, smallest
+from physagent_jax.mpm.kernels.numbers import INLINE, OPTIONS, like, share, smallest, three
 
 
 @njit(parallel=True, **OPTIONS)
-def svd(F, sweeps, U, s, V, parts):
-    """U, s and V of F = U diag(s) V^T; flat arrays of at least `PARTICLES` matrices."""
-    count = s.shape[0] // 3
-    batches = (count + PARTICLES - 1) // PARTICLES
+def decompose(F, sweeps, s, basis, parts):
+    """Singular values and frames of F = U diag(s) V^T.
+
+    Args:
+        F: At least `PARTICLES` matrices, flat.
+        sweeps: Jacobi sweeps.
+        s: Result, shape (3, n).
+        basis: Result, shape (batches, 18, PARTICLES): U and V, column after column, of one batch of particles after
+            the other. The last batch overlaps the one before, and has the same values there.
+        parts: Shares of the work.
+    """
+    count, batches = s.shape[1], basis.shape[0]
+    flat, values = basis.reshape(basis.size), s.reshape(s.size)
     for part in prange(parts):
         first, last = share(batches, part, parts)
-        for batch in range(first, last):
-            # The last batch overlaps the one before, and writes the same values there.
-            start = min(batch * PARTICLES, count - PARTICLES)
+        for number in range(first, last):
+            start = batch_start(number, count)
             (u, v, w), (s0, s1, s2), (x, y, z) = _factors(F, 9 * start, sweeps)
-            _write_columns(U, 9 * start, u, v, w)
-            _write_columns(V, 9 * start, x, y, z)
-            _write(s, 3 * start, 3, s0, s1, s2)
+            store(values, start, s0)
+            store(values, count + start, s1)
+            store(values, 2 * count + start, s2)
+            o = number * 18 * PARTICLES
+            _put_column(flat, o, u)
+            _put_column(flat, o + 3 * PARTICLES, v)
+            _put_column(flat, o + 6 * PARTICLES, w)
+            _put_column(flat, o + 9 * PARTICLES, x)
+            _put_column(flat, o + 12 * PARTICLES, y)
+            _put_column(flat, o + 15 * PARTICLES, z)
 
 
 @njit(parallel=True, **OPTIONS)
-def polar(F, sweeps, R, parts):
-    """The orthogonal factor of F; flat arrays of at least `PARTICLES` matrices."""
-    count = F.shape[0] // 9
-    batches = (count + PARTICLES - 1) // PARTICLES
+def compose(basis, F, change, spatial, new_F, tau, parts):
+    """F + U diag(change) V^T and U diag(spatial) U^T, with the frames of `decompose`.
+
+    Args:
+        basis: As made by `decompose`.
+        F: Matrices, flat.
+        change: Shape (3, n), or (3, 0) = not wanted.
+        spatial: Shape (3, n), or (3, 0) = not wanted.
+        new_F: Result, flat, if wanted.
+        tau: Result, flat, if wanted.
+        parts: Shares of the work.
+    """
+    count, batches = F.shape[0] // 9, basis.shape[0]
+    moves, stresses = change.shape[1] > 0, spatial.shape[1] > 0
+    flat, g, t = basis.reshape(basis.size), change.reshape(change.size), spatial.reshape(spatial.size)
     for part in prange(parts):
         first, last = share(batches, part, parts)
-        for batch in range(first, last):
-            start = min(batch * PARTICLES, count - PARTICLES)
-            (u, v, w), (_, _, s2), (x, y, z) = _factors(F, 9 * start, sweeps)
-            zero = s2 - s2
-            one = same(like(1, F[0]), s2)
-            sign = where_greater(zero, s2, zero - one, one) + zero  # not finite where F is not
-            w = (sign * w[0], sign * w[1], sign * w[2])
-            first_column = _combined(u, v, w, x[0], y[0], z[0])
-            second_column = _combined(u, v, w, x[1], y[1], z[1])
-            _write_columns(R, 9 * start, first_column, second_column, _combined(u, v, w, x[2], y[2], z[2]))
+        for number in range(first, last):
+            start, o = batch_start(number, count), number * 18 * PARTICLES
+            u, v, w = (
+                _get_column(flat, o),
+                _get_column(flat, o + 3 * PARTICLES),
+                _get_column(flat, o + 6 * PARTICLES),
+            )
+            if moves:
+                a, b, c = _scaled(g, start, count, u, v, w)
+                x, y = _get_column(flat, o + 9 * PARTICLES), _get_column(flat, o + 12 * PARTICLES)
+                z = _get_column(flat, o + 15 * PARTICLES)
+                for k in range(3):
+                    at = 9 * start + k
+                    xk, yk, zk = three(x, k), three(y, k), three(z, k)
+                    for i in range(3):
+                        moved = three(a, i) * xk + three(b, i) * yk + three(c, i) * zk
+                        distribute(new_F, at + 3 * i, 9, collect(F, at + 3 * i, 9) + moved)
+            if stresses:
+                a, b, c = _scaled(t, start, count, u, v, w)
+                for i in range(3):
+                    ai, bi, ci = three(a, i), three(b, i), three(c, i)
+                    for k in range(i, 3):
+                        value = ai * three(u, k) + bi * three(v, k) + ci * three(w, k)
+                        distribute(tau, 9 * start + 3 * i + k, 9, value)
+                        if k > i:
+                            distribute(tau, 9 * start + 3 * k + i, 9, value)
+
+
+@njit(**INLINE)
+def batch_start(number, count):
+    """Number of a batch's first particle; the last batch overlaps the one before rather than being short."""
+    return min(number * PARTICLES, count - PARTICLES)
+
+
+@njit(**INLINE)
+def _put_column(flat, o, a):
+    store(flat, o, a[0])
+    store(flat, o + PARTICLES, a[1])
+    store(flat, o + 2 * PARTICLES, a[2])
+
+
+@njit(**INLINE)
+def _get_column(flat, o):
+    return batch(flat, o), batch(flat, o + PARTICLES), batch(flat, o + 2 * PARTICLES)
+
+
+@njit(**INLINE)
+def _scaled(diagonal, start, count, u, v, w):
+    """Columns u, v, w, each times its entry of ``diagonal``."""
+    d0, d1, d2 = batch(diagonal, start), batch(diagonal, count + start), batch(diagonal, 2 * count + start)
+    return (
+        (d0 * u[0], d0 * u[1], d0 * u[2]),
+        (d1 * v[0], d1 * v[1], d1 * v[2]),
+        (d2 * w[0], d2 * w[1], d2 * w[2]),
+    )
 
 
 @njit(**INLINE)
@@ -80,26 +157,6 @@ def _factors(F, o, sweeps):
 @njit(**INLINE)
 def _column(F, o):
     return collect(F, o, 9), collect(F, o + 3, 9), collect(F, o + 6, 9)
-
-
-@njit(**INLINE)
-def _write_columns(matrix, o, a, b, c):
-    _write(matrix, o, 9, a[0], b[0], c[0])
-    _write(matrix, o + 3, 9, a[1], b[1], c[1])
-    _write(matrix, o + 6, 9, a[2], b[2], c[2])
-
-
-@njit(**INLINE)
-def _write(array, o, stride, first, second, third):
-    distribute(array, o, stride, first)
-    distribute(array, o + 1, stride, second)
-    distribute(array, o + 2, stride, third)
-
-
-@njit(**INLINE)
-def _combined(u, v, w, x, y, z):
-    """X u + y v + z w."""
-    return x * u[0] + y * v[0] + z * w[0], x * u[1] + y * v[1] + z * w[1], x * u[2] + y * v[2] + z * w[2]
 
 
 @njit(**INLINE)

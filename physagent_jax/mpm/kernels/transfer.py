@@ -19,8 +19,12 @@ from physagent_jax.mpm.kernels.numbers import (
     columns,
     determinant,
     dot,
+    greater,
+    lesser,
     like,
     lowest_node,
+    put_columns,
+    put_vector,
     row,
     share,
     slopes,
@@ -171,42 +175,52 @@ def gather(
 ):
     """Moves the particles ``first`` to ``last``; ``velocity`` is flat, with four numbers per node."""
     one, inf = like(1, dx), like(np.inf, dx)
-    least_J, most_J, least_increment, fastest, strange, outside, beyond = inf, -inf, inf, like(0, dx), 0, 0, 0
+    least_J, most_J, least_increment, fastest, strange = inf, -inf, inf, like(0, dx), 0
+    near, far = (inf, inf, inf), (-inf, -inf, -inf)
     for p in range(first, last):
         start, f0, f1, f2 = place(x, p, origin, dx, shape)
         X, Y, Z = spline(f0), spline(f1), spline(f2)
         v, g0, g1, g2 = moments(velocity, start, shape, f0, f1, f2, X, Y, Z)
         s = like(4, dx) / dx
-        for k in range(3):
-            new_x[p, k], new_v[p, k] = x[p, k] + dt * v[k], v[k]
-            new_C[p, k, 0], new_C[p, k, 1], new_C[p, k, 2] = s * g0[k], s * g1[k], s * g2[k]
+        moved = x[p, 0] + dt * v[0], x[p, 1] + dt * v[1], x[p, 2] + dt * v[2]
+        near, far = lesser(near, moved), greater(far, moved)
+        put_vector(new_x, p, moved)
+        put_vector(new_v, p, v)
+        put_columns(new_C, p, times(s, g0), times(s, g1), times(s, g2))
         if classical:
             g0, g1, g2 = gradient(velocity, start, shape, X, Y, Z, slopes(f0), slopes(f1), slopes(f2))
             s = one / dx
-        s *= dt
-        for j in range(3):
-            F0, F1, F2 = F[p, 0, j], F[p, 1, j], F[p, 2, j]
-            for k in range(3):
-                new_F[p, k, j] = F[p, k, j] + s * (g0[k] * F0 + g1[k] * F1 + g2[k] * F2)
+        g0, g1, g2 = times(s * dt, g0), times(s * dt, g1), times(s * dt, g2)
+        a, b, c = columns(F, p)  # all of F before the first entry of the new one, which may lie in its place
+        a, b, c = advanced(a, g0, g1, g2), advanced(b, g0, g1, g2), advanced(c, g0, g1, g2)
+        put_columns(new_F, p, a, b, c)
         increment = determinant(
-            (one + s * g0[0], s * g1[0], s * g2[0]),
-            (s * g0[1], one + s * g1[1], s * g2[1]),
-            (s * g0[2], s * g1[2], one + s * g2[2]),
+            (one + g0[0], g0[1], g0[2]), (g1[0], one + g1[1], g1[2]), (g2[0], g2[1], one + g2[2])
         )
-        J = determinant(row(new_F, p, 0), row(new_F, p, 1), row(new_F, p, 2))
+        J = determinant(a, b, c)
         if np.isfinite(J + increment + v[0] + v[1] + v[2]):
-            least_J, most_J, least_increment = (
-                min(least_J, J),
-                max(most_J, J),
-                min(least_increment, increment),
-            )
+            least_J, most_J = min(least_J, J), max(most_J, J)
+            least_increment = min(least_increment, increment)
             fastest = max(fastest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
         else:
             strange += 1
-        outside += leaves(new_x, p, origin, dx, low, high, shape)
-        beyond += passes(new_x, p, low, high)
+    outside, beyond = 0, 0
+    if first < last and (strange > 0 or strays(near, far, origin, dx, low, high, shape)):
+        for p in range(first, last):
+            outside += leaves(new_x, p, origin, dx, low, high, shape)
+            beyond += passes(new_x, p, low, high)
     watch[0], watch[1], watch[2], watch[3] = least_J, most_J, least_increment, np.sqrt(fastest)
     watch[4], watch[5], watch[6] = like(strange, dx), like(outside, dx), like(beyond, dx)
+
+
+@njit(**INLINE)
+def advanced(a, g0, g1, g2):
+    """A column of F after the step: a + G a, with the columns of G = dt grad v."""
+    return (
+        a[0] + (g0[0] * a[0] + g1[0] * a[1] + g2[0] * a[2]),
+        a[1] + (g0[1] * a[0] + g1[1] * a[1] + g2[1] * a[2]),
+        a[2] + (g0[2] * a[0] + g1[2] * a[1] + g2[2] * a[2]),
+    )
 
 
 @njit(**INLINE)
@@ -256,6 +270,17 @@ def place(x, p, origin, dx, shape):
     b1, f1 = lowest_node(x[p, 1] / dx - like(origin[1], dx), shape[1])
     b2, f2 = lowest_node(x[p, 2] / dx - like(origin[2], dx), shape[2])
     return NUMBERS * ((b0 * shape[1] + b1) * shape[2] + b2), f0, f1, f2
+
+
+@njit(**INLINE)
+def strays(near, far, origin, dx, low, high, shape):
+    """Whether any particle within a box with the corners ``near`` and ``far`` may count in `leaves` or `passes`."""
+    for d in range(3):
+        first = int(np.floor(three(near, d) / dx - like(0.5, dx))) - origin[d]
+        last = int(np.floor(three(far, d) / dx - like(0.5, dx))) - origin[d]
+        if first < 0 or last + 3 > shape[d] or three(near, d) < low or three(far, d) > high:
+            return True
+    return False
 
 
 @njit(**INLINE)

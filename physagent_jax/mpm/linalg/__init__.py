@@ -7,7 +7,6 @@ from physagent_jax.mpm.linalg.algebra import matmul as matmul
 from physagent_jax.mpm.linalg.algebra import matvec as matvec
 from physagent_jax.mpm.linalg.algebra import skew as skew
 from physagent_jax.mpm.linalg.algebra import transpose as transpose
-from physagent_jax.mpm.linalg.polar import polar_rotation as polar_rotation
 from physagent_jax.mpm.linalg.spectral import Principal as Principal
 from physagent_jax.mpm.linalg.spectral import isotropic as isotropic
 from physagent_jax.mpm.linalg.spectral import singular_values as singular_values

@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.mpm import kernels
 from physagent_jax.mpm.linalg.algebra import matmul, transpose
 from physagent_jax.mpm.linalg.svd import svd
 
@@ -32,11 +33,14 @@ class Principal(NamedTuple):
 
     Attributes:
         two_point: g, shape (n, 3), for U diag(g) V^T (as F); None = not wanted.
+        change: c, shape (n, 3), for F + U diag(c) V^T: where c is zero F stays as it is, to the last bit; None = not
+            wanted. Only one of ``two_point`` and ``change``.
         spatial: t, shape (n, 3), for U diag(t) U^T (as a stress); None = not wanted.
         scalar: Any pytree of arrays of shape (n,), returned as it is.
     """
 
     two_point: Any = None
+    change: Any = None
     spatial: Any = None
     scalar: Any = None
 
@@ -55,10 +59,12 @@ def spectral(function: Callable[[jax.Array, Any], Principal], F: jax.Array, para
         parameters: Any pytree whose arrays have one entry per particle, or none.
 
     Returns:
-        `Principal` with (n, 3, 3) matrices for ``two_point`` and ``spatial``.
+        `Principal` with (n, 3, 3) matrices for ``two_point``, ``change`` and ``spatial``.
     """
+    if F.size and kernels.use_cpu():
+        return _by_kernels(function, F, parameters)
     U, s, V = svd(F)
-    return _in_frames(function(s, parameters), U, V)
+    return _in_frames(function(s, parameters), F, U, V)
 
 
 @spectral.defjvp
@@ -68,18 +74,22 @@ def _spectral_jvp(function, primals, tangents):
     A = matmul(matmul(transpose(U), dF), V)
     ds = jnp.stack([A[..., i, i] for i in range(3)], -1)
     values, changes = jax.jvp(function, (s, parameters), (ds, dparameters))
-    _, rates = jax.linearize(lambda s: function(s, parameters)[:2], s)
+    _, rates = jax.linearize(lambda s: function(s, parameters)._replace(scalar=None), s)
     columns = [rates(jnp.zeros_like(s).at[..., j].set(1)) for j in range(3)]
-    two_point = spatial = None
-    if values.two_point is not None:
-        jacobian = jnp.stack([column[0] for column in columns], -1)
-        local = _two_point_tangent(s, values.two_point, changes.two_point, jacobian, A)
-        two_point = matmul(matmul(U, local), transpose(V))
-    if values.spatial is not None:
-        jacobian = jnp.stack([column[1] for column in columns], -1)
-        local = _spatial_tangent(s, values.spatial, changes.spatial, jacobian, A)
-        spatial = matmul(matmul(U, local), transpose(U))
-    return _in_frames(values, U, V), Principal(two_point, spatial, changes.scalar)
+
+    def turned(field, tangent_of, right):
+        """The tangent of one field's matrices, or None."""
+        value = getattr(values, field)
+        if value is None:
+            return None
+        jacobian = jnp.stack([getattr(column, field) for column in columns], -1)
+        local = tangent_of(s, value, getattr(changes, field), jacobian, A)
+        return matmul(matmul(U, local), transpose(right))
+
+    two_point, change = (turned(field, _two_point_tangent, V) for field in ("two_point", "change"))
+    spatial = turned("spatial", _spatial_tangent, U)
+    tangents = Principal(two_point, None if change is None else dF + change, spatial, changes.scalar)
+    return _in_frames(values, F, U, V), tangents
 
 
 def isotropic(function: Callable[[jax.Array, Any], jax.Array], F: jax.Array, parameters: Any) -> jax.Array:
@@ -110,11 +120,28 @@ def _singular_values_jvp(primals, tangents):
     return s, (U * matmul(dF, V)).sum(-2)
 
 
-def _in_frames(values: Principal, U: jax.Array, V: jax.Array) -> Principal:
+def _in_frames(values: Principal, F: jax.Array, U: jax.Array, V: jax.Array) -> Principal:
     def between(diagonal, right):
         return None if diagonal is None else matmul(U * diagonal[..., None, :], transpose(right))
 
-    return Principal(between(values.two_point, V), between(values.spatial, U), values.scalar)
+    change = between(values.change, V)
+    change = None if change is None else F + change
+    return Principal(between(values.two_point, V), change, between(values.spatial, U), values.scalar)
+
+
+def _by_kernels(function, F: jax.Array, parameters: Any) -> Principal:
+    """`spectral` where there are kernels, to which the frames are not matrices."""
+    count, kernel = F.shape[0], kernels.compiled()
+    s, basis = kernel.decompose(F)
+    two_point, change, spatial, scalar = function(s[:, :count].T, parameters)
+    start, added = (F, change) if two_point is None else (jnp.zeros_like(F), two_point)
+    changed, stress = kernel.compose(basis, start, added, spatial)
+    return Principal(
+        None if two_point is None else changed,
+        None if change is None else changed,
+        None if spatial is None else stress,
+        scalar,
+    )
 
 
 def _two_point_tangent(s, g, dg, jacobian, A):

@@ -37,7 +37,7 @@ def _svd_jvp(primals, tangents):
     raise NotImplementedError(
         "`svd` has no derivative where singular values are equal, as they are at F = I. "
         "Write the result as an isotropic function of F: `mpm.linalg.spectral` or `mpm.linalg.isotropic` "
-        "(first derivatives only), or `polar_rotation` or `singular_values`."
+        "(first derivatives only), or `singular_values`."
     )
 
 

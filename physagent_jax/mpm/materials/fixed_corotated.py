@@ -7,8 +7,8 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.mpm.linalg import determinant, matmul, polar_rotation, transpose
-from physagent_jax.mpm.materials.base import History, Hyperelastic, principal_stretches_squared
+from physagent_jax.mpm.linalg import Principal, singular_values, spectral
+from physagent_jax.mpm.materials.base import History, Hyperelastic
 from physagent_jax.pytree import register_dataclass
 
 
@@ -17,7 +17,10 @@ from physagent_jax.pytree import register_dataclass
 class FixedCorotated(Hyperelastic):
     """psi = mu |F - R|^2 + lam/2 (J - 1)^2  (Stomakhin et al. 2012, "Energetically consistent invertible elasticity").
 
-    tau = 2 mu (F - R) F^T + lam J (J - 1) I, with R the polar rotation. The "jelly" of PhysGaussian.
+    tau = 2 mu (F - R) F^T + lam J (J - 1) I = U diag(2 mu (s_i - 1) s_i + lam J (J - 1)) U^T. The "jelly" of
+    PhysGaussian. As in the source, the smallest singular value carries the sign of J: R is a rotation also where
+    matter is inside out, and the stress turns it back. But the energy of matter of no volume is finite, so that a
+    blow above 3 mu + lam/2 per volume crushes it.
 
     Attributes:
         mu, lam: Lame parameters [Pa], shape (n,).
@@ -26,22 +29,37 @@ class FixedCorotated(Hyperelastic):
     mu: jax.Array
     lam: jax.Array
 
+    @property
+    def invertible(self) -> bool:
+        """The law holds for det F <= 0 too."""
+        return True
+
     def energy(self, F: jax.Array, history: History = ()) -> jax.Array:
         """Strain energy per rest volume [J/m^3], shape (n,)."""
-        deviation = F - polar_rotation(F)
-        return self.mu * (deviation**2).sum((-1, -2)) + 0.5 * self.lam * (determinant(F) - 1) ** 2
+        return spectral(_energy, F, (self.mu, self.lam)).scalar
 
     def stress(self, F: jax.Array, history: History = ()) -> jax.Array:
         """Kirchhoff stress [Pa], shape (n, 3, 3)."""
-        J = determinant(F)
-        shear = matmul(F - polar_rotation(F), transpose(F))
-        pressure = self.lam * J * (J - 1)
-        return 2 * self.mu[:, None, None] * shear + pressure[:, None, None] * jnp.eye(3, dtype=F.dtype)
+        return spectral(_stress, F, (self.mu, self.lam)).spatial
 
     def stiffness(self, F: jax.Array, history: History = ()) -> jax.Array:
         """Since d tau_i / d ln s_j = 2 mu (2 s_i^2 - s_i) delta_ij + lam (2 J^2 - J), bounded by its largest terms."""
-        squared = principal_stretches_squared(F)
-        s = jnp.sqrt(squared)
+        s = singular_values(F)
         J = s.prod(-1)
-        shear = (2 * squared - s).max(-1)
+        shear = (2 * s**2 - s).max(-1)
         return 2 * self.mu * jnp.maximum(shear, 0) + 3 * self.lam * jnp.maximum(2 * J**2 - J, 0)
+
+
+def principal_stress(s: jax.Array, mu: jax.Array, lam: jax.Array) -> jax.Array:
+    """Principal Kirchhoff stresses [Pa] at the singular values s, shape (n, 3)."""
+    J = s.prod(-1)
+    return 2 * mu[..., None] * (s - 1) * s + (lam * J * (J - 1))[..., None]
+
+
+def _energy(s: jax.Array, parameters: tuple[jax.Array, jax.Array]) -> Principal:
+    mu, lam = parameters
+    return Principal(scalar=mu * ((s - 1) ** 2).sum(-1) + 0.5 * lam * (s.prod(-1) - 1) ** 2)
+
+
+def _stress(s: jax.Array, parameters: tuple[jax.Array, jax.Array]) -> Principal:
+    return Principal(spatial=principal_stress(s, *parameters))

@@ -72,12 +72,12 @@ class HenckyPlasticity(HenckyElasticity):
     def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
         """Return mapping by `flow`. Not finite where det F <= 0."""
         result = spectral(_flow, F, (self, history, dt))
-        return F + result.two_point, result.scalar
+        return result.change, result.scalar
 
     def respond(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History, jax.Array]:
         """`project` and the stress after it, from one SVD."""
         result = spectral(_flow_and_stress, F, (self, history, dt))
-        return F + result.two_point, result.scalar, result.spatial
+        return result.change, result.scalar, result.spatial
 
 
 def _flow(s: jax.Array, parameters: tuple[HenckyPlasticity, History, jax.Array]) -> Principal:
@@ -85,7 +85,7 @@ def _flow(s: jax.Array, parameters: tuple[HenckyPlasticity, History, jax.Array])
     change, history = material.flow(jnp.log(s), history, dt)
     # F + U diag(s (exp(d eps) - 1)) V^T rather than U diag(s exp(d eps)) V^T: where nothing flows F is returned to
     # the last bit, and where little does the round-off is small in proportion.
-    return Principal(two_point=s * jnp.expm1(change), scalar=history)
+    return Principal(change=s * jnp.expm1(change), scalar=history)
 
 
 def _flow_and_stress(s: jax.Array, parameters: tuple[HenckyPlasticity, History, jax.Array]) -> Principal:
@@ -93,7 +93,7 @@ def _flow_and_stress(s: jax.Array, parameters: tuple[HenckyPlasticity, History, 
     eps = jnp.log(s)
     change, history = material.flow(eps, history, dt)
     stress = material.principal_stress(eps + change, history)
-    return Principal(two_point=s * jnp.expm1(change), spatial=stress, scalar=history)
+    return Principal(change=s * jnp.expm1(change), spatial=stress, scalar=history)
 
 
 def deviator(eps: jax.Array) -> tuple[jax.Array, jax.Array]:

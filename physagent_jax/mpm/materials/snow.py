@@ -9,7 +9,7 @@ import jax.numpy as jnp
 
 from physagent_jax.mpm.linalg import Principal, singular_values, spectral
 from physagent_jax.mpm.materials.base import History, Hyperelastic
-from physagent_jax.mpm.materials.fixed_corotated import FixedCorotated
+from physagent_jax.mpm.materials.fixed_corotated import FixedCorotated, principal_stress
 from physagent_jax.pytree import register_dataclass
 
 
@@ -68,13 +68,13 @@ class Snow(Hyperelastic):
         """Clamps the singular values; the history is the plastic volume ratio J_p."""
         del dt
         result = spectral(_clamp, F, (self, history))
-        return F + result.two_point, result.scalar
+        return result.change, result.scalar
 
     def respond(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History, jax.Array]:
         """`project` and the stress after it, from one SVD."""
         del dt
         result = spectral(_clamp_and_stress, F, (self, history))
-        return F + result.two_point, result.scalar, result.spatial
+        return result.change, result.scalar, result.spatial
 
     def _elastic(self, factor: jax.Array) -> FixedCorotated:
         return FixedCorotated(self.mu * factor, self.lam * factor)
@@ -85,13 +85,13 @@ def _clamp(s: jax.Array, parameters: tuple[Snow, jax.Array]) -> Principal:
     low, high = (1 - material.critical_compression)[..., None], (1 + material.critical_stretch)[..., None]
     # An inversion is not clamped into something plausible: it stays visible as a negative determinant.
     clamped = jnp.where(s > high, high, jnp.where((s < low) & (s > 0), low, s))
-    return Principal(two_point=clamped - s, scalar=plastic_ratio * (s / clamped).prod(-1))
+    return Principal(change=clamped - s, scalar=plastic_ratio * (s / clamped).prod(-1))
 
 
 def _clamp_and_stress(s: jax.Array, parameters: tuple[Snow, jax.Array]) -> Principal:
-    change, _, plastic_ratio = _clamp(s, parameters)
+    clamped = _clamp(s, parameters)
+    change, plastic_ratio = clamped.change, clamped.scalar
     material, stretch = parameters[0], s + change
-    factor, J = material.hardening_factor(plastic_ratio), stretch.prod(-1)
-    shear = 2 * (material.mu * factor)[..., None] * (stretch - 1) * stretch
-    pressure = (material.lam * factor * J * (J - 1))[..., None]
-    return Principal(change, shear + pressure, plastic_ratio)
+    factor = material.hardening_factor(plastic_ratio)
+    stress = principal_stress(stretch, material.mu * factor, material.lam * factor)
+    return Principal(change=change, spatial=stress, scalar=plastic_ratio)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import cached_property
 from pathlib import Path
 
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.mpm import Model, PrescribedMotion, State, smallest_window
+from physagent_jax.mpm import Model, PrescribedMotion, State, cell_order, smallest_window
 from physagent_jax.mpm.constraints import RigidBody
 from physagent_jax.render.camera import Camera
 from physagent_jax.scene import config as c
@@ -31,7 +32,8 @@ class Scene:
         body: The object at rest.
         model, state: For `mpm.simulate`.
         camera: The reference camera.
-        order: Body particle of each model particle, shape (n,): particles are grouped by material.
+        order: Body particle of each model particle, shape (n,): particles are grouped by material, and lie cell by
+            cell in memory.
         anchored: Number of particles held by the anchor.
     """
 
@@ -43,6 +45,11 @@ class Scene:
     order: np.ndarray
     anchored: int
 
+    @cached_property
+    def back(self) -> np.ndarray:
+        """Model particle of each body particle, shape (n,)."""
+        return np.argsort(self.order)
+
 
 def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".") -> Scene:
     """Binds a scene's parts to its particles.
@@ -51,7 +58,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         UserError: A region, box or window of the scene selects nothing or makes no sense.
     """
     matter = Matter.of(config, body)
-    order = np.argsort(matter.model, kind="stable")
+    order = cell_order(body.particles.x, config.domain.dx, matter.model)
     rest, matter = body.particles.x[order].astype(DTYPE), matter.take(order)
     mass = matter.density * body.particles.volume[order]
     held = anchored_particles(
