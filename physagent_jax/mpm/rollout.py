@@ -58,7 +58,7 @@ class Health:
 
     def good(self, model: Model) -> jax.Array:
         """Whether the substeps so far can be trusted."""
-        upright = ((self.min_J > 0) | model.invertible) & (self.min_increment > 0)
+        upright = (self.min_J > 0) & (self.min_increment > 0)
         slow = self.max_speed * model.dt < model.grid.dx
         return self.finite & upright & slow & (self.outside == 0)
 
@@ -263,9 +263,9 @@ def _breach(model: Model, after: State, health: Health, fixed: bool) -> str | No
     if int(health.outside) > 0:
         return _LEFT
     min_J = float(health.min_J)
-    if abs(min_J) < jnp.finfo(health.min_J.dtype).eps and not model.invertible:
+    if abs(min_J) < jnp.finfo(health.min_J.dtype).eps:
         return f"{_CRUSHED} (det F = {min_J:.3g})"
-    if min_J <= 0 and not model.invertible:
+    if min_J <= 0:
         return f"matter is turned inside out (det F = {min_J:.3g})"
     if float(health.min_increment) <= 0:
         return f"a substep turns matter inside out (det(I + dt grad v) = {float(health.min_increment):.3g})"

@@ -99,11 +99,6 @@ class Model:
     wall: int = dataclasses.field(default=1, metadata=_STATIC)
     kernels: Literal["auto", "reference", "cpu"] = dataclasses.field(default="auto", metadata=_STATIC)
 
-    @property
-    def invertible(self) -> bool:
-        """Whether all matter obeys laws that hold for det F <= 0 too."""
-        return all(material.invertible for material in self.materials)
-
     def replace(self, **changes) -> Model:
         """A copy with ``changes``."""
         return dataclasses.replace(self, **changes)

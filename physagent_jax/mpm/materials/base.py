@@ -32,11 +32,6 @@ class Material(Protocol):
         """Particles in the block."""
         ...
 
-    @property
-    def invertible(self) -> bool:
-        """Whether energy and stress are defined for det F <= 0 too. Else such a frame is redone, and then given up."""
-        ...
-
     def initial_history(self) -> History:
         """The history of matter that nothing has happened to."""
         ...
@@ -80,11 +75,6 @@ class Hyperelastic:
     """Base of the laws that remember nothing: `project` returns what it is given."""
 
     mu: jax.Array
-
-    @property
-    def invertible(self) -> bool:
-        """Energy and stress are lost where det F <= 0."""
-        return False
 
     @property
     def count(self) -> int:

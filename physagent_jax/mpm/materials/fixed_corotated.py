@@ -18,9 +18,8 @@ class FixedCorotated(Hyperelastic):
     """psi = mu |F - R|^2 + lam/2 (J - 1)^2  (Stomakhin et al. 2012, "Energetically consistent invertible elasticity").
 
     tau = 2 mu (F - R) F^T + lam J (J - 1) I = U diag(2 mu (s_i - 1) s_i + lam J (J - 1)) U^T. The "jelly" of
-    PhysGaussian. As in the source, the smallest singular value carries the sign of J: R is a rotation also where
-    matter is inside out, and the stress turns it back. But the energy of matter of no volume is finite, so that a
-    blow above 3 mu + lam/2 per volume crushes it.
+    PhysGaussian. As in the source, the smallest singular value carries the sign of J. The energy of matter of no volume
+    is finite: a blow above 3 mu + lam/2 per volume crushes it, and since tau vanishes there, for good.
 
     Attributes:
         mu, lam: Lame parameters [Pa], shape (n,).
@@ -28,11 +27,6 @@ class FixedCorotated(Hyperelastic):
 
     mu: jax.Array
     lam: jax.Array
-
-    @property
-    def invertible(self) -> bool:
-        """The law holds for det F <= 0 too."""
-        return True
 
     def energy(self, F: jax.Array, history: History = ()) -> jax.Array:
         """Strain energy per rest volume [J/m^3], shape (n,)."""

@@ -36,11 +36,6 @@ class Fluid:
         """Particles in the block."""
         return self.bulk_modulus.shape[0]
 
-    @property
-    def invertible(self) -> bool:
-        """Pressure is lost where J <= 0."""
-        return False
-
     def initial_history(self) -> History:
         """None."""
         return ()

@@ -27,11 +27,6 @@ class Rigid:
         """Particles in the block."""
         return self.particles
 
-    @property
-    def invertible(self) -> bool:
-        """A rigid body is never inverted."""
-        return False
-
     def initial_history(self) -> History:
         """None."""
         return ()
