@@ -69,7 +69,7 @@ def substep(model: Model, state: State, tau: jax.Array | None) -> tuple[State, j
         held = constraints.before_p2g(model, pushed)
     with jax.named_scope("p2g"):
         viscous = None if model.viscosity is None else viscous_stress(model.viscosity, state)
-        nodes = scatter(model, held, tau if tau is None or viscous is None else tau + viscous)
+        nodes = scatter(model, state, held, tau if tau is None or viscous is None else tau + viscous)
     with jax.named_scope("grid_update"):
         node_mass = nodes[..., 3]
         free = grid_velocity(model, nodes)
@@ -94,15 +94,18 @@ def substep(model: Model, state: State, tau: jax.Array | None) -> tuple[State, j
     return after, tau, Trace(pushed, held, node_mass, free, velocity, gathered, moved.F, watch)
 
 
-def scatter(model: Model, held: State, tau: jax.Array | None) -> jax.Array:
-    """Momentum and mass at the nodes, shape (nx, ny, nz, 4)."""
-    form, grid, matter, dt = model.stress_form, model.grid, (model.mass, model.volume), model.dt
+def scatter(model: Model, state: State, held: State, tau: jax.Array | None) -> jax.Array:
+    """Momentum and mass at the nodes, shape (nx, ny, nz, 4); ``held`` is ``state`` after forces and constraints."""
+    v, push = held.v, jnp.zeros(3, held.v.dtype)
+    if not model.forces and not model.constraints:  # gravity alone need not go through memory
+        v, push = state.v, model.dt * body_acceleration(model, state)
+    form, grid, matter = model.stress_form, model.grid, (model.mass, model.volume, push, model.dt)
     if tau is None:
         law: Any = model.materials[0]
         p2g = kernels.compiled().p2g_neo_hookean
-        return p2g(form, grid, held.x, held.v, held.C, held.F, law.mu, law.lam, *matter, dt)
+        return p2g(form, grid, held.x, v, held.C, held.F, law.mu, law.lam, *matter)
     p2g = kernels.compiled().p2g if kernels.use_cpu(model.kernels) else transfer.particles_to_grid
-    return p2g(form, grid, held.x, held.v, held.C, tau, *matter, dt)
+    return p2g(form, grid, held.x, v, held.C, tau, *matter)
 
 
 def initial_stress(model: Model, state: State) -> jax.Array | None:

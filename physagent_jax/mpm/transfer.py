@@ -130,7 +130,7 @@ class Moved:
     watch: Watch
 
 
-def particles_to_grid(form: str, grid: Grid, x, v, C, tau, mass, volume, dt) -> jax.Array:
+def particles_to_grid(form: str, grid: Grid, x, v, C, tau, mass, volume, push, dt) -> jax.Array:
     """`p2g` of momentum, affine momentum and the impulse -dt V0 tau of the stress, by either stress form.
 
     Args:
@@ -142,13 +142,14 @@ def particles_to_grid(form: str, grid: Grid, x, v, C, tau, mass, volume, dt) -> 
         tau: Kirchhoff stress [Pa], shape (n, 3, 3).
         mass: [kg], shape (n,).
         volume: Rest volume [m^3], shape (n,).
+        push: Added to all velocities [m/s], shape (3,).
         dt: [s].
 
     Returns:
         Momentum and mass at the nodes, shape (nx, ny, nz, 4).
     """
     s, impulse = stencil(x, grid), -dt * volume[:, None, None] * tau
-    momentum, affine = mass[:, None] * v, mass[:, None, None] * C
+    momentum, affine = mass[:, None] * (v + push), mass[:, None, None] * C
     if form == "mls":
         return p2g(s, grid, mass, momentum, affine + (4 / grid.dx**2) * impulse)
     return p2g(s, grid, mass, momentum, affine, impulse)

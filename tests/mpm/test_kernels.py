@@ -46,7 +46,8 @@ def close(got, expected, tolerance):
 
 
 def p2g_operands(c):
-    return c["x"], c["v"], c["C"], c["tau"], c["mass"], c["volume"], jnp.asarray(1e-3, c["x"].dtype)
+    push, dt = jnp.asarray([0.3, -0.2, 0.1], c["x"].dtype), jnp.asarray(1e-3, c["x"].dtype)
+    return c["x"], c["v"], c["C"], c["tau"], c["mass"], c["volume"], push, dt
 
 
 def g2p_operands(c):
@@ -85,9 +86,10 @@ def test_results_repeat_bit_by_bit():
 
 def test_p2g_keeps_mass_and_momentum(x64):
     c = cloud(500, "float64")
-    nodes = cpu.p2g("gradient", GRID, *p2g_operands(c)).sum((0, 1, 2))
+    *_, push, _ = operands = p2g_operands(c)
+    nodes = cpu.p2g("gradient", GRID, *operands).sum((0, 1, 2))
     np.testing.assert_allclose(nodes[3], c["mass"].sum(), rtol=1e-13)
-    np.testing.assert_allclose(nodes[:3], (c["mass"][:, None] * c["v"]).sum(0), rtol=1e-10)
+    np.testing.assert_allclose(nodes[:3], (c["mass"][:, None] * (c["v"] + push)).sum(0), rtol=1e-10)
 
 
 def test_kernels_under_vmap():

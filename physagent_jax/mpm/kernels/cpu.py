@@ -16,27 +16,34 @@ from physagent_jax.mpm.linalg.svd import SWEEPS
 from physagent_jax.mpm.materials.neo_hookean import NeoHookean
 from physagent_jax.mpm.state import Grid
 
+_BY_NUMBER = (3, 0, 1, 2)  # how the kernels want arrays over the grid, major to minor
+
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
-def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, dt) -> jax.Array:
+def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, push, dt) -> jax.Array:
     """As `transfer.particles_to_grid`."""
     nothing = jnp.zeros(1, x.dtype)
-    return _scatter(form, grid, x, v, C, tau, nothing, nothing, mass, volume, dt, neo_hookean=False)
+    return _scatter(form, grid, x, v, C, tau, nothing, nothing, mass, volume, push, dt, neo_hookean=False)
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
-def p2g_neo_hookean(form: str, grid: Grid, x, v, C, F, mu, lam, mass, volume, dt) -> jax.Array:
+def p2g_neo_hookean(form: str, grid: Grid, x, v, C, F, mu, lam, mass, volume, push, dt) -> jax.Array:
     """`p2g` with the stress of `materials.NeoHookean`, which never goes through memory."""
-    return _scatter(form, grid, x, v, C, F, mu, lam, mass, volume, dt, neo_hookean=True)
+    return _scatter(form, grid, x, v, C, F, mu, lam, mass, volume, push, dt, neo_hookean=True)
 
 
-def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, dt, *, neo_hookean: bool) -> jax.Array:
+def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, push, dt, *, neo_hookean: bool) -> jax.Array:
     parts, size = thread_count(), NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
     nodes = jax.ShapeDtypeStruct((*grid.shape, NUMBERS), x.dtype)
     private = jax.ShapeDtypeStruct((parts, size), x.dtype)
-    call = jax.ffi.ffi_call(handler("p2g", x.dtype.name), (nodes, private), vmap_method="sequential")
+    call = jax.ffi.ffi_call(
+        handler("p2g", x.dtype.name),
+        (nodes, private),
+        vmap_method="sequential",
+        output_layouts=(_BY_NUMBER, None),
+    )
     scalars = _scalars(x.dtype, dt, grid.dx, form == "gradient", neo_hookean)
-    return call(x, v, C, tau, mu, lam, mass, volume, grid.origin, scalars)[0]
+    return call(x, v, C, tau, mu, lam, mass, volume, push, grid.origin, scalars)[0]
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0, 1))
@@ -50,6 +57,7 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.
         handler("g2p", x.dtype.name),
         results,
         vmap_method="sequential",
+        input_layouts=(None, None, None, None, _BY_NUMBER, None, None),
         input_output_aliases={k: k for k in range(4)},
     )
     walls = (wall * grid.dx, (grid.cells - wall) * grid.dx)
@@ -156,9 +164,9 @@ def _p2g_neo_hookean_forward(form, grid, *operands):
 def _p2g_neo_hookean_backward(form, residuals, cotangent):
     grid, operands = residuals
 
-    def reference(x, v, C, F, mu, lam, mass, volume, dt):
+    def reference(x, v, C, F, mu, lam, mass, volume, push, dt):
         tau = NeoHookean(mu, lam).stress(F)
-        return transfer.particles_to_grid(form, grid, x, v, C, tau, mass, volume, dt)
+        return transfer.particles_to_grid(form, grid, x, v, C, tau, mass, volume, push, dt)
 
     return (None, *jax.vjp(reference, *operands)[1](cotangent))
 

@@ -51,7 +51,7 @@ def _grid(buffer, number):
 
 @njit(cache=True)
 def _p2g(frame, number):
-    scalars = ffi.flat(ffi.operand(frame, 9), number)
+    scalars = ffi.flat(ffi.operand(frame, 10), number)
     p2g(
         _vectors(ffi.operand(frame, 0), number),
         _vectors(ffi.operand(frame, 1), number),
@@ -61,7 +61,8 @@ def _p2g(frame, number):
         ffi.flat(ffi.operand(frame, 5), number),
         ffi.flat(ffi.operand(frame, 6), number),
         ffi.flat(ffi.operand(frame, 7), number),
-        ffi.flat(ffi.operand(frame, 8), np.int32),
+        ffi.flat(ffi.operand(frame, 8), number),
+        ffi.flat(ffi.operand(frame, 9), np.int32),
         scalars[0],
         scalars[1],
         scalars[2] != 0,

@@ -1,8 +1,9 @@
 """Several numbers at once in Numba: the SIMD values of which the kernels are written.
 
 LLVM maps them to whatever registers the machine has. The transfers take sixteen lanes for a row of grid nodes: three
-along z with four numbers each (momentum and mass), contiguous in memory, and a fourth node of weight zero. The 3x3
-algebra takes eight lanes for eight particles.
+along z with four numbers each (momentum and mass), contiguous in memory, and a fourth node of weight zero. What is left
+per particle is done with vectors and rows of matrices, four lanes of which three count. The 3x3 algebra takes eight
+lanes for eight particles.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportPrivateImportUsage=false, reportAttributeAccessIssue=false
@@ -94,18 +95,115 @@ def everywhere(typing, value):
 
 @intrinsic
 def node_sum(typing, lanes):
-    """The first three numbers, each summed over the first three nodes: a tuple."""
-    result = types.UniTuple(lanes.dtype, 3)
+    """The numbers, each summed over the first three nodes: a `Lanes` of four."""
+    result = Lanes(lanes.dtype, _GROUP)
 
     def generate(context, builder, signature, arguments):
         first, second, third = (
             _shuffled(builder, arguments[0], range(_GROUP * node, _GROUP * (node + 1))) for node in range(3)
         )
-        total = builder.fadd(builder.fadd(first, second, flags=_CONTRACT), third, flags=_CONTRACT)
-        numbers = [builder.extract_element(total, _INDEX(k)) for k in range(3)]
-        return context.make_tuple(builder, result, numbers)
+        return builder.fadd(builder.fadd(first, second, flags=_CONTRACT), third, flags=_CONTRACT)
 
     return result(lanes), generate
+
+
+@intrinsic
+def pack(typing, three):
+    """A vector: three numbers and a zero."""
+
+    def generate(context, builder, signature, arguments):
+        vector = ir.Constant(context.get_value_type(signature.return_type), None)
+        for k, number in enumerate(cgutils.unpack_tuple(builder, arguments[0])):
+            vector = builder.insert_element(vector, number, _INDEX(k))
+        return vector
+
+    return Lanes(three.dtype, _GROUP)(three), generate
+
+
+@intrinsic
+def unpack(typing, vector):
+    """The three numbers of a vector."""
+    result = types.UniTuple(vector.dtype, 3)
+
+    def generate(context, builder, signature, arguments):
+        numbers = [builder.extract_element(arguments[0], _INDEX(k)) for k in range(3)]
+        return context.make_tuple(builder, result, numbers)
+
+    return result(vector), generate
+
+
+@intrinsic
+def spread(typing, vector):
+    """Three vectors, each with one number of the given one in all lanes."""
+    result = types.UniTuple(vector, 3)
+
+    def generate(context, builder, signature, arguments):
+        vectors = [_shuffled(builder, arguments[0], [k] * _GROUP) for k in range(3)]
+        return context.make_tuple(builder, result, vectors)
+
+    return result(vector), generate
+
+
+@intrinsic
+def turned(typing, vector):
+    """The second, third and first number of a vector."""
+
+    def generate(context, builder, signature, arguments):
+        return _shuffled(builder, arguments[0], [1, 2, 0, 3])
+
+    return vector(vector), generate
+
+
+@intrinsic
+def transposed(typing, a, b, c):
+    """The rows of the matrix with columns a, b, c."""
+    result = types.UniTuple(a, 3)
+
+    def generate(context, builder, signature, arguments):
+        a, b, c = arguments
+        rows = []
+        for k in range(3):
+            pair = builder.shuffle_vector(a, b, _mask([k, _GROUP + k, k, k]))
+            rows.append(builder.shuffle_vector(pair, c, _mask([0, 1, _GROUP + k, 3])))
+        return context.make_tuple(builder, result, rows)
+
+    return result(a, a, a), generate
+
+
+@intrinsic
+def take_rows(typing, array, index):
+    """Three vectors from ``array[index : index + 9]``: the rows of a matrix. Nothing beyond them is read."""
+    vector = Lanes(array.dtype, _GROUP)
+    result = types.UniTuple(vector, 3)
+
+    def generate(context, builder, signature, arguments):
+        loaded = []
+        for offset in (
+            0,
+            3,
+            5,
+        ):  # the third from within the second, so as not to read beyond the ninth number
+            pointer = _pointer(context, builder, signature.args[0], arguments, vector, offset)
+            loaded.append(builder.load(pointer, align=array.dtype.bitwidth // 8))
+        loaded[2] = _shuffled(builder, loaded[2], [1, 2, 3, 3])
+        return context.make_tuple(builder, result, loaded)
+
+    return result(array, types.intp), generate
+
+
+@intrinsic
+def put_rows(typing, array, index, a, b, c):
+    """Writes the rows a, b, c of a matrix to ``array[index : index + 9]``."""
+
+    def generate(context, builder, signature, arguments):
+        a, b, c = arguments[2:]
+        tail = builder.shuffle_vector(b, c, _mask([2, _GROUP, _GROUP + 1, _GROUP + 2]))
+        for offset, vector in ((0, a), (3, b), (5, tail)):
+            pointer = _pointer(context, builder, signature.args[0], arguments, signature.args[2], offset)
+            builder.store(vector, pointer, align=array.dtype.bitwidth // 8)
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp, a, a, a), generate
 
 
 @intrinsic
@@ -219,9 +317,10 @@ _arithmetic(operator.mul, "fmul")
 _arithmetic(operator.truediv, "fdiv")
 
 
-def _pointer(context, builder, array_type, arguments, lanes: Lanes):
+def _pointer(context, builder, array_type, arguments, lanes: Lanes, offset: int = 0):
     array = context.make_array(array_type)(context, builder, arguments[0])
-    address = builder.gep(array.data, [arguments[1]])
+    index = builder.add(arguments[1], arguments[1].type(offset)) if offset else arguments[1]
+    address = builder.gep(array.data, [index])
     return builder.bitcast(address, context.get_value_type(lanes).as_pointer())
 
 
@@ -242,5 +341,8 @@ def _spread(pattern: list[int]):
 
 
 def _shuffled(builder, vector, pattern):
-    mask = ir.Constant(ir.VectorType(_INDEX, len(pattern)), [_INDEX(k) for k in pattern])
-    return builder.shuffle_vector(vector, ir.Constant(vector.type, ir.Undefined), mask)
+    return builder.shuffle_vector(vector, ir.Constant(vector.type, ir.Undefined), _mask(pattern))
+
+
+def _mask(pattern):
+    return ir.Constant(ir.VectorType(_INDEX, len(pattern)), [_INDEX(k) for k in pattern])

@@ -12,18 +12,31 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-from physagent_jax.mpm.kernels.lanes import everywhere, load, node_sum, per_node, per_number, store
+from physagent_jax.mpm.kernels.lanes import (
+    everywhere,
+    load,
+    node_sum,
+    pack,
+    per_node,
+    per_number,
+    put_rows,
+    same,
+    spread,
+    store,
+    take_rows,
+    transposed,
+    turned,
+    unpack,
+    where_greater,
+)
 from physagent_jax.mpm.kernels.numbers import (
     INLINE,
     OPTIONS,
     columns,
     determinant,
     dot,
-    greater,
-    lesser,
     like,
     lowest_node,
-    put_columns,
     put_vector,
     row,
     share,
@@ -39,50 +52,74 @@ WATCHED = 7  # as `mpm.transfer.Watch`, in its order
 
 
 @njit(parallel=True, **OPTIONS)
-def p2g(x, v, C, tau, mu, lam, mass, volume, origin, dt, dx, classical, neo_hookean, nodes, private):
+def p2g(x, v, C, tau, mu, lam, mass, volume, push, origin, dt, dx, classical, neo_hookean, nodes, private):
     """Fills ``nodes`` with momentum and mass; ``private`` has room for a grid and `PADDING` per thread.
 
+    All nodes' first numbers come first in ``nodes``, then the second ones, and so on: what XLA does with them it can
+    vectorise then. Particles want them side by side.
+
     Where all matter is neo-Hookean, ``tau`` is F and the stress is made on the way: it never goes through memory.
+    ``push`` is added to all velocities on the way.
     """
     shape, parts = nodes.shape, private.shape[0]
-    plane = NUMBERS * shape[1] * shape[2]
-    flat = nodes.reshape(shape[0] * plane)
+    plane, flat = NUMBERS * shape[1] * shape[2], nodes.reshape(nodes.size)
     touched = np.empty((parts, 2), np.int64)
     for part in prange(parts):
         first, last = share(x.shape[0], part, parts)
-        low, high = shape[0], 0
-        for p in range(first, last):
-            b, _ = lowest_node(x[p, 0] / dx - like(origin[0], dx), shape[0])
-            low, high = min(low, b), max(high, b + 3)
+        low, high = planes(x, first, last, origin[0], dx, shape[0])
         touched[part, 0], touched[part, 1] = low, high
         own = private[part]
         own[low * plane : max(low, high) * plane + PADDING] = 0
         options = classical, neo_hookean
-        scatter(x, v, C, tau, mu, lam, mass, volume, origin, dt, dx, options, own, shape, first, last)
+        scatter(x, v, C, tau, mu, lam, mass, volume, push, origin, dt, dx, options, own, shape, first, last)
     for i in prange(shape[0]):
-        here = flat[i * plane : (i + 1) * plane]
-        here[:] = 0
-        for part in range(parts):
-            if touched[part, 0] <= i < touched[part, 1]:
-                own = private[part, i * plane : (i + 1) * plane]
-                for k in range(plane):
-                    here[k] += own[k]
+        add_up(private, touched, flat, i, shape)
 
 
 @njit(**OPTIONS)
-def scatter(x, v, C, tau, mu, lam, mass, volume, origin, dt, dx, options, nodes, shape, first, last):
+def planes(x, first, last, origin, dx, count):
+    """First and last + 1 of the planes that the particles ``first`` to ``last`` touch."""
+    near, far, strange = like(np.inf, dx), like(-np.inf, dx), False
+    for p in range(first, last):
+        near, far = min(near, x[p, 0]), max(far, x[p, 0])
+        strange |= x[p, 0] != x[p, 0]
+    if first >= last:
+        return 0, 0
+    low, _ = lowest_node(near / dx - like(origin, dx), count)
+    high, _ = lowest_node(far / dx - like(origin, dx), count)
+    return (0, max(high, 0) + 3) if strange else (low, high + 3)  # what is not a number counts as zero
+
+
+@njit(**OPTIONS)
+def add_up(private, touched, nodes, i, shape):
+    """Plane i of the sum of the threads' grids; ``nodes`` has one number of all nodes after the other."""
+    count, total = shape[1] * shape[2], shape[0] * shape[1] * shape[2]
+    o = i * count
+    for d in range(NUMBERS):
+        nodes[d * total + o : d * total + o + count] = 0
+    for part in range(private.shape[0]):
+        if touched[part, 0] <= i < touched[part, 1]:
+            own = private[part]
+            for k in range(count):
+                for d in range(NUMBERS):
+                    nodes[d * total + o + k] += own[NUMBERS * (o + k) + d]
+
+
+@njit(**OPTIONS)
+def scatter(x, v, C, tau, mu, lam, mass, volume, push, origin, dt, dx, options, nodes, shape, first, last):
     """Adds the particles ``first`` to ``last`` to ``nodes``, a flat array with four numbers per node."""
     zero, rows, (classical, neo_hookean) = like(0, dx), NUMBERS * shape[2], options
+    pushed = push[0], push[1], push[2]
     for p in range(first, last):
         start, f0, f1, f2 = place(x, p, origin, dx, shape)
         X, Y, Z = spline(f0), spline(f1), spline(f2)
         along = per_node(Z)
         # Node (i, j, k) of the stencil gets w_i (q + A (i, j, k)), with q the momentum at the lowest node.
-        m, push = mass[p], -dt * volume[p] / dx
-        k = zero if classical else like(4, dx) * push
+        m, impulse = mass[p], -dt * volume[p] / dx
+        k = zero if classical else like(4, dx) * impulse
         t0, t1, t2 = neo_hookean_stress(tau, mu[p], lam[p], p) if neo_hookean else columns(tau, p)
         a0, a1, a2 = affine(t0, t1, t2, k, C, m * dx, p)
-        q = momentum(v, m, a0, a1, a2, p, f0, f1, f2)
+        q = momentum(v, pushed, m, a0, a1, a2, p, f0, f1, f2)
         row0 = per_number(q, m) * along + per_number(a2, zero) * per_node((zero, Z[1], Z[2] + Z[2]))
         next_x, next_y = per_number(a0, zero) * along, per_number(a1, zero) * along
         row1 = row0 + next_y
@@ -96,7 +133,9 @@ def scatter(x, v, C, tau, mu, lam, mass, volume, origin, dt, dx, options, nodes,
             store(nodes, o2, load(nodes, o2) + everywhere(w * Y[2]) * row2)
             row0, row1, row2 = row0 + next_x, row1 + next_x, row2 + next_x
         if classical:
-            scatter_force(t0, t1, t2, push, X, Y, Z, slopes(f0), slopes(f1), slopes(f2), nodes, start, shape)
+            scatter_force(
+                t0, t1, t2, impulse, X, Y, Z, slopes(f0), slopes(f1), slopes(f2), nodes, start, shape
+            )
 
 
 @njit(**INLINE)
@@ -118,17 +157,16 @@ def scatter_force(t0, t1, t2, push, X, Y, Z, dX, dY, dZ, nodes, start, shape):
 
 @njit(parallel=True, **OPTIONS)
 def g2p(x, F, velocity, origin, dt, dx, classical, low, high, new_x, new_v, new_C, new_F, watch, padded):
-    """Fills the ``new_`` arrays and a row of ``watch`` per thread; ``padded`` has room for a grid and `PADDING`."""
+    """Fills the ``new_`` arrays and a row of ``watch`` per thread; ``padded`` has room for a grid and `PADDING`.
+
+    ``velocity`` is ordered as the nodes of `p2g`.
+    """
     shape, parts = velocity.shape, watch.shape[0]
     plane = NUMBERS * shape[1] * shape[2]
     padded[shape[0] * plane :] = 0
+    flat = velocity.reshape(velocity.size)
     for i in prange(shape[0]):
-        for j in range(shape[1]):
-            for k in range(shape[2]):
-                o = i * plane + NUMBERS * (j * shape[2] + k)
-                for d in range(3):
-                    padded[o + d] = velocity[i, j, k, d]
-                padded[o + 3] = 0
+        interleave(flat, padded, i, shape)
     for part in prange(parts):
         first, last = share(x.shape[0], part, parts)
         own = watch[part]
@@ -154,6 +192,16 @@ def g2p(x, F, velocity, origin, dt, dx, classical, low, high, new_x, new_v, new_
 
 
 @njit(**OPTIONS)
+def interleave(velocity, padded, i, shape):
+    """Puts the numbers of each node of plane i side by side, and a zero after them."""
+    count, total = shape[1] * shape[2], shape[0] * shape[1] * shape[2]
+    for k in range(i * count, (i + 1) * count):
+        for d in range(3):
+            padded[NUMBERS * k + d] = velocity[d * total + k]
+        padded[NUMBERS * k + 3] = 0
+
+
+@njit(**OPTIONS)
 def gather(
     x,
     F,
@@ -174,38 +222,41 @@ def gather(
     last,
 ):
     """Moves the particles ``first`` to ``last``; ``velocity`` is flat, with four numbers per node."""
-    one, inf = like(1, dx), like(np.inf, dx)
-    least_J, most_J, least_increment, fastest, strange = inf, -inf, inf, like(0, dx), 0
-    near, far = (inf, inf, inf), (-inf, -inf, -inf)
+    one, zero, inf = like(1, dx), like(0, dx), like(np.inf, dx)
+    least_J, most_J, least_increment, fastest, strange = inf, -inf, inf, zero, 0
+    near, far = pack((inf, inf, inf)), pack((-inf, -inf, -inf))
+    e0, e1, e2 = pack((one, zero, zero)), pack((zero, one, zero)), pack((zero, zero, one))
+    k, step = same(like(4, dx) / dx, near), same(dt, near)
+    old, new, affine = F.reshape(F.size), new_F.reshape(new_F.size), new_C.reshape(new_C.size)
     for p in range(first, last):
         start, f0, f1, f2 = place(x, p, origin, dx, shape)
         X, Y, Z = spline(f0), spline(f1), spline(f2)
         v, g0, g1, g2 = moments(velocity, start, shape, f0, f1, f2, X, Y, Z)
-        s = like(4, dx) / dx
-        moved = x[p, 0] + dt * v[0], x[p, 1] + dt * v[1], x[p, 2] + dt * v[2]
-        near, far = lesser(near, moved), greater(far, moved)
-        put_vector(new_x, p, moved)
-        put_vector(new_v, p, v)
-        put_columns(new_C, p, times(s, g0), times(s, g1), times(s, g2))
+        moved = pack((x[p, 0], x[p, 1], x[p, 2])) + step * v
+        near, far = where_greater(near, moved, moved, near), where_greater(moved, far, moved, far)
+        put_vector(new_x, p, unpack(moved))
+        put_vector(new_v, p, unpack(v))
+        c0, c1, c2 = transposed(k * g0, k * g1, k * g2)
+        put_rows(affine, 9 * p, c0, c1, c2)
         if classical:
             g0, g1, g2 = gradient(velocity, start, shape, X, Y, Z, slopes(f0), slopes(f1), slopes(f2))
-            s = one / dx
-        g0, g1, g2 = times(s * dt, g0), times(s * dt, g1), times(s * dt, g2)
-        a, b, c = columns(F, p)  # all of F before the first entry of the new one, which may lie in its place
-        a, b, c = advanced(a, g0, g1, g2), advanced(b, g0, g1, g2), advanced(c, g0, g1, g2)
-        put_columns(new_F, p, a, b, c)
-        increment = determinant(
-            (one + g0[0], g0[1], g0[2]), (g1[0], one + g1[1], g1[2]), (g2[0], g2[1], one + g2[2])
-        )
-        J = determinant(a, b, c)
-        if np.isfinite(J + increment + v[0] + v[1] + v[2]):
+            s = same(one / dx, v)
+            c0, c1, c2 = transposed(s * g0, s * g1, s * g2)
+        c0, c1, c2 = step * c0, step * c1, step * c2  # dt grad v
+        a, b, c = take_rows(
+            old, 9 * p
+        )  # all of F before the first entry of the new one, which may lie in its place
+        a, b, c = a + product(c0, a, b, c), b + product(c1, a, b, c), c + product(c2, a, b, c)
+        put_rows(new, 9 * p, a, b, c)
+        increment, J = triple(e0 + c0, e1 + c1, e2 + c2), triple(a, b, c)
+        square = inner(v, v)
+        if np.isfinite(J + increment + square):
             least_J, most_J = min(least_J, J), max(most_J, J)
-            least_increment = min(least_increment, increment)
-            fastest = max(fastest, v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+            least_increment, fastest = min(least_increment, increment), max(fastest, square)
         else:
             strange += 1
     outside, beyond = 0, 0
-    if first < last and (strange > 0 or strays(near, far, origin, dx, low, high, shape)):
+    if first < last and (strange > 0 or strays(unpack(near), unpack(far), origin, dx, low, high, shape)):
         for p in range(first, last):
             outside += leaves(new_x, p, origin, dx, low, high, shape)
             beyond += passes(new_x, p, low, high)
@@ -214,13 +265,23 @@ def gather(
 
 
 @njit(**INLINE)
-def advanced(a, g0, g1, g2):
-    """A column of F after the step: a + G a, with the columns of G = dt grad v."""
-    return (
-        a[0] + (g0[0] * a[0] + g1[0] * a[1] + g2[0] * a[2]),
-        a[1] + (g0[1] * a[0] + g1[1] * a[1] + g2[1] * a[2]),
-        a[2] + (g0[2] * a[0] + g1[2] * a[1] + g2[2] * a[2]),
-    )
+def product(a, b0, b1, b2):
+    """A row a times the matrix with rows b0, b1, b2."""
+    first, second, third = spread(a)
+    return first * b0 + second * b1 + third * b2
+
+
+@njit(**INLINE)
+def inner(a, b):
+    """A . b."""
+    first, second, third = unpack(a * b)
+    return first + second + third
+
+
+@njit(**INLINE)
+def triple(a, b, c):
+    """A . (b x c): the determinant of the matrix with rows a, b, c."""
+    return inner(a, turned(b * turned(c) - turned(b) * c))
 
 
 @njit(**INLINE)
@@ -240,12 +301,7 @@ def moments(velocity, start, shape, f0, f1, f2, X, Y, Z):
     along = per_node(Z)
     v, g0, g1 = node_sum(along * mean), node_sum(along * by_x), node_sum(along * by_y)
     g2 = node_sum(per_node((like(0, f0), Z[1], Z[2] + Z[2])) * mean)
-    return (
-        v,
-        (g0[0] - f0 * v[0], g0[1] - f0 * v[1], g0[2] - f0 * v[2]),
-        (g1[0] - f1 * v[0], g1[1] - f1 * v[1], g1[2] - f1 * v[2]),
-        (g2[0] - f2 * v[0], g2[1] - f2 * v[1], g2[2] - f2 * v[2]),
-    )
+    return v, g0 - same(f0, v) * v, g1 - same(f1, v) * v, g2 - same(f2, v) * v
 
 
 @njit(**INLINE)
@@ -327,10 +383,10 @@ def affine(t0, t1, t2, k, C, m, p):
 
 
 @njit(**INLINE)
-def momentum(v, m, a0, a1, a2, p, f0, f1, f2):
-    """M v less the affine part between the particle and its lowest node."""
+def momentum(v, push, m, a0, a1, a2, p, f0, f1, f2):
+    """M (v + push) less the affine part between the particle and its lowest node."""
     return (
-        m * v[p, 0] - (a0[0] * f0 + a1[0] * f1 + a2[0] * f2),
-        m * v[p, 1] - (a0[1] * f0 + a1[1] * f1 + a2[1] * f2),
-        m * v[p, 2] - (a0[2] * f0 + a1[2] * f1 + a2[2] * f2),
+        m * (v[p, 0] + push[0]) - (a0[0] * f0 + a1[0] * f1 + a2[0] * f2),
+        m * (v[p, 1] + push[1]) - (a0[1] * f0 + a1[1] * f1 + a2[1] * f2),
+        m * (v[p, 2] + push[2]) - (a0[2] * f0 + a1[2] * f1 + a2[2] * f2),
     )
