@@ -11,6 +11,7 @@ from benchmarks.stability.degenerate import Edge, edges
 from benchmarks.stability.materials import MATERIALS
 from benchmarks.stability.pairwise import covering_array
 from benchmarks.stability.scenario import Scenario, StepRule
+from physagent_jax.mpm.timestep import SAFETY
 
 FORCES = ("drop", "translation", "scale", "impulse", "torque")
 MAGNITUDES = (0.1, 1.0, 10.0, 100.0)
@@ -18,7 +19,7 @@ MODULI = (1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9)  # [Pa]
 
 # (rule, forced): below the bound, above it (to be refused), above it by force, and one step for everything.
 STEPS: tuple[tuple[StepRule, bool], ...] = (
-    (("auto", 0.7), False),
+    (("auto", SAFETY), False),
     (("bound", 0.25), False),
     (("bound", 0.5), False),
     (("bound", 0.8), False),

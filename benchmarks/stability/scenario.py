@@ -12,6 +12,7 @@ from benchmarks.cases.base import lattice
 from benchmarks.stability.materials import make_material
 from physagent_jax.forces.terms import Stretch, Torque, UniformAcceleration
 from physagent_jax.mpm import DomainBox, Grid, Model, State, simulate, stable_dt
+from physagent_jax.mpm.timestep import SAFETY
 
 Force = Literal["drop", "translation", "scale", "impulse", "torque"]
 Wall = Literal["far", "resting", "corner"]
@@ -56,7 +57,7 @@ class Scenario:
     magnitude: float = 1.0
     youngs_modulus: float = 1e6
     poissons_ratio: float = 0.3
-    step: StepRule = ("auto", 0.7)
+    step: StepRule = ("auto", SAFETY)
     forced: bool = False
     cells: int = 32
     per_cell: int = 8

@@ -24,13 +24,13 @@ from benchmarks.throughput.measure import (
     store,
 )
 from benchmarks.throughput.scene import CELLS, DT, FRAME_DT, FRAMES
+from physagent_jax.mpm.timestep import SAFETY
 
 Rows = list[dict[str, Any]]
 Tell = Callable[[str], None]
 
 DEFAULT = Material.NEO_HOOKEAN  # our default jelly; that of every peer is fixed corotated
 FINER = 0.25  # of our default step, for the reference of a job
-DEFAULT_SAFETY = 0.7  # of `mpm.simulate`
 CHUNK = 50  # substeps by which a job is extrapolated, five times
 
 
@@ -204,7 +204,7 @@ def _own_job(law: Material, sizes: Sizes, tell: Tell) -> tuple[dict[str, Any], l
             cold = child.ask("job", scene=scene, safety=None, frames=sizes.frames)
             warm = child.ask("job", scene=scene, safety=None, frames=sizes.frames)
             row |= warm | {"setup_seconds": cold["seconds"] - warm["seconds"], "over_ours": 1.0}
-            finer = child.ask("job", scene=scene, safety=FINER * DEFAULT_SAFETY, frames=sizes.frames)
+            finer = child.ask("job", scene=scene, safety=FINER * SAFETY, frames=sizes.frames)
             reference = finer["heights"]
             row |= {"reference_substeps": finer["substeps"], **_errors(row["heights"], reference)}
         except ChildError as error:

@@ -22,7 +22,7 @@ from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.ledger import Exchange, balanced, exchange
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import initial_stress, substep
-from physagent_jax.mpm.timestep import check_explicit_dt, kinematic_dt, stable_dt, substeps_for
+from physagent_jax.mpm.timestep import SAFETY, check_explicit_dt, kinematic_dt, stable_dt, substeps_for
 from physagent_jax.mpm.transfer import Watch, outside
 from physagent_jax.mpm.window import fit_window
 from physagent_jax.pytree import register_dataclass
@@ -141,7 +141,7 @@ def simulate(
     frame_count: int,
     frame_dt: float,
     substep_dt: float | None = None,
-    safety: float = 0.7,
+    safety: float = SAFETY,
     force_substep: bool = False,
     ledger: bool = False,
 ) -> Iterator[Frame]:

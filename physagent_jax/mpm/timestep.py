@@ -30,6 +30,7 @@ from physagent_jax.errors import UserError
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import body_acceleration, per_material
 
+SAFETY = 0.9  # of the bound, for the automatic step: APIC loses energy with every step, so that long ones err least
 ADVECTION_LIMIT = 0.5  # cells a particle may cross in one substep
 CLASSICAL_SHARE = 0.5**0.5  # bound of the classical stress form over that of MLS (see above)
 GRADIENT_LIMIT = 0.3  # of |grad v| dt: det(I + dt grad v) > 0 needs < 1

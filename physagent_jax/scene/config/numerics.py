@@ -41,7 +41,7 @@ class Timing(Strict):
     frame_count: int = Field(default=50, ge=2, le=10_000)
     frame_dt: Positive = 0.04
     substep_dt: Positive | Literal["auto"] = "auto"
-    safety: float = Field(default=0.7, gt=0, le=1)
+    safety: float = Field(default=0.9, gt=0, le=1)  # as `mpm.timestep.SAFETY`
     force_substep: bool = False
 
 
