@@ -23,7 +23,7 @@ def handler(kernel: str, precision: str) -> str:
     thread_count()  # starts the threads: compiled code from the disk asks for them as it is loaded
     name = f"physagent_{kernel}_{precision}"
     with store.kept():
-        function = cfunc(ffi.HANDLER, cache=True)(_entry(_KERNELS[kernel], getattr(np, precision)))
+        function = cfunc(ffi.HANDLER, cache=True)(_HANDLERS[kernel, precision])
     ffi.register(name, function)
     return name
 
@@ -115,15 +115,64 @@ def _compose(frame, number):
     )
 
 
-_KERNELS = {"p2g": _p2g, "g2p": _g2p, "decompose": _decompose, "compose": _compose}
+# Written out one by one: Numba does not find again on disk what is made by a function for several kernels.
 
 
-def _entry(kernel, number):
-    """What XLA calls: ``kernel`` on the call's frame, except where XLA only asks what the handler is."""
+def _p2g_float32(frame):
+    if not ffi.answers_query(frame):
+        _p2g(frame, np.float32)
+    return 0
 
-    def call(frame):
-        if not ffi.answers_query(frame):
-            kernel(frame, number)
-        return 0
 
-    return call
+def _p2g_float64(frame):
+    if not ffi.answers_query(frame):
+        _p2g(frame, np.float64)
+    return 0
+
+
+def _g2p_float32(frame):
+    if not ffi.answers_query(frame):
+        _g2p(frame, np.float32)
+    return 0
+
+
+def _g2p_float64(frame):
+    if not ffi.answers_query(frame):
+        _g2p(frame, np.float64)
+    return 0
+
+
+def _decompose_float32(frame):
+    if not ffi.answers_query(frame):
+        _decompose(frame, np.float32)
+    return 0
+
+
+def _decompose_float64(frame):
+    if not ffi.answers_query(frame):
+        _decompose(frame, np.float64)
+    return 0
+
+
+def _compose_float32(frame):
+    if not ffi.answers_query(frame):
+        _compose(frame, np.float32)
+    return 0
+
+
+def _compose_float64(frame):
+    if not ffi.answers_query(frame):
+        _compose(frame, np.float64)
+    return 0
+
+
+_HANDLERS = {
+    ("p2g", "float32"): _p2g_float32,
+    ("p2g", "float64"): _p2g_float64,
+    ("g2p", "float32"): _g2p_float32,
+    ("g2p", "float64"): _g2p_float64,
+    ("decompose", "float32"): _decompose_float32,
+    ("decompose", "float64"): _decompose_float64,
+    ("compose", "float32"): _compose_float32,
+    ("compose", "float64"): _compose_float64,
+}
