@@ -38,7 +38,7 @@ class Command:
     only: tuple[str, ...] = ()
     """Names of the skips to run; none = all."""
     quick: bool = False
-    """Few particles, short rounds: about two minutes, and no figure to quote."""
+    """Few particles, short rounds: two minutes or three, and no figure to quote."""
 
 
 def main() -> int:

@@ -33,8 +33,10 @@ class Sizes:
         particles: Of most rows; also Gaussians, where pictures are made.
         cells: Along a side of the domain.
         substeps: Of one run.
-        rounds: In which the two ways take turns; fewer if they are slow, but not fewer than five.
+        rounds: In which the two ways take turns; fewer if they are slow (`measure.FEWEST`).
         seconds: What the rounds of a row may take [s].
+        sample: A turn lasts at least so long, by as many runs as it takes: other work on the machine comes in slices
+            of milliseconds [s].
         bar_per_axis: Particles per cell and axis of the elastic bar.
         clip_particles: Most particles of the clip whose files are written.
         clip_frames: Its frames.
@@ -44,8 +46,9 @@ class Sizes:
     particles: int = 100_000
     cells: int = 100
     substeps: int = 20
-    rounds: int = 9
+    rounds: int = 15
     seconds: float = 12.0
+    sample: float = 0.1
     bar_per_axis: int = 4
     clip_particles: int = 20_000
     clip_frames: int = 25
@@ -56,8 +59,9 @@ QUICK = Sizes(
     particles=8_000,
     cells=48,
     substeps=10,
-    rounds=5,
+    rounds=11,
     seconds=3.0,
+    sample=0.05,
     bar_per_axis=2,
     clip_particles=2_000,
     clip_frames=8,
@@ -88,7 +92,7 @@ class Pair:
         particles: How many are simulated (or Gaussians drawn).
         share: How many units of work one run is.
         unit: Their name: "substep", "frame", ...
-        note: What a reader has to know about this size, "" = nothing.
+        note: What a reader has to know about this size, "" = nothing; it may be made from the lean answer.
     """
 
     lean: Way
@@ -96,7 +100,7 @@ class Pair:
     particles: int
     share: int = 1
     unit: str = "substep"
-    note: str = ""
+    note: str | Callable[[Answer], str] = ""
 
 
 @dataclasses.dataclass(frozen=True)

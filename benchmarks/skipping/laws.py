@@ -18,6 +18,7 @@ from physagent_jax.mpm.materials import History, Material
 from physagent_jax.pytree import register_dataclass
 
 _UNREACHABLE = 1e30  # a yield stress [Pa]
+STRESS_ROUND_OFF = "kernel and XLA round the stress, a difference from 1, each in its own way"
 _SVD_ROUND_OFF = (
     "singular values are good to a few units of round-off, and the stress is their difference from 1"
 )
@@ -122,7 +123,7 @@ SKIPS = (
         "the SVD, where the stress has a closed form without it",
         "the same law through its principal stretches",
         _against(NeoHookean, lambda mu, lam: ByPrincipalStretches(NeoHookean(mu, lam), _neo_hookean)),
-        tolerance=1e-5,
+        tolerance=2e-5,
         reason=_SVD_ROUND_OFF,
     ),
     Skip(
@@ -132,7 +133,7 @@ SKIPS = (
         _against(
             FixedCorotated, lambda mu, lam: ByPrincipalStretches(FixedCorotated(mu, lam), _fixed_corotated)
         ),
-        tolerance=1e-5,
+        tolerance=2e-5,
         reason=_SVD_ROUND_OFF,
     ),
     Skip(
@@ -140,6 +141,8 @@ SKIPS = (
         "the trip of the stress through memory, where all matter is neo-Hookean and the kernels make it on the way",
         "the same law by a class that the kernels do not know",
         _against(NeoHookean, lambda mu, lam: Plain(NeoHookean(mu, lam))),
+        tolerance=1e-5,
+        reason=STRESS_ROUND_OFF,
     ),
     Skip(
         "return mapping",
@@ -152,7 +155,7 @@ SKIPS = (
         "the SVD of the stress, which shares that of the return mapping (`materials.respond`)",
         "`project`, then `stress`",
         _against(_yielding, lambda mu, lam: Plain(_yielding(mu, lam))),
-        tolerance=1e-5,
+        tolerance=2e-5,
         reason=_SVD_ROUND_OFF,
     ),
     Skip(
@@ -160,7 +163,7 @@ SKIPS = (
         "the same for snow, whose stress alone would take a polar rotation",
         "`project`, then `stress`",
         _against(_snow, lambda mu, lam: Plain(_snow(mu, lam))),
-        tolerance=1e-5,
+        tolerance=2e-5,
         reason=_SVD_ROUND_OFF,
     ),
 )

@@ -11,8 +11,8 @@ from scipy.stats import binomtest
 
 from benchmarks.skipping.base import Pair, Sizes, Skip, Way, disagreement, finished
 
-FEWEST = 5  # rounds
-CHANCE = 0.05  # that the verdict "saves" is noise: of as many rounds going one way by accident
+FEWEST = 6  # rounds: with fewer, none could be called sure
+CHANCE = 0.02  # that the verdict "saves" is noise: of as many rounds going one way by accident
 LEAST = 0.01  # a saving or cost below this share is none, however sure
 
 WAYS = ("lean", "full")
@@ -32,12 +32,13 @@ def row(skip: Skip, sizes: Sizes) -> dict[str, Any]:
     }
     try:
         pair = skip.pair(sizes)
-        measured, answers = timed(pair, sizes)
-        judged = judge(skip, *answers)
+        measured, found = timed(pair, sizes)
+        judged = judge(skip, *found)
+        note = pair.note(found[0]) if callable(pair.note) else pair.note
     except Exception as error:  # whatever it is, the other rows are not to be lost
         message = f"{type(error).__name__}: {' '.join(str(error).split())}"
         return blank | {"good": False, "message": message}
-    about = dict(particles=pair.particles, unit=pair.unit, share=pair.share, note=pair.note)
+    about = dict(particles=pair.particles, unit=pair.unit, share=pair.share, note=note)
     return blank | about | measured | judged
 
 
@@ -71,26 +72,30 @@ def timed(pair: Pair, sizes: Sizes) -> tuple[dict[str, Any], tuple[Any, Any]]:
     Then the ways take turns, each round beginning with the other one.
     """
     ways: dict[str, Way] = dict(zip(WAYS, (pair.lean, pair.full)))
-    first, found, trial = {}, {}, {}
+    first, found, runs, turn = {}, {}, {}, 0.0
     for name, way in ways.items():
-        result, first[name] = _once(way)
+        begun = time.perf_counter()
+        result = finished(way)
+        first[name] = time.perf_counter() - begun
         found[name] = way.read(result)
-        trial[name] = _once(way)[1]
-    rounds = max(min(sizes.rounds, FEWEST), min(sizes.rounds, int(sizes.seconds / sum(trial.values()))))
+        once = _mean(way, 1)
+        runs[name] = max(1, math.ceil(sizes.sample / once))
+        turn += runs[name] * once
+    rounds = max(min(sizes.rounds, FEWEST), min(sizes.rounds, int(sizes.seconds / turn)))
     seconds: dict[str, list[float]] = {name: [] for name in ways}
     for index in range(rounds):
         for name in WAYS if index % 2 == 0 else reversed(WAYS):
-            seconds[name].append(_once(ways[name])[1])
+            seconds[name].append(_mean(ways[name], runs[name]))
     columns: dict[str, Any] = {"rounds": rounds}
     for name, samples in seconds.items():
         each = [1e3 * sample / pair.share for sample in samples]
         compiled = max(0.0, first[name] - statistics.median(samples))
         columns[f"{name}_ms"] = _significant(statistics.median(each))
         columns[f"{name}_range_ms"] = [_significant(min(each)), _significant(max(each))]
+        columns[f"{name}_runs_a_round"] = runs[name]
         columns[f"{name}_compile_seconds"] = round(compiled, 2)
     ratios = [full / lean for lean, full in zip(seconds["lean"], seconds["full"])]
-    saving = statistics.median(ratios)
-    columns |= {"saving": _significant(saving), "verdict": verdict(ratios)}
+    columns |= {"saving": _significant(statistics.median(ratios)), "verdict": verdict(ratios)}
     return columns, (found["lean"], found["full"])
 
 
@@ -110,10 +115,12 @@ def verdict(ratios: list[float]) -> str:
     return NOT_MEASURABLE
 
 
-def _once(way: Way) -> tuple[Any, float]:
+def _mean(way: Way, runs: int) -> float:
+    """Seconds per run, of so many in a row."""
     begun = time.perf_counter()
-    result = finished(way)
-    return result, time.perf_counter() - begun
+    for _ in range(runs):
+        finished(way)
+    return (time.perf_counter() - begun) / runs
 
 
 def _significant(value: float) -> float:

@@ -134,7 +134,6 @@ SKIPS = (
         "the same cloud with the coefficients up to degree 3, all zero. A file with such zeros is not recognised: "
         "it costs this too",
         _harmonics,
-        tolerance=1e-6,
     ),
     Skip(
         "rotations of Gaussians",
