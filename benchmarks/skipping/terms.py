@@ -1,0 +1,177 @@
+"""Terms that a scene does not have, and terms whose time window is closed."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+import numpy as np
+
+from benchmarks.skipping.base import Pair, Sizes, Skip, State
+from benchmarks.skipping.laws import STRESS_ROUND_OFF
+from benchmarks.skipping.scene import SIDE, SIZE, both, changed, cube
+from physagent_jax.forces.envelope import FOREVER, Envelope
+from physagent_jax.forces.terms import Turbulence, UniformAcceleration, Wind
+from physagent_jax.mpm import Contact, Fluid, HalfSpace, Model, PrescribedMotion
+from physagent_jax.mpm import State as Particles
+
+TINY = 1e-30  # of a rate or share: present in the program, without effect in float32
+_BOTTOM = 0.5 * (SIZE - SIDE)  # of the cube [m]
+_OVER, _TO_COME = (-2.0, -1.0), (1e3, 2e3)  # windows [s]; the run takes place in between
+
+
+def _scalar(value: float):
+    return jnp.asarray(value, jnp.float32)
+
+
+def _plane(height: float, start: float = -FOREVER, end: float = FOREVER, velocity=None) -> HalfSpace:
+    """A floor at ``height`` [m] that separates, with friction."""
+    return HalfSpace(
+        point=jnp.asarray([0.0, 0.0, height], jnp.float32),
+        normal=jnp.asarray([0.0, 0.0, 1.0], jnp.float32),
+        friction=_scalar(0.3),
+        start=_scalar(start),
+        end=_scalar(end),
+        contact=Contact.SEPARATE,
+        velocity=velocity,
+    )
+
+
+def _weightless(model: Model, state: Particles) -> Model:
+    del state
+    return model.replace(gravity=jnp.zeros(3, jnp.float32))
+
+
+def _unforced(model: Model, state: Particles) -> Model:
+    del state
+    zero = jnp.zeros(3, jnp.float32)
+    return model.replace(forces=(UniformAcceleration(zero, _scalar(-FOREVER), _scalar(FOREVER)),))
+
+
+def _undamped(model: Model, state: Particles) -> Model:
+    del state
+    return model.replace(damping_rate=TINY)
+
+
+def _unblended(model: Model, state: Particles) -> Model:
+    del state
+    return model.replace(rpic_damping=TINY)
+
+
+def _out_of_reach(model: Model, state: Particles) -> Model:
+    del state
+    return model.replace(boundaries=(_plane(-1.0),))
+
+
+def _inviscid(model: Model, state: Particles) -> Model:
+    del state
+    return model.replace(viscosity=jnp.zeros_like(model.mass))
+
+
+def _floor_at_rest(sizes: Sizes) -> Pair:
+    model, state = cube(sizes)
+    resting, moving = _plane(_BOTTOM + 0.1), _plane(_BOTTOM + 0.1, velocity=jnp.zeros(3, jnp.float32))
+    return both(model.replace(boundaries=(resting,)), model.replace(boundaries=(moving,)), state, sizes)
+
+
+def _fluid_without_viscosity(sizes: Sizes) -> Pair:
+    model, state = cube(sizes, lambda mu, lam: Fluid(lam, tension=True))
+    return both(model, _inviscid(model, state), state, sizes)
+
+
+def _closed_forces(window: tuple[float, float]):
+    def change(model: Model, state: Particles) -> Model:
+        del state
+        closed = Envelope.constant(*map(_scalar, window))
+        direction = jnp.asarray([1.0, 0.0, 0.0], jnp.float32)
+        strength = dict(strength=_scalar(5.0), length_scale=_scalar(0.2), time_scale=_scalar(0.1))
+        gusts = Turbulence.from_seed(0, envelope=closed, **strength)
+        wind = Wind(direction, _scalar(3.0), _scalar(1.0), _scalar(0.1), closed)
+        return model.replace(forces=(wind, gusts))
+
+    return change
+
+
+def _closed_floor(model: Model, state: Particles) -> Model:
+    del state
+    return model.replace(boundaries=(_plane(_BOTTOM + 0.1, *_TO_COME),))
+
+
+def _closed_grip(model: Model, state: Particles) -> Model:
+    """Holds the lowest tenth of the cube, before the run begins."""
+    low = np.flatnonzero(np.asarray(state.x[:, 2]) < _BOTTOM + 0.1 * SIDE)
+    still = jnp.zeros(3, jnp.float32)
+    grip = PrescribedMotion(jnp.asarray(low, jnp.int32), still, still, still, *map(_scalar, _OVER))
+    return model.replace(constraints=(grip,))
+
+
+_BY_HAND = "; the lean way has the term taken out by hand"
+
+SKIPS = (
+    Skip("gravity", "the gravity term, where there is none", "gravity of zero", changed(_weightless)),
+    Skip("forces", "force terms, where there are none", "a uniform force of zero", changed(_unforced)),
+    Skip(
+        "damping",
+        "the global damping of grid velocities, where there is none",
+        f"a damping rate of {TINY:g} 1/s",
+        changed(_undamped),
+    ),
+    Skip(
+        "rpic blend",
+        "the blend of APIC and RPIC, where it is all APIC",
+        f"an RPIC share of {TINY:g}",
+        changed(_unblended),
+    ),
+    Skip(
+        "boundaries",
+        "obstacles, where there are none",
+        "a floor with friction far below, which touches nothing",
+        changed(_out_of_reach),
+    ),
+    Skip(
+        "obstacle at rest",
+        "the change to an obstacle's frame and back, where it rests",
+        "a floor in contact that moves at 0 m/s",
+        _floor_at_rest,
+    ),
+    Skip(
+        "viscosity of a solid",
+        "the viscous stress, where there is none; neo-Hookean matter then keeps its stress inside P2G",
+        "a viscosity of 0 Pa s",
+        changed(_inviscid),
+        tolerance=1e-5,
+        reason=STRESS_ROUND_OFF,
+    ),
+    Skip(
+        "viscosity of a fluid",
+        "the viscous stress, where there is none",
+        "a viscosity of 0 Pa s",
+        _fluid_without_viscosity,
+    ),
+    Skip(
+        "forces that are over",
+        "force terms (wind, turbulence of 32 modes) whose window has ended",
+        "as the product has them: evaluated in every substep, times 0" + _BY_HAND,
+        changed(_closed_forces(_OVER)),
+        State.MISSING,
+    ),
+    Skip(
+        "forces to come",
+        "the same before their window begins",
+        "as the product has them: evaluated in every substep, times 0" + _BY_HAND,
+        changed(_closed_forces(_TO_COME)),
+        State.MISSING,
+    ),
+    Skip(
+        "obstacle to come",
+        "an obstacle before its window begins, though matter is inside it",
+        "as the product has it: contact is computed and dropped" + _BY_HAND,
+        changed(_closed_floor),
+        State.MISSING,
+    ),
+    Skip(
+        "grip that is over",
+        "a prescribed motion of a tenth of the particles whose window has ended",
+        "as the product has it: evaluated in every substep, and the stress anew after it" + _BY_HAND,
+        changed(_closed_grip),
+        State.MISSING,
+    ),
+)
