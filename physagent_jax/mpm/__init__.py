@@ -23,6 +23,7 @@ from physagent_jax.mpm.materials import lame_parameters as lame_parameters
 from physagent_jax.mpm.rollout import Frame as Frame
 from physagent_jax.mpm.rollout import rollout as rollout
 from physagent_jax.mpm.rollout import simulate as simulate
+from physagent_jax.mpm.sharding import rollout_sharded as rollout_sharded
 from physagent_jax.mpm.sorting import cell_order as cell_order
 from physagent_jax.mpm.state import Grid as Grid
 from physagent_jax.mpm.state import Model as Model

@@ -26,9 +26,13 @@ def check_start(
             "`frame_dt` and `substep_dt` must be positive, and `safety` in (0, 1]",
             got=f"frame_dt={frame_dt}, substep_dt={substep_dt}, safety={safety}",
         )
+    if model.axis is not None:
+        raise UserError(
+            "`simulate` runs on one device", got=f"axis={model.axis!r}", do="Use `mpm.rollout_sharded`"
+        )
     if model.gravity is not None and not np.isfinite(np.asarray(model.gravity)).all():
         raise UserError("`model.gravity` must be finite", got=np.asarray(model.gravity).tolist())
-    _check_sizes(model, state)
+    check_sizes(model, state)
     _check_particles(model, state)
     bound = float(stable_dt(model, state))
     if math.isnan(bound) or bound <= 0:
@@ -39,7 +43,8 @@ def check_start(
         )
 
 
-def _check_sizes(model: Model, state: State) -> None:
+def check_sizes(model: Model, state: State) -> None:
+    """Refuses (`UserError`) a model and a state of different numbers of particles."""
     sizes = {name: len(getattr(state, name)) for name in ("x", "v", "C", "F")}
     sizes |= {"mass": len(model.mass), "volume": len(model.volume)}
     sizes["materials"] = sum(material.count for material in model.materials)

@@ -18,6 +18,7 @@ import jax.numpy as jnp
 
 from physagent_jax.mpm.energy import kinetic_energy, total_energy
 from physagent_jax.mpm.linalg import cofactor, determinant, matmul, transpose
+from physagent_jax.mpm.reductions import total
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import Trace, damped_affine, per_material, viscous_stress
 from physagent_jax.pytree import register_dataclass
@@ -101,11 +102,11 @@ def _work(model: Model, begun: State, gathered: State, one: State, other: State)
     """Of the impulses that take ``one`` to ``other``, in a step from ``begun`` to ``gathered``; C included."""
     v = (other.v - one.v) * 0.5 * (begun.v + gathered.v)
     C = (other.C - one.C) * 0.5 * (begun.C + gathered.C)
-    return (model.mass * (v.sum(-1) + (model.grid.dx**2 / 4) * C.sum((-1, -2)))).sum()
+    return total((model.mass * (v.sum(-1) + (model.grid.dx**2 / 4) * C.sum((-1, -2)))).sum(), model.axis)
 
 
 def _momentum_change(model: Model, one: State, other: State) -> jax.Array:
-    return (model.mass[:, None] * (other.v - one.v)).sum(0)
+    return total((model.mass[:, None] * (other.v - one.v)).sum(0), model.axis)
 
 
 def _plastic(model: Model, before: State, trace: Trace) -> jax.Array:
@@ -127,7 +128,7 @@ def _plastic(model: Model, before: State, trace: Trace) -> jax.Array:
     dissipated = 0.5 * ((stress(before) + stress(end)) * strain).sum((-1, -2))
     if jax.tree.leaves(end.history):
         dissipated = dissipated + density(dataclasses.replace(end, history=before.history)) - density(end)
-    return (model.volume * dissipated).sum()
+    return total((model.volume * dissipated).sum(), model.axis)
 
 
 def _viscous(model: Model, before: State, trace: Trace) -> jax.Array:
@@ -135,4 +136,4 @@ def _viscous(model: Model, before: State, trace: Trace) -> jax.Array:
         return jnp.zeros((), before.x.dtype)
     end = trace.gathered
     tau = viscous_stress(model.viscosity, before) + viscous_stress(model.viscosity, end)
-    return 0.5 * model.dt * (model.volume[:, None, None] * tau * end.C).sum()
+    return 0.5 * model.dt * total((model.volume[:, None, None] * tau * end.C).sum(), model.axis)

@@ -9,7 +9,11 @@ import jax.numpy as jnp
 
 
 class BodyForce(Protocol):
-    """An external acceleration field; forces per unit mass, so particle count does not change the motion."""
+    """An external acceleration field; forces per unit mass, so particle count does not change the motion.
+
+    For runs on several devices (`mpm.sharding`): what there is one of per particle is called ``weight``, and sums over
+    particles go through `mpm.reductions.summed`.
+    """
 
     def acceleration(
         self, x: jax.Array, v: jax.Array, mass: jax.Array, time: jax.Array, dt: jax.Array

@@ -18,6 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from physagent_jax.errors import UserError
+from physagent_jax.mpm import reductions
 from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.ledger import Exchange, balanced, exchange
 from physagent_jax.mpm.state import Model, State
@@ -118,8 +119,8 @@ def advance(
     tau, total = initial_stress(model, state), Exchange.none(dtype) if ledger else None
     start = (jnp.zeros_like(substeps), state, tau, health, total)
     _, after, _, health, total = jax.lax.while_loop(going, body, start)
-    finite = health.finite & jnp.isfinite(after.F).all()  # the return mapping included
-    health = dataclasses.replace(health, finite=finite)
+    finite = reductions.every(jnp.isfinite(after.F).all(), model.axis)  # the return mapping included
+    health = dataclasses.replace(health, finite=health.finite & finite)
     return after, health, None if total is None else balanced(model, state, after, total)
 
 
@@ -296,7 +297,8 @@ def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> t
     @jax.checkpoint
     def one(carry, _):
         state, tau, _ = substep(model, *carry)
-        poison = jnp.where(outside(state.x, model.grid) > 0, jnp.nan, 0.0).astype(state.x.dtype)
+        left = reductions.total(outside(state.x, model.grid), model.axis)
+        poison = jnp.where(left > 0, jnp.nan, 0.0).astype(state.x.dtype)
         return (dataclasses.replace(state, x=state.x + poison), tau), None
 
     @jax.checkpoint

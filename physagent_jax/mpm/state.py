@@ -80,6 +80,8 @@ class Model:
         wall: Cells from the domain's faces at which particles are stopped, static. One: matter rests up to 1.5 cells
             deep in the walls of `boundaries.DomainBox`, and its stencil needs half a cell.
         kernels: "auto", "reference" or "cpu" (`mpm.kernels`), static; forward-mode derivatives need "reference".
+        axis: Mesh axis along which the particles are split over devices (`mpm.sharding` sets it), static; None = all
+            particles are here (skipped).
     """
 
     grid: Grid
@@ -98,6 +100,7 @@ class Model:
     damping_rate: float = dataclasses.field(default=0.0, metadata=_STATIC)
     wall: int = dataclasses.field(default=1, metadata=_STATIC)
     kernels: Literal["auto", "reference", "cpu"] = dataclasses.field(default="auto", metadata=_STATIC)
+    axis: str | None = dataclasses.field(default=None, metadata=_STATIC)
 
     def replace(self, **changes) -> Model:
         """A copy with ``changes``."""

@@ -13,7 +13,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.mpm import constraints, kernels, materials, transfer
+from physagent_jax.mpm import constraints, kernels, materials, reductions, transfer
 from physagent_jax.mpm.boundaries.symmetry_plane import SymmetryPlane
 from physagent_jax.mpm.linalg import determinant, transpose
 from physagent_jax.mpm.materials import NeoHookean
@@ -70,6 +70,7 @@ def substep(model: Model, state: State, tau: jax.Array | None) -> tuple[State, j
     with jax.named_scope("p2g"):
         viscous = None if model.viscosity is None else viscous_stress(model.viscosity, state)
         nodes = scatter(model, state, held, tau if tau is None or viscous is None else tau + viscous)
+        nodes = reductions.total(nodes, model.axis)  # one grid, whichever device a particle is on
     with jax.named_scope("grid_update"):
         node_mass = nodes[..., 3]
         free = grid_velocity(model, nodes)
@@ -132,18 +133,20 @@ def body_acceleration(model: Model, state: State) -> jax.Array:
 def external_acceleration(model: Model, state: State) -> jax.Array:
     """Sum of the force terms [m/s^2], shape (n, 3); (3,) zeros if there are none."""
     total = jnp.zeros(3, state.x.dtype)
-    for force in model.forces:
-        total = total + force.acceleration(state.x, state.v, model.mass, state.time, model.dt)
+    with reductions.split_over(model.axis):
+        for force in model.forces:
+            total = total + force.acceleration(state.x, state.v, model.mass, state.time, model.dt)
     return total
 
 
 def affine(model: Model, state: State) -> jax.Array:
     """C as P2G is to see it [1/s], shape (n, 3, 3): damped, and with the gradients of the force terms."""
     C = damped_affine(model, state.C)
-    for force in model.forces:
-        gradient = force.gradient(state.x, state.time, model.dt)
-        if gradient is not None:
-            C = C + model.dt * gradient
+    with reductions.split_over(model.axis):
+        for force in model.forces:
+            gradient = force.gradient(state.x, state.time, model.dt)
+            if gradient is not None:
+                C = C + model.dt * gradient
     return C
 
 
@@ -214,9 +217,16 @@ def grid_velocity(model: Model, nodes: jax.Array) -> jax.Array:
     divides by the mass squared, which in float32 underflows.
     """
     mass = nodes[..., 3:]
-    lightest = jax.lax.stop_gradient(model.mass.min())
+    lightest = jax.lax.stop_gradient(_lightest(model))
     occupied = mass > jnp.finfo(mass.dtype).eps ** 1.5 * lightest
     return jnp.where(occupied, nodes[..., :3] / jnp.where(occupied, mass, 1.0), 0.0)
+
+
+def _lightest(model: Model) -> jax.Array:
+    """Least mass of a particle [kg]."""
+    if model.axis is None:
+        return model.mass.min()
+    return reductions.least(jnp.where(model.mass > 0, model.mass, jnp.inf).min(), model.axis)  # padding aside
 
 
 def folded_velocity(model: Model, nodes: jax.Array, free: jax.Array) -> jax.Array:
@@ -245,6 +255,9 @@ def stop_at_walls(model: Model, state: State, watch: transfer.Watch) -> tuple[St
         seen = transfer.watch(model.wall, model.grid, state.x, state.v, state.F, strain)
         watch = dataclasses.replace(watch, max_speed=seen.max_speed, outside=seen.outside, beyond=seen.beyond)
     low, high = model.wall * model.grid.dx, (model.grid.cells - model.wall) * model.grid.dx
+    if model.axis is not None:
+        beyond = ((state.x < low) | (state.x > high)).any(-1) & (model.mass > 0)  # padding does not count
+        watch = dataclasses.replace(watch, beyond=beyond.sum(dtype=jnp.int32)).over(model.axis)
 
     def stop(x, v):
         held = jnp.where(x < low, jnp.maximum(v, 0), jnp.where(x > high, jnp.minimum(v, 0), v))

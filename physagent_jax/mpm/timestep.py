@@ -27,6 +27,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.errors import UserError
+from physagent_jax.mpm.reductions import greatest, least
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import body_acceleration, per_material
 
@@ -43,7 +44,9 @@ def stable_dt(model: Model, state: State) -> jax.Array:
     inertia = model.mass / model.volume * model.grid.dx**2  # [Pa s^2]
     damping = 0.0 if model.viscosity is None else 16 * model.viscosity / inertia
     bound = 8 / (damping + jnp.sqrt(damping**2 + 64 * stiffness / inertia))
-    return bound.min() * (1.0 if model.stress_form == "mls" else CLASSICAL_SHARE)
+    if model.axis is not None:
+        bound = jnp.where(model.mass > 0, bound, jnp.inf)  # padding
+    return least(bound.min(), model.axis) * (1.0 if model.stress_form == "mls" else CLASSICAL_SHARE)
 
 
 @jax.jit
@@ -54,8 +57,8 @@ def kinematic_dt(model: Model, state: State, horizon: jax.Array) -> jax.Array:
     gradient = jnp.sqrt((state.C**2).sum((-1, -2)))
     tiny = jnp.finfo(state.x.dtype).tiny
     return jnp.minimum(
-        ADVECTION_LIMIT * model.grid.dx / jnp.maximum(speed.max(), tiny),
-        GRADIENT_LIMIT / jnp.maximum(gradient.max(), tiny),
+        ADVECTION_LIMIT * model.grid.dx / jnp.maximum(greatest(speed.max(), model.axis), tiny),
+        GRADIENT_LIMIT / jnp.maximum(greatest(gradient.max(), model.axis), tiny),
     )
 
 

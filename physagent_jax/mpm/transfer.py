@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from physagent_jax.mpm import reductions
 from physagent_jax.mpm.linalg import determinant, matmul
 from physagent_jax.mpm.state import Grid
 from physagent_jax.pytree import register_dataclass
@@ -110,6 +111,18 @@ class Watch:
     finite: jax.Array
     outside: jax.Array
     beyond: jax.Array
+
+    def over(self, axis: str | None) -> Watch:
+        """The same of the particles of all devices along ``axis``; a constant to derivatives."""
+        return Watch(
+            reductions.least(self.min_J, axis),
+            reductions.greatest(self.max_J, axis),
+            reductions.least(self.min_increment, axis),
+            reductions.greatest(self.max_speed, axis),
+            reductions.every(self.finite, axis),
+            reductions.total(self.outside, axis),
+            reductions.total(self.beyond, axis),
+        )
 
 
 @register_dataclass

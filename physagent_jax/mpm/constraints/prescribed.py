@@ -9,6 +9,7 @@ import jax.numpy as jnp
 
 from physagent_jax.mpm.constraints.rotation import rotate
 from physagent_jax.mpm.linalg import cross, skew
+from physagent_jax.mpm.reductions import total
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, scatter_mass
 from physagent_jax.pytree import register_dataclass
@@ -78,7 +79,7 @@ class PrescribedMotion:
         p = self.particles
         own = jax.tree.map(lambda part: part[p], s)
         share = scatter_mass(own, model.grid, jnp.where(self.active(time), model.mass[p], 0))
-        held = share > 0.5 * node_mass
+        held = total(share, model.axis) > 0.5 * node_mass
         x, y, z = model.grid.node_positions(velocity.dtype)
         nodes = jnp.stack(jnp.broadcast_arrays(x, y, z), axis=-1)
         return jnp.where(held[..., None], self.field(nodes), velocity)

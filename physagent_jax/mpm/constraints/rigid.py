@@ -9,6 +9,7 @@ import jax.numpy as jnp
 
 from physagent_jax.mpm.constraints.rotation import rotate, rotation_matrix
 from physagent_jax.mpm.linalg import cofactor, cross, determinant, matmul, matvec, skew, transpose
+from physagent_jax.mpm.reductions import total
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, scatter_mass
 from physagent_jax.pytree import register_dataclass
@@ -41,25 +42,33 @@ class RigidMotion:
     dx: float = dataclasses.field(metadata=dict(static=True))
 
     @staticmethod
-    def of(mass: jax.Array, x: jax.Array, v: jax.Array, dx: float, C: jax.Array | None = None) -> RigidMotion:
+    def of(
+        mass: jax.Array,
+        x: jax.Array,
+        v: jax.Array,
+        dx: float,
+        C: jax.Array | None = None,
+        axis: str | None = None,
+    ) -> RigidMotion:
         """The motion of points of ``mass`` (k,) [kg] at ``x`` [m] with ``v`` [m/s], shapes (k, 3).
 
         With ``C`` [1/s], shape (k, 3, 3), they are APIC particles: each has the angular momentum m dx^2/4
         axial(C) (Jiang et al. 2015) and the moment of inertia m dx^2/2 about every axis of its own.
+        With ``axis`` the points are split over the devices along it.
         """
-        total = mass.sum()
-        share = mass / jnp.where(total > 0, total, 1)
-        center = _mean(share, x)
+        whole = total(mass.sum(), axis)
+        share = mass / jnp.where(whole > 0, whole, 1)
+        center = _mean(share, x, axis)
         r = x - center
         # In units of dx^2 the inertia is of order one: in single precision its determinant cannot underflow.
-        outer = (share[:, None, None] / dx**2 * r[:, :, None] * r[:, None, :]).sum(0)
+        outer = total((share[:, None, None] / dx**2 * r[:, :, None] * r[:, None, :]).sum(0), axis)
         own = 0.0 if C is None else 0.5
         inertia = (outer[0, 0] + outer[1, 1] + outer[2, 2] + own) * jnp.eye(3, dtype=x.dtype) - outer
-        spin = _mean(share, cross(r, v)) / dx**2
+        spin = _mean(share, cross(r, v), axis) / dx**2
         if C is not None:
             axial = [C[:, 2, 1] - C[:, 1, 2], C[:, 0, 2] - C[:, 2, 0], C[:, 1, 0] - C[:, 0, 1]]
-            spin = spin + _mean(share, jnp.stack(axial, axis=-1)) / 4
-        return RigidMotion(share, r, center, _mean(share, v), spin, inertia, dx)
+            spin = spin + _mean(share, jnp.stack(axial, axis=-1), axis) / 4
+        return RigidMotion(share, r, center, _mean(share, v, axis), spin, inertia, dx)
 
     def angular_velocity(self, turn: jax.Array | None = None) -> jax.Array:
         """The angular velocity [rad/s] that has this spin, after the body has turned by ``turn`` (3, 3)."""
@@ -120,8 +129,8 @@ class RigidBody:
     ) -> jax.Array:
         """Makes the nodes more than half of whose mass is the body's move rigidly."""
         grid, p = model.grid, self.particles
-        share = scatter_mass(jax.tree.map(lambda part: part[p], s), grid, model.mass[p])
-        owned = (share > 0.5 * node_mass).ravel()
+        share = scatter_mass(jax.tree.map(lambda part: part[p], s), grid, self._mass(model))
+        owned = (total(share, model.axis) > 0.5 * node_mass).ravel()
         nodes = jnp.stack(jnp.broadcast_arrays(*grid.node_positions(free.dtype)), axis=-1)
         mass = jnp.where(owned, node_mass.ravel(), 0)
         motion = RigidMotion.of(mass, nodes.reshape(-1, 3), free.reshape(-1, 3), grid.dx)
@@ -145,8 +154,12 @@ class RigidBody:
         return self._moving(moved, turned, motion.velocity, motion.angular_velocity(turn))
 
     def _motion(self, model: Model, state: State) -> RigidMotion:
-        p = self.particles
-        return RigidMotion.of(model.mass[p], state.x[p], state.v[p], model.grid.dx, state.C[p])
+        p, dx = self.particles, model.grid.dx
+        return RigidMotion.of(self._mass(model), state.x[p], state.v[p], dx, state.C[p], model.axis)
+
+    def _mass(self, model: Model) -> jax.Array:
+        """[kg], shape (k,); none for an index beyond the last particle, with which `mpm.sharding` fills up."""
+        return model.mass.at[self.particles].get(mode="fill", fill_value=0)
 
     def _moving(self, state: State, motion: RigidMotion, velocity: jax.Array, angular: jax.Array) -> State:
         """``state`` with the particles' v and C set to a rigid motion."""
@@ -185,5 +198,5 @@ def _met(
     return jax.lax.scan(descend, (velocity, angular_velocity), None, length=CONTACT_ITERATIONS)[0]
 
 
-def _mean(share: jax.Array, values: jax.Array) -> jax.Array:
-    return (share[:, None] * values).sum(0)
+def _mean(share: jax.Array, values: jax.Array, axis: str | None = None) -> jax.Array:
+    return total((share[:, None] * values).sum(0), axis)

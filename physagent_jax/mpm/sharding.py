@@ -1,0 +1,251 @@
+"""One simulation on several devices: each holds a share of the particles, all hold the same grid.
+
+Every device scatters its own particles; momentum and mass are summed at the nodes over the devices (beside a few
+numbers, the one exchange of a substep), then each updates the whole grid and gathers for its own particles. It is the
+`step` of a single device, with `Model.axis` set.
+
+All devices run one program on arrays of one shape, so every material's block of particles is split evenly. Where it
+does not divide, massless twins of its last particle fill up: whatever happens to that particle happens to them, and
+they do nothing to anyone.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from functools import cached_property, partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.sharding import Mesh, NamedSharding, PartitionSpec
+
+from physagent_jax.errors import UserError
+from physagent_jax.mpm.checks import check_sizes
+from physagent_jax.mpm.constraints import PrescribedMotion, RigidBody
+from physagent_jax.mpm.materials import Rigid
+from physagent_jax.mpm.rollout import rollout
+from physagent_jax.mpm.state import Model, State
+
+AXIS = "particles"
+"""The mesh axis along which `rollout_sharded` splits the particles."""
+
+
+def rollout_sharded(
+    model: Model,
+    state: State,
+    devices: Sequence[jax.Device] | None = None,
+    *,
+    frame_count: int,
+    substeps: int,
+) -> tuple[State, State]:
+    """`rollout` with the particles split over ``devices``; the same results to round-off, differentiable in reverse.
+
+    It pays where the particles of one device outweigh the grid, whose nodes all devices exchange and update in every
+    substep. The transfers are the pure JAX ones: the kernels of `mpm.kernels` use all cores of the machine for one
+    device, and have not been shown to be safe where several devices call them at once.
+
+    Args:
+        model: As in `rollout`, with ``kernels`` "auto" or "reference". Body forces of one's own must sum over particles
+            with `mpm.reductions.summed`. Which particles the constraints hold must be known, not traced.
+        state: The initial state.
+        devices: Where to; None = all of the default backend.
+        frame_count: As in `rollout`.
+        substeps: Per frame.
+
+    Returns:
+        The final state, and those at the end of every frame, particles in the order of ``state``.
+
+    Raises:
+        UserError: ``model`` cannot be split, or is at odds with ``state``.
+    """
+    if model.kernels == "cpu":
+        raise UserError(
+            "the CPU kernels serve one device only", got='kernels="cpu"', do='Use "auto" or "reference"'
+        )
+    check_sizes(model, state)
+    mesh = Mesh(np.asarray(jax.devices() if devices is None else devices), (AXIS,))
+    layout = Layout(tuple(material.count for material in model.materials), mesh.size)
+    split = layout.split(model, state)
+    placed = jax.device_put(split, _at(lambda spec: NamedSharding(mesh, spec), specs(split)))
+    return _run(*placed, layout, mesh, frame_count, substeps)
+
+
+@partial(jax.jit, static_argnums=(2, 3, 4, 5))
+def _run(
+    model: Model, state: State, layout: Layout, mesh: Mesh, frame_count: int, substeps: int
+) -> tuple[State, State]:
+    inward = specs((model, state))
+    outward = inward[1], _at(lambda spec: PartitionSpec(None, *spec), inward[1])
+    run = partial(rollout, frame_count=frame_count, substeps=substeps)
+    # Unchecked: JAX 0.10 otherwise refuses derivatives that evaluate linear maps at constants, as in `linalg.spectral`.
+    split = jax.shard_map(run, mesh=mesh, in_specs=inward, out_specs=outward, check_vma=False)
+    end, path = split(model, state)
+    return layout.restored(end, 0), layout.restored(path, 1)
+
+
+def specs(split: tuple[Model, State]) -> tuple[Any, Any]:
+    """How each array of a model and a state lies on the mesh."""
+
+    def spec(path, leaf):
+        return PartitionSpec(AXIS) if _of_particles(path, leaf) else PartitionSpec()
+
+    model, state = split
+    return jax.tree.map_with_path(spec, model), jax.tree.map_with_path(spec, state)
+
+
+def _at(function, specs):
+    return jax.tree.map(function, specs, is_leaf=lambda part: isinstance(part, PartitionSpec))
+
+
+def _of_particles(path: tuple, leaf: Any) -> bool:
+    """Whether a leaf of a `Model` or a `State` holds one entry per particle."""
+    first, last = path[0].name, getattr(path[-1], "name", "")
+    if first in ("mass", "volume", "viscosity", "x", "v", "C", "F"):
+        return True
+    if first in ("materials", "history"):
+        return jnp.ndim(leaf) > 0
+    if first == "forces":
+        return last == "weight"
+    return first == "constraints" and last in ("particles", "start", "end")
+
+
+@dataclasses.dataclass(frozen=True)
+class Layout:
+    """Which particle lies where once split.
+
+    Attributes:
+        counts: Particles per material.
+        devices: How many.
+    """
+
+    counts: tuple[int, ...]
+    devices: int
+
+    @cached_property
+    def order(self) -> np.ndarray:
+        """Particle in each place, device after device, shape (places,)."""
+        starts = np.cumsum((0, *self.counts))
+        return self._joined([start + self._block(count) for start, count in zip(starts, self.counts)])
+
+    @cached_property
+    def real(self) -> np.ndarray:
+        """Whether it is that particle itself and not a twin, shape (places,)."""
+        return self._joined([np.arange(len(self._block(count))) < count for count in self.counts])
+
+    def split(self, model: Model, state: State) -> tuple[Model, State]:
+        """Both with their particles in their places, `Model.axis` set.
+
+        Raises:
+            UserError: The model cannot be split.
+        """
+        constraints = tuple(self._constraint(constraint) for constraint in model.constraints)
+        model, state = self._split(model.replace(constraints=()), state)
+        return model.replace(constraints=constraints), state
+
+    def restored(self, state: State, axis: int) -> State:
+        """The particles of a split state in their old order, which runs along ``axis`` of its arrays."""
+        place = np.empty(self.real.sum(), int)
+        place[self.order[self.real]] = np.flatnonzero(self.real)
+        arrays = {name: jnp.take(getattr(state, name), place, axis) for name in ("x", "v", "C", "F")}
+        history = tuple(
+            past if isinstance(past, tuple) else jax.lax.slice_in_dim(past, 0, count, axis=axis)
+            for past, count in zip(state.history, self.counts)
+        )
+        return dataclasses.replace(state, history=history, **arrays)
+
+    def _block(self, count: int) -> np.ndarray:
+        """Particle of a material in each of the places of its block, shape (devices * share,)."""
+        share = -(-count // self.devices)
+        return np.minimum(np.arange(self.devices * share), count - 1)
+
+    def _joined(self, blocks: Sequence[np.ndarray]) -> np.ndarray:
+        return np.concatenate([block.reshape(self.devices, -1) for block in blocks], axis=1).ravel()
+
+    @partial(jax.jit, static_argnums=0)  # one program instead of a few for every array
+    def _split(self, model: Model, state: State) -> tuple[Model, State]:
+        mass, volume = (jnp.where(self.real, own[self.order], 0) for own in (model.mass, model.volume))
+        model = model.replace(
+            mass=mass,
+            volume=volume,
+            viscosity=None if model.viscosity is None else model.viscosity[self.order],
+            materials=tuple(self._material(*both) for both in zip(model.materials, self.counts)),
+            forces=jax.tree.map_with_path(self._of_force, model.forces),
+            kernels="reference",
+            axis=AXIS,
+        )
+        arrays = {name: getattr(state, name)[self.order] for name in ("x", "v", "C", "F")}
+        history = tuple(
+            past if isinstance(past, tuple) else past[self._block(count)]
+            for past, count in zip(state.history, self.counts)
+        )
+        return model, dataclasses.replace(state, history=history, **arrays)
+
+    def _material(self, material: Any, count: int) -> Any:
+        places = self._block(count)
+        share = len(places) // self.devices
+        if isinstance(material, Rigid):
+            return Rigid(share)
+        leaves, structure = jax.tree.flatten(material)
+        each = [jnp.ndim(leaf) > 0 for leaf in leaves]
+        fits = all(len(leaf) == count for leaf, own in zip(leaves, each) if own)
+        split = [leaf[places] if own else leaf for leaf, own in zip(leaves, each)]
+        part = jax.tree.unflatten(
+            structure, [leaf[:share] if own else leaf for leaf, own in zip(split, each)]
+        )
+        if not fits or part.count != share:
+            raise UserError(
+                f"{type(material).__name__} cannot be split: its arrays must have one entry per particle, and its "
+                "count must follow from them"
+            )
+        return jax.tree.unflatten(structure, split)
+
+    def _of_force(self, path: tuple, leaf: Any) -> Any:
+        name = getattr(path[-1], "name", "")
+        if name == "weight":
+            return leaf[self.order]
+        if jnp.ndim(leaf) and len(leaf) == sum(self.counts):
+            raise UserError(
+                f"a body force has a field `{name}` as long as there are particles: is it one per particle?",
+                do="Call it `weight` if so; else let the two differ in length",
+            )
+        return leaf
+
+    def _constraint(self, constraint: Any) -> Any:
+        """``constraint`` with the held places of each device, in terms of that device's particles.
+
+        Devices with fewer than others fill up with a place beyond the last: what is written there is dropped.
+        """
+        if not isinstance(constraint, PrescribedMotion | RigidBody):
+            raise UserError(f"the constraint {type(constraint).__name__} cannot be split over devices")
+        particles = _known(constraint.particles)
+        claim = np.full(sum(self.counts), -1)
+        claim[particles] = np.arange(len(particles))
+        claims = claim[self.order].reshape(self.devices, -1)
+        held = [np.flatnonzero(row >= 0) for row in claims]
+        local = np.full((self.devices, max(map(len, held))), claims.shape[1], np.int32)
+        which = np.full(local.shape, -1)
+        for device, places in enumerate(held):
+            local[device, : len(places)], which[device, : len(places)] = places, claims[device, places]
+        places, which = jnp.asarray(local.ravel()), which.ravel()
+        if isinstance(constraint, RigidBody):
+            return RigidBody(places)
+        start, end = (jnp.broadcast_to(a, particles.shape)[which] for a in (constraint.start, constraint.end))
+        end = jnp.where(which < 0, -jnp.inf, end)
+        return dataclasses.replace(constraint, particles=places, start=start, end=end)
+
+
+def _known(particles: jax.Array) -> np.ndarray:
+    """The indices as numbers.
+
+    Raises:
+        UserError: They are being traced.
+    """
+    try:
+        return np.asarray(particles)
+    except jax.errors.TracerArrayConversionError:
+        raise UserError(
+            "the particles of a constraint must be known before anything is traced",
+            do="Let the model with its constraints be a constant of what you differentiate or compile",
+        ) from None
