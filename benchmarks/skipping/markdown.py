@@ -24,9 +24,9 @@ Unless the row says otherwise the scene is a cube of 0.6 m of random particles i
 deformed by up to 5 %, moving at up to 0.5 m/s, with nothing else in it, so that the work that is forced in is seen
 against the cheapest substep there is: in dearer scenes the same saving is a smaller share. Times are medians over
 rounds in which the two ways take turns, warm, with the fastest and slowest round; what the first run took beyond a warm
-one is called compilation (first with the skip, then without). *Saving* is the median over the rounds of the time without over the time with. It counts
-as measurable if it is above {least:.0%} and as many rounds going one way would be chance in less than {chance:.0%} of
-cases (sign test); all else is "{none}".
+one is called compilation (first with the skip, then without). *Saving* is the median over the rounds of the time
+without over the time with. It counts as measurable if it is above {least:.0%} and as many rounds going one way would be
+chance in less than {chance:.0%} of cases (sign test); all else is "{none}".
 
 - *{skipped}*: the product does so.
 - *{missing}*: the product computes it; the lean way was made by hand, and the row shows what a skip would save.
