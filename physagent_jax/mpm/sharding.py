@@ -35,22 +35,22 @@ AXIS = "particles"
 def rollout_sharded(
     model: Model,
     state: State,
-    devices: Sequence[jax.Device] | None = None,
+    devices: Sequence[Any] | None = None,
     *,
     frame_count: int,
     substeps: int,
 ) -> tuple[State, State]:
     """`rollout` with the particles split over ``devices``; the same results to round-off, differentiable in reverse.
 
-    It pays where the particles of one device outweigh the grid, whose nodes all devices exchange and update in every
-    substep. The transfers are the pure JAX ones: the kernels of `mpm.kernels` use all cores of the machine for one
-    device, and have not been shown to be safe where several devices call them at once.
+    Every device exchanges and updates all nodes in every substep: only where its particles outweigh them can this pay.
+    The transfers are the pure JAX ones: the kernels of `mpm.kernels` use all cores of the machine for one device, and
+    have not been shown to be safe where several devices call them at once.
 
     Args:
         model: As in `rollout`, with ``kernels`` "auto" or "reference". Body forces of one's own must sum over particles
             with `mpm.reductions.summed`. Which particles the constraints hold must be known, not traced.
         state: The initial state.
-        devices: Where to; None = all of the default backend.
+        devices: Of JAX, where to; None = all of the default backend.
         frame_count: As in `rollout`.
         substeps: Per frame.
 

@@ -48,7 +48,7 @@ def same(got, expected, tolerance):
     """Up to ``tolerance`` times the largest number of each array."""
     assert got.keys() == expected.keys() and got
     for key, value in expected.items():
-        scale = max(1.0, np.abs(value).max())
+        scale = max(1e-6, np.abs(value).max())
         np.testing.assert_allclose(got[key], value, rtol=0, atol=tolerance * scale, err_msg=key)
 
 
