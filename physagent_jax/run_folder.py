@@ -70,6 +70,8 @@ class SimulationRecord(Strict):
         stable_dt: The closed-form bound at the start [s].
         redone_frames: Frames that were redone with a smaller step, with the reason.
         stopped_particles: Particle-steps at which a particle was stopped at the domain's wall.
+        reused_frames: Frames, frame 0 among them, taken over from the round before, which had the same forces until
+            then; all other figures are of all frames alike.
         kinetic_energy, elastic_energy: Per frame [J].
         gravitational_energy: Per frame, over frame 0's [J]; empty in records of earlier versions.
         momentum: Per frame [kg m/s].
@@ -88,6 +90,7 @@ class SimulationRecord(Strict):
     stable_dt: float
     redone_frames: dict[int, str] = {}
     stopped_particles: int = 0
+    reused_frames: int = 0
     kinetic_energy: tuple[float, ...]
     elastic_energy: tuple[float, ...]
     gravitational_energy: tuple[float, ...] = ()

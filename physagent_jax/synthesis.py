@@ -23,6 +23,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.output.run_files import write_best, write_rollout, write_verdict
 from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.schema import MotionReport
+from physagent_jax.recording import Past
 from physagent_jax.run_folder import AgentCost, Manifest, Stages
 from physagent_jax.run_store import RunStore
 from physagent_jax.scene.body import Body, make_body
@@ -144,6 +145,7 @@ class _Loop:
         self._watch = Stopwatch(store.manifest.stages)
         self._costs = {cost.agent: cost for cost in store.manifest.agents}
         self._anchor = request.ingredients.anchor
+        self._past: Past | None = None
 
     def read_sentence(self) -> SemanticReply:
         """The semantic agent's reply, from the folder if it is there."""
@@ -177,7 +179,8 @@ class _Loop:
             config = fuse(ingredients, body, force_field)
             scene = compile_scene(config, body, self._request.base_dir)
         self._observer.stage(f"round {index + 1}: simulating and rendering")
-        recording = play(scene, self._watch, self._observer.frame)
+        recording = play(scene, self._watch, self._observer.frame, self._past)
+        self._past = recording.past
         with self._watch("write"):
             frames = self._request.save_frames
             write_rollout(self._store, index, scene, recording, save_frames=frames)

@@ -15,11 +15,11 @@ from physagent_jax.output.splats import write_splat_frames
 from physagent_jax.output.video import write_frames, write_video
 from physagent_jax.perception.measure import Perception
 from physagent_jax.perception.overlay import overlay
+from physagent_jax.recording import Recording
 from physagent_jax.run_store import RunStore
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import Scene
 from physagent_jax.scene.config import dump_scene
-from physagent_jax.simulation import Recording
 
 FILMSTRIP_FRAMES = 6
 

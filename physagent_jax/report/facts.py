@@ -88,6 +88,7 @@ def simulation_facts(iteration: Iteration) -> Markup:
                 ("substep used", used + share),
                 ("particles stopped at the wall", _stopped(record.stopped_particles)),
                 ("redone frames", "none" if not record.redone_frames else str(len(record.redone_frames))),
+                ("taken over", reused_words(record)) if record.reused_frames else None,
             ]
         ),
         _redone(record),
@@ -268,6 +269,12 @@ def constraint_words(constraint: Constraint) -> str:
 
 def _stopped(particle_steps: int) -> str:
     return "none" if particle_steps == 0 else f"{count(particle_steps)} times"
+
+
+def reused_words(record: SimulationRecord) -> str:
+    """Which frames were not simulated again."""
+    last = record.reused_frames - 1
+    return f"frames 0 to {last} of the round before, whose forces are the same until then"
 
 
 def _redone(record: SimulationRecord) -> Markup | None:
