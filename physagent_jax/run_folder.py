@@ -10,6 +10,7 @@ run/iterations/k/judgement.json        what the planner concluded
 run/iterations/k/rewrite.json          what the executor changed for k + 1 (absent after the last)
 run/iterations/k/simulation.json       `SimulationRecord`
 run/iterations/k/video.mp4, motion.npz
+run/probe/iterations/k/...             the same of the rounds on a coarse version of the scene, if one was asked for
 run/video.mp4, motion.npz, frames/     the best iteration's
 run/report.html
 """
@@ -103,9 +104,13 @@ class SimulationRecord(Strict):
 
 
 class Stages(Strict):
-    """Seconds of wall time per stage, compilation apart where it can be told apart [s]."""
+    """Seconds of wall time per stage, compilation apart where it can be told apart [s].
+
+    ``probe`` is all that the coarse rounds took, agents included, but for compilation.
+    """
 
     prepare: float = 0.0
+    probe: float = 0.0
     compile: float = 0.0
     simulate: float = 0.0
     render: float = 0.0
@@ -141,6 +146,8 @@ class Manifest(Strict):
         iterations: How many were made.
         best_iteration: Which one the top-level files show.
         verdict: The best iteration's verdict.
+        probe_iterations: How many coarse rounds came before.
+        probe_best: Which of them gave the force field of iteration 0; None = none, it is the sentence's.
         stages: Wall time summed over iterations.
         agents: Cost per agent.
         warnings: Everything the user should know.
@@ -159,6 +166,8 @@ class Manifest(Strict):
     iterations: int = 0
     best_iteration: int | None = None
     verdict: str | None = None
+    probe_iterations: int = 0
+    probe_best: int | None = None
     stages: Stages = Stages()
     agents: tuple[AgentCost, ...] = ()
     warnings: tuple[str, ...] = ()

@@ -42,6 +42,7 @@ STAGE_NAMES = {
     "perceive": "perceive",
     "agents": "agents",
     "write": "write files",
+    "probe": "coarse rounds",
 }
 
 
@@ -302,6 +303,7 @@ def _stages(stages: Stages) -> Markup:
             percent(value / total if total else None),
         ]
         for index, (title, value) in enumerate(entries)
+        if value > 0 or title != STAGE_NAMES["probe"]
     ]
     rows.append([tag("strong", "in all"), tag("strong", seconds(total)), ""])
     time = table(["stage", "wall time", "share"], rows, numeric=(1, 2), class_="compact")

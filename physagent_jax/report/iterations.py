@@ -9,7 +9,7 @@ from physagent_jax.perception.schema import MotionReport, Oscillation, WindowMot
 from physagent_jax.report.charts import motion_charts, physics_charts
 from physagent_jax.report.facts import reused_words
 from physagent_jax.report.force_cards import Setting, force_cards, setting_of
-from physagent_jax.report.formats import fixed, number, percent, plain, plural, vector
+from physagent_jax.report.formats import UNKNOWN, count, fixed, number, percent, plain, plural, vector
 from physagent_jax.report.layout import badge, facts, fold, json_fold, listing, missing, paragraphs, table
 from physagent_jax.report.markup import Child, Markup, div, join, span, tag
 from physagent_jax.report.media import image
@@ -23,6 +23,33 @@ def overview(iterations: Sequence[Iteration], best: Iteration | None) -> Markup:
     """The rounds as linked chips in order."""
     chips = [_chip(iteration, is_best=iteration is best) for iteration in iterations]
     return tag("nav", *chips, class_="rounds", aria_label="Iterations")
+
+
+def probe_table(probe: Sequence[Iteration], best: int | None) -> list[Markup] | None:
+    """The rounds on a coarse version of the scene, a line each; None if there were none.
+
+    Args:
+        probe: The rounds.
+        best: The one whose force field was taken on.
+    """
+    if not probe:
+        return None
+    head = ["round", "score", "verdict", "what the planner suggested", "particles"]
+    rows: list[list[Child]] = []
+    for iteration in probe:
+        judgement, record = iteration.judgement, iteration.simulation
+        taken = tag("small", "taken on", class_="remedy") if iteration.index == best else None
+        rows.append(
+            [
+                join(str(iteration.index), taken),
+                fixed(judgement.score if judgement else None),
+                badge(judgement.verdict if judgement else None),
+                judgement.suggestion or UNKNOWN if judgement else UNKNOWN,
+                count(record.particle_count) if record else UNKNOWN,
+            ]
+        )
+    lead = "Force fields were first tried on a coarse version of the scene. Iteration 0 begins with the best of them."
+    return [tag("h3", "Coarse rounds"), tag("p", lead), table(head, rows, numeric=(1, 4), class_="compact")]
 
 
 def iteration_card(
