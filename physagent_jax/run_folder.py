@@ -10,7 +10,7 @@ run/iterations/k/judgement.json        what the planner concluded
 run/iterations/k/rewrite.json          what the executor changed for k + 1 (absent after the last)
 run/iterations/k/simulation.json       `SimulationRecord`
 run/iterations/k/video.mp4, motion.npz
-run/probe/iterations/k/...             the same of the rounds on a coarse version of the scene, if one was asked for
+run/probe/iterations/k/...             the same but motion.npz, on a coarse version of the scene, if that was asked for
 run/video.mp4, motion.npz, frames/     the best iteration's
 run/report.html
 """

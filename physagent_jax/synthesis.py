@@ -186,8 +186,9 @@ class _Loop:
         recording = play(scene, self._watch, self._observer.frame, self._past)
         self._past = recording.past
         with self._watch("write"):
-            frames = self._request.save_frames and series.store is self._store
-            write_rollout(series.store, index, scene, recording, save_frames=frames)
+            earnest = series.store is self._store
+            frames = self._request.save_frames and earnest
+            write_rollout(series.store, index, scene, recording, save_motion=earnest, save_frames=frames)
         self._observer.stage(f"{name}: measuring the motion")
         windows = expectation_windows(reply.expectations, config.timing.frame_count)
         with self._watch("perceive"):

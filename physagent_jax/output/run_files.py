@@ -25,15 +25,22 @@ FILMSTRIP_FRAMES = 6
 
 
 def write_rollout(
-    store: RunStore, index: int, scene: Scene, recording: Recording, *, save_frames: bool = False
+    store: RunStore,
+    index: int,
+    scene: Scene,
+    recording: Recording,
+    *,
+    save_motion: bool = True,
+    save_frames: bool = False,
 ) -> None:
-    """Leaves what was simulated in round ``index``; PNG frames on request (the video is lossy)."""
+    """Leaves what was simulated in round ``index``: the motion too, and PNG frames on request (the video is lossy)."""
     folder = store.iteration(index)
     write_text(folder / "scene.json", dump_scene(scene.config))
     store.write(f"iterations/{index}/force_field.json", scene.config.force_field)
     store.write(f"iterations/{index}/simulation.json", recording.record)
     write_video(folder / "video.mp4", recording.rgb, 1 / scene.config.timing.frame_dt)
-    write_motion(folder / "motion.npz", motion_of(scene, recording))
+    if save_motion:
+        write_motion(folder / "motion.npz", motion_of(scene, recording))
     if save_frames:
         write_frames(folder / "frames", recording.rgb)
 

@@ -11,6 +11,7 @@ from physagent_jax.scene.presets import Preset
 COARSER = 2  # times longer cells; steps grow as much, so that simulating costs a sixteenth or less
 FEWEST_CELLS = 8  # along the object's longest side; fewer hold no shape that a force could bend
 FEWEST_PARTICLES = 200
+PICTURE_SHARE = 1 / 3  # of the sides
 SMALLEST_PICTURE = 96  # [px], shorter side; in smaller ones nothing can be followed
 
 
@@ -38,7 +39,7 @@ def coarser(preset: Preset, body: Body) -> Preset:
         )
     filling, picture = preset.filling, preset.rendering
     own_cells = None if filling.cells is None else max(4, filling.cells // COARSER)
-    share = min(1.0, max(1 / COARSER, SMALLEST_PICTURE / min(picture.width, picture.height)))
+    share = min(1.0, max(PICTURE_SHARE, SMALLEST_PICTURE / min(picture.width, picture.height)))
     return dataclasses.replace(
         preset,
         domain=preset.domain.model_copy(update=dict(cells=cells)),
