@@ -12,7 +12,7 @@ from __future__ import annotations
 import dataclasses
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from physagent_jax.agents.bands import expectation_windows
 from physagent_jax.agents.schema import DirectionTable, Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
@@ -71,9 +71,8 @@ def synthesize(request: Request, agents: Agents, observer: Observer | None = Non
     if request.probe:
         force_field = loop.probe(ingredients, body, reply)
     try:
-        attempts = loop.rounds(
-            _Series(store, ingredients, body, "round", observer.judged), force_field, reply
-        )
+        series = _Series(store, ingredients, body, "round", observer.judged)
+        attempts = list(loop.rounds(series, force_field, reply))
     except UserError:
         store.discard_if_barren()
         raise
@@ -135,13 +134,16 @@ class _Loop:
 
     def probe(self, ingredients: Ingredients, body: Body, reply: SemanticReply) -> ForceField:
         """The best force field of rounds on a coarse version of the scene; the sentence's if there is none."""
+        attempts: list[Attempt] = []
         try:
             with self._watch.all_to("probe"), warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)  # as they were heeded for the object in earnest
                 series = self._coarse(ingredients, body)
-                attempts = self.rounds(series, reply.force_field, reply)
+                for attempt in self.rounds(series, reply.force_field, reply):
+                    attempts.append(attempt)  # one by one: those before an error count
         except UserError as error:
-            self._warnings += (f"the coarse rounds were left out: {error}",)
+            self._warnings += (f"coarse rounds were left out: {error}",)
+        if not attempts:
             return reply.force_field
         best = _best(attempts)
         self._save_costs(probe_iterations=len(attempts), probe_best=best)
@@ -155,7 +157,7 @@ class _Loop:
             small = make_body(ingredients.source, preset.filling, preset.domain, base_dir)
         return _Series(self._store.part(PROBE), coarse, small, "coarse round", self._observer.probed)
 
-    def rounds(self, series: _Series, force_field: ForceField, reply: SemanticReply) -> list[Attempt]:
+    def rounds(self, series: _Series, force_field: ForceField, reply: SemanticReply) -> Iterator[Attempt]:
         """Tries ``force_field`` and what the executor makes of it, until the planner is satisfied."""
         attempts: list[Attempt] = []
         self._past = None
@@ -163,6 +165,7 @@ class _Loop:
             attempt = self.recall(series, index) or self.attempt(series, index, force_field, reply)
             attempts.append(attempt)
             series.judged(index, attempt.judgement)
+            yield attempt
             if attempt.judgement.verdict is Verdict.SUCCESS or index + 1 == self._request.max_iterations:
                 break
             # The camera of the first round stays, so that the rounds' pictures can be compared.
@@ -174,7 +177,6 @@ class _Loop:
             if rewrite.force_field == force_field:
                 break  # the executor has nothing left to try; another round would only repeat this one
             force_field = rewrite.force_field
-        return attempts
 
     def attempt(self, series: _Series, index: int, force_field: ForceField, reply: SemanticReply) -> Attempt:
         """Simulates ``force_field``, looks at the pictures, judges them, and leaves the round's files."""

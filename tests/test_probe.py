@@ -8,7 +8,7 @@ from physagent_jax.agents.schema import Rewrite
 from physagent_jax.cli.request import make_request, offline_agents
 from physagent_jax.cli.run import Run
 from physagent_jax.errors import UserError
-from physagent_jax.forces.schema import Action, ForceField
+from physagent_jax.forces.schema import Action, ForceField, SphereRegion
 from physagent_jax.report.html import write_report
 from physagent_jax.run_folder import Manifest, SimulationRecord
 from physagent_jax.scene.coarse import coarser
@@ -42,23 +42,27 @@ def test_what_is_too_coarse_already_is_not_coarsened(small):
 # --- in the loop --------------------------------------------------------------------------------------
 
 
-class CountingExecutor:
-    """Pushes with M = 1.0, 1.1, ...; may be told to stop the run instead."""
+NOWHERE = SphereRegion(center=(9, 9, 9), radius=0.1)
 
-    def __init__(self, interrupt=False):
-        self.interrupt = interrupt
+
+class CountingExecutor:
+    """Pushes with M = 1.0, 1.1, ... what is in a region; may be told to stop the run instead."""
+
+    def __init__(self, interrupt=False, region=None):
+        self.interrupt, self.region = interrupt, region
 
     def rewrite(self, prompt, expectations, force_field, report, judgement, brief, history=()):
         if self.interrupt:
             raise KeyboardInterrupt
-        push = Action(action_type="translation", vector=(0, 0, 1), magnitude=1.0 + 0.1 * len(history))
+        magnitude = 1.0 + 0.1 * len(history)
+        push = Action(action_type="translation", vector=(0, 0, 1), magnitude=magnitude, region=self.region)
         return Rewrite(force_field=ForceField(actions=(push,)), changes=("scripted",))
 
 
-def run_loop(robot_path, out, scores, interrupt=False, **options):
+def run_loop(robot_path, out, scores, interrupt=False, region=None, **options):
     options = {**dict(frames=6, particles=1800, resolution=64, probe=True), **options}
     command = Run(object=robot_path, prompt="push the robot to the left", out=out, **options)
-    agents = Agents(offline_agents().semantic, ScriptedPlanner(scores), CountingExecutor(interrupt))
+    agents = Agents(offline_agents().semantic, ScriptedPlanner(scores), CountingExecutor(interrupt, region))
     return synthesize(make_request(command, "test"), agents)
 
 
@@ -93,6 +97,13 @@ def test_the_fine_rounds_begin_with_the_best_coarse_one_also_after_a_stop(robot_
     assert {cost.agent: cost.calls for cost in manifest.agents}["planner"] == 4
     page = write_report(out).read_text()
     assert "Coarse rounds" in page and "taken on" in page
+
+
+def test_a_coarse_round_that_fails_ends_the_coarse_rounds_only(robot_path, tmp_path):
+    store = run_loop(robot_path, tmp_path / "run", [0.3, 1.0], region=NOWHERE)
+    manifest = store.manifest
+    assert manifest.complete and (manifest.probe_iterations, manifest.probe_best) == (1, 0)
+    assert any("left out" in text and "selects no particle" in text for text in manifest.warnings)
 
 
 def test_coarse_rounds_are_left_out_with_a_warning_if_the_object_is_too_coarse(robot_path, tmp_path):
