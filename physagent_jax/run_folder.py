@@ -10,6 +10,7 @@ run/iterations/k/judgement.json        what the planner concluded
 run/iterations/k/rewrite.json          what the executor changed for k + 1 (absent after the last)
 run/iterations/k/simulation.json       `SimulationRecord`
 run/iterations/k/video.mp4, motion.npz
+run/probe/iterations/k/...             the same but motion.npz, on a coarse version of the scene, if that was asked for
 run/video.mp4, motion.npz, frames/     the best iteration's
 run/report.html
 """
@@ -70,6 +71,8 @@ class SimulationRecord(Strict):
         stable_dt: The closed-form bound at the start [s].
         redone_frames: Frames that were redone with a smaller step, with the reason.
         stopped_particles: Particle-steps at which a particle was stopped at the domain's wall.
+        reused_frames: Frames, frame 0 among them, taken over from the round before, which had the same forces until
+            then; all other figures are of all frames alike.
         kinetic_energy, elastic_energy: Per frame [J].
         gravitational_energy: Per frame, over frame 0's [J]; empty in records of earlier versions.
         momentum: Per frame [kg m/s].
@@ -88,6 +91,7 @@ class SimulationRecord(Strict):
     stable_dt: float
     redone_frames: dict[int, str] = {}
     stopped_particles: int = 0
+    reused_frames: int = 0
     kinetic_energy: tuple[float, ...]
     elastic_energy: tuple[float, ...]
     gravitational_energy: tuple[float, ...] = ()
@@ -100,9 +104,13 @@ class SimulationRecord(Strict):
 
 
 class Stages(Strict):
-    """Seconds of wall time per stage, compilation apart where it can be told apart [s]."""
+    """Seconds of wall time per stage, compilation apart where it can be told apart [s].
+
+    ``probe`` is all that the coarse rounds took, agents included, but for compilation.
+    """
 
     prepare: float = 0.0
+    probe: float = 0.0
     compile: float = 0.0
     simulate: float = 0.0
     render: float = 0.0
@@ -138,6 +146,8 @@ class Manifest(Strict):
         iterations: How many were made.
         best_iteration: Which one the top-level files show.
         verdict: The best iteration's verdict.
+        probe_iterations: How many coarse rounds came before.
+        probe_best: Which of them gave the force field of iteration 0; None = none, it is the sentence's.
         stages: Wall time summed over iterations.
         agents: Cost per agent.
         warnings: Everything the user should know.
@@ -156,6 +166,8 @@ class Manifest(Strict):
     iterations: int = 0
     best_iteration: int | None = None
     verdict: str | None = None
+    probe_iterations: int = 0
+    probe_best: int | None = None
     stages: Stages = Stages()
     agents: tuple[AgentCost, ...] = ()
     warnings: tuple[str, ...] = ()

@@ -14,6 +14,7 @@ from physagent_jax.output.files import check_writable, write_text
 from physagent_jax.run_folder import Manifest
 
 Schema = TypeVar("Schema", bound=BaseModel)
+PROBE = "probe"  # folder of the coarse rounds
 _LAST_FILE = "judgement.json"  # written last, so an iteration that has it is complete
 
 
@@ -58,8 +59,12 @@ class RunStore:
 
     def discard_if_barren(self) -> None:
         """Removes the folder if nothing was simulated in it: a refused run leaves nothing behind."""
-        if not (self.path / "iterations").exists():
+        if not any((self.path / name).exists() for name in ("iterations", PROBE)):
             shutil.rmtree(self.path, ignore_errors=True)
+
+    def part(self, name: str) -> RunStore:
+        """A folder within this one that holds iterations of its own."""
+        return RunStore(self.path / name, self.manifest)
 
     def iteration(self, index: int) -> Path:
         """Folder of an iteration."""

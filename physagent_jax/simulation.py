@@ -1,4 +1,8 @@
-"""Playing a compiled scene: every frame is simulated, its Gaussians deformed and its picture taken."""
+"""Playing a compiled scene: every frame is simulated, its Gaussians deformed and its picture taken.
+
+Frames that an earlier scene has in common are taken over from its recording (`shared_past`). That works within one
+process: nothing of it is written down, so a run that was stopped and is taken up plays its next round from the start.
+"""
 
 from __future__ import annotations
 
@@ -6,71 +10,80 @@ import dataclasses
 from collections.abc import Callable, Iterator
 
 import jax
-import numpy as np
 
 from physagent_jax.gaussians.binding import deform
 from physagent_jax.gaussians.cloud import Splats
-from physagent_jax.metrics.motion import true_motion
-from physagent_jax.mpm import Frame, simulate, stable_dt
-from physagent_jax.mpm.energy import (
-    angular_momentum,
-    elastic_energy,
-    gravitational_energy,
-    kinetic_energy,
-    momentum,
-)
-from physagent_jax.mpm.ledger import Exchange
+from physagent_jax.mpm import Frame, simulate
+from physagent_jax.recording import Entry, Past, Recording, Shot, rest_centre
 from physagent_jax.render import render
-from physagent_jax.run_folder import Ledger, SimulationRecord
 from physagent_jax.scene.compile import Scene
+from physagent_jax.shared_past import clock_is_right, last_shared_frame, restart_frames
 from physagent_jax.stopwatch import Stopwatch
+
+PAST_BYTES = 2**30  # of host memory for what a later scene may go on from
 
 Progress = Callable[[int, int], None]
 """Called after every frame with (frames done, frames in all)."""
 
 
-@dataclasses.dataclass(frozen=True)
-class Recording:
-    """What playing a scene gives.
-
-    Attributes:
-        rgb: Pictures, uint8, shape (T, height, width, 3).
-        depth: z-depth [m], 0 where nothing is, shape (T, height, width).
-        x: Particle positions [m], shape (T, n, 3).
-        F: Deformation gradients, shape (T, n, 3, 3).
-        gaussians: Gaussian centres [m], shape (T, g, 3).
-        record: Facts and figures, the true motion among them.
-    """
-
-    rgb: np.ndarray
-    depth: np.ndarray
-    x: np.ndarray
-    F: np.ndarray
-    gaussians: np.ndarray
-    record: SimulationRecord
-
-
-def play(scene: Scene, watch: Stopwatch, progress: Progress | None = None) -> Recording:
-    """Simulates and renders all frames of ``scene``.
+def play(
+    scene: Scene, watch: Stopwatch, progress: Progress | None = None, past: Past | None = None
+) -> Recording:
+    """Simulates and renders all frames of ``scene``, except those that it shares with ``past``.
 
     Raises:
         UserError: The scene cannot be simulated (`mpm.simulate` says why).
     """
-    books, shots = _Books(scene), _Shots()
-    for frame in watch.timed("simulate", frames(scene)):
+    begin = shared_restart(scene, past)
+    shots, entries, restarts = _taken_over(past, begin)
+    reused, total = len(shots), scene.config.timing.frame_count
+    if progress and reused:
+        progress(reused, total)
+    wanted, centre = restart_frames(scene.config), rest_centre(scene)
+    for frame in watch.timed("simulate", frames(scene, begin)):
         with watch("render"):
             splats = splats_at(scene, frame)
             picture = render(splats, scene.camera, background=scene.config.rendering.background)
-            shots.add(picture, splats, frame)
+            shots.append(Shot.of(picture, splats, frame))
         with watch("simulate"):
-            books.add(frame)
+            entries.append(Entry.of(scene, frame, centre))
+            if frame.index in wanted and _worth_keeping(scene, frame, shots, restarts):
+                restarts[frame.index] = dataclasses.replace(frame, state=jax.device_get(frame.state))
         if progress:
-            progress(frame.index + 1, scene.config.timing.frame_count)
-    return shots.recording(books)
+            progress(frame.index + 1, total)
+    return Recording.of(scene, shots, entries, Past.of(scene, shots, entries, restarts), reused)
 
 
-def frames(scene: Scene) -> Iterator[Frame]:
-    """The frames of ``scene``, simulated one after another."""
+def shared_restart(scene: Scene, past: Past | None) -> Frame | None:
+    """The last frame of ``past`` that ``scene`` can go on from, its state on the device; None = begin at rest."""
+    if past is None or past.body is not scene.body:
+        return None
+    shared = last_shared_frame(past.config, scene.config)
+    fit = [index for index in past.restarts if shared is not None and index <= shared]
+    if not fit:
+        return None
+    frame = past.restarts[max(fit)]
+    return dataclasses.replace(frame, state=jax.device_put(frame.state))
+
+
+def _taken_over(past: Past | None, begin: Frame | None) -> tuple[list[Shot], list[Entry], dict[int, Frame]]:
+    if past is None or begin is None:
+        return [], [], {}
+    count = begin.index + 1
+    restarts = {index: frame for index, frame in past.restarts.items() if index < count}
+    return list(past.shots[:count]), list(past.entries[:count]), restarts
+
+
+def _worth_keeping(scene: Scene, frame: Frame, shots: list[Shot], restarts: dict[int, Frame]) -> bool:
+    """Whether a later scene may go on from ``frame``: memory allows it, and the clock is as `shared_past` assumes."""
+    state_bytes = sum(leaf.nbytes for leaf in jax.tree.leaves(frame.state))
+    needed = len(shots) * shots[0].nbytes + (len(restarts) + 1) * state_bytes
+    timing = scene.config.timing
+    return needed <= PAST_BYTES and clock_is_right(float(frame.state.time), frame.index, timing.frame_dt)
+
+
+def frames(scene: Scene, begin: Frame | None = None) -> Iterator[Frame]:
+    """The frames of ``scene`` after ``begin``, simulated one after another; from the rest pose on if None."""
     timing = scene.config.timing
     return simulate(
         scene.model,
@@ -81,6 +94,7 @@ def frames(scene: Scene) -> Iterator[Frame]:
         safety=timing.safety,
         force_substep=timing.force_substep,
         ledger=scene.config.ledger,
+        begin=begin,
     )
 
 
@@ -91,89 +105,3 @@ def splats_at(scene: Scene, frame: Frame) -> Splats:
 
 
 _deform = jax.jit(deform)
-
-
-class _Shots:
-    """Pictures and trajectories as they come."""
-
-    def __init__(self):
-        self._rgb, self._depth, self._gaussians, self._x, self._F = [], [], [], [], []
-
-    def add(self, picture, splats: Splats, frame: Frame) -> None:
-        self._rgb.append(np.asarray(picture.rgb))
-        self._depth.append(np.asarray(picture.depth, np.float32))
-        self._gaussians.append(np.asarray(splats.means))
-        self._x.append(np.asarray(frame.state.x))
-        self._F.append(np.asarray(frame.state.F))
-
-    def recording(self, books: _Books) -> Recording:
-        rgb = (np.clip(np.stack(self._rgb), 0, 1) * 255 + 0.5).astype(np.uint8)
-        gaussians = np.stack(self._gaussians)
-        return Recording(
-            rgb,
-            np.stack(self._depth),
-            np.stack(self._x),
-            np.stack(self._F),
-            gaussians,
-            books.record(gaussians),
-        )
-
-
-class _Books:
-    """Energies, momenta and step sizes per frame."""
-
-    def __init__(self, scene: Scene):
-        self._scene = scene
-        self._frames: list[Frame] = []
-        self._budgets: list[dict[str, np.ndarray]] = []
-        self._exchanges: list[Exchange] = []
-        self._bound = float(stable_dt(scene.model, scene.state))
-        mass, x = np.asarray(scene.model.mass), np.asarray(scene.state.x)
-        self._centre = (mass[:, None] * x).sum(0) / mass.sum()
-
-    def add(self, frame: Frame) -> None:
-        budget = _budget(self._scene.model, frame.state, self._centre)
-        self._budgets.append({name: np.asarray(value, float) for name, value in budget.items()})
-        if frame.exchange is not None:
-            self._exchanges.append(frame.exchange)
-        self._stopped = int(frame.state.stopped)
-        self._frames.append(dataclasses.replace(frame, state=None, exchange=None))  # type: ignore[arg-type]
-
-    def record(self, gaussians: np.ndarray) -> SimulationRecord:
-        done = self._frames[1:]
-        series = {name: np.stack([b[name] for b in self._budgets]) for name in self._budgets[0]}
-        series["gravitational_energy"] -= series["gravitational_energy"][0]
-        return SimulationRecord(
-            particle_count=self._scene.body.particles.count,
-            gaussian_count=self._scene.body.cloud.count,
-            grid_shape=self._frames[-1].grid_shape,
-            dx=self._scene.model.grid.dx,
-            substeps=sum(f.substeps for f in done),
-            substep_dt=tuple(f.dt for f in done),
-            stable_dt=self._bound,
-            redone_frames={f.index: "; ".join(f.retries) for f in done if f.retries},
-            stopped_particles=self._stopped,
-            min_volume_ratio=tuple(f.min_J for f in self._frames),
-            max_volume_ratio=tuple(f.max_J for f in self._frames),
-            ledger=_summed(self._exchanges) if self._exchanges else None,
-            truth=true_motion(gaussians),
-            **{name: tuple(values.tolist()) for name, values in series.items()},
-        )
-
-
-def _summed(exchanges: list[Exchange]) -> Ledger:
-    """Running totals, one entry per frame."""
-    names = [field.name for field in dataclasses.fields(Exchange)]
-    columns = {name: np.stack([np.asarray(getattr(e, name), float) for e in exchanges]) for name in names}
-    return Ledger(**{name: tuple(np.cumsum(column, axis=0).tolist()) for name, column in columns.items()})
-
-
-@jax.jit
-def _budget(model, state, centre):
-    return dict(
-        kinetic_energy=kinetic_energy(model, state),
-        elastic_energy=elastic_energy(model, state),
-        gravitational_energy=gravitational_energy(model, state),
-        momentum=momentum(model, state),
-        angular_momentum=angular_momentum(model, state, centre),
-    )

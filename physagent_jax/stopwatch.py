@@ -32,6 +32,16 @@ class Stopwatch:
 
     def __init__(self, earlier: Stages | None = None):
         self._seconds: dict[str, float] = earlier.model_dump() if earlier else {}
+        self._instead: str | None = None
+
+    @contextmanager
+    def all_to(self, stage: str):
+        """Charges whatever is timed in the ``with`` block to ``stage``; compilation stays apart."""
+        self._instead = stage
+        try:
+            yield
+        finally:
+            self._instead = None
 
     @contextmanager
     def __call__(self, stage: str):
@@ -42,7 +52,7 @@ class Stopwatch:
         finally:
             seconds = time.perf_counter() - begun
             compiling = min(_compile_seconds - compiled, seconds)
-            self._charge(stage, seconds - compiling)
+            self._charge(self._instead or stage, seconds - compiling)
             self._charge("compile", compiling)
 
     def timed(self, stage: str, items: Iterator) -> Iterator:

@@ -10,78 +10,31 @@ Thin host code; everything that computes lives in the layers below.
 from __future__ import annotations
 
 import dataclasses
+import time
 import warnings
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable, Iterator
 
 from physagent_jax.agents.bands import expectation_windows
-from physagent_jax.agents.protocols import ExecutorAgent, PlannerAgent, SemanticAgent
 from physagent_jax.agents.schema import DirectionTable, Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
 from physagent_jax.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.output.run_files import write_best, write_rollout, write_verdict
 from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.schema import MotionReport
-from physagent_jax.run_folder import AgentCost, Manifest, Stages
-from physagent_jax.run_store import RunStore
+from physagent_jax.recording import Past
+from physagent_jax.request import Agents as Agents
+from physagent_jax.request import Observer as Observer
+from physagent_jax.request import Request as Request
+from physagent_jax.run_folder import AgentCost
+from physagent_jax.run_store import PROBE, RunStore
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.camera import viewer_directions
+from physagent_jax.scene.coarse import coarser
 from physagent_jax.scene.compile import compile_scene
-from physagent_jax.scene.config import Anchor, SceneConfig
+from physagent_jax.scene.config import SceneConfig
 from physagent_jax.scene.fuse import Ingredients, fuse
 from physagent_jax.simulation import play
 from physagent_jax.stopwatch import Stopwatch
-
-
-@dataclasses.dataclass(frozen=True)
-class Agents:
-    """The three agents."""
-
-    semantic: SemanticAgent
-    planner: PlannerAgent
-    executor: ExecutorAgent
-
-
-@dataclasses.dataclass(frozen=True)
-class Request:
-    """What to make.
-
-    Attributes:
-        prompt: The sentence.
-        ingredients: Object, matter, cost, camera; its anchor is what the object's kind asks for.
-        choose_anchor: From what the sentence says about holding (kind or None, words) to the anchor.
-        base_dir: Folder that relative paths of the ingredients start from.
-        out: Run folder.
-        manifest: Passport; its ``inputs`` identify the run.
-        max_iterations: Rounds at most.
-        overwrite: Replace another run in ``out``.
-        save_frames, save_splats: Also leave PNG frames, and one PLY per frame.
-    """
-
-    prompt: str
-    ingredients: Ingredients
-    choose_anchor: Callable[[Any, str], Anchor]
-    base_dir: Path
-    out: Path
-    manifest: Manifest
-    max_iterations: int = 3
-    overwrite: bool = False
-    save_frames: bool = False
-    save_splats: bool = False
-
-
-class Observer:
-    """What a user sees while it runs; override what is of interest."""
-
-    def stage(self, text: str) -> None:
-        """A new stage begins."""
-
-    def frame(self, done: int, total: int) -> None:
-        """``done`` of ``total`` frames are simulated and rendered."""
-
-    def judged(self, index: int, judgement: Judgement) -> None:
-        """Iteration ``index`` was judged."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -114,26 +67,35 @@ def synthesize(request: Request, agents: Agents, observer: Observer | None = Non
     store.write("semantic.json", reply)
     ingredients = loop.with_anchor(reply)
 
-    attempts: list[Attempt] = []
     force_field = reply.force_field
-    for index in range(request.max_iterations):
-        try:
-            attempt = loop.recall(index) or loop.attempt(index, ingredients, body, force_field, reply)
-        except UserError:
-            store.discard_if_barren()
-            raise
-        attempts.append(attempt)
-        observer.judged(index, attempt.judgement)
-        if attempt.judgement.verdict is Verdict.SUCCESS or index + 1 == request.max_iterations:
-            break
-        # The camera of the first round stays, so that the rounds' pictures can be compared.
-        ingredients = dataclasses.replace(ingredients, camera=attempts[0].scene.camera)
-        rewrite = loop.rewrite(index, attempts, reply)
-        if rewrite.force_field == force_field:
-            break  # the executor has nothing left to try; another round would only repeat this one
-        force_field = rewrite.force_field
+    if request.probe:
+        force_field = loop.probe(ingredients, body, reply)
+    try:
+        series = _Series(store, ingredients, body, "round", observer.judged)
+        attempts = list(loop.rounds(series, force_field, reply))
+    except UserError:
+        store.discard_if_barren()
+        raise
     loop.finish(attempts, body)
     return store
+
+
+@dataclasses.dataclass(frozen=True)
+class _Series:
+    """Rounds on one version of the scene.
+
+    Attributes:
+        store: Where they are kept.
+        ingredients, body: What they have in common.
+        name: Of one of them.
+        judged: Told of every judgement.
+    """
+
+    store: RunStore
+    ingredients: Ingredients
+    body: Body
+    name: str
+    judged: Callable[[int, Judgement], None]
 
 
 class _Loop:
@@ -144,6 +106,7 @@ class _Loop:
         self._watch = Stopwatch(store.manifest.stages)
         self._costs = {cost.agent: cost for cost in store.manifest.agents}
         self._anchor = request.ingredients.anchor
+        self._past: Past | None = None
 
     def read_sentence(self) -> SemanticReply:
         """The semantic agent's reply, from the folder if it is there."""
@@ -169,19 +132,66 @@ class _Loop:
         self._anchor = self._request.choose_anchor(reply.anchor.kind, reply.anchor.words)
         return dataclasses.replace(self._request.ingredients, anchor=self._anchor)
 
-    def attempt(
-        self, index: int, ingredients: Ingredients, body: Body, force_field: ForceField, reply: SemanticReply
-    ) -> Attempt:
+    def probe(self, ingredients: Ingredients, body: Body, reply: SemanticReply) -> ForceField:
+        """The best force field of rounds on a coarse version of the scene; the sentence's if there is none."""
+        attempts: list[Attempt] = []
+        try:
+            with self._watch.all_to("probe"), warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)  # as they were heeded for the object in earnest
+                series = self._coarse(ingredients, body)
+                for attempt in self.rounds(series, reply.force_field, reply):
+                    attempts.append(attempt)  # one by one: those before an error count
+        except UserError as error:
+            self._warnings += (f"coarse rounds were left out: {error}",)
+        if not attempts:
+            return reply.force_field
+        best = _best(attempts)
+        self._save_costs(probe_iterations=len(attempts), probe_best=best)
+        return attempts[best].scene.force_field
+
+    def _coarse(self, ingredients: Ingredients, body: Body) -> _Series:
+        with self._watch("prepare"):
+            preset = coarser(ingredients.preset, body)
+            coarse = dataclasses.replace(ingredients, preset=preset)
+            base_dir = self._request.base_dir
+            small = make_body(ingredients.source, preset.filling, preset.domain, base_dir)
+        return _Series(self._store.part(PROBE), coarse, small, "coarse round", self._observer.probed)
+
+    def rounds(self, series: _Series, force_field: ForceField, reply: SemanticReply) -> Iterator[Attempt]:
+        """Tries ``force_field`` and what the executor makes of it, until the planner is satisfied."""
+        attempts: list[Attempt] = []
+        self._past = None
+        for index in range(self._request.max_iterations):
+            attempt = self.recall(series, index) or self.attempt(series, index, force_field, reply)
+            attempts.append(attempt)
+            series.judged(index, attempt.judgement)
+            yield attempt
+            if attempt.judgement.verdict is Verdict.SUCCESS or index + 1 == self._request.max_iterations:
+                break
+            # The camera of the first round stays, so that the rounds' pictures can be compared.
+            camera = attempts[0].scene.camera
+            series = dataclasses.replace(
+                series, ingredients=dataclasses.replace(series.ingredients, camera=camera)
+            )
+            rewrite = self.rewrite(series, index, attempts, reply)
+            if rewrite.force_field == force_field:
+                break  # the executor has nothing left to try; another round would only repeat this one
+            force_field = rewrite.force_field
+
+    def attempt(self, series: _Series, index: int, force_field: ForceField, reply: SemanticReply) -> Attempt:
         """Simulates ``force_field``, looks at the pictures, judges them, and leaves the round's files."""
         with self._watch("prepare"):
-            config = fuse(ingredients, body, force_field)
-            scene = compile_scene(config, body, self._request.base_dir)
-        self._observer.stage(f"round {index + 1}: simulating and rendering")
-        recording = play(scene, self._watch, self._observer.frame)
+            config = fuse(series.ingredients, series.body, force_field)
+            scene = compile_scene(config, series.body, self._request.base_dir)
+        name = f"{series.name} {index + 1}"
+        self._observer.stage(f"{name}: simulating and rendering")
+        recording = play(scene, self._watch, self._observer.frame, self._past)
+        self._past = recording.past
         with self._watch("write"):
-            frames = self._request.save_frames
-            write_rollout(self._store, index, scene, recording, save_frames=frames)
-        self._observer.stage(f"round {index + 1}: measuring the motion")
+            earnest = series.store is self._store
+            frames = self._request.save_frames and earnest
+            write_rollout(series.store, index, scene, recording, save_motion=earnest, save_frames=frames)
+        self._observer.stage(f"{name}: measuring the motion")
         windows = expectation_windows(reply.expectations, config.timing.frame_count)
         with self._watch("perceive"):
             seen = perceive(
@@ -201,24 +211,24 @@ class _Loop:
             self._brief(),
         )
         with self._watch("write"):
-            write_verdict(self._store, index, recording.rgb, seen, judgement)
+            write_verdict(series.store, index, recording.rgb, seen, judgement)
         self._save_costs()
         return Attempt(config, seen.report, judgement)
 
-    def recall(self, index: int) -> Attempt | None:
+    def recall(self, series: _Series, index: int) -> Attempt | None:
         """Round ``index`` from the folder, if it is complete."""
         folder = f"iterations/{index}"
-        judgement = self._store.read(f"{folder}/judgement.json", Judgement)
-        scene = self._store.read(f"{folder}/scene.json", SceneConfig)
-        report = self._store.read(f"{folder}/motion_report.json", MotionReport)
+        judgement = series.store.read(f"{folder}/judgement.json", Judgement)
+        scene = series.store.read(f"{folder}/scene.json", SceneConfig)
+        report = series.store.read(f"{folder}/motion_report.json", MotionReport)
         if judgement is None or scene is None or report is None:
             return None
         return Attempt(scene, report, judgement)
 
-    def rewrite(self, index: int, attempts: list[Attempt], reply: SemanticReply) -> Rewrite:
+    def rewrite(self, series: _Series, index: int, attempts: list[Attempt], reply: SemanticReply) -> Rewrite:
         """The executor's next force field, from the folder if it is there."""
         name = f"iterations/{index}/rewrite.json"
-        rewrite = self._store.read(name, Rewrite)
+        rewrite = series.store.read(name, Rewrite)
         if rewrite is None:
             last = attempts[-1]
             history = [(attempt.scene.force_field, attempt.judgement) for attempt in attempts[:-1]]
@@ -233,12 +243,12 @@ class _Loop:
                 self._brief(),
                 history,
             )
-            self._store.write(name, rewrite)
+            series.store.write(name, rewrite)
         return rewrite
 
     def finish(self, attempts: list[Attempt], body: Body) -> None:
         """Puts the best round's files at the top of the folder and closes the manifest."""
-        best = max(range(len(attempts)), key=lambda index: (attempts[index].judgement.score, -index))
+        best = _best(attempts)
         self._observer.stage("writing the results")
         with self._watch("write"):
             write_best(
@@ -259,11 +269,11 @@ class _Loop:
     def _ask(self, role: str, method: str, *arguments):
         """Calls an agent and notes what it cost."""
         agent = getattr(self._agents, role)
-        before = self._watch.stages()
+        begun = time.perf_counter()
         with self._watch("agents"):
             answer = getattr(agent, method)(*arguments)
+        seconds = time.perf_counter() - begun
         cost = self._costs.get(role) or AgentCost(agent=role, implementation=type(agent).__name__)
-        seconds = self._watch.stages().agents - before.agents
         self._costs[role] = cost.model_copy(
             update=dict(calls=cost.calls + 1, seconds=round(cost.seconds + seconds, 4))
         )
@@ -286,6 +296,6 @@ class _Loop:
         )
 
 
-def total_seconds(stages: Stages) -> float:
-    """All stages together [s]."""
-    return sum(stages.model_dump().values())
+def _best(attempts: list[Attempt]) -> int:
+    """The attempt with the highest score, the first of equals."""
+    return max(range(len(attempts)), key=lambda index: (attempts[index].judgement.score, -index))

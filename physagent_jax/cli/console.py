@@ -71,11 +71,18 @@ class ConsoleObserver(Observer):
 
     def judged(self, index: int, judgement: Judgement) -> None:
         """Prints the planner's verdict and its suggestion."""
+        self._tell(f"round {index + 1}", judgement)
+
+    def probed(self, index: int, judgement: Judgement) -> None:
+        """Prints the same of a coarse round."""
+        self._tell(f"coarse round {index + 1}", judgement)
+
+    def _tell(self, which: str, judgement: Judgement) -> None:
         self.close()
         good = judgement.verdict is Verdict.SUCCESS
         colour = "green" if good else "yellow"
         stderr.print(
-            f"[{colour}]{'✓' if good else '✗'}[/] round {index + 1}: [{colour}]{judgement.verdict.value}[/] "
+            f"[{colour}]{'✓' if good else '✗'}[/] {which}: [{colour}]{judgement.verdict.value}[/] "
             f"(score {judgement.score:.2f})"
         )
         if judgement.suggestion:

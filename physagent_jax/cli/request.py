@@ -89,6 +89,7 @@ def make_request(command: Run, command_line: str) -> Request:
         out=command.out,
         manifest=manifest,
         max_iterations=command.max_iterations,
+        probe=command.probe,
         overwrite=command.overwrite,
         save_frames=command.save_frames,
         save_splats=command.save_splats,
@@ -128,7 +129,10 @@ def _settings(command: Run, ingredients: Ingredients) -> dict:
     }
     options = (command.prompt, command.anchor, command.friction, ingredients.damping_rate)
     options = (*options, command.max_iterations, command.seed)
-    return {**parts, "options": options, "save": (command.save_frames, command.save_splats)}
+    probe = (
+        {"probe": True} if command.probe else {}
+    )  # without it, runs of earlier versions are still the same
+    return {**parts, "options": options, "save": (command.save_frames, command.save_splats), **probe}
 
 
 _PRESET_PARTS = ("domain", "filling", "timing", "transfer", "rendering")

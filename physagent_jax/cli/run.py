@@ -75,6 +75,8 @@ class Run:
     """Width and height of the pictures; default: the preset's."""
     max_iterations: int = 3
     """Rounds at most."""
+    probe: bool = False
+    """First try force fields on a coarse version of the scene; the rounds then begin with the best of them."""
     seed: int = 0
     """Of everything random."""
     ledger: bool = False
@@ -137,4 +139,5 @@ def summarise(store, seconds: float) -> dict:
         "substeps": sum(record.substeps for record in records),
         "wall_s": {**manifest.stages.model_dump(), "total": round(seconds, 3)},
         "out": str(store.path),
+        **({"probe_iterations": manifest.probe_iterations} if manifest.probe_iterations else {}),
     }

@@ -21,7 +21,7 @@ from physagent_jax.errors import UserError
 from physagent_jax.mpm import reductions
 from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.ledger import Exchange, balanced, exchange
-from physagent_jax.mpm.state import Model, State
+from physagent_jax.mpm.state import Grid, Model, State
 from physagent_jax.mpm.step import initial_stress, substep
 from physagent_jax.mpm.timestep import SAFETY, check_explicit_dt, kinematic_dt, stable_dt, substeps_for
 from physagent_jax.mpm.transfer import Watch, outside
@@ -75,7 +75,7 @@ class Frame:
         dt: Their length [s].
         min_J, max_J: Extremes of det F on the way.
         retries: Reasons for which this frame was redone, oldest first.
-        grid_shape: The window used.
+        grid: The window used; the next frame's is fitted from it.
         seconds: Wall time of the frame, redone attempts included [s].
         exchange: What forces, boundaries and dissipation exchanged since the frame before; None = not asked for.
     """
@@ -87,9 +87,14 @@ class Frame:
     min_J: float
     max_J: float
     retries: tuple[str, ...]
-    grid_shape: tuple[int, int, int]
+    grid: Grid
     seconds: float
     exchange: Exchange | None = None
+
+    @property
+    def grid_shape(self) -> tuple[int, int, int]:
+        """Nodes of the window."""
+        return self.grid.shape
 
 
 @partial(jax.jit, static_argnames="ledger")
@@ -145,8 +150,9 @@ def simulate(
     safety: float = SAFETY,
     force_substep: bool = False,
     ledger: bool = False,
+    begin: Frame | None = None,
 ) -> Iterator[Frame]:
-    """Yields ``frame_count`` frames, the initial state first.
+    """Yields ``frame_count`` frames, the initial state first; or, of these, those after ``begin``.
 
     Args:
         model: Its ``dt`` and ``grid.origin``/``grid.shape`` are chosen anew for each frame.
@@ -158,6 +164,8 @@ def simulate(
         force_substep: Whether to run ``substep_dt`` even above the bound. It is then never shortened: a frame
             that fails its check ends the run.
         ledger: Whether frames carry an `Exchange`.
+        begin: A frame of an earlier call whose frames up to there are these too. Nothing but its state and grid
+            window passes from frame to frame, so what follows is the same as if all were simulated.
 
     Raises:
         UserError: The input cannot be simulated (`checks.check_start`), ``substep_dt`` is above the stable bound
@@ -168,8 +176,11 @@ def simulate(
     if substep_dt is not None and not force_substep:
         check_explicit_dt(substep_dt, float(stable_dt(model, state)))
     fixed = substep_dt is not None and force_substep
-    yield Frame(0, state, 0, 0.0, 1.0, 1.0, (), model.grid.shape, 0.0, _nothing(state, ledger))
-    for index in range(1, frame_count):
+    if begin is None:
+        begin = Frame(0, state, 0, 0.0, 1.0, 1.0, (), model.grid, 0.0, _nothing(state, ledger))
+        yield begin
+    model, state = model.replace(grid=begin.grid), begin.state
+    for index in range(begin.index + 1, frame_count):
         begun = time.perf_counter()
         substeps = _substeps(model, state, frame_dt, substep_dt, safety, fixed)
         retries, margin = [], 1.0
@@ -199,7 +210,7 @@ def simulate(
             float(health.min_J),
             float(health.max_J),
             tuple(retries),
-            grid.shape,
+            grid,
             time.perf_counter() - begun,
             total,
         )

@@ -15,25 +15,32 @@ from physagent_jax.output.splats import write_splat_frames
 from physagent_jax.output.video import write_frames, write_video
 from physagent_jax.perception.measure import Perception
 from physagent_jax.perception.overlay import overlay
+from physagent_jax.recording import Recording
 from physagent_jax.run_store import RunStore
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import Scene
 from physagent_jax.scene.config import dump_scene
-from physagent_jax.simulation import Recording
 
 FILMSTRIP_FRAMES = 6
 
 
 def write_rollout(
-    store: RunStore, index: int, scene: Scene, recording: Recording, *, save_frames: bool = False
+    store: RunStore,
+    index: int,
+    scene: Scene,
+    recording: Recording,
+    *,
+    save_motion: bool = True,
+    save_frames: bool = False,
 ) -> None:
-    """Leaves what was simulated in round ``index``; PNG frames on request (the video is lossy)."""
+    """Leaves what was simulated in round ``index``: the motion too, and PNG frames on request (the video is lossy)."""
     folder = store.iteration(index)
     write_text(folder / "scene.json", dump_scene(scene.config))
     store.write(f"iterations/{index}/force_field.json", scene.config.force_field)
     store.write(f"iterations/{index}/simulation.json", recording.record)
     write_video(folder / "video.mp4", recording.rgb, 1 / scene.config.timing.frame_dt)
-    write_motion(folder / "motion.npz", motion_of(scene, recording))
+    if save_motion:
+        write_motion(folder / "motion.npz", motion_of(scene, recording))
     if save_frames:
         write_frames(folder / "frames", recording.rgb)
 

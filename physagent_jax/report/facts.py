@@ -42,6 +42,7 @@ STAGE_NAMES = {
     "perceive": "perceive",
     "agents": "agents",
     "write": "write files",
+    "probe": "coarse rounds",
 }
 
 
@@ -88,6 +89,7 @@ def simulation_facts(iteration: Iteration) -> Markup:
                 ("substep used", used + share),
                 ("particles stopped at the wall", _stopped(record.stopped_particles)),
                 ("redone frames", "none" if not record.redone_frames else str(len(record.redone_frames))),
+                ("taken over", reused_words(record)) if record.reused_frames else None,
             ]
         ),
         _redone(record),
@@ -270,6 +272,12 @@ def _stopped(particle_steps: int) -> str:
     return "none" if particle_steps == 0 else f"{count(particle_steps)} times"
 
 
+def reused_words(record: SimulationRecord) -> str:
+    """Which frames were not simulated again."""
+    last = record.reused_frames - 1
+    return f"frames 0 to {last} of the round before, whose forces are the same until then"
+
+
 def _redone(record: SimulationRecord) -> Markup | None:
     if not record.redone_frames:
         return None
@@ -295,6 +303,7 @@ def _stages(stages: Stages) -> Markup:
             percent(value / total if total else None),
         ]
         for index, (title, value) in enumerate(entries)
+        if value > 0 or title != STAGE_NAMES["probe"]
     ]
     rows.append([tag("strong", "in all"), tag("strong", seconds(total)), ""])
     time = table(["stage", "wall time", "share"], rows, numeric=(1, 2), class_="compact")

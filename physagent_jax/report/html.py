@@ -13,7 +13,7 @@ from physagent_jax.report.charts import motion_charts, physics_charts
 from physagent_jax.report.facts import clip_words, cost_facts, reproduction, scene_facts, simulation_facts
 from physagent_jax.report.force_cards import setting_of
 from physagent_jax.report.formats import count, fixed, seconds
-from physagent_jax.report.iterations import iteration_card, overview
+from physagent_jax.report.iterations import iteration_card, overview, probe_table
 from physagent_jax.report.layout import badge, facts, json_fold, listing, missing, paragraphs, section
 from physagent_jax.report.markup import Markup, div, join, raw, tag
 from physagent_jax.report.media import Clip, filmstrip, load_clip, player
@@ -149,6 +149,7 @@ def _glance(run: Run) -> Markup:
         [
             ("score", f"{fixed(best.judgement.score)} of 1") if best and best.judgement else None,
             ("iterations", f"{len(run.iterations)}, best is {best.index}") if best else None,
+            ("coarse rounds before", str(len(run.probe))) if run.probe else None,
             ("clip", clip_words(scene)) if scene else None,
             ("particles", count(record.particle_count)) if record else None,
             ("Gaussians", count(record.gaussian_count)) if record else None,
@@ -184,9 +185,9 @@ def _iterations(run: Run, players: _Players) -> Markup:
         previous = iteration
     if not cards:
         cards.append(missing("There is no iteration yet."))
-    return section(
-        "iterations", SECTIONS["iterations"], overview(run.iterations, run.best), *cards, lead=lead
-    )
+    coarse = probe_table(run.probe, run.manifest.probe_best if run.manifest else None)
+    chips = overview(run.iterations, run.best)
+    return section("iterations", SECTIONS["iterations"], coarse, chips, *cards, lead=lead)
 
 
 def _measurements(run: Run) -> Markup:

@@ -7,12 +7,14 @@ from collections.abc import Sequence
 from physagent_jax.agents.schema import Check, Judgement, Rewrite
 from physagent_jax.perception.schema import MotionReport, Oscillation, WindowMotion
 from physagent_jax.report.charts import motion_charts, physics_charts
+from physagent_jax.report.facts import reused_words
 from physagent_jax.report.force_cards import Setting, force_cards, setting_of
-from physagent_jax.report.formats import fixed, number, percent, plain, plural, vector
+from physagent_jax.report.formats import UNKNOWN, count, fixed, number, percent, plain, plural, vector
 from physagent_jax.report.layout import badge, facts, fold, json_fold, listing, missing, paragraphs, table
 from physagent_jax.report.markup import Child, Markup, div, join, span, tag
 from physagent_jax.report.media import image
 from physagent_jax.report.run_data import Iteration
+from physagent_jax.run_folder import SimulationRecord
 
 MARKS = {True: ("pass", "\u2713 pass"), False: ("failed", "\u2717 fail"), None: ("open", "? not observable")}
 
@@ -21,6 +23,33 @@ def overview(iterations: Sequence[Iteration], best: Iteration | None) -> Markup:
     """The rounds as linked chips in order."""
     chips = [_chip(iteration, is_best=iteration is best) for iteration in iterations]
     return tag("nav", *chips, class_="rounds", aria_label="Iterations")
+
+
+def probe_table(probe: Sequence[Iteration], best: int | None) -> list[Markup] | None:
+    """The rounds on a coarse version of the scene, a line each; None if there were none.
+
+    Args:
+        probe: The rounds.
+        best: The one whose force field was taken on.
+    """
+    if not probe:
+        return None
+    head = ["round", "score", "verdict", "what the planner suggested", "particles"]
+    rows: list[list[Child]] = []
+    for iteration in probe:
+        judgement, record = iteration.judgement, iteration.simulation
+        taken = tag("small", "taken on", class_="remedy") if iteration.index == best else None
+        rows.append(
+            [
+                join(str(iteration.index), taken),
+                fixed(judgement.score if judgement else None),
+                badge(judgement.verdict if judgement else None),
+                judgement.suggestion or UNKNOWN if judgement else UNKNOWN,
+                count(record.particle_count) if record else UNKNOWN,
+            ]
+        )
+    lead = "Force fields were first tried on a coarse version of the scene. Iteration 0 begins with the best of them."
+    return [tag("h3", "Coarse rounds"), tag("p", lead), table(head, rows, numeric=(1, 4), class_="compact")]
 
 
 def iteration_card(
@@ -44,6 +73,7 @@ def iteration_card(
     parts = [
         _head(iteration, is_best),
         div("split", div("clip", video), _forces(iteration, previous, setting)),
+        _taken_over(iteration.simulation),
         _overlay(iteration),
         _judgement(iteration.judgement),
         _rewrite(iteration.rewrite, iteration.index),
@@ -79,6 +109,12 @@ def _forces(iteration: Iteration, previous: Iteration | None, setting: Setting) 
     if iteration.force_field is None:
         return missing("The force field of this iteration is missing.")
     return force_cards(iteration.force_field, setting, previous=previous.force_field if previous else None)
+
+
+def _taken_over(record: SimulationRecord | None) -> Markup | None:
+    if record is None or not record.reused_frames:
+        return None
+    return tag("p", f"Taken over instead of simulated: {reused_words(record)}.", class_="quiet")
 
 
 def _overlay(iteration: Iteration) -> Markup | None:

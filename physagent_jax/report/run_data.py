@@ -13,6 +13,7 @@ from physagent_jax.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.run_folder import Manifest, SimulationRecord
+from physagent_jax.run_store import PROBE
 from physagent_jax.scene.config import SceneConfig
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -47,6 +48,7 @@ class Run:
         manifest, semantic, scene: Top-level files; None where missing or broken.
         video: The best iteration's video.
         iterations: In order.
+        probe: Rounds on a coarse version of the scene, which came before.
         problems: What is missing or broken, a sentence each.
     """
 
@@ -56,6 +58,7 @@ class Run:
     scene: SceneConfig | None
     video: Path | None
     iterations: tuple[Iteration, ...]
+    probe: tuple[Iteration, ...]
     problems: tuple[str, ...]
 
     @property
@@ -101,17 +104,23 @@ def load_run(folder: str | Path) -> Run:
     semantic = reader.model("semantic.json", SemanticReply)
     scene = reader.model("scene.json", SceneConfig)
     video = reader.file("video.mp4")
-    indices = sorted(int(p.name) for p in folder.glob("iterations/*") if p.is_dir() and p.name.isdecimal())
-    iterations = tuple(_iteration(reader, index, is_last=index == indices[-1]) for index in indices)
-    if manifest is None and scene is None and not iterations:
+    iterations, probe = _iterations(reader, "iterations"), _iterations(reader, f"{PROBE}/iterations")
+    if manifest is None and scene is None and not iterations and not probe:
         raise UserError(f"{folder} is not a run folder", do="Name the folder that holds manifest.json")
     if not iterations:
         reader.problems.append("No iteration has been stored yet.")
-    return Run(folder, manifest, semantic, scene, video, iterations, tuple(reader.problems))
+    return Run(folder, manifest, semantic, scene, video, iterations, probe, tuple(reader.problems))
 
 
-def _iteration(reader: _Reader, index: int, *, is_last: bool) -> Iteration:
-    base = f"iterations/{index}"
+def _iterations(reader: _Reader, name: str) -> tuple[Iteration, ...]:
+    """Those in the folder ``name``, in order."""
+    found = reader.folder.glob(f"{name}/*")
+    indices = sorted(int(p.name) for p in found if p.is_dir() and p.name.isdecimal())
+    return tuple(_iteration(reader, name, index, is_last=index == indices[-1]) for index in indices)
+
+
+def _iteration(reader: _Reader, name: str, index: int, *, is_last: bool) -> Iteration:
+    base = f"{name}/{index}"
     return Iteration(
         index=index,
         scene=reader.model(f"{base}/scene.json", SceneConfig),

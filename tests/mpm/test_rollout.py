@@ -62,6 +62,25 @@ def test_the_moving_window_changes_nothing(x64):
     np.testing.assert_allclose(moving[-1].state.x, whole[-1].state.x, atol=1e-12)
 
 
+def test_a_run_goes_on_from_any_of_its_frames(x64):
+    """State and grid window are all that passes from frame to frame: what follows is the same to the last bit."""
+    model, state = block(gravity=jnp.array([3.0, 0.0, -9.8]), low=(0.3, 0.4, 0.5), dtype=np.float64)
+    model = model.replace(grid=smallest_window(1.0, 20))
+    options = dict(frame_count=8, frame_dt=0.02, ledger=True)
+    whole = list(simulate(model, state, **options))
+    rest = list(simulate(model, state, **options, begin=whole[3]))
+    assert [frame.index for frame in rest] == [4, 5, 6, 7]
+    for one, other in zip(rest, whole[4:]):
+        assert (one.substeps, one.dt, one.min_J, one.max_J) == (
+            other.substeps,
+            other.dt,
+            other.min_J,
+            other.max_J,
+        )
+        parts = [(frame.state, frame.grid, frame.exchange) for frame in (one, other)]
+        assert all(np.array_equal(a, b) for a, b in zip(*map(jax.tree.leaves, parts)))
+
+
 def test_frames_fit_exactly_and_start_with_the_initial_state(x64):
     frames = falling()
     assert [f.index for f in frames] == list(range(6))

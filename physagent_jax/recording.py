@@ -1,0 +1,202 @@
+"""What is kept of a scene that is played: pictures, trajectories and books, frame by frame."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import jax
+import numpy as np
+
+from physagent_jax.gaussians.cloud import Splats
+from physagent_jax.metrics.motion import true_motion
+from physagent_jax.mpm import Frame, stable_dt
+from physagent_jax.mpm.energy import (
+    angular_momentum,
+    elastic_energy,
+    gravitational_energy,
+    kinetic_energy,
+    momentum,
+)
+from physagent_jax.mpm.ledger import Exchange
+from physagent_jax.run_folder import Ledger, SimulationRecord
+from physagent_jax.scene.body import Body
+from physagent_jax.scene.compile import Scene
+from physagent_jax.scene.config import SceneConfig
+
+
+@dataclasses.dataclass(frozen=True)
+class Shot:
+    """One frame's picture and trajectories.
+
+    Attributes:
+        rgb: uint8, shape (height, width, 3).
+        depth: z-depth [m], 0 where nothing is, shape (height, width).
+        gaussians: Centres [m], shape (g, 3).
+        x: Particle positions [m], shape (n, 3).
+        F: Deformation gradients, shape (n, 3, 3).
+    """
+
+    rgb: np.ndarray
+    depth: np.ndarray
+    gaussians: np.ndarray
+    x: np.ndarray
+    F: np.ndarray
+
+    @staticmethod
+    def of(picture, splats: Splats, frame: Frame) -> Shot:
+        """A frame as it was rendered."""
+        return Shot(
+            rgb=(np.clip(np.asarray(picture.rgb), 0, 1) * 255 + 0.5).astype(np.uint8),
+            depth=np.asarray(picture.depth, np.float32),
+            gaussians=np.asarray(splats.means),
+            x=np.asarray(frame.state.x),
+            F=np.asarray(frame.state.F),
+        )
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that it takes."""
+        return sum(getattr(self, field.name).nbytes for field in dataclasses.fields(self))
+
+
+@dataclasses.dataclass(frozen=True)
+class Entry:
+    """One frame's energies, momenta and step.
+
+    Attributes:
+        frame: Without its state and exchange.
+        stopped: `State.stopped`.
+        budget: Energies and momenta by the names that `SimulationRecord` gives them.
+        exchange: As in `Frame`.
+    """
+
+    frame: Frame
+    stopped: int
+    budget: dict[str, np.ndarray]
+    exchange: Exchange | None
+
+    @staticmethod
+    def of(scene: Scene, frame: Frame, centre: np.ndarray) -> Entry:
+        """A frame as it was simulated; angular momentum is about ``centre`` [m], shape (3,)."""
+        budget = _budget(scene.model, frame.state, centre)
+        return Entry(
+            frame=dataclasses.replace(frame, state=None, exchange=None),  # type: ignore[arg-type]
+            stopped=int(frame.state.stopped),
+            budget={name: np.asarray(value, float) for name, value in budget.items()},
+            exchange=frame.exchange,
+        )
+
+
+@dataclasses.dataclass(frozen=True)
+class Past:
+    """The beginning of a recording, for a scene that shares it.
+
+    Attributes:
+        config, body: What was played.
+        shots, entries: Up to the last of ``restarts``.
+        restarts: Frames from which the simulation can go on, by number; their states are on the host.
+    """
+
+    config: SceneConfig
+    body: Body
+    shots: tuple[Shot, ...]
+    entries: tuple[Entry, ...]
+    restarts: dict[int, Frame]
+
+    @staticmethod
+    def of(scene: Scene, shots: Sequence[Shot], entries: Sequence[Entry], restarts: dict[int, Frame]) -> Past:
+        """What is needed to go on from ``restarts``."""
+        count = max(restarts, default=-1) + 1
+        return Past(scene.config, scene.body, tuple(shots[:count]), tuple(entries[:count]), restarts)
+
+
+@dataclasses.dataclass(frozen=True)
+class Recording:
+    """What playing a scene gives.
+
+    Attributes:
+        rgb: Pictures, uint8, shape (T, height, width, 3).
+        depth: z-depth [m], 0 where nothing is, shape (T, height, width).
+        x: Particle positions [m], shape (T, n, 3).
+        F: Deformation gradients, shape (T, n, 3, 3).
+        gaussians: Gaussian centres [m], shape (T, g, 3).
+        record: Facts and figures, the true motion among them.
+        past: What a scene that begins in the same way may go on from.
+    """
+
+    rgb: np.ndarray
+    depth: np.ndarray
+    x: np.ndarray
+    F: np.ndarray
+    gaussians: np.ndarray
+    record: SimulationRecord
+    past: Past
+
+    @staticmethod
+    def of(
+        scene: Scene, shots: Sequence[Shot], entries: Sequence[Entry], past: Past, reused_frames: int = 0
+    ) -> Recording:
+        """All frames together; the first ``reused_frames`` of them were taken over."""
+        gaussians = np.stack([shot.gaussians for shot in shots])
+        return Recording(
+            rgb=np.stack([shot.rgb for shot in shots]),
+            depth=np.stack([shot.depth for shot in shots]),
+            x=np.stack([shot.x for shot in shots]),
+            F=np.stack([shot.F for shot in shots]),
+            gaussians=gaussians,
+            record=_record(scene, entries, gaussians, reused_frames),
+            past=past,
+        )
+
+
+def _record(
+    scene: Scene, entries: Sequence[Entry], gaussians: np.ndarray, reused_frames: int
+) -> SimulationRecord:
+    frames = [entry.frame for entry in entries]
+    done = frames[1:]
+    budgets = [entry.budget for entry in entries]
+    exchanges = [entry.exchange for entry in entries if entry.exchange is not None]
+    series = {name: np.stack([budget[name] for budget in budgets]) for name in budgets[0]}
+    series["gravitational_energy"] -= series["gravitational_energy"][0]
+    return SimulationRecord(
+        particle_count=scene.body.particles.count,
+        gaussian_count=scene.body.cloud.count,
+        grid_shape=frames[-1].grid.shape,
+        dx=scene.model.grid.dx,
+        substeps=sum(f.substeps for f in done),
+        substep_dt=tuple(f.dt for f in done),
+        stable_dt=float(stable_dt(scene.model, scene.state)),
+        redone_frames={f.index: "; ".join(f.retries) for f in done if f.retries},
+        stopped_particles=entries[-1].stopped,
+        reused_frames=reused_frames,
+        min_volume_ratio=tuple(f.min_J for f in frames),
+        max_volume_ratio=tuple(f.max_J for f in frames),
+        ledger=_summed(exchanges) if exchanges else None,
+        truth=true_motion(gaussians),
+        **{name: tuple(values.tolist()) for name, values in series.items()},
+    )
+
+
+def _summed(exchanges: list[Exchange]) -> Ledger:
+    """Running totals, one entry per frame."""
+    names = [field.name for field in dataclasses.fields(Exchange)]
+    columns = {name: np.stack([np.asarray(getattr(e, name), float) for e in exchanges]) for name in names}
+    return Ledger(**{name: tuple(np.cumsum(column, axis=0).tolist()) for name, column in columns.items()})
+
+
+def rest_centre(scene: Scene) -> np.ndarray:
+    """The mass centre at rest [m], shape (3,)."""
+    mass, x = np.asarray(scene.model.mass), np.asarray(scene.state.x)
+    return (mass[:, None] * x).sum(0) / mass.sum()
+
+
+@jax.jit
+def _budget(model, state, centre):
+    return dict(
+        kinetic_energy=kinetic_energy(model, state),
+        elastic_energy=elastic_energy(model, state),
+        gravitational_energy=gravitational_energy(model, state),
+        momentum=momentum(model, state),
+        angular_momentum=angular_momentum(model, state, centre),
+    )
