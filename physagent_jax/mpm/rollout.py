@@ -21,6 +21,7 @@ from physagent_jax.errors import UserError
 from physagent_jax.mpm import reductions
 from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.ledger import Exchange, balanced, exchange
+from physagent_jax.mpm.plan import acting
 from physagent_jax.mpm.state import Grid, Model, State
 from physagent_jax.mpm.step import initial_stress, substep
 from physagent_jax.mpm.timestep import SAFETY, check_explicit_dt, kinematic_dt, stable_dt, substeps_for
@@ -181,13 +182,14 @@ def simulate(
         yield begin
     model, state = model.replace(grid=begin.grid), begin.state
     for index in range(begin.index + 1, frame_count):
-        begun = time.perf_counter()
+        begun, time_now = time.perf_counter(), float(state.time)
         substeps = _substeps(model, state, frame_dt, substep_dt, safety, fixed)
         retries, margin = [], 1.0
         while True:
             grid = _follow(model, state, frame_dt, margin)
             model = model.replace(grid=grid, dt=jnp.asarray(frame_dt / substeps, state.x.dtype))
-            after, health, total = advance(model, state, jnp.asarray(substeps, jnp.int32), ledger)
+            present = acting(model, time_now, time_now + frame_dt)
+            after, health, total = advance(present, state, jnp.asarray(substeps, jnp.int32), ledger)
             breach = _breach(model, after, health, fixed)
             if breach is None:
                 break

@@ -1,0 +1,41 @@
+"""What of a model takes part in a stretch of time.
+
+Forces, obstacles and prescribed motions have windows. Outside them they change nothing but would be computed in every
+substep all the same, so that each frame is run with a model that has only those whose windows it meets. Another set
+of them is another compiled program; sets recur, so that few are compiled.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from physagent_jax.mpm.state import Model
+
+_SLACK = 1e-3  # of the stretch: the clock is a sum of substeps, and may be off by round-off
+
+
+def acting(model: Model, begin: float, end: float) -> Model:
+    """``model`` with only those forces, boundaries and constraints that may act between ``begin`` and ``end`` [s].
+
+    What has neither ``start`` and ``end`` nor an ``envelope`` with them always acts. The results are those of the
+    whole model.
+    """
+    slack = _SLACK * (end - begin)
+
+    def met(parts: tuple[Any, ...]) -> tuple[Any, ...]:
+        return tuple(part for part in parts if _meets(part, begin - slack, end + slack))
+
+    return model.replace(
+        forces=met(model.forces), boundaries=met(model.boundaries), constraints=met(model.constraints)
+    )
+
+
+def _meets(part: Any, begin: float, end: float) -> bool:
+    """Whether a part's window, or any of its windows, meets [begin, end]."""
+    window = getattr(part, "envelope", part)
+    if not hasattr(window, "start") or not hasattr(window, "end"):
+        return True
+    start, stop = np.asarray(window.start), np.asarray(window.end)
+    return bool(((start <= end) & (stop >= begin)).any())

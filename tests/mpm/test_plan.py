@@ -1,0 +1,108 @@
+"""What has no part in a frame is left out of it, and the results are those of the whole model."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from physagent_jax.forces.envelope import Envelope
+from physagent_jax.forces.terms import UniformAcceleration, Wind
+from physagent_jax.mpm import Contact, DomainBox, HalfSpace, PrescribedMotion, RigidBody, simulate
+from physagent_jax.mpm.plan import acting
+from physagent_jax.mpm.rollout import advance
+from tests.mpm.blocks import block
+
+FRAME = 0.02
+
+
+def push(start, end):
+    return UniformAcceleration(jnp.array([3.0, 0.0, 1.0]), jnp.asarray(start), jnp.asarray(end))
+
+
+def gust(start, end):
+    return Wind(jnp.array([0.0, 1.0, 0.0]), 2.0, 1.0, 0.5, Envelope.pulse(start, end))
+
+
+def floor(start, end):
+    return HalfSpace(
+        point=jnp.array([0.0, 0.0, 0.42]),
+        normal=jnp.array([0.0, 0.0, 1.0]),
+        friction=jnp.asarray(0.5),
+        start=jnp.asarray(start),
+        end=jnp.asarray(end),
+        contact=Contact.SEPARATE,
+    )
+
+
+def grip(start, end):
+    return PrescribedMotion(
+        particles=jnp.arange(4, dtype=jnp.int32),
+        velocity=jnp.array([0.0, 0.1, 0.0]),
+        angular_velocity=jnp.zeros(3),
+        center=jnp.zeros(3),
+        start=jnp.asarray(start),
+        end=jnp.asarray(end),
+    )
+
+
+@pytest.mark.parametrize("part", [push, gust, floor, grip])
+@pytest.mark.parametrize(
+    "start, end, acts",
+    [
+        (0.0, 1.0, True),
+        (0.2, 1.0, True),
+        (0.0, 0.1, True),
+        (0.11, 0.12, True),
+        (0.3, 1.0, False),
+        (0.0, 0.05, False),
+    ],
+)
+def test_a_part_acts_where_its_window_meets_the_stretch(part, start, end, acts):
+    model, _ = block()
+    field = {push: "forces", gust: "forces", floor: "boundaries", grip: "constraints"}[part]
+    model = model.replace(**{field: (part(start, end),)})
+    assert len(getattr(acting(model, 0.1, 0.2), field)) == acts
+
+
+def test_particles_let_go_one_by_one_are_held_until_the_last_is_free():
+    model, _ = block()
+    model = model.replace(constraints=(grip(0.0, np.linspace(0.1, 0.4, 4)),))
+    assert acting(model, 0.3, 0.35).constraints
+    assert not acting(model, 0.45, 0.5).constraints
+
+
+def test_what_has_no_window_always_acts():
+    model, _ = block()
+    model = model.replace(
+        boundaries=(DomainBox(3),), constraints=(RigidBody(jnp.arange(4, dtype=jnp.int32)),)
+    )
+    alone = acting(model, 5.0, 6.0)
+    assert alone.boundaries == model.boundaries and len(alone.constraints) == 1
+
+
+def test_frames_are_those_of_the_whole_model(x64):
+    model, state = block(
+        gravity=jnp.array([0.0, 0.0, -9.8]),
+        low=(0.4, 0.4, 0.45),
+        dtype=np.float64,
+        boundaries=(DomainBox(3),),
+    )
+    model = model.replace(
+        forces=(push(0.03, 0.05), gust(0.08, 0.12)),
+        boundaries=(*model.boundaries, floor(0.05, 0.09)),
+        constraints=(grip(0.0, 0.03),),
+    )
+    sets = set()
+    for frame in simulate(model, state, frame_count=9, frame_dt=FRAME):
+        if frame.index:
+            present = acting(model, float(state.time), float(state.time) + FRAME)
+            sets.add(jax.tree.structure(present))
+            whole = model.replace(grid=frame.grid, dt=jnp.asarray(frame.dt))
+            expected, _, _ = advance(whole, state, jnp.int32(frame.substeps))
+            for name in ("x", "v", "C", "F"):
+                got, wanted = getattr(frame.state, name), getattr(expected, name)
+                np.testing.assert_allclose(
+                    got, wanted, rtol=1e-11, atol=1e-11, err_msg=f"{name}, {frame.index}"
+                )
+        state = frame.state
+    assert len(sets) > 3  # not the same parts throughout
