@@ -11,7 +11,7 @@ import jax.numpy as jnp
 
 from benchmarks.skipping.base import Pair, Sizes, Skip
 from benchmarks.skipping.scene import YOUNGS_MODULUS, both, cube
-from physagent_jax.mpm import FixedCorotated, Hencky, NeoHookean, Snow, VonMises
+from physagent_jax.mpm import Hencky, NeoHookean, Snow, VonMises
 from physagent_jax.mpm import State as Particles
 from physagent_jax.mpm.linalg import Principal, spectral
 from physagent_jax.mpm.materials import History, Material
@@ -82,12 +82,6 @@ def _neo_hookean(s: jax.Array, lame: tuple[jax.Array, jax.Array]) -> Principal:
     return Principal(spatial=mu * (s**2 - 1) + lam * jnp.log(s.prod(-1, keepdims=True)))
 
 
-def _fixed_corotated(s: jax.Array, lame: tuple[jax.Array, jax.Array]) -> Principal:
-    mu, lam = (value[:, None] for value in lame)
-    J = s.prod(-1, keepdims=True)
-    return Principal(spatial=2 * mu * (s - 1) * s + lam * J * (J - 1))
-
-
 Law = Callable[[jax.Array, jax.Array], Material]
 
 
@@ -123,16 +117,6 @@ SKIPS = (
         "the SVD, where the stress has a closed form without it",
         "the same law through its principal stretches",
         _against(NeoHookean, lambda mu, lam: ByPrincipalStretches(NeoHookean(mu, lam), _neo_hookean)),
-        tolerance=2e-5,
-        reason=_SVD_ROUND_OFF,
-    ),
-    Skip(
-        "singular values: fixed corotated",
-        "the SVD, where the polar rotation suffices",
-        "the same law through its principal stretches",
-        _against(
-            FixedCorotated, lambda mu, lam: ByPrincipalStretches(FixedCorotated(mu, lam), _fixed_corotated)
-        ),
         tolerance=2e-5,
         reason=_SVD_ROUND_OFF,
     ),

@@ -89,7 +89,8 @@ def deform(
 
     SH coefficients stay as they are: `Splats.rotations` = polar(F_g) pre_rotation lets the renderer rotate
     the view direction instead, which is the same to any degree. Where det F_g < 0 the rotation is the
-    nearest proper one, see `polar_rotation`.
+    nearest proper one, see `polar_rotation`. Colours of degree 0 are the same from everywhere: the rotations
+    are not computed then, and are all ``pre_rotation``.
 
     Args:
         cloud: The rest cloud, in the frame of the particles' rest positions.
@@ -109,10 +110,15 @@ def deform(
         predictions = x[binding.indices] + einsum("gkij,gkj->gki", F_near, binding.offsets)
         means = einsum("gk,gki->gi", binding.weights, predictions)
         F_g = einsum("gk,gkij->gij", binding.weights, F_near)
+    captured = jnp.asarray(pre_rotation, F_g.dtype)
+    if cloud.sh.shape[1] == 1:
+        rotations = jnp.broadcast_to(captured, F_g.shape)
+    else:
+        rotations = einsum("gij,jk->gik", polar_rotation(F_g), captured)
     return Splats(
         means=means,
         covariances=transform_covariances(F_g, quats_scales_to_covariances(cloud.quats, cloud.scales)),
         opacities=cloud.opacities,
         sh=cloud.sh,
-        rotations=einsum("gij,jk->gik", polar_rotation(F_g), jnp.asarray(pre_rotation, F_g.dtype)),
+        rotations=rotations,
     )
