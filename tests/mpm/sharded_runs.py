@@ -162,7 +162,8 @@ def against_the_wall(run):
 def out_of_the_window():
     """A single particle of one device leaves the window, which is the whole domain but for its first nodes."""
     model, state = loose()
-    state = dataclasses.replace(state, v=state.v.at[50].set(jnp.array([-25.0, 0, 0])))
+    state = dataclasses.replace(state, x=state.x.at[50].set(jnp.array([0.28, 0.5, 0.5])))
+    state = dataclasses.replace(state, v=state.v.at[50].set(jnp.array([-8.0, 0, 0])))
     model = model.replace(grid=dataclasses.replace(model.grid, origin=jnp.array([4, 0, 0], jnp.int32)))
     return rollout_sharded(model, state, frame_count=1, substeps=20)[0].x
 

@@ -57,7 +57,7 @@ def test_a_rollout_is_that_of_one_device(runs):
     one = part(runs, "one")
     same(part(runs, "four"), one, 1e-12)
     path, yielded = one["1/x"], one["0/history/1"]
-    assert np.abs(path[-1] - path[0]).max() > 0.01 and yielded.max() > 0  # something does happen
+    assert np.abs(path[-1] - path[0]).max() > 3e-3 and yielded.max() > 0  # something does happen
 
 
 def test_gradients_are_those_of_one_device(runs):
