@@ -12,7 +12,7 @@ from pathlib import Path
 import jax
 
 from physagent_jax import __version__
-from physagent_jax.mpm.kernels import chosen
+from physagent_jax.kernels import chosen
 from physagent_jax.run_folder import Manifest
 
 _PACKAGES = ("jax", "jaxlib", "numpy", "scipy", "numba", "opencv-python-headless", "pydantic")

@@ -140,7 +140,7 @@ class Manifest(Strict):
         versions: Of this package and of what it computes with.
         git_revision: Of the working tree, if it is one.
         platform: Machine, processor, device kind.
-        kernels: What the transfers were computed with (`mpm.kernels.chosen`).
+        kernels: What the transfers were computed with (`kernels.chosen`).
         seed: Master seed.
         inputs: sha256 of each input file.
         iterations: How many were made.

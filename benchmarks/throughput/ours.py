@@ -13,6 +13,7 @@ import numpy as np
 
 from benchmarks.peers.scene import Material, PeerScene
 from benchmarks.throughput.scene import FRAME_DT, FRAMES
+from physagent_jax.kernels import chosen
 from physagent_jax.mpm import (
     Contact,
     DomainBox,
@@ -24,7 +25,6 @@ from physagent_jax.mpm import (
     simulate,
 )
 from physagent_jax.mpm import materials as laws
-from physagent_jax.mpm.kernels import chosen
 from physagent_jax.mpm.materials.von_mises import yield_stress_from_deviator_norm
 from physagent_jax.mpm.rollout import advance
 from physagent_jax.mpm.window import fit_window, smallest_window

@@ -79,7 +79,8 @@ class Model:
         damping_rate: Global damping of grid velocities [1/s], static; 0 = none (skipped).
         wall: Cells from the domain's faces at which particles are stopped, static. One: matter rests up to 1.5 cells
             deep in the walls of `boundaries.DomainBox`, and its stencil needs half a cell.
-        kernels: "auto", "reference" or "cpu" (`mpm.kernels`), static; forward-mode derivatives need "reference".
+        kernels: "auto", "reference" or "cpu" (see `physagent_jax.kernels`), static; forward-mode derivatives need
+            "reference".
         axis: Mesh axis along which the particles are split over devices (`mpm.sharding` sets it), static; None = all
             particles are here (skipped).
     """

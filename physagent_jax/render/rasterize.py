@@ -14,12 +14,14 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from physagent_jax import kernels
 from physagent_jax.render.layout import Layout
 from physagent_jax.render.project import ALPHA_MIN, Projected
 from physagent_jax.render.tiles import TileLists
 
 ALPHA_MAX = 0.999
 TRANSMITTANCE_STOP = 1e-4
+_LIMITS = (ALPHA_MIN, ALPHA_MAX, TRANSMITTANCE_STOP)
 
 # Gaussians blended between two checks whether a tile is finished.
 _CHUNK = 16
@@ -78,7 +80,10 @@ def _blend(layout: Layout, packed: jax.Array, gaussians: jax.Array, starts: jax.
 
 
 def _blend_forward(layout: Layout, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
-    """Features (groups, lanes, pixels, 4), transmittance (groups, lanes, pixels), steps made (groups,)."""
+    """Features (groups, lanes, pixels, 4), transmittance (groups, lanes, pixels), steps made (groups,) or None."""
+    kernel = _kernels_for(layout, packed.dtype)
+    if kernel is not None:
+        return *kernel.blend(layout, _LIMITS, packed, gaussians, starts), None
 
     def group(tile):
         x, y, inside = layout.pixels(tile, packed.dtype)
@@ -107,6 +112,14 @@ def _blend_forward(layout: Layout, packed: jax.Array, gaussians: jax.Array, star
     return jax.lax.map(group, layout.tile_ids())
 
 
+def _kernels_for(layout: Layout, dtype) -> Any:
+    """The module of the CPU kernels, where they are to be used."""
+    if not kernels.use_cpu():
+        return None
+    module = kernels.load("physagent_jax.render.kernels.cpu")
+    return module if module.fits(layout, dtype) else None
+
+
 def _blend_fwd(layout: Layout, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
     features, transmittance, steps = _blend_forward(layout, packed, gaussians, starts)
     return (features, transmittance), (packed, gaussians, starts, features, transmittance, steps)
@@ -121,6 +134,14 @@ def _blend_bwd(layout: Layout, residuals, cotangents):
     pixels with fixed weights, which is made for a chunk of Gaussians at a time as a matrix product.
     """
     packed, gaussians, starts, features, transmittance, steps = residuals
+    kernel = _kernels_for(layout, packed.dtype)
+    if kernel is not None:
+        lists = packed, gaussians, starts
+        return (
+            kernel.blend_backward(layout, _LIMITS, *lists, *cotangents, features, transmittance),
+            None,
+            None,
+        )
 
     def group(dpacked, inputs):
         tile, g, gT, C, T_final, steps = inputs

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+import physagent_jax.kernels as choice
 from physagent_jax.errors import UserError
 from physagent_jax.mpm import Grid, kernels, materials, rollout, simulate
 from physagent_jax.mpm.linalg import isotropic, svd
@@ -172,8 +173,8 @@ def test_svd_and_isotropic_functions_equal_numpy_for_any_number_of_matrices(coun
 
 
 def test_without_numba_the_reference_serves_and_says_so_once(monkeypatch, caplog):
-    kernels._numba_missing.cache_clear()
-    monkeypatch.setattr(kernels, "importlib", Absent)
+    choice._numba_missing.cache_clear()
+    monkeypatch.setattr(choice, "importlib", Absent)
     try:
         with caplog.at_level(logging.WARNING):
             assert kernels.chosen("auto") == "reference"
@@ -182,7 +183,7 @@ def test_without_numba_the_reference_serves_and_says_so_once(monkeypatch, caplog
         with pytest.raises(UserError, match='"cpu"` cannot be used'):
             kernels.use_cpu("cpu")
     finally:
-        kernels._numba_missing.cache_clear()
+        choice._numba_missing.cache_clear()
 
 
 class Absent:

@@ -1,83 +1,12 @@
-"""P2G and G2P by hand-written kernels where there are some, else by the reference in `mpm.transfer`.
+"""P2G, G2P and singular values by hand-written kernels where there are some, else by pure JAX (`mpm.transfer`)."""
 
-`Model.kernels` chooses: "auto" takes the CPU kernels (Numba) where JAX runs on CPU and Numba is installed,
-"reference" the pure JAX path, "cpu" insists. Both give the same numbers to round-off; forward-mode derivatives
-exist for the reference only.
-"""
-
-from __future__ import annotations
-
-import importlib
-import logging
-from collections.abc import Iterator
-from contextlib import contextmanager
-from contextvars import ContextVar
-from functools import cache
-from typing import Literal
-
-import jax
-
-from physagent_jax.errors import UserError
-
-Kernels = Literal["auto", "reference", "cpu"]
-log = logging.getLogger(__name__)
-_chosen: ContextVar[Kernels] = ContextVar("kernels", default="auto")
-
-
-@contextmanager
-def using(choice: Kernels) -> Iterator[None]:
-    """Lets ``choice`` hold for what is traced within, where no `Model` is at hand (`linalg.svd`)."""
-    token = _chosen.set(choice)
-    try:
-        yield
-    finally:
-        _chosen.reset(token)
-
-
-def use_cpu(kernels: Kernels | None = None) -> bool:
-    """Whether the CPU kernels are to be used; None = as `using` says.
-
-    Raises:
-        UserError: "cpu" is asked for, and not to be had.
-    """
-    kernels = kernels or _chosen.get()
-    if kernels == "reference":
-        return False
-    missing = _missing()
-    if kernels == "cpu" and missing:
-        raise UserError(f'`kernels="cpu"` cannot be used: {missing}', do='Use "auto" or "reference"')
-    return not missing
+from physagent_jax.kernels import Kernels as Kernels
+from physagent_jax.kernels import chosen as chosen
+from physagent_jax.kernels import load
+from physagent_jax.kernels import use_cpu as use_cpu
+from physagent_jax.kernels import using as using
 
 
 def compiled():
     """The module of the CPU kernels, which needs Numba."""
-    _numba_missing()  # imports it so that compiled code is kept
-    return importlib.import_module("physagent_jax.mpm.kernels.cpu")
-
-
-def chosen(kernels: Kernels) -> str:
-    """What a run's manifest says of its kernels."""
-    if not use_cpu(kernels):
-        return "reference"
-    from physagent_jax.mpm.kernels.threads import thread_count
-
-    return f"cpu ({thread_count()} threads)"
-
-
-def _missing() -> str:
-    """Why there are no CPU kernels; "" if there are."""
-    if jax.default_backend() != "cpu":
-        return f"JAX runs on {jax.default_backend()}"
-    return _numba_missing()
-
-
-@cache
-def _numba_missing() -> str:
-    try:
-        store = importlib.import_module("physagent_jax.mpm.kernels.store")
-        with store.kept():
-            importlib.import_module("physagent_jax.mpm.kernels.handlers")
-    except ImportError as error:
-        log.warning("the CPU kernels are not available (%s): pure JAX serves, several times slower", error)
-        return str(error)
-    return ""
+    return load("physagent_jax.mpm.kernels.cpu")

@@ -7,10 +7,10 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.kernels.lanes import PARTICLES
+from physagent_jax.kernels.threads import thread_count
 from physagent_jax.mpm import transfer
 from physagent_jax.mpm.kernels.handlers import handler
-from physagent_jax.mpm.kernels.lanes import PARTICLES
-from physagent_jax.mpm.kernels.threads import thread_count
 from physagent_jax.mpm.kernels.transfer import NUMBERS, PADDING, WATCHED
 from physagent_jax.mpm.linalg.svd import SWEEPS
 from physagent_jax.mpm.materials.neo_hookean import NeoHookean

@@ -5,27 +5,19 @@ A handler is compiled when it is first asked for, once per precision and machine
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
-from numba import cfunc, njit
+from numba import njit
 
-from physagent_jax.mpm.kernels import ffi, store
-from physagent_jax.mpm.kernels.lanes import PARTICLES
+from physagent_jax.kernels import ffi
+from physagent_jax.kernels.lanes import PARTICLES
+from physagent_jax.kernels.target import target
 from physagent_jax.mpm.kernels.svd import compose, decompose
-from physagent_jax.mpm.kernels.threads import thread_count
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
 
 
-@cache
 def handler(kernel: str, precision: str) -> str:
     """Name under which XLA can call "p2g", "g2p", "decompose" or "compose" in "float32" or "float64"."""
-    thread_count()  # starts the threads: compiled code from the disk asks for them as it is loaded
-    name = f"physagent_{kernel}_{precision}"
-    with store.kept():
-        function = cfunc(ffi.HANDLER, cache=True)(_HANDLERS[kernel, precision])
-    ffi.register(name, function)
-    return name
+    return target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
 
 
 @njit(cache=True)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from numba import njit, prange
 
-from physagent_jax.mpm.kernels.lanes import (
+from physagent_jax.kernels.lanes import (
     PARTICLES,
     batch,
     collect,
@@ -21,7 +21,7 @@ from physagent_jax.mpm.kernels.lanes import (
     store,
     where_greater,
 )
-from physagent_jax.mpm.kernels.numbers import INLINE, OPTIONS, like, share, smallest, three
+from physagent_jax.kernels.numbers import INLINE, OPTIONS, like, share, smallest, three
 
 
 @njit(parallel=True, **OPTIONS)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit, prange
 
-from physagent_jax.mpm.kernels.lanes import (
+from physagent_jax.kernels.lanes import (
     everywhere,
     load,
     node_sum,
@@ -29,7 +29,7 @@ from physagent_jax.mpm.kernels.lanes import (
     unpack,
     where_greater,
 )
-from physagent_jax.mpm.kernels.numbers import (
+from physagent_jax.kernels.numbers import (
     INLINE,
     OPTIONS,
     columns,

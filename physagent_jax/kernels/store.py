@@ -31,7 +31,7 @@ def kept() -> Iterator[None]:
 @cache
 def _folder() -> Path:
     digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(Path(__file__).parent.glob("*.py")):
+    for source in sorted(Path(__file__).parents[1].glob("**/kernels/*.py")):
         digest.update(source.read_bytes())
     asked = os.environ.get("NUMBA_CACHE_DIR")
     user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "physagent_jax"

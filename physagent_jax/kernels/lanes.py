@@ -280,6 +280,88 @@ def magnitude(typing, a):
     return a(a), generate
 
 
+@intrinsic
+def exponential(typing, a):
+    """E^a of float32 lanes, to about 1e-7 relative; a is taken to lie in [-87, 88].
+
+    2^n e^f with n the whole number next to a / ln 2 and a polynomial in f, |f| <= ln 2 / 2 (Cephes, expf). LLVM's own
+    intrinsic would call the C library lane by lane.
+    """
+    if a.dtype != types.float32:
+        return None
+
+    def generate(context, builder, signature, arguments):
+        def all_lanes(number):
+            return _splat(builder, ir.Constant(ir.FloatType(), number), a.count)
+
+        def fma(x, y, z):
+            return builder.fadd(builder.fmul(x, y, flags=_CONTRACT), z, flags=_CONTRACT)
+
+        x = arguments[0]
+        low, high = all_lanes(-87.0), all_lanes(88.0)
+        x = builder.select(builder.fcmp_ordered("<", x, low), low, x)
+        x = builder.select(builder.fcmp_ordered(">", x, high), high, x)
+        n = _call(builder, "llvm.rint", a, [builder.fmul(x, all_lanes(1.44269504))])
+        f = fma(n, all_lanes(-0.693359375), x)
+        f = fma(n, all_lanes(2.12194440e-4), f)
+        y = all_lanes(1.9875691500e-4)
+        for coefficient in (
+            1.3981999507e-3,
+            8.3334519073e-3,
+            4.1665795894e-2,
+            1.6666665459e-1,
+            5.0000001201e-1,
+        ):
+            y = fma(y, f, all_lanes(coefficient))
+        y = fma(builder.fmul(y, f), f, builder.fadd(f, all_lanes(1.0)))
+        whole = ir.VectorType(_INDEX, a.count)
+        bits = builder.add(builder.fptosi(n, whole), _splat(builder, _INDEX(127), a.count))
+        power = builder.bitcast(builder.shl(bits, _splat(builder, _INDEX(23), a.count)), x.type)
+        return builder.fmul(y, power)
+
+    return a(a), generate
+
+
+@intrinsic
+def any_greater(typing, a, b):
+    """Whether a > b in any lane."""
+
+    def generate(context, builder, signature, arguments):
+        mask = builder.fcmp_ordered(">", arguments[0], arguments[1])
+        bits = ir.IntType(a.count)
+        return builder.icmp_unsigned("!=", builder.bitcast(mask, bits), bits(0))
+
+    return types.boolean(a, a), generate
+
+
+@intrinsic
+def lane_sum(typing, a):
+    """The sum over the lanes, halves first."""
+
+    def generate(context, builder, signature, arguments):
+        vector, count = arguments[0], a.count
+        while count > 1:
+            count //= 2
+            low = _shuffled(builder, vector, range(count))
+            high = _shuffled(builder, vector, range(count, 2 * count))
+            vector = builder.fadd(low, high, flags=_CONTRACT)
+        return builder.extract_element(vector, _INDEX(0))
+
+    return a.dtype(a), generate
+
+
+@intrinsic
+def counted(typing, number):
+    """The sixteen numbers 0, 1, 2, ... in the precision of ``number``."""
+    lanes = Lanes(number)
+
+    def generate(context, builder, signature, arguments):
+        vector = context.get_value_type(lanes)
+        return ir.Constant(vector, [float(k) for k in range(ROW)])
+
+    return lanes(number), generate
+
+
 def _call(builder, name: str, lanes: Lanes, arguments):
     vector = arguments[0].type
     full_name = f"{name}.v{lanes.count}f{lanes.dtype.bitwidth}"

@@ -1,0 +1,19 @@
+"""Handlers as names that XLA can call."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from numba import cfunc
+
+from physagent_jax.kernels import ffi, store
+from physagent_jax.kernels.threads import thread_count
+
+
+@cache
+def target(name: str, function) -> str:
+    """Compiles ``function``, a handler of `ffi`, unless the disk has it, and registers it under ``name``."""
+    thread_count()  # starts the threads: compiled code from the disk asks for them as it is loaded
+    with store.kept():
+        ffi.register(name, cfunc(ffi.HANDLER, cache=True)(function))
+    return name

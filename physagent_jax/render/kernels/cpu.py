@@ -1,0 +1,84 @@
+"""The blending kernels as JAX functions."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from physagent_jax.kernels.threads import thread_count
+from physagent_jax.render.kernels.blend import PACKED, PIXELS, SIDE
+from physagent_jax.render.kernels.handlers import handler
+from physagent_jax.render.layout import Layout
+
+_SLACK = 1e-3  # by which `reach` is longer than exact arithmetic has it
+
+
+def fits(layout: Layout, dtype) -> bool:
+    """Whether the kernels are made for this: float32, tiles of 16 pixels, one at a time."""
+    return dtype == jnp.float32 and layout.tile_size == SIDE and layout.lanes == 1
+
+
+def blend(layout: Layout, limits, packed, gaussians, starts) -> tuple[jax.Array, jax.Array]:
+    """Features, shape (tiles, 1, PIXELS, 4), and the transmittance left, shape (tiles, 1, PIXELS).
+
+    Args:
+        layout: Tiles; see `fits`.
+        limits: Least alpha, greatest alpha, transmittance at which blending stops.
+        packed: Gaussians, shape (n, PACKED).
+        gaussians: As in `tiles.TileLists`.
+        starts: Likewise.
+    """
+    results = (
+        jax.ShapeDtypeStruct((layout.tiles, 4, PIXELS), jnp.float32),
+        jax.ShapeDtypeStruct((layout.tiles, PIXELS), jnp.float32),
+    )
+    call = jax.ffi.ffi_call(handler("blend"), results, vmap_method="sequential")
+    features, left = call(
+        packed, _reach(packed, limits[0]), gaussians, starts, _sizes(layout), _array(limits)
+    )
+    return features.swapaxes(1, 2)[:, None], left[:, None]
+
+
+def blend_backward(layout: Layout, limits, packed, gaussians, starts, g, g_left, features, left) -> jax.Array:
+    """Derivative by ``packed``, from the cotangents of `blend`'s results and these."""
+    parts = thread_count()
+    results = (
+        jax.ShapeDtypeStruct((parts, packed.shape[0], PACKED), jnp.float32),
+        jax.ShapeDtypeStruct((parts, 3, PIXELS), jnp.float32),
+    )
+    call = jax.ffi.ffi_call(handler("blend_backward"), results, vmap_method="sequential")
+    gradient, _ = call(
+        packed,
+        _reach(packed, limits[0]),
+        gaussians,
+        starts,
+        _sizes(layout),
+        _array(limits),
+        g[:, 0].swapaxes(1, 2),
+        g_left[:, 0],
+        features[:, 0].swapaxes(1, 2),
+        left[:, 0],
+        layout.pixels(jnp.asarray(layout.tile_ids()[:, 0]), jnp.float32)[2].astype(jnp.float32),
+    )
+    return gradient.sum(0)
+
+
+def _reach(packed: jax.Array, least_alpha: float) -> jax.Array:
+    """Square of the distance in y beyond which no pixel reaches the least alpha, shape (n,); infinite if in doubt.
+
+    Over x the exponent is greatest at dx = -b dy / a, where it is -(c - b^2 / a) dy^2 / 2.
+    """
+    a, b, c, opacity = packed[:, 2], packed[:, 3], packed[:, 4], packed[:, 5]
+    steepness = c - b * b / a
+    room = 2 * jnp.log(opacity / least_alpha) + _SLACK
+    good = (a > 0) & (steepness > 1e-6 * c) & jnp.isfinite(room)
+    return jnp.where(good, (1 + _SLACK) * room / jnp.where(good, steepness, 1), jnp.inf)
+
+
+def _sizes(layout: Layout) -> np.ndarray:
+    return np.asarray([layout.columns, layout.width, layout.height, thread_count()], np.int32)
+
+
+def _array(limits) -> np.ndarray:
+    return np.asarray(limits, np.float32)

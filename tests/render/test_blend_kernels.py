@@ -1,0 +1,89 @@
+"""The blending kernels give the reference's pictures and gradients."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from benchmarks.rendering import sphere
+from physagent_jax import kernels
+from physagent_jax.render import look_at, pair_capacity, rasterize
+from physagent_jax.render.renderer import _rasterize
+
+pytest.importorskip("numba")
+
+
+def opaque():
+    """Large Gaussians of opacity 1: alpha is capped, and blending stops early."""
+    splats = sphere(60)
+    return dataclasses.replace(splats, covariances=30 * splats.covariances, opacities=jnp.ones(60))
+
+
+def thin():
+    """Needles, and some that are hardly visible."""
+    splats = sphere(400, seed=3)
+    stretch = jnp.asarray([40.0, 0.0, 0.0, 0.05, 0.0, 0.05])
+    fade = jnp.where(jnp.arange(400) % 3 == 0, 0.01, 1.0)
+    return dataclasses.replace(
+        splats, covariances=jnp.abs(splats.covariances) * stretch, opacities=fade * splats.opacities
+    )
+
+
+SCENES = {"sphere": sphere(800), "opaque": opaque(), "thin": thin()}
+
+
+@pytest.mark.parametrize(
+    "name, width, height", [("sphere", 64, 48), ("sphere", 37, 50), ("opaque", 32, 32), ("thin", 32, 32)]
+)
+def test_pictures_and_gradients_are_the_references(name, width, height):
+    scene = SCENES[name]
+    camera = look_at((0, -3.2, 0.4), (0.2, 0, 0), (0, 0, 1), fov_degrees=40, width=width, height=height)
+    capacity = pair_capacity(scene, camera)
+    rng = np.random.default_rng(0)
+    weights = jnp.asarray(rng.normal(size=(5, height, width)), jnp.float32)
+
+    def loss(splats, background):
+        image, _ = rasterize(splats, camera, background, capacity=capacity)
+        channels = jnp.stack([*jnp.moveaxis(image.rgb, -1, 0), image.depth, image.alpha])
+        return (weights * channels).sum(), image
+
+    found = {}
+    for choice in ("reference", "cpu"):
+        _rasterize.clear_cache()  # traced for the other choice
+        with kernels.using(choice):
+            slope = jax.value_and_grad(loss, argnums=(0, 1), has_aux=True)
+            (_, image), gradient = jax.jit(slope)(scene, jnp.ones(3))
+        found[choice] = image, gradient
+    (image, gradient), (expected, expected_gradient) = found["cpu"], found["reference"]
+    assert float(expected.alpha.max()) > 0.5
+    for name in ("rgb", "depth", "alpha"):
+        np.testing.assert_allclose(getattr(image, name), getattr(expected, name), atol=2e-4, err_msg=name)
+        close = (
+            np.abs(getattr(image, name) - getattr(expected, name))
+            < 2e-5 * np.abs(getattr(expected, name)).max()
+        )
+        assert close.mean() > 0.999, (
+            name
+        )  # an alpha within round-off of a limit may fall on either side of it
+    jax.tree.map(
+        lambda a, b: np.testing.assert_allclose(a, b, atol=1e-3 * np.abs(b).max()),
+        gradient,
+        expected_gradient,
+    )
+
+
+def test_kernels_repeat_bit_by_bit():
+    camera = look_at((0, -3.2, 0.4), (0, 0, 0), (0, 0, 1), fov_degrees=40, width=64, height=64)
+    splats = SCENES["sphere"]
+    capacity = pair_capacity(splats, camera)
+
+    @jax.jit
+    def slope(splats):
+        return jax.grad(lambda s: rasterize(s, camera, jnp.ones(3), capacity=capacity)[0].rgb.sum())(splats)
+
+    _rasterize.clear_cache()
+    with kernels.using("cpu"):
+        one, other = slope(splats), slope(splats)
+    jax.tree.map(np.testing.assert_array_equal, one, other)
