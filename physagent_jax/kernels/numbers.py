@@ -40,6 +40,18 @@ def _smallest(number):
     return lambda number: np.float64(2.3e-308)
 
 
+def roundoff(number):
+    """Half the distance from 1 to the next number of the precision of ``number``."""
+    raise NotImplementedError("only in compiled code")
+
+
+@overload(roundoff, inline="always")
+def _roundoff(number):
+    if number == types.float32:
+        return lambda number: np.float32(2.0**-24)
+    return lambda number: np.float64(2.0**-53)
+
+
 @njit(**INLINE)
 def lowest_node(scaled, count):
     """Lowest of the three nodes of a stencil, and the distance to it in cells; kept inside the window.

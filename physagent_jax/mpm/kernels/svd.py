@@ -12,6 +12,7 @@ from numba import njit, prange
 
 from physagent_jax.kernels.lanes import (
     PARTICLES,
+    any_greater,
     batch,
     collect,
     distribute,
@@ -21,7 +22,9 @@ from physagent_jax.kernels.lanes import (
     store,
     where_greater,
 )
-from physagent_jax.kernels.numbers import INLINE, OPTIONS, like, share, smallest, three
+from physagent_jax.kernels.numbers import INLINE, OPTIONS, like, roundoff, share, smallest, three
+
+_LEAST_SWEEPS = 2  # before it is asked whether more are needed; they also let what is not finite reach V
 
 
 @njit(parallel=True, **OPTIONS)
@@ -140,7 +143,9 @@ def _factors(F, o, sweeps):
     scale = where_greater(scale, zero, scale, one) + (scale - scale)  # not finite where F is not
     a, b, c = _over(a, scale), _over(b, scale), _over(c, scale)
     x, y, z = (one, zero, zero), (zero, one, zero), (zero, zero, one)
-    for _ in range(sweeps):
+    for sweep in range(sweeps):
+        if sweep >= _LEAST_SWEEPS and _settled(a, b, c, same(roundoff(F[0]), zero)):
+            break
         a, b, x, y = _orthogonal(a, b, x, y, zero, one)
         a, c, x, z = _orthogonal(a, c, x, z, zero, one)
         b, c, y, z = _orthogonal(b, c, y, z, zero, one)
@@ -152,6 +157,16 @@ def _factors(F, o, sweeps):
     v = _direction(rest, bb, _perpendicular(u, zero, one), tiny, half)
     w = (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
     return (u, v, w), (root(aa) * scale, root(bb) * scale, _dot(w, c) * scale), (x, y, z)
+
+
+@njit(**INLINE)
+def _settled(a, b, c, roundoff):
+    """Whether the columns are at right angles, the longest first, in all lanes: another sweep would change nothing."""
+    aa, bb, cc = root(_dot(a, a)), root(_dot(b, b)), root(_dot(c, c))
+    askew = any_greater(magnitude(_dot(a, b)), roundoff * aa * bb)
+    askew |= any_greater(magnitude(_dot(a, c)), roundoff * aa * cc)
+    askew |= any_greater(magnitude(_dot(b, c)), roundoff * bb * cc)
+    return not (askew or any_greater(bb, aa) or any_greater(cc, bb))
 
 
 @njit(**INLINE)
