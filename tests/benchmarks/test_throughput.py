@@ -98,6 +98,8 @@ def row(code, law, group, median, threads=1, **rest):
 def test_the_document_has_the_rows_and_says_what_falls_short(tmp_path):
     jelly = [
         row("ours", Material.NEO_HOOKEAN, "jelly", 10.0),
+        row("ours", Material.NEO_HOOKEAN, "jelly", 8.0, threads=2),
+        row("ours", Material.JELLY, "jelly", 19.0, threads=2),
         row("ours", Material.JELLY, "jelly", 20.0),
         row("warp_classical", Material.JELLY, "jelly", 150.0),
         row("taichi_mls", Material.JELLY, "jelly", None, message="taichi | is not installed"),
@@ -118,7 +120,10 @@ def test_the_document_has_the_rows_and_says_what_falls_short(tmp_path):
     result = {"materials": about | {"rows": jelly}, "job": about | {"rows": [own, peer]}}
     text = document(result, tmp_path / "out.json", tmp_path / "docs" / "throughput.md")
     assert "Not measured yet: sizes, grids, stages, memory." in text and len(PARTS) == 6
-    assert "| Warp, each code's default jelly, equal threads | 14 | 15.0 (1 thread) | reached |" in text
+    assert (
+        "| Warp, each code's default jelly | 14 | 18.8 (1 thread, ours 2); 15.0 (one thread each) | reached |"
+        in text
+    )
     assert "| 50 | 60.0 (1 thread, ours 2, extrapolated) | reached |" in text
     assert "Falls short: Warp, the same corotated law." in text
     assert "taichi / is not installed" in text
