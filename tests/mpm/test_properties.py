@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from physagent_jax.forces.terms import Torque, UniformAcceleration
@@ -114,11 +114,12 @@ def test_the_order_of_particles_does_not_matter(scene, seed):
 @SCENES
 def test_a_shift_by_whole_cells_does_not_matter(scene, cells):
     model, state = scene
-    model = model.replace(boundaries=())  # walls do not shift
+    model = model.replace(boundaries=(), gravity=None)  # walls do not shift, nor do the domain's faces below
     shift = model.grid.dx * jnp.asarray(cells, state.x.dtype)
     middle = dataclasses.replace(state, x=state.x - state.x.mean(0) + 0.5)
     moved = dataclasses.replace(middle, x=middle.x + shift)
     one, other = several(model, middle), several(model, moved)
+    assume(int(one.stopped) == 0 and int(other.stopped) == 0)
     np.testing.assert_allclose(one.x + shift, other.x, atol=1e-11)
     np.testing.assert_allclose(one.F, other.F, atol=1e-8)
 
