@@ -1,9 +1,11 @@
 """Hand-written CPU kernels: what chooses them, and the plumbing that they share.
 
 The kernels themselves lie where their work is, in `mpm.kernels` (transfers, singular values) and `render.kernels`
-(blending). `Model.kernels` chooses: "auto" takes them where JAX runs on CPU and Numba is installed, "reference" the
-pure JAX path, "cpu" insists. Both give the same numbers to round-off; forward-mode derivatives exist for the reference
-only. Here: SIMD values (`lanes`), XLA's calling convention (`ffi`), threads and the store of compiled code.
+(blending). `Model.kernels` chooses for the simulator: "auto" takes them where JAX runs on CPU and Numba is installed,
+"reference" the pure JAX path, "cpu" insists. Pictures are always made as by "auto", unless they are traced within
+`using`. Both give the same numbers to round-off; forward-mode derivatives exist for the reference only.
+
+Here: SIMD values (`lanes`), XLA's calling convention (`ffi`), threads and the store of compiled code.
 """
 
 from __future__ import annotations

@@ -13,6 +13,10 @@ class BodyForce(Protocol):
 
     For runs on several devices (`mpm.sharding`): what there is one of per particle is called ``weight``, and sums over
     particles go through `mpm.reductions.summed`.
+
+    ``start`` and ``end`` [s], of the force or of its ``envelope``, are taken for its window: `mpm.simulate` leaves it
+    out of frames that do not meet it (`mpm.plan`), and likewise boundaries and constraints. What acts at other times
+    must not use these names.
     """
 
     def acceleration(
