@@ -114,4 +114,5 @@ class Studied:
 STUDIED: tuple[Studied, ...] = (
     Studied(FreeBar(), "signal (rms)", (8, 16, 32)),
     Studied(Sphere(), "signal (rms)", (4, 6, 8)),
+    Studied(Vortex(), "returned [m]", (5, 10, 20), Numerics(per_axis=3)),
 )
