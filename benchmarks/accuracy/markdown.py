@@ -27,7 +27,8 @@ _WORK = """
 The step is given as a share of the isolated particle's bound (docs of `mpm.timestep`), or as the fixed 2e-4 s that is
 customary in PhysGaussian scenes. "signal (rms)" is the deviation of the whole motion from the exact one over two
 periods, damping included; "returned" the rms distance of the particles from their exact positions at the end (forces
-that hold a motion to a formula have no counterpart in the peers). Wall time is the median of several warm runs of ours, with the range, and one run of a peer.
+that hold a motion to a formula have no counterpart in the peers). Wall time is the median of several warm runs of
+ours, with the range, and one run of a peer.
 Peers run the same particles on the same grid in the same process tree: {peers}. {origin}
 
 ![Error over wall time]({plot})
