@@ -8,7 +8,6 @@ renders images of its own.
 
 from __future__ import annotations
 
-import concurrent.futures
 import dataclasses
 import json
 import os
@@ -25,7 +24,7 @@ from rich.console import Console
 from benchmarks.machine import circumstances
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.output.files import write_text
-from physagent_jax.render import look_at, pair_capacity, rasterize, render
+from physagent_jax.render import Camera, frames_at_once, look_at, pair_capacity, rasterize, render, render_all
 
 CASES = ((20_000, 256, 40.0), (100_000, 512, 200.0))  # Gaussians, side of the picture [px], aim [ms]
 RATIO = 3.5  # aimed at: time with gradient over time of the image
@@ -96,7 +95,7 @@ def measured(count: int, side: int, aim: float, repeats: int) -> dict:
         "gradient_ms": round(both, 2),
         "gradient_range_ms": [round(min(backward), 2), round(max(backward), 2)],
         "gradient_over_forward": round(both / median, 2),
-        "together_ms": round(_together(lambda: render(splats, camera), repeats), 2),
+        "together_ms": round(_together(splats, camera, repeats), 2),
         "first_seconds": [round(first, 2), round(first_gradient, 2)],
         "aims": {"forward_ms": aim, "gradient_over_forward": RATIO},
         "load_average": round(os.getloadavg()[0], 2),
@@ -115,13 +114,12 @@ def _timed(function, repeats: int) -> tuple[list[float], float]:
     return samples, first
 
 
-def _together(function, repeats: int) -> float:
-    """Milliseconds per call where each core makes ``repeats`` of them at the same time."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    with concurrent.futures.ThreadPoolExecutor(cores) as pool:
-        begun = time.perf_counter()
-        list(pool.map(lambda _: jax.block_until_ready(function()), range(cores * repeats)))
-        return 1e3 * (time.perf_counter() - begun) / (cores * repeats)
+def _together(splats: Splats, camera: Camera, repeats: int) -> float:
+    """Milliseconds per frame where as many are rendered at the same time as is best."""
+    frames = [splats] * (frames_at_once() * repeats)
+    begun = time.perf_counter()
+    render_all(frames, camera)
+    return 1e3 * (time.perf_counter() - begun) / len(frames)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import jax
 import numpy as np
 
-from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.metrics.motion import true_motion
 from physagent_jax.mpm import Frame, stable_dt
 from physagent_jax.mpm.energy import (
@@ -33,8 +32,8 @@ class Shot:
         rgb: uint8, shape (height, width, 3).
         depth: z-depth [m], 0 where nothing is, shape (height, width).
         gaussians: Centres [m], shape (g, 3).
-        x: Particle positions [m], shape (n, 3).
-        F: Deformation gradients, shape (n, 3, 3).
+        x: Positions of the model's particles [m], shape (n, 3).
+        F: Their deformation gradients, shape (n, 3, 3).
     """
 
     rgb: np.ndarray
@@ -44,12 +43,12 @@ class Shot:
     F: np.ndarray
 
     @staticmethod
-    def of(picture, splats: Splats, frame: Frame) -> Shot:
-        """A frame as it was rendered."""
+    def of(picture, gaussians: np.ndarray, frame: Frame) -> Shot:
+        """A frame as it was rendered; ``gaussians`` as in the attribute."""
         return Shot(
             rgb=(np.clip(np.asarray(picture.rgb), 0, 1) * 255 + 0.5).astype(np.uint8),
             depth=np.asarray(picture.depth, np.float32),
-            gaussians=np.asarray(splats.means),
+            gaussians=gaussians,
             x=np.asarray(frame.state.x),
             F=np.asarray(frame.state.F),
         )
@@ -118,8 +117,8 @@ class Recording:
     Attributes:
         rgb: Pictures, uint8, shape (T, height, width, 3).
         depth: z-depth [m], 0 where nothing is, shape (T, height, width).
-        x: Particle positions [m], shape (T, n, 3).
-        F: Deformation gradients, shape (T, n, 3, 3).
+        x: Positions of the model's particles [m], shape (T, n, 3); ``x[:, scene.back]`` are the body's.
+        F: Their deformation gradients, shape (T, n, 3, 3).
         gaussians: Gaussian centres [m], shape (T, g, 3).
         record: Facts and figures, the true motion among them.
         past: What a scene that begins in the same way may go on from.

@@ -1,4 +1,4 @@
-"""Playing a compiled scene: every frame is simulated, its Gaussians deformed and its picture taken.
+"""Playing a compiled scene: every frame is simulated, its Gaussians deformed and its picture taken, a few at a time.
 
 Frames that an earlier scene has in common are taken over from its recording (`shared_past`). That works within one
 process: nothing of it is written down, so a run that was stopped and is taken up plays its next round from the start.
@@ -7,15 +7,17 @@ process: nothing of it is written down, so a run that was stopped and is taken u
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Callable, Iterator
 
 import jax
+import numpy as np
 
 from physagent_jax.gaussians.binding import deform
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.mpm import Frame, simulate
 from physagent_jax.recording import Entry, Past, Recording, Shot, rest_centre
-from physagent_jax.render import render
+from physagent_jax.render import frames_at_once, render_all
 from physagent_jax.scene.compile import Scene
 from physagent_jax.shared_past import clock_is_right, last_shared_frame, restart_frames
 from physagent_jax.stopwatch import Stopwatch
@@ -40,18 +42,32 @@ def play(
     if progress and reused:
         progress(reused, total)
     wanted, centre = restart_frames(scene.config), rest_centre(scene)
-    for frame in watch.timed("simulate", frames(scene, begin)):
+    for batch in _batches(watch.timed("simulate", frames(scene, begin))):
         with watch("render"):
-            splats = splats_at(scene, frame)
-            picture = render(splats, scene.camera, background=scene.config.rendering.background)
-            shots.append(Shot.of(picture, splats, frame))
+            shots += _shots(scene, batch)
         with watch("simulate"):
-            entries.append(Entry.of(scene, frame, centre))
-            if frame.index in wanted and _worth_keeping(scene, frame, shots, restarts):
-                restarts[frame.index] = dataclasses.replace(frame, state=jax.device_get(frame.state))
+            for frame in batch:
+                entries.append(Entry.of(scene, frame, centre))
+                if frame.index in wanted and _worth_keeping(scene, frame, shots, restarts):
+                    restarts[frame.index] = dataclasses.replace(frame, state=jax.device_get(frame.state))
         if progress:
-            progress(frame.index + 1, total)
+            for frame in batch:
+                progress(frame.index + 1, total)
     return Recording.of(scene, shots, entries, Past.of(scene, shots, entries, restarts), reused)
+
+
+def _batches(frames: Iterator[Frame]) -> Iterator[list[Frame]]:
+    """As many frames as are rendered at the same time, again and again."""
+    while batch := list(itertools.islice(frames, frames_at_once())):
+        yield batch
+
+
+def _shots(scene: Scene, batch: list[Frame]) -> list[Shot]:
+    splats = [splats_at(scene, frame) for frame in batch]
+    background = scene.config.rendering.background
+    pictures = render_all(splats, scene.camera, background=background, kernels=scene.model.kernels)
+    shown = [np.asarray(each.means)[: scene.body.cloud.count] for each in splats]
+    return [Shot.of(*parts) for parts in zip(pictures, shown, batch)]
 
 
 def shared_restart(scene: Scene, past: Past | None) -> Frame | None:
@@ -99,9 +115,5 @@ def frames(scene: Scene, begin: Frame | None = None) -> Iterator[Frame]:
 
 
 def splats_at(scene: Scene, frame: Frame) -> Splats:
-    """The Gaussians of one frame."""
-    x, F = frame.state.x[scene.back], frame.state.F[scene.back]
-    return _deform(scene.body.cloud, scene.body.binding, x, F, scene.body.placement.rotation)
-
-
-_deform = jax.jit(deform)
+    """The Gaussians of one frame; after those of the body, invisible ones (`Scene.gaussians`)."""
+    return deform(*scene.gaussians, frame.state.x, frame.state.F, scene.body.placement.rotation)

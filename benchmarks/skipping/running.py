@@ -9,13 +9,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from benchmarks.skipping.base import Answer, Pair, Sizes, Skip, State, Way
-from benchmarks.skipping.scene import SIZE, both, cube, moved, reading, rolled
-from physagent_jax.mpm import Grid, Model, cell_order
+from benchmarks.skipping.scene import SIZE, both, cube, moved, reading, rolled, settled
+from physagent_jax.mpm import DomainBox, Fluid, Grid, Model, cell_order, simulate
 from physagent_jax.mpm import State as Particles
 from physagent_jax.mpm.rollout import Health, advance
 from physagent_jax.mpm.step import initial_stress, substep
 from physagent_jax.mpm.transfer import Watch
 
+FALLEN_FRAMES = 25  # of 0.04 s, after which the water lies on the floor
 TOO_LONG = 5.0  # times the step of the cube: 1.5 times its stable bound
 WASTED = 10  # times the substeps of a run: a frame that fails early
 
@@ -28,7 +29,21 @@ def _window(sizes: Sizes) -> Pair:
 
 
 def _order(sizes: Sizes) -> Pair:
-    model, state = cube(sizes)
+    return _in_order(*cube(sizes), sizes)
+
+
+def _order_in_motion(sizes: Sizes) -> Pair:
+    """Water, sorted at rest, after it has fallen and spread."""
+    model, state = cube(sizes, lambda mu, lam: Fluid(lam))
+    order = cell_order(np.asarray(state.x), model.grid.dx)
+    state = Particles.at_rest(state.x[order], materials=model.materials)
+    falling = model.replace(gravity=jnp.asarray([0, 0, -9.8], state.x.dtype), boundaries=(DomainBox(3),))
+    *_, last = simulate(falling, state, frame_count=FALLEN_FRAMES + 1, frame_dt=0.04)
+    return _in_order(settled(falling, last.state, sizes.substeps), last.state, sizes)
+
+
+def _in_order(model: Model, state: Particles, sizes: Sizes) -> Pair:
+    """Sorted now, against as they lie."""
     order = cell_order(np.asarray(state.x), model.grid.dx)
     back = np.argsort(order)
 
@@ -123,6 +138,15 @@ SKIPS = (
         "jumps through memory, if particles lie in the order of their cells",
         "particles in random order",
         _order,
+        tolerance=1e-5,
+        reason="node sums run in another order, with another round-off",
+    ),
+    Skip(
+        "order in motion",
+        "jumps through memory, if water that has spread is sorted again",
+        "as the product has it: sorted once, at rest. Only water and sand mix at all",
+        _order_in_motion,
+        State.MISSING,
         tolerance=1e-5,
         reason="node sums run in another order, with another round-off",
     ),

@@ -9,6 +9,7 @@ of warm substeps: medians and spreads. Parts, each a section of the JSON (those 
 - stages: ours, stage by stage.
 - memory: peak resident memory.
 - job: a clip of 2 s with the automatic step, against the fixed one of the peers.
+- error: how far the clip is from one on a finer grid; Warp's 10,000 substeps take half an hour or more.
 
 A peer that is missing or refuses is a row with its reason. Genesis is looked for in the interpreter that PEER_PYTHON
 names.
@@ -20,7 +21,6 @@ import dataclasses
 import json
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal
 
@@ -32,7 +32,16 @@ from benchmarks.throughput import parts
 from benchmarks.throughput.markdown import PARTS, document
 from physagent_jax.output.files import write_text
 
-Part = Literal["materials", "sizes", "grids", "stages", "memory", "job"]
+Part = Literal["materials", "sizes", "grids", "stages", "memory", "job", "error"]
+_MEASURE = {
+    "materials": parts.materials,
+    "sizes": parts.growth,
+    "grids": parts.grids,
+    "stages": parts.stages,
+    "memory": parts.memory,
+    "job": parts.job,
+    "error": parts.error,
+}
 console = Console(stderr=True)
 
 
@@ -48,8 +57,6 @@ class Command:
     """Which parts to measure; none = only write the tables."""
     quick: bool = False
     """Few particles, short rounds, fewer rows: two minutes or three, and no figure to quote."""
-    full_job: bool = False
-    """Run Warp's 10,000 substeps of the job, about half an hour, instead of extrapolating; needed for its error."""
 
 
 def main() -> int:
@@ -61,7 +68,7 @@ def main() -> int:
         console.rule(part)
         begun, rows = time.perf_counter(), []
         result[part] = section = {**circumstances(), "quick": command.quick, "complete": False, "rows": rows}
-        for group in _groups(part, sizes, command.full_job):
+        for group in _MEASURE[part](sizes, _tell):
             rows += group
             if part == "job":
                 parts.job_ratios(rows)
@@ -73,19 +80,6 @@ def main() -> int:
         write_text(command.markdown, document(result, command.json, command.markdown))
     print(command.json)
     return 0
-
-
-def _groups(part: Part, sizes: parts.Sizes, full_job: bool) -> Iterator[list[dict]]:
-    if part == "job":
-        return parts.job(sizes, _tell, full_job)
-    measured = {
-        "materials": parts.materials,
-        "sizes": parts.growth,
-        "grids": parts.grids,
-        "stages": parts.stages,
-        "memory": parts.memory,
-    }
-    return measured[part](sizes, _tell)
 
 
 def _tell(text: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import os
 import statistics
@@ -15,6 +16,7 @@ import numpy as np
 from benchmarks.peers.base import PEERS
 from benchmarks.peers.scene import Material
 from benchmarks.throughput.measure import (
+    Child,
     ChildError,
     Contender,
     Effort,
@@ -24,13 +26,12 @@ from benchmarks.throughput.measure import (
     store,
 )
 from benchmarks.throughput.scene import CELLS, DT, FRAME_DT, FRAMES
-from physagent_jax.mpm.timestep import SAFETY
 
 Rows = list[dict[str, Any]]
 Tell = Callable[[str], None]
 
 DEFAULT = Material.NEO_HOOKEAN  # our default jelly; that of every peer is fixed corotated
-FINER = 0.25  # of our default step, for the reference of a job
+FINER = 2  # times as many cells along the domain, for the reference of a job
 CHUNK = 50  # substeps by which a job is extrapolated, five times
 
 
@@ -141,24 +142,32 @@ def memory(sizes: Sizes, tell: Tell) -> Iterator[Rows]:
         yield rows
 
 
-def job(sizes: Sizes, tell: Tell, full: bool) -> Iterator[Rows]:
-    """A whole clip: ours with the automatic step, peers with the customary fixed one.
-
-    The heights of the mass centre are compared with those of ours, same law and grid, at a quarter of our step.
-    Only Warp's job is run in full, if ``full``.
-    """
-    references = {}
+def job(sizes: Sizes, tell: Tell) -> Iterator[Rows]:
+    """What a whole clip costs: ours with the automatic step, peers with the customary fixed one."""
     for law in (DEFAULT, Material.JELLY):
-        row, reference = _own_job(law, sizes, tell)
-        references[law] = reference
-        yield [row]
+        yield [_own_job(law, sizes, tell)]
     for code, law, threads in (
         ("warp_classical", Material.JELLY, 1),
         ("warp_classical", DEFAULT, 1),
         ("taichi_mls", Material.JELLY, sizes.most_threads),
     ):
-        whole = full and code == "warp_classical" and law is Material.JELLY
-        yield [_peer_job(Contender(code, law, threads), references[law], sizes, tell, whole)]
+        yield [_peer_job(Contender(code, law, threads), sizes, tell)]
+
+
+def error(sizes: Sizes, tell: Tell) -> Iterator[Rows]:
+    """How far the same clip is from a finer one: heights of the mass centre, every substep run, nothing timed.
+
+    The reference is ours with `FINER` times the cells and as many particles in each.
+    """
+    finest = dict(particles=FINER**3 * sizes.main, cells=FINER * CELLS)
+    reference = _own_heights(sizes, tell, label=f"ours, {finest['cells']} cells", **finest)
+    yield [reference]
+    for follow in (_own_heights, _peer_heights):
+        row = follow(sizes, tell, particles=sizes.main, cells=CELLS)
+        if row["heights"] and reference["heights"]:
+            row |= _errors(row["heights"], reference["heights"])
+            tell(f"error, {row['code']}: {1e3 * row['error']:.3g} mm")
+        yield [row]
 
 
 def _peers(law: Material, sizes: Sizes) -> list[Contender]:
@@ -194,53 +203,66 @@ def _row(group: str, contender: Contender, particles: int, **rest: Any) -> dict[
     return {"group": group, **about, "particles": particles, "cells": CELLS, **empty, **rest}
 
 
-def _own_job(law: Material, sizes: Sizes, tell: Tell) -> tuple[dict[str, Any], list[float] | None]:
-    """Our row, and the heights at a quarter of the step."""
+@contextlib.contextmanager
+def _child_with(
+    row: dict[str, Any], contender: Contender, particles: int, cells: int
+) -> Iterator[tuple[Child, str]]:
+    """A process for ``contender``, and its scene's file; if it fails, ``row`` says why."""
+    with tempfile.TemporaryDirectory() as folder, open_child(contender) as child:
+        scene, row["note"] = store(Path(folder), contender, particles, cells)
+        try:
+            yield child, scene
+        except ChildError as error:
+            row["message"] = str(error)
+    row["load_average"] = round(os.getloadavg()[0], 2)
+
+
+def _own_job(law: Material, sizes: Sizes, tell: Tell) -> dict[str, Any]:
     contender = Contender("ours", law, sizes.most_threads)
-    row, reference = _row("job", contender, sizes.main, seconds=None, error=None, extrapolated=False), None
-    with tempfile.TemporaryDirectory() as folder, open_child(contender) as child:
-        scene = store(Path(folder), contender, sizes.main, CELLS)[0]
-        try:
-            cold = child.ask("job", scene=scene, safety=None, frames=sizes.frames)
-            warm = child.ask("job", scene=scene, safety=None, frames=sizes.frames)
-            row |= warm | {"setup_seconds": cold["seconds"] - warm["seconds"], "over_ours": 1.0}
-            finer = child.ask("job", scene=scene, safety=FINER * SAFETY, frames=sizes.frames)
-            reference = finer["heights"]
-            row |= {"reference_substeps": finer["substeps"], **_errors(row["heights"], reference)}
-        except ChildError as error:
-            row["message"] = str(error)
-    row["load_average"] = round(os.getloadavg()[0], 2)
+    row = _row("job", contender, sizes.main, seconds=None, extrapolated=False)
+    with _child_with(row, contender, sizes.main, CELLS) as (child, scene):
+        cold = child.ask("job", scene=scene, frames=sizes.frames)
+        warm = child.ask("job", scene=scene, frames=sizes.frames)
+        row |= warm | {"setup_seconds": cold["seconds"] - warm["seconds"]}
     tell(f"job, ours, {law.value}: {row['message'] or row['seconds']} s")
-    return row, reference
+    return row
 
 
-def _peer_job(
-    contender: Contender, reference: list[float] | None, sizes: Sizes, tell: Tell, whole: bool
-) -> dict[str, Any]:
-    """A peer's row: run in full, or extrapolated from a part of the substeps."""
-    frame = round(FRAME_DT / DT)
-    total = frame * sizes.frames
-    row = _row("job", contender, sizes.main, seconds=None, error=None, extrapolated=not whole)
-    row |= {"substeps": total, "least_dt": DT, "largest_dt": DT}
-    with tempfile.TemporaryDirectory() as folder, open_child(contender) as child:
-        scene, row["note"] = store(Path(folder), contender, sizes.main, CELLS)
-        try:
-            row["setup_seconds"] = child.ask("load", scene=scene, dt=DT)["seconds"]
-            if whole:
-                heights, seconds = [child.ask("height")["height"]], 0.0
-                for index in range(sizes.frames):
-                    seconds += child.ask("run", steps=frame)["seconds"]
-                    heights.append(child.ask("height")["height"])
-                    tell(f"job, {contender.label}: frame {index + 1} of {sizes.frames}, {seconds:.0f} s")
-                row |= {"seconds": seconds, "heights": heights}
-                row |= _errors(heights, reference) if reference else {}
-            else:
-                took = [child.ask("run", steps=CHUNK)["seconds"] / CHUNK for _ in range(5)]
-                row |= {"seconds": total * statistics.median(took), "measured_substeps": 5 * CHUNK}
-        except ChildError as error:
-            row["message"] = str(error)
-    row["load_average"] = round(os.getloadavg()[0], 2)
+def _peer_job(contender: Contender, sizes: Sizes, tell: Tell) -> dict[str, Any]:
+    """A peer's row, extrapolated from a part of the substeps."""
+    row = _row("job", contender, sizes.main, seconds=None, extrapolated=True)
+    total = round(FRAME_DT / DT) * sizes.frames
+    row |= {"substeps": total, "least_dt": DT, "largest_dt": DT, "measured_substeps": 5 * CHUNK}
+    with _child_with(row, contender, sizes.main, CELLS) as (child, scene):
+        row["setup_seconds"] = child.ask("load", scene=scene, dt=DT)["seconds"]
+        took = [child.ask("run", steps=CHUNK)["seconds"] / CHUNK for _ in range(5)]
+        row["seconds"] = total * statistics.median(took)
     tell(f"job, {contender.label}, {contender.law.value}: {row['message'] or row['seconds']} s")
+    return row
+
+
+def _own_heights(sizes: Sizes, tell: Tell, particles: int, cells: int, label: str = "ours") -> dict[str, Any]:
+    contender = Contender("ours", Material.JELLY, sizes.most_threads)
+    row = _row("error", contender, particles, heights=None, error=None) | {"code": label, "cells": cells}
+    with _child_with(row, contender, particles, cells) as (child, scene):
+        found = child.ask("job", scene=scene, frames=sizes.frames)
+        row |= {key: found[key] for key in ("substeps", "least_dt", "largest_dt", "heights")}
+    tell(f"error, {label}: {row['message'] or 'done'}")
+    return row
+
+
+def _peer_heights(sizes: Sizes, tell: Tell, particles: int, cells: int) -> dict[str, Any]:
+    contender, frame = Contender("warp_classical", Material.JELLY, 1), round(FRAME_DT / DT)
+    row = _row("error", contender, particles, heights=None, error=None) | {"cells": cells}
+    row |= {"substeps": frame * sizes.frames, "least_dt": DT, "largest_dt": DT}
+    with _child_with(row, contender, particles, cells) as (child, scene):
+        child.ask("load", scene=scene, dt=DT)
+        heights = [child.ask("height")["height"]]
+        for index in range(sizes.frames):
+            child.ask("run", steps=frame)
+            heights.append(child.ask("height")["height"])
+            tell(f"error, {contender.label}: frame {index + 1} of {sizes.frames}")
+        row["heights"] = heights
     return row
 
 

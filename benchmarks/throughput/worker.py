@@ -4,7 +4,7 @@
 
 Every request is answered by one line: {"do": "load", "scene": FILE, "dt": DT}, {"do": "run", "steps": N},
 {"do": "height"}, {"do": "memory"}; of "ours" also {"do": "stages", "repeats": N} and {"do": "job", "scene": FILE,
-"safety": S}. What goes wrong is answered with "error". Imports numpy and the code's own library only, so that a
+"frames": N}. What goes wrong is answered with "error". Imports numpy and the code's own library only, so that a
 peer may live in another interpreter. What libraries print goes to the standard error stream.
 """
 
@@ -90,11 +90,11 @@ class Worker:
 
         return {"milliseconds": stages(self._peer, repeats)}
 
-    def job(self, scene: str, safety: float | None, frames: int) -> dict:
+    def job(self, scene: str, frames: int) -> dict:
         """A whole clip of ours."""
         from benchmarks.throughput.ours import job
 
-        return job(PeerScene.load(Path(scene)), safety, frames)
+        return job(PeerScene.load(Path(scene)), frames)
 
     def _make(self) -> Any:
         if self._code == "ours":

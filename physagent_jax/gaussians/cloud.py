@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import jax
+import numpy as np
 
 from physagent_jax.pytree import register_dataclass
 
@@ -37,6 +39,12 @@ class GaussianCloud:
     def sh_degree(self) -> int:
         """Degree of the spherical harmonics, 0 to 3."""
         return round(self.sh.shape[1] ** 0.5) - 1
+
+    def of_least_degree(self) -> GaussianCloud:
+        """The same colours with the least degree that has them: bands that are zero for all Gaussians are left out."""
+        used = np.flatnonzero(np.asarray(self.sh).any(axis=(0, 2)))
+        degree = math.isqrt(int(used.max(initial=0)))
+        return dataclasses.replace(self, sh=self.sh[:, : (degree + 1) ** 2])
 
 
 @register_dataclass

@@ -2,8 +2,8 @@
 
 The kernels themselves lie where their work is, in `mpm.kernels` (transfers, singular values) and `render.kernels`
 (blending). `Model.kernels` chooses for the simulator: "auto" takes them where JAX runs on CPU and Numba is installed,
-"reference" the pure JAX path, "cpu" insists. Pictures are always made as by "auto", unless they are traced within
-`using`. Both give the same numbers to round-off; forward-mode derivatives exist for the reference only.
+"reference" the pure JAX path, "cpu" insists; pictures of a scene are made as its model is. Both give the same numbers
+to round-off; forward-mode derivatives exist for the reference only.
 
 Here: SIMD values (`lanes`), XLA's calling convention (`ffi`), threads and the store of compiled code.
 """

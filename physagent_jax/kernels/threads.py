@@ -17,8 +17,16 @@ def thread_count() -> int:
     """
     import numba
 
-    return min(numba.get_num_threads(), _cores())
+    return min(numba.get_num_threads(), cores())
 
 
-def _cores() -> int:
+def callers() -> int:
+    """Threads that may run kernels at the same time: one per core, but one alone where Numba's layer forbids more."""
+    import numba
+
+    return thread_count() if thread_count() > 1 and numba.threading_layer() != "workqueue" else 1
+
+
+def cores() -> int:
+    """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

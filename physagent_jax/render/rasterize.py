@@ -28,18 +28,16 @@ _CHUNK = 16
 
 
 def blend(
-    projected: Projected, lists: TileLists, width: int, height: int, *, tile_size: int, lanes: int
+    projected: Projected, lists: TileLists, layout: Layout, native: bool
 ) -> tuple[jax.Array, jax.Array]:
     """Blends colour and depth.
 
     Args:
         projected: Gaussians on the image plane.
         lists: From `build_tile_lists` with the same sizes; complete (total <= capacity).
-        width: [px].
-        height: [px].
-        tile_size: [px].
-        lanes: Tiles that are blended in lockstep. One is best where arrays of a tile's size fill the
+        layout: Tiles, and how many are blended in lockstep. One is best where arrays of a tile's size fill the
             machine (CPU); all tiles are best where each operation is a kernel launch (GPU).
+        native: Whether the CPU kernels are to be used, if they are made for this layout and precision.
 
     Returns:
         Blended red, green, blue and z-depth, shape (h, w, 4), and the transmittance left, shape (h, w).
@@ -54,10 +52,18 @@ def blend(
         ],
         axis=-1,
     )
-    layout = Layout(width, height, tile_size, lanes)
-    blended: Any = _blend(layout, packed, lists.gaussians, lists.starts)  # `custom_vjp` hides the type
+    kernel = _kernels_for(layout, packed.dtype) if native else None
+    blended: Any = _blend(
+        layout, kernel, packed, lists.gaussians, lists.starts
+    )  # `custom_vjp` hides the type
     features, transmittance = blended
     return layout.to_image(features), layout.to_image(transmittance)
+
+
+def _kernels_for(layout: Layout, dtype) -> Any:
+    """The module of the CPU kernels; None if they are not made for this."""
+    module = kernels.load("physagent_jax.render.kernels.cpu")
+    return module if module.fits(layout, dtype) else None
 
 
 def _alpha(row: jax.Array, x: jax.Array, y: jax.Array) -> jax.Array:
@@ -73,15 +79,14 @@ def _list_bounds(starts: jax.Array, tile: jax.Array) -> tuple[jax.Array, jax.Arr
     return begin, starts.at[tile + 1].get(mode="clip") - begin
 
 
-@functools.partial(jax.custom_vjp, nondiff_argnums=(0,))
-def _blend(layout: Layout, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
-    features, transmittance, _ = _blend_forward(layout, packed, gaussians, starts)
+@functools.partial(jax.custom_vjp, nondiff_argnums=(0, 1))
+def _blend(layout: Layout, kernel: Any, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
+    features, transmittance, _ = _blend_forward(layout, kernel, packed, gaussians, starts)
     return features, transmittance
 
 
-def _blend_forward(layout: Layout, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
+def _blend_forward(layout: Layout, kernel: Any, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
     """Features (groups, lanes, pixels, 4), transmittance (groups, lanes, pixels), steps made (groups,) or None."""
-    kernel = _kernels_for(layout, packed.dtype)
     if kernel is not None:
         return *kernel.blend(layout, _LIMITS, packed, gaussians, starts), None
 
@@ -112,20 +117,12 @@ def _blend_forward(layout: Layout, packed: jax.Array, gaussians: jax.Array, star
     return jax.lax.map(group, layout.tile_ids())
 
 
-def _kernels_for(layout: Layout, dtype) -> Any:
-    """The module of the CPU kernels, where they are to be used."""
-    if not kernels.use_cpu():
-        return None
-    module = kernels.load("physagent_jax.render.kernels.cpu")
-    return module if module.fits(layout, dtype) else None
-
-
-def _blend_fwd(layout: Layout, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
-    features, transmittance, steps = _blend_forward(layout, packed, gaussians, starts)
+def _blend_fwd(layout: Layout, kernel: Any, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
+    features, transmittance, steps = _blend_forward(layout, kernel, packed, gaussians, starts)
     return (features, transmittance), (packed, gaussians, starts, features, transmittance, steps)
 
 
-def _blend_bwd(layout: Layout, residuals, cotangents):
+def _blend_bwd(layout: Layout, kernel: Any, residuals, cotangents):
     """Front to back again, with prefix sums in place of a reverse pass.
 
     With g the cotangent of C, g_T that of the final transmittance, and P_i = sum_{j <= i} T_j alpha_j c_j.g:
@@ -134,7 +131,6 @@ def _blend_bwd(layout: Layout, residuals, cotangents):
     pixels with fixed weights, which is made for a chunk of Gaussians at a time as a matrix product.
     """
     packed, gaussians, starts, features, transmittance, steps = residuals
-    kernel = _kernels_for(layout, packed.dtype)
     if kernel is not None:
         lists = packed, gaussians, starts
         return (

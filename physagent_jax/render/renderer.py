@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import jax
 import jax.numpy as jnp
@@ -11,8 +13,10 @@ import numpy as np
 
 from physagent_jax.errors import UserError
 from physagent_jax.gaussians.cloud import Splats
+from physagent_jax.kernels import Kernels, threads, use_cpu
 from physagent_jax.pytree import register_dataclass
 from physagent_jax.render.camera import Camera
+from physagent_jax.render.layout import Layout
 from physagent_jax.render.project import project
 from physagent_jax.render.rasterize import blend
 from physagent_jax.render.tiles import build_tile_lists, count_pairs, tile_grid, tile_rectangles
@@ -43,25 +47,53 @@ class Rendering:
     alpha: jax.Array
 
 
-def render(splats: Splats, camera: Camera, *, background=(1.0, 1.0, 1.0)) -> Rendering:
+def render(
+    splats: Splats, camera: Camera, *, background=(1.0, 1.0, 1.0), kernels: Kernels = "auto"
+) -> Rendering:
     """Renders on whatever device JAX uses, sizing buffers as needed. Not for use inside `jit`.
 
     Args:
         splats: Gaussians in world space.
         camera: Pinhole camera.
         background: Colour behind the splats, shape (3,).
+        kernels: As `rasterize` has it.
 
     Raises:
-        UserError: The Gaussians overlap so many tiles that the image does not fit into memory.
+        UserError: The Gaussians overlap so many tiles that the image does not fit into memory, or ``kernels`` are not
+            to be had.
     """
-    key = (splats.means.shape[0], camera.width, camera.height)
+    key = _key(splats, camera)
     if key not in _capacities:
         _capacities[key] = pair_capacity(splats, camera)
-    rendering, total = rasterize(splats, camera, background, capacity=_capacities[key])
+    rendering, total = rasterize(splats, camera, background, capacity=_capacities[key], kernels=kernels)
     if int(total) > _capacities[key]:
         _capacities[key] = _roomy(int(total))
-        rendering, _ = rasterize(splats, camera, background, capacity=_capacities[key])
+        rendering, _ = rasterize(splats, camera, background, capacity=_capacities[key], kernels=kernels)
     return rendering
+
+
+def render_all(
+    frames: Sequence[Splats], camera: Camera, *, background=(1.0, 1.0, 1.0), kernels: Kernels = "auto"
+) -> list[Rendering]:
+    """`render` of each frame, `frames_at_once` at the same time.
+
+    On CPU a frame by itself leaves cores idle while its tile lists are made.
+    """
+
+    def one(splats: Splats) -> Rendering:
+        return jax.block_until_ready(render(splats, camera, background=background, kernels=kernels))
+
+    alone = [splats for splats in frames[:1] if _key(splats, camera) not in _capacities]
+    done = [one(splats) for splats in alone]  # so that what has to be compiled is compiled once
+    with ThreadPoolExecutor(frames_at_once()) as pool:
+        return done + list(pool.map(one, frames[len(done) :]))
+
+
+def frames_at_once() -> int:
+    """Frames that are best rendered at the same time: on CPU one per core, if the kernels allow it."""
+    if jax.default_backend() != "cpu":
+        return 1
+    return threads.callers() if use_cpu() else threads.cores()
 
 
 def pair_capacity(splats: Splats, camera: Camera) -> int:
@@ -81,6 +113,7 @@ def rasterize(
     capacity: int,
     tile_size: int = TILE_SIZE,
     lanes: int | None = None,
+    kernels: Kernels = "auto",
 ) -> tuple[Rendering, jax.Array]:
     """Renders; differentiable with respect to splats, camera pose and background.
 
@@ -93,6 +126,8 @@ def rasterize(
         capacity: Room for pairs (Gaussian, tile), static; see `pair_capacity`.
         tile_size: Edge of a tile [px].
         lanes: Tiles blended in lockstep; default one on the CPU, all elsewhere.
+        kernels: As in `mpm.Model`. Those for the CPU blend in single precision, tiles of 16 pixels one at a time;
+            anything else is blended in JAX.
 
     Returns:
         The image, and the number of pairs it needed. If that exceeds ``capacity`` the image is NaN
@@ -105,20 +140,21 @@ def rasterize(
     dtype = splats.means.dtype
     camera = jax.tree.map(lambda array: jnp.asarray(array, dtype), camera)
     background = jnp.asarray(background, dtype)
-    return _rasterize(splats, camera, background, capacity=capacity, tile_size=tile_size, lanes=lanes)
+    layout = Layout(camera.width, camera.height, tile_size, lanes)
+    return _rasterize(splats, camera, background, capacity, layout, use_cpu(kernels))
 
 
-@functools.partial(jax.jit, static_argnames=("capacity", "tile_size", "lanes"))
+@functools.partial(jax.jit, static_argnums=(3, 4, 5))
 def _rasterize(
-    splats: Splats, camera: Camera, background: jax.Array, *, capacity: int, tile_size: int, lanes: int
+    splats: Splats, camera: Camera, background: jax.Array, capacity: int, layout: Layout, native: bool
 ):
     width, height = camera.width, camera.height
     with jax.named_scope("project"):
         projected = project(splats, camera)
     with jax.named_scope("tile_lists"):
-        lists = build_tile_lists(projected, width, height, capacity=capacity, tile_size=tile_size)
+        lists = build_tile_lists(projected, width, height, capacity=capacity, tile_size=layout.tile_size)
     with jax.named_scope("blend"):
-        features, transmittance = blend(projected, lists, width, height, tile_size=tile_size, lanes=lanes)
+        features, transmittance = blend(projected, lists, layout, native)
     valid = jnp.where(lists.total <= capacity, 1.0, jnp.nan).astype(features.dtype)
     alpha = 1 - transmittance
     rgb = features[..., :3] + transmittance[..., None] * background
@@ -129,6 +165,10 @@ def _rasterize(
 @jax.jit
 def _count(splats: Splats, camera: Camera) -> jax.Array:
     return count_pairs(tile_rectangles(project(splats, camera), camera.width, camera.height, TILE_SIZE))
+
+
+def _key(splats: Splats, camera: Camera) -> tuple[int, int, int]:
+    return splats.means.shape[0], camera.width, camera.height
 
 
 def _roomy(total: int) -> int:

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from benchmarks.rendering import sphere
-from physagent_jax import kernels
 from physagent_jax.render import look_at, pair_capacity, rasterize
-from physagent_jax.render.renderer import _rasterize
+from physagent_jax.render.layout import Layout
+from physagent_jax.render.project import project
+from physagent_jax.render.rasterize import blend
+from physagent_jax.render.tiles import build_tile_lists
 
 pytest.importorskip("numba")
 
@@ -44,17 +46,15 @@ def test_pictures_and_gradients_are_the_references(name, width, height):
     rng = np.random.default_rng(0)
     weights = jnp.asarray(rng.normal(size=(5, height, width)), jnp.float32)
 
-    def loss(splats, background):
-        image, _ = rasterize(splats, camera, background, capacity=capacity)
+    def loss(splats, background, choice):
+        image, _ = rasterize(splats, camera, background, capacity=capacity, kernels=choice)
         channels = jnp.stack([*jnp.moveaxis(image.rgb, -1, 0), image.depth, image.alpha])
         return (weights * channels).sum(), image
 
     found = {}
     for choice in ("reference", "cpu"):
-        _rasterize.clear_cache()  # traced for the other choice
-        with kernels.using(choice):
-            slope = jax.value_and_grad(loss, argnums=(0, 1), has_aux=True)
-            (_, image), gradient = jax.jit(slope)(scene, jnp.ones(3))
+        slope = jax.value_and_grad(loss, argnums=(0, 1), has_aux=True)
+        (_, image), gradient = jax.jit(slope, static_argnums=2)(scene, jnp.ones(3), choice)
         found[choice] = image, gradient
     (image, gradient), (expected, expected_gradient) = found["cpu"], found["reference"]
     assert float(expected.alpha.max()) > 0.5
@@ -81,9 +81,20 @@ def test_kernels_repeat_bit_by_bit():
 
     @jax.jit
     def slope(splats):
-        return jax.grad(lambda s: rasterize(s, camera, jnp.ones(3), capacity=capacity)[0].rgb.sum())(splats)
+        drawn = lambda s: rasterize(s, camera, jnp.ones(3), capacity=capacity, kernels="cpu")[0]  # noqa: E731
+        return jax.grad(lambda s: drawn(s).rgb.sum())(splats)
 
-    _rasterize.clear_cache()
-    with kernels.using("cpu"):
-        one, other = slope(splats), slope(splats)
-    jax.tree.map(np.testing.assert_array_equal, one, other)
+    jax.tree.map(np.testing.assert_array_equal, slope(splats), slope(splats))
+
+
+def test_a_gaussian_without_an_opacity_is_nothing():
+    """NaN is no alpha: the reference leaves such a Gaussian out, and so do the kernels."""
+    camera = look_at((0, -3.2, 0.4), (0, 0, 0), (0, 0, 1), fov_degrees=40, width=48, height=48)
+    splats = SCENES["sphere"]
+    capacity = pair_capacity(splats, camera)
+    projected = project(splats, camera)
+    spoilt = dataclasses.replace(projected, opacities=projected.opacities.at[::7].set(jnp.nan))
+    lists = build_tile_lists(projected, 48, 48, capacity=capacity, tile_size=16)
+    native, reference = (blend(spoilt, lists, Layout(48, 48, 16, 1), choice)[0] for choice in (True, False))
+    assert np.isfinite(reference).all() and float(reference.max()) > 0.3
+    np.testing.assert_allclose(native, reference, atol=2e-4)

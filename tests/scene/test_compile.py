@@ -65,7 +65,7 @@ def test_an_anchored_base_stays_and_the_rest_is_pushed(source, body):
     )
     made = scene(source, body, anchor=c.Anchor(kind="base", fraction=0.3), force_field=push)
     held = np.asarray(made.model.constraints[0].particles)
-    assert made.anchored == len(held) > 0
+    assert made.anchored == len(set(made.order[held])) > 0
     start = np.asarray(made.state.x)
     assert start[held, 2].max() <= start[:, 2].min() + 0.3 * np.ptp(start[:, 2]) + 1e-5
     end = np.asarray(list(simulate(made.model, made.state, frame_count=4, frame_dt=0.04))[-1].state.x)
@@ -83,7 +83,7 @@ def test_impulses_by_velocity_and_by_force(source, body):
     momentum = np.asarray((made.model.mass[:, None] * end.v).sum(0))
     mass = float(made.model.mass.sum())
     np.testing.assert_allclose(momentum[0] / mass, 0.5, rtol=1e-4)
-    np.testing.assert_allclose(momentum[1], 2e-4 * 0.01 * len(end.x), rtol=1e-4)
+    np.testing.assert_allclose(momentum[1], 2e-4 * 0.01 * body.particles.count, rtol=1e-4)
 
 
 def test_prescribed_motions_and_boundaries_of_a_scene(source, body):

@@ -84,7 +84,7 @@ def blend_row(packed, reach, gaussians, first, last, x0, y0, width, height, limi
         if dy * dy > reach[p]:
             continue
         alpha = seen_alpha(packed, p, x, dy)
-        kept = where_greater(least, alpha, zero, where_greater(alpha, most, most, alpha))
+        kept = where_greater(alpha, least, where_greater(alpha, most, most, alpha), zero)  # NaN is nothing
         kept = where_greater(T, stop, kept, zero)
         weight = T * kept
         red, green = red + weight * same(packed[p, 6], x), green + weight * same(packed[p, 7], x)
@@ -192,7 +192,7 @@ def backward_tile(
             if dy * dy > reach[p]:
                 continue
             raw = seen_alpha(packed, p, x, dy)
-            alpha = where_greater(least, raw, zero, where_greater(raw, most, most, raw))
+            alpha = where_greater(raw, least, where_greater(raw, most, most, raw), zero)
             alpha = where_greater(t, stop, alpha, zero)
             g0, g1, g2, g3 = load(g, o), load(g, o + PIXELS), load(g, o + 2 * PIXELS), load(g, o + 3 * PIXELS)
             seen = row[0] * g0 + row[1] * g1 + row[2] * g2 + row[3] * g3

@@ -81,4 +81,6 @@ def _sizes(layout: Layout) -> np.ndarray:
 
 
 def _array(limits) -> np.ndarray:
-    return np.asarray(limits, np.float32)
+    """The limits as the kernels compare with them: alpha is to be greater than the number before the least."""
+    least, *others = np.asarray(limits, np.float32)
+    return np.asarray([np.nextafter(least, np.float32(0)), *others], np.float32)

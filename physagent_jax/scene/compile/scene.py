@@ -9,6 +9,8 @@ from pathlib import Path
 import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.gaussians.binding import Binding
+from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.mpm import Model, PrescribedMotion, State, cell_order, smallest_window
 from physagent_jax.mpm.constraints import RigidBody
 from physagent_jax.render.camera import Camera
@@ -16,6 +18,7 @@ from physagent_jax.scene import config as c
 from physagent_jax.scene.anchor import anchored_particles
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.camera import reference_camera
+from physagent_jax.scene.compile import buckets
 from physagent_jax.scene.compile.boundaries import compile_boundaries
 from physagent_jax.scene.compile.constraints import compile_constraints
 from physagent_jax.scene.compile.forces import compile_forces
@@ -32,8 +35,8 @@ class Scene:
         body: The object at rest.
         model, state: For `mpm.simulate`.
         camera: The reference camera.
-        order: Body particle of each model particle, shape (n,): particles are grouped by material, and lie cell by
-            cell in memory.
+        order: Body particle of each model particle, shape (n,): particles are grouped by material, lie cell by
+            cell in memory, and some are there twice (`buckets`).
         anchored: Number of particles held by the anchor.
     """
 
@@ -47,8 +50,15 @@ class Scene:
 
     @cached_property
     def back(self) -> np.ndarray:
-        """Model particle of each body particle, shape (n,)."""
-        return np.argsort(self.order)
+        """A model particle of each body particle, shape (body particles,)."""
+        return np.unique(self.order, return_index=True)[1]
+
+    @cached_property
+    def gaussians(self) -> tuple[GaussianCloud, Binding]:
+        """The body's Gaussians to be drawn, bound to the model's particles; for their number see `buckets`."""
+        binding, back = self.body.binding, jnp.asarray(self.back, jnp.int32)
+        binding = dataclasses.replace(binding, indices=back[binding.indices])
+        return buckets.fill_up(self.body.cloud.of_least_degree(), binding)
 
 
 def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".") -> Scene:
@@ -59,8 +69,10 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     """
     matter = Matter.of(config, body)
     order = cell_order(body.particles.x, config.domain.dx, matter.model)
-    rest, matter = body.particles.x[order].astype(DTYPE), matter.take(order)
-    mass = matter.density * body.particles.volume[order]
+    order = buckets.with_copies(order, matter.model[order])
+    rest, matter, share = body.particles.x[order].astype(DTYPE), matter.take(order), buckets.shares(order)
+    whole = matter.density * body.particles.volume[order]  # mass of a particle with all its copies
+    volume = share * body.particles.volume[order]
     held = anchored_particles(
         config.anchor,
         rest,
@@ -68,8 +80,8 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         base_dir,
         gaussian_count=body.cloud.count,
     )
-    forces, constraints = compile_forces(config, body, rest, body.particles.volume[order])
-    imposed, prescribed = compile_constraints(config, rest, mass)
+    forces, constraints = compile_forces(config, body, rest, volume)
+    imposed, prescribed = compile_constraints(config, rest, whole)
     bodies = tuple(RigidBody(_indices(mask)) for mask in matter.rigid_bodies())
     if (still := held | matter.stationary()).any():
         prescribed = (*prescribed, PrescribedMotion.fixed(_indices(still)))
@@ -78,8 +90,8 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         grid=smallest_window(config.domain.size, config.domain.cells),
         dt=jnp.asarray(config.timing.frame_dt, DTYPE),
         gravity=jnp.asarray(config.gravity, DTYPE) if falling and any(config.gravity) else None,
-        mass=jnp.asarray(mass, DTYPE),
-        volume=jnp.asarray(body.particles.volume[order], DTYPE),
+        mass=jnp.asarray(share * whole, DTYPE),
+        volume=jnp.asarray(volume, DTYPE),
         materials=matter.materials(),
         forces=(*forces, *imposed),
         boundaries=compile_boundaries(config, base_dir),
@@ -92,7 +104,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     )
     state = State.at_rest(jnp.asarray(rest), materials=model.materials)
     camera = reference_camera(config.camera, config.rendering, config.domain)
-    return Scene(config, body, model, state, camera, order, int(held.sum()))
+    return Scene(config, body, model, state, camera, order, int(held @ share + 0.5))
 
 
 def _indices(mask: np.ndarray) -> jnp.ndarray:

@@ -1,0 +1,55 @@
+"""Array sizes rounded up, so that objects of nearly the same size run the same compiled program.
+
+Particles are filled up with copies that share the mass and volume of their originals. A copy starts where its original
+does and nothing ever tells them apart, so they stay together and deposit on the grid what one particle would: the
+motion is the same to round-off, and no part of the simulator has to know. Gaussians are filled up with invisible ones.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from physagent_jax.gaussians.binding import Binding
+from physagent_jax.gaussians.cloud import GaussianCloud
+
+
+def bucket(count: int) -> int:
+    """``count`` rounded up to one of eight sizes per octave: by 12.5 % at most, and not at all below 16."""
+    step = 2 ** max(0, int(count).bit_length() - 4)
+    return -(-count // step) * step
+
+
+def with_copies(order: np.ndarray, block: np.ndarray) -> np.ndarray:
+    """``order`` with some of its entries twice, one after the other, so that each block fills its bucket.
+
+    Args:
+        order: Particles in the simulator's order, shape (n,).
+        block: A number per entry of ``order``, equal within a block, ascending; shape (n,).
+    """
+    times = []
+    for count in np.unique(block, return_counts=True)[1]:
+        missing, repeats = bucket(count) - count, np.ones(count, int)
+        repeats[np.arange(missing) * count // max(missing, 1)] = 2
+        times.append(repeats)
+    return np.repeat(order, np.concatenate(times))
+
+
+def shares(order: np.ndarray) -> np.ndarray:
+    """What part of its particle's mass and volume each entry of ``order`` has, shape (n,)."""
+    return 1 / np.bincount(order)[order]
+
+
+def fill_up(cloud: GaussianCloud, binding: Binding) -> tuple[GaussianCloud, Binding]:
+    """The Gaussians of a bucket: after the given ones, copies of the last that nobody sees."""
+    missing = bucket(cloud.count) - cloud.count
+
+    def last_again(leaf: jax.Array) -> jax.Array:
+        return jnp.concatenate([leaf, jnp.repeat(leaf[-1:], missing, axis=0)])
+
+    opacities = jnp.concatenate([cloud.opacities, jnp.zeros(missing, cloud.opacities.dtype)])
+    cloud, binding = jax.tree.map(last_again, (cloud, binding))
+    return dataclasses.replace(cloud, opacities=opacities), binding
