@@ -18,6 +18,7 @@ from physagent_jax.agents.bands import expectation_windows
 from physagent_jax.agents.schema import DirectionTable, Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
 from physagent_jax.errors import UserError
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.kernels import ahead
 from physagent_jax.output.run_files import write_best, write_rollout, write_verdict
 from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.schema import MotionReport
@@ -60,6 +61,7 @@ def synthesize(request: Request, agents: Agents, observer: Observer | None = Non
     store = RunStore.open(request.out, request.manifest, overwrite=request.overwrite)
     if store.manifest.complete:
         return store
+    ahead.begin()  # while the sentence is read and the object loaded
     loop = _Loop(request, agents, observer, store)
     reply = loop.read_sentence()
     body = loop.load_object()

@@ -6,6 +6,7 @@ import warnings
 from pathlib import Path
 
 from physagent_jax.cli.console import warn
+from physagent_jax.kernels import ahead
 from physagent_jax.output.files import check_writable, write_text
 from physagent_jax.output.motion_file import write_motion
 from physagent_jax.output.run_files import motion_of
@@ -34,6 +35,7 @@ def play_scene(
         UserError: The scene cannot be simulated, or ``out`` cannot be written or is a file.
     """
     check_writable(out)
+    ahead.begin()
     watch = Stopwatch()
     with watch("prepare"), warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", UserWarning)

@@ -15,6 +15,8 @@ import numpy as np
 from numba import carray, njit, types
 from numba.extending import intrinsic
 
+from physagent_jax.kernels.numbers import WITHIN
+
 HANDLER = types.int64(types.int64)
 """Signature of a handler: the address of the call frame, and 0 for success."""
 
@@ -44,31 +46,31 @@ def _pointer(typing, address, number):
     return types.CPointer(pointed)(types.int64, number), generate
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def word(address, index):
     """The ``index``-th word from ``address`` on."""
     return carray(_pointer(address, np.int64), (index + 1,))[index]
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def operand(frame, index):
     """Address of an operand's buffer."""
     return word(word(frame, _FRAME_OPERANDS), index)
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def result(frame, index):
     """Address of a result's buffer."""
     return word(word(frame, _FRAME_RESULTS), index)
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def extent(buffer, axis):
     """Length of a buffer along ``axis``."""
     return word(word(buffer, _BUFFER_EXTENTS), axis)
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def flat(buffer, number):
     """All of a buffer's numbers, in one dimension; ``number`` is their NumPy class."""
     count = 1
@@ -77,7 +79,7 @@ def flat(buffer, number):
     return carray(_pointer(word(buffer, _BUFFER_DATA), number), (count,))
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def answers_query(frame):
     """Whether the call only asked for the handler's API version, which it then has got."""
     extension = word(frame, _FRAME_EXTENSION)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numba import njit, types
 from numba.extending import overload
 
+WITHIN: dict[str, Any] = {"cache": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""For what compiled code alone calls: doors for Python are a tenth of the work of compiling."""
+
 OPTIONS = {
+    **WITHIN,
     "boundscheck": False,
     "error_model": "numpy",
     "fastmath": {"contract", "nsz"},  # not "nnan": what is not finite has to be noticed
     "nogil": True,
-    "cache": True,
 }
 INLINE = {**OPTIONS, "forceinline": True}  # for what is called per particle: arrays are costly to pass
 

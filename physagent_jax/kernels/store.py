@@ -28,6 +28,16 @@ def kept() -> Iterator[None]:
         numba.config.CACHE_DIR = before  # type: ignore[attr-defined]
 
 
+def has(target: str) -> bool:
+    """Whether a target has been compiled from these sources on this machine."""
+    return (_folder() / f"{target}.compiled").is_file()
+
+
+def note(target: str) -> None:
+    """Remembers that a target has been compiled."""
+    (_folder() / f"{target}.compiled").touch()
+
+
 @cache
 def _folder() -> Path:
     digest = hashlib.sha256(numba.__version__.encode())

@@ -6,7 +6,7 @@ from functools import cache
 
 from numba import cfunc
 
-from physagent_jax.kernels import ffi, store
+from physagent_jax.kernels import ahead, ffi, store
 from physagent_jax.kernels.threads import thread_count
 
 
@@ -14,6 +14,8 @@ from physagent_jax.kernels.threads import thread_count
 def target(name: str, function) -> str:
     """Compiles ``function``, a handler of `ffi`, unless the disk has it, and registers it under ``name``."""
     thread_count()  # starts the threads: compiled code from the disk asks for them as it is loaded
+    ahead.wait_for(name)
     with store.kept():
         ffi.register(name, cfunc(ffi.HANDLER, cache=True)(function))
+    store.note(name)
     return name

@@ -24,7 +24,7 @@ def callers() -> int:
     """Threads that may run kernels at the same time: one per core, but one alone where Numba's layer forbids more."""
     import numba
 
-    return thread_count() if thread_count() > 1 and numba.threading_layer() != "workqueue" else 1
+    return thread_count() if thread_count() > 1 and numba.threading_layer() != "workqueue" else 1  # type: ignore[attr-defined]
 
 
 def cores() -> int:

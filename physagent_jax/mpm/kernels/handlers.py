@@ -10,6 +10,7 @@ from numba import njit
 
 from physagent_jax.kernels import ffi
 from physagent_jax.kernels.lanes import PARTICLES
+from physagent_jax.kernels.numbers import WITHIN
 from physagent_jax.kernels.target import target
 from physagent_jax.mpm.kernels.svd import compose, decompose
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
@@ -20,28 +21,28 @@ def handler(kernel: str, precision: str) -> str:
     return target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def _vectors(buffer, number):
     return ffi.flat(buffer, number).reshape(ffi.extent(buffer, 0), 3)
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def _matrices(buffer, number):
     return ffi.flat(buffer, number).reshape(ffi.extent(buffer, 0), 3, 3)
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def _table(buffer, number):
     return ffi.flat(buffer, number).reshape(ffi.extent(buffer, 0), ffi.extent(buffer, 1))
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def _grid(buffer, number):
     nx, ny, nz = ffi.extent(buffer, 0), ffi.extent(buffer, 1), ffi.extent(buffer, 2)
     return ffi.flat(buffer, number).reshape(nx, ny, nz, ffi.extent(buffer, 3))
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def _p2g(frame, number):
     scalars = ffi.flat(ffi.operand(frame, 10), number)
     p2g(
@@ -64,7 +65,7 @@ def _p2g(frame, number):
     )
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def _g2p(frame, number):
     scalars = ffi.flat(ffi.operand(frame, 6), number)
     g2p(
@@ -86,14 +87,14 @@ def _g2p(frame, number):
     )
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def _decompose(frame, number):
     control, s, basis = ffi.flat(ffi.operand(frame, 1), np.int32), ffi.result(frame, 0), ffi.result(frame, 1)
     batches = ffi.flat(basis, number).reshape(ffi.extent(basis, 0), 18, PARTICLES)
     decompose(ffi.flat(ffi.operand(frame, 0), number), control[0], _table(s, number), batches, control[1])
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def _compose(frame, number):
     basis, control = ffi.operand(frame, 0), ffi.flat(ffi.operand(frame, 4), np.int32)
     compose(

@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 
 from physagent_jax.kernels import ffi
+from physagent_jax.kernels.numbers import WITHIN
 from physagent_jax.kernels.target import target
 from physagent_jax.render.kernels.blend import PACKED, PIXELS, blend, blend_backward
 
@@ -15,17 +16,17 @@ def handler(kernel: str) -> str:
     return target(f"physagent_{kernel}", {"blend": _blend, "blend_backward": _blend_backward}[kernel])
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def _tiles(buffer):
     return ffi.flat(buffer, np.float32).reshape(ffi.extent(buffer, 0), PIXELS)
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def _features(buffer):
     return ffi.flat(buffer, np.float32).reshape(ffi.extent(buffer, 0), 4, PIXELS)
 
 
-@njit(cache=True)
+@njit(**WITHIN)
 def _packed(buffer):
     return ffi.flat(buffer, np.float32).reshape(ffi.extent(buffer, 0), PACKED)
 
