@@ -31,7 +31,7 @@ Rows = list[dict[str, Any]]
 Tell = Callable[[str], None]
 
 DEFAULT = Material.NEO_HOOKEAN  # our default jelly; that of every peer is fixed corotated
-FINER = 2  # times as many cells along the domain, for the reference of a job
+FINER = 1.5  # times as many cells along the domain, for the reference of a job
 CHUNK = 50  # substeps by which a job is extrapolated, five times
 
 
@@ -159,7 +159,7 @@ def error(sizes: Sizes, tell: Tell) -> Iterator[Rows]:
 
     The reference is ours with `FINER` times the cells and as many particles in each.
     """
-    finest = dict(particles=FINER**3 * sizes.main, cells=FINER * CELLS)
+    finest = dict(particles=round(FINER**3 * sizes.main), cells=round(FINER * CELLS))
     reference = _own_heights(sizes, tell, label=f"ours, {finest['cells']} cells", **finest)
     yield [reference]
     for follow in (_own_heights, _peer_heights):
