@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
+import subprocess
 import sys
 from pathlib import Path
 
@@ -16,9 +17,22 @@ def circumstances() -> dict[str, object]:
         "machine": f"{_processor()}, {os.cpu_count()} cores; {platform_words()}",
         "load_average": [round(load, 2) for load in os.getloadavg()],
         "versions": versions(),
-        "git_revision": git_revision(),
+        "git_revision": _revision(),
         "command": "python -m " + shlex.join([_module(), *sys.argv[1:]]),
     }
+
+
+def _revision() -> str | None:
+    """The checkout's revision; results and documents that a benchmark has rewritten do not make it "-dirty"."""
+    found = git_revision()
+    if found is None or not found.endswith("-dirty"):
+        return found
+    command = ["git", "status", "--porcelain", "--untracked-files=no", "--", ":/"]
+    command += [":(top,exclude)benchmarks/results", ":(top,exclude)docs"]
+    changed = subprocess.run(
+        command, cwd=Path(__file__).parent, capture_output=True, text=True, check=True
+    ).stdout
+    return found if changed.strip() else found.removesuffix("-dirty")
 
 
 def _module() -> str:

@@ -219,7 +219,8 @@ def test_shared_frames_are_neither_simulated_nor_rendered_again(robot, monkeypat
     before, after = (compiled(robot, LEFT, item) for item in LATER["stronger blow"])
     calls = []
     driver = importlib.import_module("physagent_jax.mpm.rollout")  # the package has a function of that name
-    for module, name in ((driver, "advance"), (simulation, "render")):
+    renderer = importlib.import_module("physagent_jax.render.renderer")
+    for module, name in ((driver, "advance"), (renderer, "render")):
         counted(monkeypatch, calls, module, name)
     first = play(before, Stopwatch())
     assert (calls.count("advance"), calls.count("render")) == (FRAMES - 1, FRAMES)

@@ -37,6 +37,7 @@ from physagent_jax.output.files import write_text
 
 Part = Literal["critical", "matrix", "pairwise", "stiffness", "degenerate"]
 _QUICK = {"critical": 2, "matrix": 12, "pairwise": 6, "stiffness": 3, "degenerate": 8}  # rows of a quick look
+PROGRAMS_KEPT = 50  # rows; programs that nobody needs again fill up the mappings that a process may have
 console = Console(stderr=True)
 
 
@@ -52,6 +53,8 @@ class Command:
     """Which parts to run."""
     quick: bool = False
     """A spread of rows of each part only: about a minute."""
+    resume: bool = False
+    """Go on where a run of the same parts was stopped; parts that are complete are left alone."""
 
 
 def main() -> int:
@@ -60,16 +63,17 @@ def main() -> int:
     result = json.loads(command.json.read_text()) if command.json.is_file() else {}
     bad = 0
     for part in command.parts:
-        begun, rows = time.perf_counter(), []
-        result[part] = section = {**circumstances(), "quick": command.quick, "complete": False, "rows": rows}
-        for row in _rows(part, command.quick):
+        section = _section(result.get(part), command)
+        result[part], rows, before = section, section["rows"], section.get("seconds", 0.0)
+        begun = time.perf_counter()
+        for row in _rows(part, command.quick, len(rows)):
             rows.append(row)
-            bad += not row["good"]
             _tell(part, row)
-            section["seconds"] = round(time.perf_counter() - begun, 1)
+            section["seconds"] = round(before + time.perf_counter() - begun, 1)
             section["counts"] = dict(Counter(row["verdict"] for row in rows))
             write_text(command.json, json.dumps(result, indent=1) + "\n")
         section["complete"] = True
+        bad += sum(not row["good"] for row in rows)
     write_text(command.json, json.dumps(result, indent=1) + "\n")
     if command.markdown is not None:
         write_text(command.markdown, document(result, command.json, command.markdown))
@@ -78,17 +82,28 @@ def main() -> int:
     return 0
 
 
-def _rows(part: Part, quick: bool) -> Iterator[dict]:
+def _section(held: dict | None, command: Command) -> dict:
+    """A new section, or the one that is to be gone on with; the circumstances of the later run are kept beside."""
+    new = {**circumstances(), "quick": command.quick, "complete": False, "rows": []}
+    if not command.resume or held is None or held["quick"] != command.quick:
+        return new
+    if not held["complete"]:
+        held["taken_up"] = [*held.get("taken_up", []), circumstances()]
+    return held
+
+
+def _rows(part: Part, quick: bool, skipped: int) -> Iterator[dict]:
+    """The rows of a part, without the first ones."""
     if part == "critical":
-        for subject, form, configuration in _some(_critical(), part, quick):
+        for subject, form, configuration in _some(_critical(), part, quick)[skipped:]:
             with jax.enable_x64(True):
                 found = measure(subject, configuration, form)
             verdict = "pass" if found.good else "FAIL"
             yield dataclasses.asdict(found) | {"verdict": verdict, "good": found.good}
         return
-    for row in _some(_runs(part), part, quick):
+    for index, row in enumerate(_some(_runs(part), part, quick)[skipped:]):
         yield _plain(row())
-        if len(jax.live_arrays()) > 10_000:  # keep the memory of a long run bounded
+        if index % PROGRAMS_KEPT == PROGRAMS_KEPT - 1:
             jax.clear_caches()
 
 
