@@ -49,6 +49,8 @@ def document(result: dict, json_path: Path, target: Path) -> str:
         counts = section["counts"]
         figures = [len(section["rows"]), *(counts.get(verdict, 0) for verdict in ("pass", "refused", "FAIL"))]
         origin = f"`{section['command']}`; {section['machine']}; {section['git_revision']}"
+        later = [run["git_revision"] for run in section.get("taken_up", [])]
+        origin += f"; stopped and taken up at {', '.join(later)}" if later else ""
         part = part if section["complete"] else f"{part} (stopped before its end)"
         origin += f". {section['remark']}" if "remark" in section else ""
         text += f"| {part} | {' | '.join(map(str, figures))} | {section['seconds']} | {origin} |\n"
