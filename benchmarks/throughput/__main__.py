@@ -28,7 +28,7 @@ import tyro
 from rich.console import Console
 
 from benchmarks.machine import circumstances
-from benchmarks.throughput import parts
+from benchmarks.throughput import job, parts
 from benchmarks.throughput.markdown import PARTS, document
 from physagent_jax.output.files import write_text
 
@@ -39,8 +39,8 @@ _MEASURE = {
     "grids": parts.grids,
     "stages": parts.stages,
     "memory": parts.memory,
-    "job": parts.job,
-    "error": parts.error,
+    "job": job.job,
+    "error": job.error,
 }
 console = Console(stderr=True)
 
@@ -71,7 +71,7 @@ def main() -> int:
         for group in _MEASURE[part](sizes, _tell):
             rows += group
             if part == "job":
-                parts.job_ratios(rows)
+                job.ratios(rows)
             section["seconds"] = round(time.perf_counter() - begun, 1)
             write_text(command.json, json.dumps(result, indent=1) + "\n")
         section["complete"] = True

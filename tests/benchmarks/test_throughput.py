@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.peers import Contact, Material
+from benchmarks.throughput import job as whole_job
 from benchmarks.throughput import measure, parts
 from benchmarks.throughput.markdown import PARTS, document
 from benchmarks.throughput.measure import Contender, Effort, compare, interleaved
@@ -106,23 +107,23 @@ def test_the_document_has_the_rows_and_says_what_falls_short(tmp_path):
     ]
     compare(jelly)
     lengthy = dict(seconds=10.0, heights=[0.0, 0.1], least_dt=8e-4)
-    own = parts._row(
+    own = parts.row_of(
         "job", Contender("ours", Material.NEO_HOOKEAN, 2), 200_000, extrapolated=False, **lengthy
     )
-    peer = parts._row("job", Contender("warp_classical", Material.JELLY, 1), 200_000, seconds=600.0)
+    peer = parts.row_of("job", Contender("warp_classical", Material.JELLY, 1), 200_000, seconds=600.0)
     own |= dict(substeps=50, largest_dt=8e-4, setup_seconds=1.0)
     peer |= dict(substeps=10_000, least_dt=DT, largest_dt=DT, setup_seconds=1.0)
     peer |= dict(extrapolated=True, measured_substeps=250)
-    parts.job_ratios([own, peer])
+    whole_job.ratios([own, peer])
     about = dict(command="c", machine="m", git_revision="r", quick=False, complete=True, seconds=1.0)
-    finer = parts._row(
+    finer = parts.row_of(
         "error", Contender("ours", Material.JELLY, 2), 1_600_000, heights=[0.5, 0.1], error=None
     )
     finer |= dict(code="ours, 200 cells", cells=200, substeps=400, least_dt=4e-4, largest_dt=5e-4)
     coarse = finer | dict(code="ours", particles=200_000, cells=100, heights=[0.5, 0.103])
-    coarse |= parts._errors(coarse["heights"], finer["heights"])
+    coarse |= whole_job._errors(coarse["heights"], finer["heights"])
     warp = coarse | dict(code="warp_classical", heights=[0.5, 0.104])
-    warp |= parts._errors(warp["heights"], finer["heights"])
+    warp |= whole_job._errors(warp["heights"], finer["heights"])
     result = {"materials": about | {"rows": jelly}, "job": about | {"rows": [own, peer]}}
     result["error"] = about | {"rows": [finer, coarse, warp]}
     text = document(result, tmp_path / "out.json", tmp_path / "docs" / "throughput.md")
