@@ -67,7 +67,7 @@ class ByPrincipalStretches(Plain):
     """The same with the stress from an SVD, as isotropic laws have it in general.
 
     Attributes:
-        principal: (s, mu, lam) -> principal Kirchhoff stresses [Pa], shape (n, 3) from s of that shape; static.
+        principal: A function for `spectral` that gives the stress; static.
     """
 
     principal: Callable[..., jax.Array] = dataclasses.field(metadata=dict(static=True))
@@ -78,8 +78,8 @@ class ByPrincipalStretches(Plain):
 
 
 def _neo_hookean(s: jax.Array, lame: tuple[jax.Array, jax.Array]) -> Principal:
-    mu, lam = (value[:, None] for value in lame)
-    return Principal(spatial=mu * (s**2 - 1) + lam * jnp.log(s.prod(-1, keepdims=True)))
+    mu, lam = lame
+    return Principal(spatial=mu * (s**2 - 1) + lam * jnp.log(s.prod(0)))
 
 
 Law = Callable[[jax.Array, jax.Array], Material]

@@ -116,16 +116,15 @@ def compose(
     Args:
         basis: From `decompose`.
         F: Shape (n, 3, 3).
-        change: Shape (n, 3).
-        spatial: Shape (n, 3).
+        change: Shape (3, n).
+        spatial: Shape (3, n).
     """
     count, matrices = F.shape[0], _batch(F)
-    nothing = jnp.zeros((0, 3), F.dtype)
+    nothing = jnp.zeros((3, 0), F.dtype)
 
     def padded(diagonal):
-        return (
-            nothing if diagonal is None else jnp.pad(diagonal, ((0, matrices.shape[0] - count), (0, 0)))
-        ).T
+        missing = matrices.shape[0] - count
+        return nothing if diagonal is None else jnp.pad(diagonal, ((0, 0), (0, missing)))
 
     shapes = ((0, 3, 3) if diagonal is None else matrices.shape for diagonal in (change, spatial))
     results = tuple(jax.ShapeDtypeStruct(shape, F.dtype) for shape in shapes)

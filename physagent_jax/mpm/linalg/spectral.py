@@ -32,10 +32,10 @@ class Principal(NamedTuple):
     """What a function of the singular values returns, and `spectral` turns into matrices.
 
     Attributes:
-        two_point: g, shape (n, 3), for U diag(g) V^T (as F); None = not wanted.
-        change: c, shape (n, 3), for F + U diag(c) V^T: where c is zero F stays as it is, to the last bit; None = not
+        two_point: g, shape (3, n), for U diag(g) V^T (as F); None = not wanted.
+        change: c, shape (3, n), for F + U diag(c) V^T: where c is zero F stays as it is, to the last bit; None = not
             wanted. Only one of ``two_point`` and ``change``.
-        spatial: t, shape (n, 3), for U diag(t) U^T (as a stress); None = not wanted.
+        spatial: t, shape (3, n), for U diag(t) U^T (as a stress); None = not wanted.
         scalar: Any pytree of arrays of shape (n,), returned as it is.
     """
 
@@ -49,13 +49,14 @@ class Principal(NamedTuple):
 def spectral(function: Callable[[jax.Array, Any], Principal], F: jax.Array, parameters: Any) -> Principal:
     """Evaluates ``function(s, parameters)`` at the singular values of F, and sets its results in F's frames.
 
-    All results share one SVD. First derivatives with respect to F and the parameters are exact in both
-    modes; second derivatives raise.
+    Singular values come one after the other, each of all particles: XLA makes vector code of that, and what is of
+    shape (n,) applies to all three without ado. All results share one SVD. First derivatives with respect to F and the
+    parameters are exact in both modes; second derivatives raise.
 
     Args:
-        function: Maps s, shape (n, 3), and the parameters to a `Principal`, row by row. Exchanging two
+        function: Maps s, shape (3, n), and the parameters to a `Principal`, particle by particle. Exchanging two
             singular values must exchange the two results. Must not close over traced arrays.
-        F: Shape (n, 3, 3); s carries the sign of det F on its last entry (`svd`).
+        F: Shape (n, 3, 3); the last of s carries the sign of det F (`svd`).
         parameters: Any pytree whose arrays have one entry per particle, or none.
 
     Returns:
@@ -64,12 +65,13 @@ def spectral(function: Callable[[jax.Array, Any], Principal], F: jax.Array, para
     if F.size and kernels.use_cpu():
         return _by_kernels(function, F, parameters)
     U, s, V = svd(F)
-    return _in_frames(function(s, parameters), F, U, V)
+    return _in_frames(_rows(function)(s, parameters), F, U, V)
 
 
 @spectral.defjvp
 def _spectral_jvp(function, primals, tangents):
     (F, parameters), (dF, dparameters) = primals, tangents
+    function = _rows(function)
     U, s, V = svd(F)
     A = matmul(matmul(transpose(U), dF), V)
     ds = jnp.stack([A[..., i, i] for i in range(3)], -1)
@@ -96,7 +98,7 @@ def isotropic(function: Callable[[jax.Array, Any], jax.Array], F: jax.Array, par
     """G(F) = U diag(g(s, parameters)) V^T with exact derivatives; see `spectral`.
 
     Args:
-        function: g, from s of shape (n, 3) and the parameters to shape (n, 3), symmetric in s.
+        function: g, from s of shape (3, n) and the parameters to shape (3, n), symmetric in s.
         F: Shape (n, 3, 3).
         parameters: Any pytree whose arrays have one entry per particle, or none.
     """
@@ -120,6 +122,16 @@ def _singular_values_jvp(primals, tangents):
     return s, (U * matmul(dF, V)).sum(-2)
 
 
+def _rows(function):
+    """``function`` from and to a row for each particle, shape (n, 3)."""
+
+    def by_rows(s, parameters):
+        *diagonals, scalar = function(jnp.moveaxis(s, -1, 0), parameters)
+        return Principal(*(None if d is None else jnp.moveaxis(d, 0, -1) for d in diagonals), scalar)
+
+    return by_rows
+
+
 def _in_frames(values: Principal, F: jax.Array, U: jax.Array, V: jax.Array) -> Principal:
     def between(diagonal, right):
         return None if diagonal is None else matmul(U * diagonal[..., None, :], transpose(right))
@@ -133,7 +145,7 @@ def _by_kernels(function, F: jax.Array, parameters: Any) -> Principal:
     """`spectral` where there are kernels, to which the frames are not matrices."""
     count, kernel = F.shape[0], kernels.compiled()
     s, basis = kernel.decompose(F)
-    two_point, change, spatial, scalar = function(s[:, :count].T, parameters)
+    two_point, change, spatial, scalar = function(s[:, :count], parameters)
     start, added = (F, change) if two_point is None else (jnp.zeros_like(F), two_point)
     changed, stress = kernel.compose(basis, start, added, spatial)
     return Principal(

@@ -58,7 +58,7 @@ class DruckerPrager(HenckyPlasticity):
         alpha = math.sqrt(2 / 3) * 2 * sine / (3 - sine)
         k = math.sqrt(2 / 3) * 6 * self.cohesion * jnp.cos(self.friction_angle) / (3 - sine)
         deviation, norm = deviator(eps)
-        trace = eps.sum(-1)
+        trace = eps.sum(0)
 
         beyond_apex = (k < alpha * bulk * trace) | ((k <= 0) & (trace > 0))
         has_apex = alpha > 0
@@ -68,6 +68,6 @@ class DruckerPrager(HenckyPlasticity):
         opening = jnp.where(beyond_apex, trace - apex, -closing)
 
         strength = jnp.where(beyond_apex, 0, k - alpha * bulk * (trace - opening))
-        change = -deviation * relative_excess(2 * mu * norm, strength)[..., None]
+        change = -deviation * relative_excess(2 * mu * norm, strength)
         gap = history + opening
-        return change - (opening / 3)[..., None], jnp.where(gap < math.log(TORN), gap, math.log(TORN))
+        return change - opening / 3, jnp.where(gap < math.log(TORN), gap, math.log(TORN))

@@ -45,14 +45,14 @@ class FixedCorotated(Hyperelastic):
 
 
 def principal_stress(s: jax.Array, mu: jax.Array, lam: jax.Array) -> jax.Array:
-    """Principal Kirchhoff stresses [Pa] at the singular values s, shape (n, 3)."""
-    J = s.prod(-1)
-    return 2 * mu[..., None] * (s - 1) * s + (lam * J * (J - 1))[..., None]
+    """Principal Kirchhoff stresses [Pa] at the singular values s, shape (3, n)."""
+    J = s.prod(0)
+    return 2 * mu * (s - 1) * s + lam * J * (J - 1)
 
 
 def _energy(s: jax.Array, parameters: tuple[jax.Array, jax.Array]) -> Principal:
     mu, lam = parameters
-    return Principal(scalar=mu * ((s - 1) ** 2).sum(-1) + 0.5 * lam * (s.prod(-1) - 1) ** 2)
+    return Principal(scalar=mu * ((s - 1) ** 2).sum(0) + 0.5 * lam * (s.prod(0) - 1) ** 2)
 
 
 def _stress(s: jax.Array, parameters: tuple[jax.Array, jax.Array]) -> Principal:

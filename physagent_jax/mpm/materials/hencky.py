@@ -58,16 +58,16 @@ class HenckyPlasticity(HenckyElasticity):
         """What plastic flow takes off the logarithmic strains of a trial F, negative, and the history after it.
 
         Args:
-            eps: Trial strains, shape (n, 3). The result must be symmetric in them.
+            eps: Trial strains, shape (3, n). The result must be symmetric in them.
             history: Before the step.
             dt: [s].
         """
         raise NotImplementedError
 
     def principal_stress(self, eps: jax.Array, history: Any) -> jax.Array:
-        """Principal Kirchhoff stresses [Pa], shape (n, 3)."""
+        """Principal Kirchhoff stresses [Pa], shape (3, n)."""
         del history
-        return 2 * self.mu[..., None] * eps + (self.lam * eps.sum(-1))[..., None]
+        return 2 * self.mu * eps + self.lam * eps.sum(0)
 
     def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
         """Return mapping by `flow`. Not finite where det F <= 0."""
@@ -97,9 +97,9 @@ def _flow_and_stress(s: jax.Array, parameters: tuple[HenckyPlasticity, History, 
 
 
 def deviator(eps: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Deviator eps - tr(eps)/3 and its norm, shapes (n, 3) and (n,); the norm's derivative at zero is zero."""
-    deviation = eps - eps.sum(-1, keepdims=True) / 3
-    square = (deviation**2).sum(-1)
+    """Deviator eps - tr(eps)/3 and its norm, shapes (3, n) and (n,); the norm's derivative at zero is zero."""
+    deviation = eps - eps.sum(0) / 3
+    square = (deviation**2).sum(0)
     positive = square > 0
     return deviation, jnp.where(positive, jnp.sqrt(jnp.where(positive, square, 1)), 0)
 
@@ -114,10 +114,10 @@ def relative_excess(norm: jax.Array, bound: jax.Array) -> jax.Array:
 def _energy(s: jax.Array, parameters: tuple[jax.Array, jax.Array]) -> Principal:
     mu, lam = parameters
     eps = jnp.log(s)
-    return Principal(scalar=mu * (eps**2).sum(-1) + 0.5 * lam * eps.sum(-1) ** 2)
+    return Principal(scalar=mu * (eps**2).sum(0) + 0.5 * lam * eps.sum(0) ** 2)
 
 
 def _stress(s: jax.Array, parameters: tuple[jax.Array, jax.Array]) -> Principal:
     mu, lam = parameters
     eps = jnp.log(s)
-    return Principal(spatial=2 * mu[..., None] * eps + (lam * eps.sum(-1))[..., None])
+    return Principal(spatial=2 * mu * eps + lam * eps.sum(0))

@@ -60,17 +60,17 @@ class Plasticine(HenckyPlasticity):
         fraction = jnp.where(stable, excess * 3 * self.mu / jnp.where(stable, slope, 1), jnp.sign(excess))
         fraction = jnp.where(fraction < 1, fraction, 1)
         after = history + fraction * q / (3 * self.mu)
-        trace = eps.sum(-1)
+        trace = eps.sum(0)
         torn = (_remaining_yield_stress(self, after) <= 0) & (trace > math.log(TORN))
         forgotten = jnp.where(torn, trace - math.log(TORN), 0) / 3
-        return -deviation * fraction[..., None] - forgotten[..., None], after
+        return -deviation * fraction - forgotten, after
 
     def principal_stress(self, eps: jax.Array, history: Any) -> jax.Array:
-        """Principal Kirchhoff stresses [Pa], shape (n, 3)."""
+        """Principal Kirchhoff stresses [Pa], shape (3, n)."""
         bulk = self.lam + 2 / 3 * self.mu
         deviation, _ = deviator(eps)
         pressure = bulk * _tension_free(eps, self, history)
-        return 2 * self.mu[..., None] * deviation + pressure[..., None]
+        return 2 * self.mu * deviation + pressure
 
 
 def softening_from_deviator_norm(softening: ArrayLike) -> jax.Array:
@@ -88,7 +88,7 @@ def _remaining_yield_stress(material: Plasticine, alpha: jax.Array) -> jax.Array
 
 def _tension_free(eps: jax.Array, material: Plasticine, alpha: jax.Array) -> jax.Array:
     """tr(eps), without its tensile part where the yield stress is used up."""
-    trace = eps.sum(-1)
+    trace = eps.sum(0)
     return jnp.where((_remaining_yield_stress(material, alpha) > 0) | (trace < 0), trace, 0)
 
 
@@ -98,7 +98,7 @@ def _energy(s: jax.Array, parameters: tuple[Plasticine, jax.Array]) -> Principal
     bulk = material.lam + 2 / 3 * material.mu
     deviation, _ = deviator(eps)
     volumetric = 0.5 * bulk * _tension_free(eps, material, alpha) ** 2
-    return Principal(scalar=volumetric + material.mu * (deviation**2).sum(-1))
+    return Principal(scalar=volumetric + material.mu * (deviation**2).sum(0))
 
 
 def _stress(s: jax.Array, parameters: tuple[Plasticine, jax.Array]) -> Principal:

@@ -82,10 +82,10 @@ class Snow(Hyperelastic):
 
 def _clamp(s: jax.Array, parameters: tuple[Snow, jax.Array]) -> Principal:
     material, plastic_ratio = parameters
-    low, high = (1 - material.critical_compression)[..., None], (1 + material.critical_stretch)[..., None]
+    low, high = 1 - material.critical_compression, 1 + material.critical_stretch
     # An inversion is not clamped into something plausible: it stays visible as a negative determinant.
     clamped = jnp.where(s > high, high, jnp.where((s < low) & (s > 0), low, s))
-    return Principal(change=clamped - s, scalar=plastic_ratio * (s / clamped).prod(-1))
+    return Principal(change=clamped - s, scalar=plastic_ratio * (s / clamped).prod(0))
 
 
 def _clamp_and_stress(s: jax.Array, parameters: tuple[Snow, jax.Array]) -> Principal:

@@ -46,4 +46,4 @@ class Viscoplastic(HenckyPlasticity):
         relaxed = jnp.where(viscous, -jnp.expm1(-rate / jnp.where(viscous, viscosity, 1)), 1)
         deviation, norm = deviator(eps)
         excess = relative_excess(2 * self.mu * norm, math.sqrt(2 / 3) * self.yield_stress)
-        return -deviation * (excess * relaxed)[..., None], history
+        return -deviation * (excess * relaxed), history

@@ -52,7 +52,7 @@ class VonMises(HenckyPlasticity):
         q = math.sqrt(1.5) * 2 * self.mu * norm
         excess = relative_excess(q, self.yield_stress + self.hardening * history)
         stiffness = 3 * self.mu + self.hardening
-        return -deviation * (excess * 3 * self.mu / stiffness)[..., None], history + q * excess / stiffness
+        return -deviation * (excess * 3 * self.mu / stiffness), history + q * excess / stiffness
 
 
 def yield_stress_from_deviator_norm(bound: ArrayLike) -> jax.Array:
