@@ -7,8 +7,18 @@ from pathlib import Path
 import jax
 import pytest
 
+MAPPINGS = 30_000  # Linux grants a process 65,530; a program that XLA has compiled takes several
 REPOSITORY = Path(__file__).resolve().parents[1]
 ROBOT = REPOSITORY / "examples" / "assets" / "robot.ply"
+
+
+@pytest.fixture(autouse=True, scope="module")
+def programs_let_go():
+    """What earlier modules have compiled is let go before one process runs out of memory mappings."""
+    yield
+    maps = Path("/proc/self/maps")
+    if maps.is_file() and maps.read_bytes().count(b"\n") > MAPPINGS:
+        jax.clear_caches()
 
 
 @pytest.fixture
