@@ -125,9 +125,12 @@ def _singular_values_jvp(primals, tangents):
 def _rows(function):
     """``function`` from and to a row for each particle, shape (n, 3)."""
 
+    def row(diagonal):
+        return None if diagonal is None else jnp.moveaxis(diagonal, 0, -1)
+
     def by_rows(s, parameters):
-        *diagonals, scalar = function(jnp.moveaxis(s, -1, 0), parameters)
-        return Principal(*(None if d is None else jnp.moveaxis(d, 0, -1) for d in diagonals), scalar)
+        found = function(jnp.moveaxis(s, -1, 0), parameters)
+        return Principal(row(found.two_point), row(found.change), row(found.spatial), found.scalar)
 
     return by_rows
 
