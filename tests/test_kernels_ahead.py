@@ -58,3 +58,14 @@ def test_every_target_ahead_is_one_that_a_handler_makes(tmp_path):
         for _ in range(2)
     ]
     assert [run.stdout.split() for run in runs] == [["False", "True"], ["True", "True"]]
+
+
+def test_nothing_here_needs_numba():
+    """Where it is missing the reference path serves: the commands must still be importable, and begin nothing."""
+    script = (
+        "import sys; sys.modules['numba'] = None\n"
+        "from physagent_jax.kernels import ahead\n"
+        "import physagent_jax.cli.playing, physagent_jax.synthesis\n"
+        "ahead.begin(); assert not ahead._running"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True, capture_output=True)

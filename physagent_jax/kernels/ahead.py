@@ -10,7 +10,7 @@ import subprocess
 import sys
 from collections.abc import Iterable
 
-from physagent_jax.kernels import load, store, use_cpu
+from physagent_jax.kernels import load, use_cpu
 
 _TRANSFERS, _BLENDING = "physagent_jax.mpm.kernels.handlers", "physagent_jax.render.kernels.handlers"
 PLAYING = {
@@ -27,6 +27,8 @@ def begin() -> None:
     """Starts compiling what `PLAYING` names and the disk does not have; does nothing where kernels are not used."""
     if not use_cpu():
         return
+    from physagent_jax.kernels import store  # needs Numba, without which there is nothing to do
+
     for name, (module, *arguments) in PLAYING.items():
         if name not in _running and not store.has(name):
             script = f"from physagent_jax.kernels import ahead; ahead.compile_one({module!r}, {arguments!r})"
