@@ -23,6 +23,7 @@ import math
 import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.arrays import on_device
 from physagent_jax.errors import UserError
 from physagent_jax.forces.regions import region_mask
 from physagent_jax.forces.schema import (
@@ -149,7 +150,7 @@ class _Bound:
 
     def leaf(self, value) -> jnp.ndarray:
         """``value`` as an array of the particles' dtype."""
-        return jnp.asarray(value, self._dtype)
+        return on_device(value, self._dtype)
 
     def vector(self, k: float) -> jnp.ndarray:
         """K M v, shape (3,)."""
@@ -182,6 +183,6 @@ class _Bound:
 
     def held(self, k: float) -> PrescribedMotion:
         """The particles move with k M v during the window."""
-        particles = jnp.asarray(np.flatnonzero(self._mask), jnp.int32)
+        particles = on_device(np.flatnonzero(self._mask), np.int32)
         zero = self.leaf(np.zeros(3))
         return PrescribedMotion(particles, self.vector(k), zero, zero, *self.window)

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.spatial import KDTree
 
+from physagent_jax.arrays import on_device
 from physagent_jax.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud, Splats
 from physagent_jax.gaussians.covariance import quats_scales_to_covariances, transform_covariances
@@ -73,7 +74,9 @@ def bind(
     weights /= weights.sum(axis=1, keepdims=True)
     offsets = np.where(coincident[:, None, None], 0.0, means[:, None, :] - particles[indices])
     return Binding(
-        jnp.asarray(indices, jnp.int32), jnp.asarray(weights, jnp.float32), jnp.asarray(offsets, jnp.float32)
+        on_device(indices, np.int32),
+        on_device(weights, np.float32),
+        on_device(offsets, np.float32),
     )
 
 

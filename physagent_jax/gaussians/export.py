@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import jax.numpy as jnp
+import numpy as np
 
+from physagent_jax.arrays import on_device
 from physagent_jax.gaussians.cloud import GaussianCloud, Splats
 from physagent_jax.gaussians.covariance import decompose_covariances
 from physagent_jax.gaussians.sh import rotate_sh
@@ -21,8 +22,8 @@ def splats_to_cloud(splats: Splats) -> GaussianCloud:
     quats, scales = decompose_covariances(splats.covariances)
     return GaussianCloud(
         means=splats.means,
-        quats=jnp.asarray(quats, jnp.float32),
-        scales=jnp.asarray(scales, jnp.float32),
+        quats=on_device(quats, np.float32),
+        scales=on_device(scales, np.float32),
         opacities=splats.opacities,
         sh=rotate_sh(splats.sh, splats.rotations),
     )

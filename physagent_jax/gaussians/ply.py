@@ -13,10 +13,10 @@ import warnings
 from collections.abc import Iterable
 from pathlib import Path
 
-import jax.numpy as jnp
 import numpy as np
 from plyfile import PlyData, PlyElement, PlyListProperty, PlyParseError
 
+from physagent_jax.arrays import on_device
 from physagent_jax.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud
 
@@ -93,7 +93,7 @@ def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) ->
             do="Lower the threshold",
         )
     kept = (means[keep], _unit_quats(path, quats[keep]), scales[keep], opacities[keep], sh[keep])
-    return GaussianCloud(*(jnp.asarray(values, jnp.float32) for values in kept))
+    return GaussianCloud(*(on_device(values, np.float32) for values in kept))
 
 
 def write_ply(path: str | os.PathLike[str], cloud: GaussianCloud) -> None:

@@ -15,7 +15,8 @@ import operator
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic, models, overload, register_model
+from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
+from numba.np.arrayobj import populate_array
 
 ROW = 16  # lanes of a row of nodes
 PARTICLES = 8  # lanes of a batch of particles
@@ -362,6 +363,20 @@ def counted(typing, number):
     return lanes(number), generate
 
 
+@intrinsic
+def flat(typing, array):
+    """A C-ordered array's numbers in one dimension; NumPy's ``reshape`` is slow to compile."""
+    row = types.Array(array.dtype, 1, "C")
+
+    def generate(context, builder, signature, arguments):
+        whole = context.make_array(array)(context, builder, arguments[0])
+        made = context.make_array(row)(context, builder)
+        populate_array(made, whole.data, [whole.nitems], [whole.itemsize], whole.itemsize, meminfo=None)
+        return made._getvalue()
+
+    return row(array), generate
+
+
 def _call(builder, name: str, lanes: Lanes, arguments):
     vector = arguments[0].type
     full_name = f"{name}.v{lanes.count}f{lanes.dtype.bitwidth}"
@@ -379,18 +394,13 @@ def _splat(builder, number, count: int):
 def _arithmetic(symbol, instruction: str) -> None:
     """Gives lanes an operator."""
 
-    @intrinsic
-    def combine(typing, a, b):
-        def generate(context, builder, signature, arguments):
-            return getattr(builder, instruction)(*arguments, flags=_CONTRACT)
+    @type_callable(symbol)
+    def typed(context):
+        return lambda a, b: a if isinstance(a, Lanes) and a == b else None
 
-        return a(a, b), generate
-
-    @overload(symbol)
-    def implement(a, b):
-        if isinstance(a, Lanes) and a == b:
-            return lambda a, b: combine(a, b)
-        return None
+    @lower_builtin(symbol, Lanes, Lanes)
+    def generate(context, builder, signature, arguments):
+        return getattr(builder, instruction)(*arguments, flags=_CONTRACT)
 
 
 _arithmetic(operator.add, "fadd")

@@ -1,15 +1,18 @@
 """What the kernels share: constants of the right precision, splines, and the division of work."""
 
+# pyright: reportCallIssue=false
+
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
 from numba import njit, types
-from numba.extending import overload
+from numba.extending import intrinsic
 
 WITHIN: dict[str, Any] = {"cache": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """For what compiled code alone calls: doors for Python are a tenth of the work of compiling."""
+BODY: dict[str, Any] = {**WITHIN, "inline": "always"}  # of a handler
 
 OPTIONS = {
     **WITHIN,
@@ -21,40 +24,33 @@ OPTIONS = {
 INLINE = {**OPTIONS, "forceinline": True}  # for what is called per particle: arrays are costly to pass
 
 
-def like(constant, number):
+@intrinsic
+def like(typing, constant, number):
     """``constant`` in the precision of ``number``: Numba would compute float32 with float64 constants in float64."""
-    raise NotImplementedError("only in compiled code")
+
+    def generate(context, builder, signature, arguments):
+        return context.cast(builder, arguments[0], signature.args[0], number)
+
+    return number(types.unliteral(constant), number), generate
 
 
-@overload(like, inline="always")
-def _like(constant, number):
-    if number == types.float32:
-        return lambda constant, number: np.float32(constant)
-    return lambda constant, number: np.float64(constant)
-
-
-def smallest(number):
+@intrinsic
+def smallest(typing, number):
     """About the smallest normal number of the precision of ``number``."""
-    raise NotImplementedError("only in compiled code")
+    return _constant(number, {32: 1.2e-38, 64: 2.3e-308})
 
 
-@overload(smallest, inline="always")
-def _smallest(number):
-    if number == types.float32:
-        return lambda number: np.float32(1.2e-38)
-    return lambda number: np.float64(2.3e-308)
-
-
-def roundoff(number):
+@intrinsic
+def roundoff(typing, number):
     """Half the distance from 1 to the next number of the precision of ``number``."""
-    raise NotImplementedError("only in compiled code")
+    return _constant(number, {32: 2.0**-24, 64: 2.0**-53})
 
 
-@overload(roundoff, inline="always")
-def _roundoff(number):
-    if number == types.float32:
-        return lambda number: np.float32(2.0**-24)
-    return lambda number: np.float64(2.0**-53)
+def _constant(number, by_width: dict[int, float]):
+    def generate(context, builder, signature, arguments):
+        return context.get_constant(number, by_width[number.bitwidth])
+
+    return number(number), generate
 
 
 @njit(**INLINE)
@@ -153,6 +149,13 @@ def determinant(a, b, c):
         - a[1] * (b[0] * c[2] - b[2] * c[0])
         + a[2] * (b[0] * c[1] - b[1] * c[0])
     )
+
+
+@njit(**INLINE)
+def clear(array, first, last):
+    """Zeros from ``first`` to before ``last``; assigning to a slice would take Numba longer to compile."""
+    for i in range(first, last):
+        array[i] = 0
 
 
 @njit(**INLINE)

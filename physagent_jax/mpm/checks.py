@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from physagent_jax.errors import UserError
-from physagent_jax.mpm.linalg import determinant
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.timestep import stable_dt
 
@@ -66,7 +65,7 @@ def _check_particles(model: Model, state: State) -> None:
     faults = {
         "have a value that is not finite": ~np.logical_and.reduce(finite),
         "have no mass or no volume": ~((np.asarray(model.mass) > 0) & (np.asarray(model.volume) > 0)),
-        "are turned inside out (det F <= 0)": ~(np.asarray(determinant(state.F)) > 0),
+        "are turned inside out (det F <= 0)": ~(np.linalg.det(np.asarray(state.F, float)) > 0),
         f"lie outside the domain, {low:.3g} to {high:.3g} m along each axis": ~((low <= x) & (x <= high)).all(
             1
         ),

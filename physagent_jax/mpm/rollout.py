@@ -17,6 +17,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.arrays import on_device
 from physagent_jax.errors import UserError
 from physagent_jax.mpm import reductions
 from physagent_jax.mpm.checks import check_start
@@ -187,9 +188,9 @@ def simulate(
         retries, margin = [], 1.0
         while True:
             grid = _follow(model, state, frame_dt, margin)
-            model = model.replace(grid=grid, dt=jnp.asarray(frame_dt / substeps, state.x.dtype))
+            model = model.replace(grid=grid, dt=on_device(frame_dt / substeps, state.x.dtype))
             present = acting(model, time_now, time_now + frame_dt)
-            after, health, total = advance(present, state, jnp.asarray(substeps, jnp.int32), ledger)
+            after, health, total = advance(present, state, on_device(substeps, np.int32), ledger)
             breach = _breach(model, after, health, fixed)
             if breach is None:
                 break
@@ -233,7 +234,7 @@ def _substeps(
     if fixed and substep_dt is not None:
         return substeps_for(frame_dt, substep_dt)
     elastic = substep_dt or safety * float(stable_dt(model, state))
-    horizon = jnp.asarray(frame_dt, state.x.dtype)
+    horizon = on_device(frame_dt, state.x.dtype)
     # With the frame as the step, forces give their mean over it: blows within the frame are foreseen.
     kinematic = float(kinematic_dt(model.replace(dt=horizon), state, horizon))
     dt = elastic if math.isnan(kinematic) else min(elastic, kinematic)
@@ -265,7 +266,7 @@ def _hopeless(index: int, retries: list[str], fixed: bool) -> UserError:
 def _follow(model: Model, state: State, frame_dt: float, margin: float):
     """The grid window for the coming frame."""
     x = np.asarray(state.x)
-    speed = float(jnp.linalg.norm(state.v, axis=-1).max())
+    speed = float(np.linalg.norm(np.asarray(state.v), axis=-1).max())
     reach = margin * (speed * frame_dt + 2 * model.grid.dx)
     return fit_window(model.grid, x.min(0), x.max(0), reach)
 

@@ -137,13 +137,20 @@ class State:
 
         ``materials`` are the model's; they may be left out if none of them remembers anything.
         """
-        count, dtype = x.shape[0], x.dtype
         return State(
             x=x,
-            v=jnp.zeros_like(x) if v is None else v,
-            C=jnp.zeros((count, 3, 3), dtype),
-            F=jnp.broadcast_to(jnp.eye(3, dtype=dtype), (count, 3, 3)),
+            **_at_rest(x) | ({} if v is None else {"v": v}),
             history=tuple(material.initial_history() for material in materials),
-            time=jnp.zeros((), dtype),
-            stopped=jnp.zeros((), jnp.int32),
         )
+
+
+@jax.jit
+def _at_rest(x: jax.Array) -> dict[str, jax.Array]:
+    count, dtype = x.shape[0], x.dtype
+    return dict(
+        v=jnp.zeros_like(x),
+        C=jnp.zeros((count, 3, 3), dtype),
+        F=jnp.broadcast_to(jnp.eye(3, dtype=dtype), (count, 3, 3)),
+        time=jnp.zeros((), dtype),
+        stopped=jnp.zeros((), jnp.int32),
+    )

@@ -21,6 +21,7 @@ Schroeder 2022); `simulate` therefore also checks every frame.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import jax
@@ -37,9 +38,13 @@ CLASSICAL_SHARE = 0.5**0.5  # bound of the classical stress form over that of ML
 GRADIENT_LIMIT = 0.3  # of |grad v| dt: det(I + dt grad v) > 0 needs < 1
 
 
-@jax.jit
 def stable_dt(model: Model, state: State) -> jax.Array:
     """The closed-form bound dt_c [s] at the current deformation, least over the particles; inf if nothing is stiff."""
+    return _stable_dt(_of_any_window(model), state)
+
+
+@jax.jit
+def _stable_dt(model: Model, state: State) -> jax.Array:
     stiffness = per_material(model, state, lambda material, F, history: material.stiffness(F, history))
     inertia = model.mass / model.volume * model.grid.dx**2  # [Pa s^2]
     damping = 0.0 if model.viscosity is None else 16 * model.viscosity / inertia
@@ -49,9 +54,13 @@ def stable_dt(model: Model, state: State) -> jax.Array:
     return least(bound.min(), model.axis) * (1.0 if model.stress_form == "mls" else CLASSICAL_SHARE)
 
 
-@jax.jit
 def kinematic_dt(model: Model, state: State, horizon: jax.Array) -> jax.Array:
     """The advection and velocity-gradient limits [s], with the speed that forces can add within ``horizon`` [s]."""
+    return _kinematic_dt(_of_any_window(model), state, horizon)
+
+
+@jax.jit
+def _kinematic_dt(model: Model, state: State, horizon: jax.Array) -> jax.Array:
     acceleration = jnp.broadcast_to(body_acceleration(model, state), state.v.shape)
     speed = jnp.linalg.norm(state.v, axis=-1) + horizon * jnp.linalg.norm(acceleration, axis=-1)
     gradient = jnp.sqrt((state.C**2).sum((-1, -2)))
@@ -60,6 +69,11 @@ def kinematic_dt(model: Model, state: State, horizon: jax.Array) -> jax.Array:
         ADVECTION_LIMIT * model.grid.dx / jnp.maximum(greatest(speed.max(), model.axis), tiny),
         GRADIENT_LIMIT / jnp.maximum(greatest(gradient.max(), model.axis), tiny),
     )
+
+
+def _of_any_window(model: Model) -> Model:
+    """The model without its window's shape, on which no bound depends: a larger one need not be compiled for."""
+    return model.replace(grid=dataclasses.replace(model.grid, shape=(0, 0, 0)))
 
 
 def substeps_for(frame_dt: float, dt: float) -> int:

@@ -8,9 +8,9 @@ from __future__ import annotations
 import dataclasses
 import math
 
-import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.arrays import on_device
 from physagent_jax.mpm.state import Grid
 
 # A new shape means a new compilation: sides are multiples of a granule, and grow by a good share at once.
@@ -44,7 +44,7 @@ def fit_window(grid: Grid, low: np.ndarray, high: np.ndarray, reach: float) -> G
     shape = (nx, ny, nz)
     slack = np.asarray(shape) - needed
     origin = np.clip(first - slack // 2, 0, nodes - np.asarray(shape))
-    return dataclasses.replace(grid, origin=jnp.asarray(origin, jnp.int32), shape=shape)
+    return dataclasses.replace(grid, origin=on_device(origin, np.int32), shape=shape)
 
 
 def _side(need: int, have: int, most: int) -> int:
@@ -56,4 +56,4 @@ def _side(need: int, have: int, most: int) -> int:
 
 def smallest_window(size: float, cells: int) -> Grid:
     """A minimal window of a domain of side ``size`` [m]; `fit_window` grows it to the object."""
-    return Grid(jnp.zeros(3, jnp.int32), (_GRANULE, _GRANULE, _GRANULE), size / cells, cells)
+    return Grid(on_device(np.zeros(3, np.int32)), (_GRANULE, _GRANULE, _GRANULE), size / cells, cells)

@@ -17,7 +17,7 @@ from physagent_jax.kernels import Kernels, threads, use_cpu
 from physagent_jax.pytree import register_dataclass
 from physagent_jax.render.camera import Camera
 from physagent_jax.render.layout import Layout
-from physagent_jax.render.project import project
+from physagent_jax.render.project import Projected, project
 from physagent_jax.render.rasterize import blend
 from physagent_jax.render.tiles import build_tile_lists, count_pairs, tile_grid, tile_rectangles
 
@@ -102,7 +102,7 @@ def pair_capacity(splats: Splats, camera: Camera) -> int:
     Raises:
         UserError: The Gaussians overlap so many tiles that the image does not fit into memory.
     """
-    return _roomy(int(_count(splats, camera)))
+    return _roomy(int(_count(_project(splats, camera), camera.width, camera.height)))
 
 
 def rasterize(
@@ -136,21 +136,27 @@ def rasterize(
     if lanes is None:
         tiles = int(np.prod(tile_grid(camera.width, camera.height, tile_size)))
         lanes = 1 if jax.default_backend() == "cpu" else tiles
-    # One precision throughout: cameras come as float64 from numpy.
-    dtype = splats.means.dtype
-    camera = jax.tree.map(lambda array: jnp.asarray(array, dtype), camera)
-    background = jnp.asarray(background, dtype)
     layout = Layout(camera.width, camera.height, tile_size, lanes)
-    return _rasterize(splats, camera, background, capacity, layout, use_cpu(kernels))
+    projected = _project(splats, camera)
+    background = _in_precision(background, splats.means.dtype)
+    return _rasterize(projected, background, capacity, layout, use_cpu(kernels))
 
 
-@functools.partial(jax.jit, static_argnums=(3, 4, 5))
+def _project(splats: Splats, camera: Camera) -> Projected:
+    """`project` as the program that `pair_capacity` and `rasterize` share."""
+    return project(splats, jax.tree.map(lambda array: _in_precision(array, splats.means.dtype), camera))
+
+
+def _in_precision(array, dtype) -> np.ndarray | jax.Array:
+    """``array`` in the one precision of a picture: cameras come as float64 from NumPy."""
+    return array.astype(dtype) if isinstance(array, jax.Array) else np.asarray(array, dtype)
+
+
+@functools.partial(jax.jit, static_argnums=(2, 3, 4))
 def _rasterize(
-    splats: Splats, camera: Camera, background: jax.Array, capacity: int, layout: Layout, native: bool
+    projected: Projected, background: np.ndarray | jax.Array, capacity: int, layout: Layout, native: bool
 ):
-    width, height = camera.width, camera.height
-    with jax.named_scope("project"):
-        projected = project(splats, camera)
+    width, height = layout.width, layout.height
     with jax.named_scope("tile_lists"):
         lists = build_tile_lists(projected, width, height, capacity=capacity, tile_size=layout.tile_size)
     with jax.named_scope("blend"):
@@ -162,9 +168,9 @@ def _rasterize(
     return Rendering(rgb * valid, depth * valid, alpha * valid), lists.total
 
 
-@jax.jit
-def _count(splats: Splats, camera: Camera) -> jax.Array:
-    return count_pairs(tile_rectangles(project(splats, camera), camera.width, camera.height, TILE_SIZE))
+@functools.partial(jax.jit, static_argnums=(1, 2))
+def _count(projected: Projected, width: int, height: int) -> jax.Array:
+    return count_pairs(tile_rectangles(projected, width, height, TILE_SIZE))
 
 
 def _key(splats: Splats, camera: Camera) -> tuple[int, int, int]:

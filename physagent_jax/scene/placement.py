@@ -5,10 +5,10 @@ from __future__ import annotations
 import dataclasses
 import warnings
 
-import jax.numpy as jnp
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from physagent_jax.arrays import on_device
 from physagent_jax.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.config import Domain, SignedAxis, Source
@@ -140,9 +140,7 @@ def _crop(cloud: GaussianCloud, turn: np.ndarray, crop) -> GaussianCloud:
 
 
 def _select(cloud: GaussianCloud, keep: np.ndarray) -> GaussianCloud:
-    fields = {
-        f.name: jnp.asarray(np.asarray(getattr(cloud, f.name))[keep]) for f in dataclasses.fields(cloud)
-    }
+    fields = {f.name: on_device(np.asarray(getattr(cloud, f.name))[keep]) for f in dataclasses.fields(cloud)}
     return GaussianCloud(**fields)
 
 
@@ -154,9 +152,9 @@ def _moved(cloud: GaussianCloud, means: np.ndarray, rotation: np.ndarray, scale:
     scales = np.asarray(cloud.scales, np.float64) * scale
     return dataclasses.replace(
         cloud,
-        means=jnp.asarray(means, jnp.float32),
-        quats=jnp.asarray(turned, jnp.float32),
-        scales=jnp.asarray(scales, jnp.float32),
+        means=on_device(means, np.float32),
+        quats=on_device(turned, np.float32),
+        scales=on_device(scales, np.float32),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.ndimage import map_coordinates
 from scipy.spatial import KDTree
 
+from physagent_jax.arrays import on_device
 from physagent_jax.gaussians.cloud import GaussianCloud
 
 SH_DC = 0.28209479177387814  # Y_00; colour = SH_DC * sh[0] + 0.5
@@ -31,11 +32,11 @@ def surfels(points, normals, radius, rgb, *, opacity: float = 0.98) -> GaussianC
     scales = np.stack([radius, radius, FLATNESS * radius], axis=1)
     sh = (np.clip(rgb, 0, 1) - 0.5) / SH_DC
     return GaussianCloud(
-        means=jnp.asarray(points, jnp.float32),
-        quats=jnp.asarray(_quats_to(np.asarray(normals, np.float64)), jnp.float32),
-        scales=jnp.asarray(scales, jnp.float32),
+        means=on_device(points, np.float32),
+        quats=on_device(_quats_to(np.asarray(normals, np.float64)), np.float32),
+        scales=on_device(scales, np.float32),
         opacities=jnp.full((count,), opacity, jnp.float32),
-        sh=jnp.asarray(sh[:, None, :], jnp.float32),
+        sh=on_device(sh[:, None, :], np.float32),
     )
 
 

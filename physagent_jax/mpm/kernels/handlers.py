@@ -3,14 +3,15 @@
 A handler is compiled when it is first asked for, once per precision and machine: Numba keeps the result on disk.
 """
 
+# pyright: reportCallIssue=false
+
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 
 from physagent_jax.kernels import ffi
-from physagent_jax.kernels.lanes import PARTICLES
-from physagent_jax.kernels.numbers import WITHIN
+from physagent_jax.kernels.numbers import BODY
 from physagent_jax.kernels.target import target
 from physagent_jax.mpm.kernels.svd import compose, decompose
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
@@ -21,90 +22,73 @@ def handler(kernel: str, precision: str) -> str:
     return target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
 
 
-@njit(**WITHIN)
-def _vectors(buffer, number):
-    return ffi.flat(buffer, number).reshape(ffi.extent(buffer, 0), 3)
-
-
-@njit(**WITHIN)
-def _matrices(buffer, number):
-    return ffi.flat(buffer, number).reshape(ffi.extent(buffer, 0), 3, 3)
-
-
-@njit(**WITHIN)
-def _table(buffer, number):
-    return ffi.flat(buffer, number).reshape(ffi.extent(buffer, 0), ffi.extent(buffer, 1))
-
-
-@njit(**WITHIN)
-def _grid(buffer, number):
-    nx, ny, nz = ffi.extent(buffer, 0), ffi.extent(buffer, 1), ffi.extent(buffer, 2)
-    return ffi.flat(buffer, number).reshape(nx, ny, nz, ffi.extent(buffer, 3))
-
-
-@njit(**WITHIN)
+@njit(**BODY)
 def _p2g(frame, number):
-    scalars = ffi.flat(ffi.operand(frame, 10), number)
+    scalars = ffi.operand(frame, 10, number, 1)
     p2g(
-        _vectors(ffi.operand(frame, 0), number),
-        _vectors(ffi.operand(frame, 1), number),
-        _matrices(ffi.operand(frame, 2), number),
-        _matrices(ffi.operand(frame, 3), number),
-        ffi.flat(ffi.operand(frame, 4), number),
-        ffi.flat(ffi.operand(frame, 5), number),
-        ffi.flat(ffi.operand(frame, 6), number),
-        ffi.flat(ffi.operand(frame, 7), number),
-        ffi.flat(ffi.operand(frame, 8), number),
-        ffi.flat(ffi.operand(frame, 9), np.int32),
+        ffi.operand(frame, 0, number, 2),
+        ffi.operand(frame, 1, number, 2),
+        ffi.operand(frame, 2, number, 3),
+        ffi.operand(frame, 3, number, 3),
+        ffi.operand(frame, 4, number, 1),
+        ffi.operand(frame, 5, number, 1),
+        ffi.operand(frame, 6, number, 1),
+        ffi.operand(frame, 7, number, 1),
+        ffi.operand(frame, 8, number, 1),
+        ffi.operand(frame, 9, np.int32, 1),
         scalars[0],
         scalars[1],
         scalars[2] != 0,
         scalars[3] != 0,
-        _grid(ffi.result(frame, 0), number),
-        _table(ffi.result(frame, 1), number),
+        ffi.result(frame, 0, number, 4),
+        ffi.result(frame, 1, number, 2),
     )
 
 
-@njit(**WITHIN)
+@njit(**BODY)
 def _g2p(frame, number):
-    scalars = ffi.flat(ffi.operand(frame, 6), number)
+    scalars = ffi.operand(frame, 6, number, 1)
     g2p(
-        _vectors(ffi.operand(frame, 0), number),
-        _matrices(ffi.operand(frame, 3), number),
-        _grid(ffi.operand(frame, 4), number),
-        ffi.flat(ffi.operand(frame, 5), np.int32),
+        ffi.operand(frame, 0, number, 2),
+        ffi.operand(frame, 3, number, 3),
+        ffi.operand(frame, 4, number, 4),
+        ffi.operand(frame, 5, np.int32, 1),
         scalars[0],
         scalars[1],
         scalars[2] != 0,
         scalars[3],
         scalars[4],
-        _vectors(ffi.result(frame, 0), number),
-        _vectors(ffi.result(frame, 1), number),
-        _matrices(ffi.result(frame, 2), number),
-        _matrices(ffi.result(frame, 3), number),
-        _table(ffi.result(frame, 4), number),
-        ffi.flat(ffi.result(frame, 5), number),
+        ffi.result(frame, 0, number, 2),
+        ffi.result(frame, 1, number, 2),
+        ffi.result(frame, 2, number, 3),
+        ffi.result(frame, 3, number, 3),
+        ffi.result(frame, 4, number, 2),
+        ffi.result(frame, 5, number, 1),
     )
 
 
-@njit(**WITHIN)
+@njit(**BODY)
 def _decompose(frame, number):
-    control, s, basis = ffi.flat(ffi.operand(frame, 1), np.int32), ffi.result(frame, 0), ffi.result(frame, 1)
-    batches = ffi.flat(basis, number).reshape(ffi.extent(basis, 0), 18, PARTICLES)
-    decompose(ffi.flat(ffi.operand(frame, 0), number), control[0], _table(s, number), batches, control[1])
-
-
-@njit(**WITHIN)
-def _compose(frame, number):
-    basis, control = ffi.operand(frame, 0), ffi.flat(ffi.operand(frame, 4), np.int32)
-    compose(
-        ffi.flat(basis, number).reshape(ffi.extent(basis, 0), 18, PARTICLES),
-        ffi.flat(ffi.operand(frame, 1), number),
-        _table(ffi.operand(frame, 2), number),
-        _table(ffi.operand(frame, 3), number),
-        ffi.flat(ffi.result(frame, 0), number),
-        ffi.flat(ffi.result(frame, 1), number),
+    control = ffi.operand(frame, 1, np.int32, 1)
+    decompose(
+        ffi.operand(frame, 0, number, 1),
+        control[0],
+        ffi.result(frame, 0, number, 2),
+        ffi.result(frame, 1, number, 3),
         control[1],
+    )
+
+
+@njit(**BODY)
+def _compose(frame, number):
+    compose(
+        ffi.operand(frame, 0, number, 3),
+        ffi.operand(frame, 1, number, 1),
+        ffi.operand(frame, 2, number, 2),
+        ffi.operand(frame, 3, number, 2),
+        ffi.result(frame, 0, number, 1),
+        ffi.result(frame, 1, number, 1),
+        ffi.operand(frame, 4, np.int32, 1)[1],
     )
 
 

@@ -8,6 +8,7 @@ back costs more than the SVD itself.
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit, prange
 
 from physagent_jax.kernels.lanes import (
@@ -16,6 +17,7 @@ from physagent_jax.kernels.lanes import (
     batch,
     collect,
     distribute,
+    flat,
     magnitude,
     root,
     same,
@@ -40,9 +42,9 @@ def decompose(F, sweeps, s, basis, parts):
         parts: Shares of the work.
     """
     count, batches = s.shape[1], basis.shape[0]
-    flat, values = basis.reshape(basis.size), s.reshape(s.size)
+    frames, values = flat(basis), flat(s)
     for part in prange(parts):
-        first, last = share(batches, part, parts)
+        first, last = share(batches, np.int64(part), parts)
         for number in range(first, last):
             start = batch_start(number, count)
             (u, v, w), (s0, s1, s2), (x, y, z) = _factors(F, 9 * start, sweeps)
@@ -50,12 +52,12 @@ def decompose(F, sweeps, s, basis, parts):
             store(values, count + start, s1)
             store(values, 2 * count + start, s2)
             o = number * 18 * PARTICLES
-            _put_column(flat, o, u)
-            _put_column(flat, o + 3 * PARTICLES, v)
-            _put_column(flat, o + 6 * PARTICLES, w)
-            _put_column(flat, o + 9 * PARTICLES, x)
-            _put_column(flat, o + 12 * PARTICLES, y)
-            _put_column(flat, o + 15 * PARTICLES, z)
+            _put_column(frames, o, u)
+            _put_column(frames, o + 3 * PARTICLES, v)
+            _put_column(frames, o + 6 * PARTICLES, w)
+            _put_column(frames, o + 9 * PARTICLES, x)
+            _put_column(frames, o + 12 * PARTICLES, y)
+            _put_column(frames, o + 15 * PARTICLES, z)
 
 
 @njit(parallel=True, **OPTIONS)
@@ -73,20 +75,20 @@ def compose(basis, F, change, spatial, new_F, tau, parts):
     """
     count, batches = F.shape[0] // 9, basis.shape[0]
     moves, stresses = change.shape[1] > 0, spatial.shape[1] > 0
-    flat, g, t = basis.reshape(basis.size), change.reshape(change.size), spatial.reshape(spatial.size)
+    frames, g, t = flat(basis), flat(change), flat(spatial)
     for part in prange(parts):
-        first, last = share(batches, part, parts)
+        first, last = share(batches, np.int64(part), parts)
         for number in range(first, last):
             start, o = batch_start(number, count), number * 18 * PARTICLES
             u, v, w = (
-                _get_column(flat, o),
-                _get_column(flat, o + 3 * PARTICLES),
-                _get_column(flat, o + 6 * PARTICLES),
+                _get_column(frames, o),
+                _get_column(frames, o + 3 * PARTICLES),
+                _get_column(frames, o + 6 * PARTICLES),
             )
             if moves:
                 a, b, c = _scaled(g, start, count, u, v, w)
-                x, y = _get_column(flat, o + 9 * PARTICLES), _get_column(flat, o + 12 * PARTICLES)
-                z = _get_column(flat, o + 15 * PARTICLES)
+                x, y = _get_column(frames, o + 9 * PARTICLES), _get_column(frames, o + 12 * PARTICLES)
+                z = _get_column(frames, o + 15 * PARTICLES)
                 for k in range(3):
                     at = 9 * start + k
                     xk, yk, zk = three(x, k), three(y, k), three(z, k)
@@ -111,15 +113,15 @@ def batch_start(number, count):
 
 
 @njit(**INLINE)
-def _put_column(flat, o, a):
-    store(flat, o, a[0])
-    store(flat, o + PARTICLES, a[1])
-    store(flat, o + 2 * PARTICLES, a[2])
+def _put_column(array, o, a):
+    store(array, o, a[0])
+    store(array, o + PARTICLES, a[1])
+    store(array, o + 2 * PARTICLES, a[2])
 
 
 @njit(**INLINE)
-def _get_column(flat, o):
-    return batch(flat, o), batch(flat, o + PARTICLES), batch(flat, o + 2 * PARTICLES)
+def _get_column(array, o):
+    return batch(array, o), batch(array, o + PARTICLES), batch(array, o + 2 * PARTICLES)
 
 
 @njit(**INLINE)

@@ -14,6 +14,7 @@ from numba import njit, prange
 
 from physagent_jax.kernels.lanes import (
     everywhere,
+    flat,
     load,
     node_sum,
     pack,
@@ -32,6 +33,7 @@ from physagent_jax.kernels.lanes import (
 from physagent_jax.kernels.numbers import (
     INLINE,
     OPTIONS,
+    clear,
     columns,
     determinant,
     dot,
@@ -62,18 +64,18 @@ def p2g(x, v, C, tau, mu, lam, mass, volume, push, origin, dt, dx, classical, ne
     ``push`` is added to all velocities on the way.
     """
     shape, parts = nodes.shape, private.shape[0]
-    plane, flat = NUMBERS * shape[1] * shape[2], nodes.reshape(nodes.size)
+    plane, numbers = NUMBERS * shape[1] * shape[2], flat(nodes)
     touched = np.empty((parts, 2), np.int64)
     for part in prange(parts):
-        first, last = share(x.shape[0], part, parts)
+        first, last = share(x.shape[0], np.int64(part), parts)
         low, high = planes(x, first, last, origin[0], dx, shape[0])
         touched[part, 0], touched[part, 1] = low, high
         own = private[part]
-        own[low * plane : max(low, high) * plane + PADDING] = 0
+        clear(own, low * plane, max(low, high) * plane + PADDING)
         options = classical, neo_hookean
         scatter(x, v, C, tau, mu, lam, mass, volume, push, origin, dt, dx, options, own, shape, first, last)
     for i in prange(shape[0]):
-        add_up(private, touched, flat, i, shape)
+        add_up(private, touched, numbers, np.int64(i), shape)
 
 
 @njit(**OPTIONS)
@@ -96,7 +98,7 @@ def add_up(private, touched, nodes, i, shape):
     count, total = shape[1] * shape[2], shape[0] * shape[1] * shape[2]
     o = i * count
     for d in range(NUMBERS):
-        nodes[d * total + o : d * total + o + count] = 0
+        clear(nodes, d * total + o, d * total + o + count)
     for part in range(private.shape[0]):
         if touched[part, 0] <= i < touched[part, 1]:
             own = private[part]
@@ -163,12 +165,12 @@ def g2p(x, F, velocity, origin, dt, dx, classical, low, high, new_x, new_v, new_
     """
     shape, parts = velocity.shape, watch.shape[0]
     plane = NUMBERS * shape[1] * shape[2]
-    padded[shape[0] * plane :] = 0
-    flat = velocity.reshape(velocity.size)
+    clear(padded, shape[0] * plane, padded.size)
+    numbers = flat(velocity)
     for i in prange(shape[0]):
-        interleave(flat, padded, i, shape)
+        interleave(numbers, padded, np.int64(i), shape)
     for part in prange(parts):
-        first, last = share(x.shape[0], part, parts)
+        first, last = share(x.shape[0], np.int64(part), parts)
         own = watch[part]
         gather(
             x,
@@ -227,7 +229,7 @@ def gather(
     near, far = pack((inf, inf, inf)), pack((-inf, -inf, -inf))
     e0, e1, e2 = pack((one, zero, zero)), pack((zero, one, zero)), pack((zero, zero, one))
     k, step = same(like(4, dx) / dx, near), same(dt, near)
-    old, new, affine = F.reshape(F.size), new_F.reshape(new_F.size), new_C.reshape(new_C.size)
+    old, new, affine = flat(F), flat(new_F), flat(new_C)
     for p in range(first, last):
         start, f0, f1, f2 = place(x, p, origin, dx, shape)
         X, Y, Z = spline(f0), spline(f1), spline(f2)

@@ -10,9 +10,9 @@ from __future__ import annotations
 import dataclasses
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.arrays import on_device
 from physagent_jax.gaussians.binding import Binding
 from physagent_jax.gaussians.cloud import GaussianCloud
 
@@ -48,8 +48,9 @@ def fill_up(cloud: GaussianCloud, binding: Binding) -> tuple[GaussianCloud, Bind
     missing = bucket(cloud.count) - cloud.count
 
     def last_again(leaf: jax.Array) -> jax.Array:
-        return jnp.concatenate([leaf, jnp.repeat(leaf[-1:], missing, axis=0)])
+        rows = np.asarray(leaf)
+        return on_device(np.concatenate([rows, np.repeat(rows[-1:], missing, axis=0)]))
 
-    opacities = jnp.concatenate([cloud.opacities, jnp.zeros(missing, cloud.opacities.dtype)])
-    cloud, binding = jax.tree.map(last_again, (cloud, binding))
-    return dataclasses.replace(cloud, opacities=opacities), binding
+    filled, binding = jax.tree.map(last_again, (cloud, binding))
+    opacities = on_device(np.pad(np.asarray(cloud.opacities), (0, missing)))
+    return dataclasses.replace(filled, opacities=opacities), binding

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 
-import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.arrays import on_device
 from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.mpm import PrescribedMotion
 from physagent_jax.scene import config as c
@@ -52,7 +52,7 @@ def compile_constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarra
 
 def _motion(inside: np.ndarray, constraint, velocity, angular_velocity, center) -> PrescribedMotion:
     return PrescribedMotion(
-        particles=jnp.asarray(np.flatnonzero(inside), jnp.int32),
+        particles=on_device(np.flatnonzero(inside), np.int32),
         velocity=leaf(velocity),
         angular_velocity=leaf(angular_velocity),
         center=leaf(center),

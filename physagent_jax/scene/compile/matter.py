@@ -6,9 +6,9 @@ import dataclasses
 from collections.abc import Callable
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.arrays import on_device
 from physagent_jax.mpm import materials as m
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
@@ -90,7 +90,7 @@ class Matter:
 
 
 def _leaf(values: np.ndarray) -> jax.Array:
-    return jnp.asarray(values, DTYPE)
+    return on_device(values, DTYPE)
 
 
 def _solid(law: Callable, *names: str) -> Callable[[Matter, c.Material], m.Material]:

@@ -9,6 +9,7 @@ from pathlib import Path
 import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.arrays import on_device
 from physagent_jax.gaussians.binding import Binding
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.mpm import Model, PrescribedMotion, State, cell_order, smallest_window
@@ -56,8 +57,10 @@ class Scene:
     @cached_property
     def gaussians(self) -> tuple[GaussianCloud, Binding]:
         """The body's Gaussians to be drawn, bound to the model's particles; for their number see `buckets`."""
-        binding, back = self.body.binding, jnp.asarray(self.back, jnp.int32)
-        binding = dataclasses.replace(binding, indices=back[binding.indices])
+        binding = self.body.binding
+        binding = dataclasses.replace(
+            binding, indices=self.back.astype(np.int32)[np.asarray(binding.indices)]
+        )
         return buckets.fill_up(self.body.cloud.of_least_degree(), binding)
 
 
@@ -88,10 +91,10 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     falling = config.force_field.default_drop or config.always_gravity
     model = Model(
         grid=smallest_window(config.domain.size, config.domain.cells),
-        dt=jnp.asarray(config.timing.frame_dt, DTYPE),
-        gravity=jnp.asarray(config.gravity, DTYPE) if falling and any(config.gravity) else None,
-        mass=jnp.asarray(share * whole, DTYPE),
-        volume=jnp.asarray(volume, DTYPE),
+        dt=on_device(config.timing.frame_dt, DTYPE),
+        gravity=on_device(config.gravity, DTYPE) if falling and any(config.gravity) else None,
+        mass=on_device(share * whole, DTYPE),
+        volume=on_device(volume, DTYPE),
         materials=matter.materials(),
         forces=(*forces, *imposed),
         boundaries=compile_boundaries(config, base_dir),
@@ -102,10 +105,10 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         rpic_damping=config.transfer.rpic_damping,
         damping_rate=config.transfer.damping_rate,
     )
-    state = State.at_rest(jnp.asarray(rest), materials=model.materials)
+    state = State.at_rest(on_device(rest), materials=model.materials)
     camera = reference_camera(config.camera, config.rendering, config.domain)
     return Scene(config, body, model, state, camera, order, int(held @ share + 0.5))
 
 
 def _indices(mask: np.ndarray) -> jnp.ndarray:
-    return jnp.asarray(np.flatnonzero(mask), jnp.int32)
+    return on_device(np.flatnonzero(mask), np.int32)

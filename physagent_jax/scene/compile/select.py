@@ -5,6 +5,7 @@ from __future__ import annotations
 import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.arrays import on_device
 from physagent_jax.errors import UserError
 from physagent_jax.scene import config as c
 
@@ -13,7 +14,7 @@ DTYPE = np.float32
 
 def leaf(value) -> jnp.ndarray:
     """``value`` as an array of the particles' dtype."""
-    return jnp.asarray(value, DTYPE)
+    return on_device(value, DTYPE)
 
 
 def in_box(rest: np.ndarray, box, place: str) -> np.ndarray:
