@@ -221,7 +221,8 @@ class Layout:
             raise UserError(f"the constraint {type(constraint).__name__} cannot be split over devices")
         particles = _known(constraint.particles)
         claim = np.full(sum(self.counts), -1)
-        claim[particles] = np.arange(len(particles))
+        real = np.flatnonzero(particles < len(claim))
+        claim[particles[real]] = real
         claims = claim[self.order].reshape(self.devices, -1)
         held = [np.flatnonzero(row >= 0) for row in claims]
         local = np.full((self.devices, max(map(len, held))), claims.shape[1], np.int32)

@@ -102,10 +102,19 @@ def test_copies_stay_with_their_originals(busy):
             np.testing.assert_array_equal(leaf[twice], leaf[twice + 1])
 
 
-def test_an_object_of_nearly_the_same_size_compiles_nothing_anew(robot_path):
+def test_held_particles_come_in_buckets_too():
+    mask = np.random.default_rng(0).random(5000) < 0.2
+    places, count = np.asarray(buckets.places(mask)), mask.sum()
+    assert len(places) == buckets.bucket(count) > count
+    np.testing.assert_array_equal(places[:count], np.flatnonzero(mask))
+    assert (places[count:] == len(mask)).all()
+
+
+@pytest.mark.parametrize("anchor", ["none", "base"])
+def test_an_object_of_nearly_the_same_size_compiles_nothing_anew(robot_path, anchor):
     programs = []
     for particles in (1450, 1500):
-        scene = config(robot_path, particles)
+        scene = config(robot_path, particles, anchor=c.Anchor(kind=anchor, fraction=0.2))
         scene = compile_scene(scene, body_of(scene))
         assert scene.body.particles.count != len(scene.order)
         play(scene, Stopwatch())

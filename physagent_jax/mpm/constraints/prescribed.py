@@ -25,7 +25,7 @@ class PrescribedMotion:
     so that they follow the prescribed path exactly. With an ``end`` per particle they are let go one by one.
 
     Attributes:
-        particles: Indices, int32, shape (k,).
+        particles: Indices, int32, shape (k,); one beyond the last particle stands for none.
         velocity: [m/s], shape (3,).
         angular_velocity: [rad/s], shape (3,).
         center: A point of the axis [m], shape (3,).
@@ -78,7 +78,8 @@ class PrescribedMotion:
         del free
         p = self.particles
         own = jax.tree.map(lambda part: part[p], s)
-        share = scatter_mass(own, model.grid, jnp.where(self.active(time), model.mass[p], 0))
+        mass = model.mass.at[p].get(mode="fill", fill_value=0)
+        share = scatter_mass(own, model.grid, jnp.where(self.active(time), mass, 0))
         held = total(share, model.axis) > 0.5 * node_mass
         x, y, z = model.grid.node_positions(velocity.dtype)
         nodes = jnp.stack(jnp.broadcast_arrays(x, y, z), axis=-1)

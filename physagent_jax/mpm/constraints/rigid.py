@@ -108,7 +108,8 @@ class RigidBody:
     F^T F never change but by round-off.
 
     Attributes:
-        particles: Indices, int32, shape (k,). A body may be a single particle.
+        particles: Indices, int32, shape (k,); one beyond the last particle stands for none. A body may be a
+            single particle.
     """
 
     particles: jax.Array
@@ -158,7 +159,7 @@ class RigidBody:
         return RigidMotion.of(self._mass(model), state.x[p], state.v[p], dx, state.C[p], model.axis)
 
     def _mass(self, model: Model) -> jax.Array:
-        """[kg], shape (k,); none for an index beyond the last particle, with which `mpm.sharding` fills up."""
+        """[kg], shape (k,); zero where an index stands for no particle."""
         return model.mass.at[self.particles].get(mode="fill", fill_value=0)
 
     def _moving(self, state: State, motion: RigidMotion, velocity: jax.Array, angular: jax.Array) -> State:

@@ -11,6 +11,7 @@ from physagent_jax.kernels.lanes import PARTICLES
 from physagent_jax.kernels.threads import thread_count
 from physagent_jax.mpm import transfer
 from physagent_jax.mpm.kernels.handlers import handler
+from physagent_jax.mpm.kernels.svd import FRAME
 from physagent_jax.mpm.kernels.transfer import NUMBERS, PADDING, WATCHED
 from physagent_jax.mpm.linalg.svd import SWEEPS
 from physagent_jax.mpm.materials.neo_hookean import NeoHookean
@@ -84,11 +85,12 @@ def svd(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     s, basis = decompose(matrices)
     # The last batch begins before the one before it ends.
     batches = basis.shape[0]
-    rows = jnp.moveaxis(basis, -1, 1).reshape(batches * PARTICLES, 18)
+    rows = jnp.moveaxis(basis, -1, 1).reshape(batches * PARTICLES, FRAME)
     repeated = batches * PARTICLES - s.shape[-1]
     last = rows[(batches - 1) * PARTICLES + repeated :]
     rows = jnp.concatenate([rows[: (batches - 1) * PARTICLES], last])[:count]
-    U, V = (jnp.swapaxes(part.reshape(F.shape), -1, -2) for part in (rows[:, :9], rows[:, 9:]))
+    u, v, x, y = jnp.split(rows, 4, axis=1)
+    U, V = (jnp.stack([a, b, jnp.cross(a, b)], axis=-1).reshape(F.shape) for a, b in ((u, v), (x, y)))
     return U, s[:, :count].T.reshape(F.shape[:-1]), V
 
 
@@ -101,7 +103,7 @@ def decompose(F: jax.Array) -> tuple[jax.Array, jax.Array]:
     count = matrices.shape[0]
     results = (
         jax.ShapeDtypeStruct((3, count), F.dtype),
-        jax.ShapeDtypeStruct((-(-count // PARTICLES), 18, PARTICLES), F.dtype),
+        jax.ShapeDtypeStruct((-(-count // PARTICLES), FRAME, PARTICLES), F.dtype),
     )
     call = jax.ffi.ffi_call(handler("decompose", F.dtype.name), results, vmap_method="sequential")
     s, basis = call(matrices, _control(F.dtype))

@@ -26,6 +26,7 @@ from physagent_jax.kernels.lanes import (
 )
 from physagent_jax.kernels.numbers import INLINE, OPTIONS, like, roundoff, share, smallest, three
 
+FRAME = 12  # numbers of U and V: their third columns are cross products, and memory is slower than arithmetic
 _LEAST_SWEEPS = 2  # before it is asked whether more are needed; they also let what is not finite reach V
 
 
@@ -37,8 +38,8 @@ def decompose(F, sweeps, s, basis, parts):
         F: At least `PARTICLES` matrices, flat.
         sweeps: Jacobi sweeps.
         s: Result, shape (3, n).
-        basis: Result, shape (batches, 18, PARTICLES): U and V, column after column, of one batch of particles after
-            the other. The last batch overlaps the one before, and has the same values there.
+        basis: Result, shape (batches, FRAME, PARTICLES): the first two columns of U and of V, of one batch of particles
+            after the other. The last batch overlaps the one before, and has the same values there.
         parts: Shares of the work.
     """
     count, batches = s.shape[1], basis.shape[0]
@@ -47,17 +48,15 @@ def decompose(F, sweeps, s, basis, parts):
         first, last = share(batches, np.int64(part), parts)
         for number in range(first, last):
             start = batch_start(number, count)
-            (u, v, w), (s0, s1, s2), (x, y, z) = _factors(F, 9 * start, sweeps)
+            (u, v), (s0, s1, s2), (x, y) = _factors(F, 9 * start, sweeps)
             store(values, start, s0)
             store(values, count + start, s1)
             store(values, 2 * count + start, s2)
-            o = number * 18 * PARTICLES
+            o = number * FRAME * PARTICLES
             _put_column(frames, o, u)
             _put_column(frames, o + 3 * PARTICLES, v)
-            _put_column(frames, o + 6 * PARTICLES, w)
-            _put_column(frames, o + 9 * PARTICLES, x)
-            _put_column(frames, o + 12 * PARTICLES, y)
-            _put_column(frames, o + 15 * PARTICLES, z)
+            _put_column(frames, o + 6 * PARTICLES, x)
+            _put_column(frames, o + 9 * PARTICLES, y)
 
 
 @njit(parallel=True, **OPTIONS)
@@ -79,16 +78,13 @@ def compose(basis, F, change, spatial, new_F, tau, parts):
     for part in prange(parts):
         first, last = share(batches, np.int64(part), parts)
         for number in range(first, last):
-            start, o = batch_start(number, count), number * 18 * PARTICLES
-            u, v, w = (
-                _get_column(frames, o),
-                _get_column(frames, o + 3 * PARTICLES),
-                _get_column(frames, o + 6 * PARTICLES),
-            )
+            start, o = batch_start(number, count), number * FRAME * PARTICLES
+            u, v = _get_column(frames, o), _get_column(frames, o + 3 * PARTICLES)
+            w = _cross(u, v)
             if moves:
                 a, b, c = _scaled(g, start, count, u, v, w)
-                x, y = _get_column(frames, o + 9 * PARTICLES), _get_column(frames, o + 12 * PARTICLES)
-                z = _get_column(frames, o + 15 * PARTICLES)
+                x, y = _get_column(frames, o + 6 * PARTICLES), _get_column(frames, o + 9 * PARTICLES)
+                z = _cross(x, y)
                 for k in range(3):
                     at = 9 * start + k
                     xk, yk, zk = three(x, k), three(y, k), three(z, k)
@@ -137,7 +133,7 @@ def _scaled(diagonal, start, count, u, v, w):
 
 @njit(**INLINE)
 def _factors(F, o, sweeps):
-    """Columns of U, singular values and columns of V, of the batch of matrices that starts at ``F[o]``."""
+    """Two columns of U, singular values and two columns of V, of the batch of matrices that starts at ``F[o]``."""
     zero = same(like(0, F[0]), collect(F, o, 9))
     one, half, tiny = same(like(1, F[0]), zero), same(like(0.5, F[0]), zero), same(smallest(F[0]), zero)
     a, b, c = _column(F, o), _column(F, o + 1), _column(F, o + 2)
@@ -157,8 +153,7 @@ def _factors(F, o, sweeps):
     along = _dot(u, b)
     rest = (b[0] - along * u[0], b[1] - along * u[1], b[2] - along * u[2])
     v = _direction(rest, bb, _perpendicular(u, zero, one), tiny, half)
-    w = (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
-    return (u, v, w), (root(aa) * scale, root(bb) * scale, _dot(w, c) * scale), (x, y, z)
+    return (u, v), (root(aa) * scale, root(bb) * scale, _dot(_cross(u, v), c) * scale), (x, y)
 
 
 @njit(**INLINE)
@@ -192,6 +187,11 @@ def _over(column, scale):
 @njit(**INLINE)
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(**INLINE)
+def _cross(u, v):
+    return u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
 
 
 @njit(**INLINE)

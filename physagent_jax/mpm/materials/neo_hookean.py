@@ -7,7 +7,7 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.mpm.linalg import determinant, matmul, transpose
+from physagent_jax.mpm.linalg import cofactor, determinant, matmul, transpose
 from physagent_jax.mpm.materials.base import History, Hyperelastic, principal_stretches_squared
 from physagent_jax.pytree import register_dataclass
 
@@ -28,9 +28,22 @@ class NeoHookean(Hyperelastic):
     lam: jax.Array
 
     def energy(self, F: jax.Array, history: History = ()) -> jax.Array:
-        """Strain energy per rest volume [J/m^3], shape (n,)."""
-        log_J = jnp.log(determinant(F))
-        return 0.5 * self.mu * ((F**2).sum((-1, -2)) - 3) - self.mu * log_J + 0.5 * self.lam * log_J**2
+        """Strain energy per rest volume [J/m^3], shape (n,).
+
+        With H = F - I and J - 1 = tr H + rest, the first two terms are mu (|H|^2/2 - rest + (J - 1) - ln J): what
+        is left to cancel is small where H is, and a strain of 1e-4 keeps its energy in single precision.
+        """
+        H = F - jnp.eye(3, dtype=F.dtype)
+        trace = H[..., 0, 0] + H[..., 1, 1] + H[..., 2, 2]
+        K = cofactor(H)
+        rest = K[..., 0, 0] + K[..., 1, 1] + K[..., 2, 2] + determinant(H)
+        change = trace + rest  # J - 1
+        near = jnp.abs(change) < 0.5
+        log_J = jnp.where(
+            near, jnp.log1p(jnp.where(near, change, 0)), jnp.log(jnp.where(near, 1, determinant(F)))
+        )
+        shape = 0.5 * (H**2).sum((-1, -2)) - rest + (change - log_J)
+        return self.mu * shape + 0.5 * self.lam * log_J**2
 
     def stress(self, F: jax.Array, history: History = ()) -> jax.Array:
         """Kirchhoff stress [Pa], shape (n, 3, 3)."""

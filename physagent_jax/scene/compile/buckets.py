@@ -43,6 +43,12 @@ def shares(order: np.ndarray) -> np.ndarray:
     return 1 / np.bincount(order)[order]
 
 
+def places(mask: np.ndarray) -> jax.Array:
+    """Where ``mask``, shape (n,), is true; to fill the bucket, n: no particle, and constraints do nothing to it."""
+    held = np.flatnonzero(mask)
+    return on_device(np.pad(held, (0, bucket(len(held)) - len(held)), constant_values=len(mask)), np.int32)
+
+
 def fill_up(cloud: GaussianCloud, binding: Binding) -> tuple[GaussianCloud, Binding]:
     """The Gaussians of a bucket: after the given ones, copies of the last that nobody sees."""
     missing = bucket(cloud.count) - cloud.count

@@ -6,10 +6,10 @@ import dataclasses
 
 import numpy as np
 
-from physagent_jax.arrays import on_device
 from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.mpm import PrescribedMotion
 from physagent_jax.scene import config as c
+from physagent_jax.scene.compile import buckets
 from physagent_jax.scene.compile.select import DTYPE, in_box, in_cylinder, leaf, not_empty
 
 STILL = (0.0, 0.0, 0.0)
@@ -46,13 +46,14 @@ def compile_constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarra
             case c.ParticleRelease():
                 inside, times = _release_times(rest, constraint, place)
                 held = _motion(inside, constraint, STILL, STILL, STILL)
-                motions.append(dataclasses.replace(held, end=leaf(times)))
+                ends = np.pad(times, (0, len(held.particles) - len(times)))
+                motions.append(dataclasses.replace(held, end=leaf(ends)))
     return tuple(forces), tuple(motions)
 
 
 def _motion(inside: np.ndarray, constraint, velocity, angular_velocity, center) -> PrescribedMotion:
     return PrescribedMotion(
-        particles=on_device(np.flatnonzero(inside), np.int32),
+        particles=buckets.places(inside),
         velocity=leaf(velocity),
         angular_velocity=leaf(angular_velocity),
         center=leaf(center),

@@ -6,7 +6,6 @@ import dataclasses
 from functools import cached_property
 from pathlib import Path
 
-import jax.numpy as jnp
 import numpy as np
 
 from physagent_jax.arrays import on_device
@@ -85,9 +84,9 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     )
     forces, constraints = compile_forces(config, body, rest, volume)
     imposed, prescribed = compile_constraints(config, rest, whole)
-    bodies = tuple(RigidBody(_indices(mask)) for mask in matter.rigid_bodies())
+    bodies = tuple(RigidBody(buckets.places(mask)) for mask in matter.rigid_bodies())
     if (still := held | matter.stationary()).any():
-        prescribed = (*prescribed, PrescribedMotion.fixed(_indices(still)))
+        prescribed = (*prescribed, PrescribedMotion.fixed(buckets.places(still)))
     falling = config.force_field.default_drop or config.always_gravity
     model = Model(
         grid=smallest_window(config.domain.size, config.domain.cells),
@@ -108,7 +107,3 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     state = State.at_rest(on_device(rest), materials=model.materials)
     camera = reference_camera(config.camera, config.rendering, config.domain)
     return Scene(config, body, model, state, camera, order, int(held @ share + 0.5))
-
-
-def _indices(mask: np.ndarray) -> jnp.ndarray:
-    return on_device(np.flatnonzero(mask), np.int32)
