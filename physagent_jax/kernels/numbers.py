@@ -97,30 +97,9 @@ def columns(matrices, p):
 
 
 @njit(**INLINE)
-def put_columns(matrices, p, a, b, c):
-    """Writes particle p's matrix with the columns a, b, c."""
-    M = matrices
-    M[p, 0, 0], M[p, 0, 1], M[p, 0, 2] = a[0], b[0], c[0]
-    M[p, 1, 0], M[p, 1, 1], M[p, 1, 2] = a[1], b[1], c[1]
-    M[p, 2, 0], M[p, 2, 1], M[p, 2, 2] = a[2], b[2], c[2]
-
-
-@njit(**INLINE)
 def put_vector(vectors, p, a):
     """Writes particle p's vector."""
     vectors[p, 0], vectors[p, 1], vectors[p, 2] = a[0], a[1], a[2]
-
-
-@njit(**INLINE)
-def lesser(a, b):
-    """The smaller one of each pair."""
-    return min(a[0], b[0]), min(a[1], b[1]), min(a[2], b[2])
-
-
-@njit(**INLINE)
-def greater(a, b):
-    """The larger one of each pair."""
-    return max(a[0], b[0]), max(a[1], b[1]), max(a[2], b[2])
 
 
 @njit(**INLINE)
