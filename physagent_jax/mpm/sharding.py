@@ -233,7 +233,6 @@ class Layout:
         if isinstance(constraint, RigidBody):
             return RigidBody(places)
         start, end = (jnp.broadcast_to(a, particles.shape)[which] for a in (constraint.start, constraint.end))
-        end = jnp.where(which < 0, -jnp.inf, end)
         return dataclasses.replace(constraint, particles=places, start=start, end=end)
 
 
