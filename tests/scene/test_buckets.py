@@ -102,6 +102,16 @@ def test_copies_stay_with_their_originals(busy):
             np.testing.assert_array_equal(leaf[twice], leaf[twice + 1])
 
 
+def test_gaussians_that_fill_up_are_invisible_and_come_last(robot_path):
+    body = body_of(config(robot_path))
+    count, given = body.cloud.count, (body.cloud, body.binding)
+    cloud, binding = filled = buckets.fill_up(*given)
+    assert cloud.count == len(binding.indices) == buckets.bucket(count) > count
+    assert not np.asarray(cloud.opacities[count:]).any()
+    for leaf, before in zip(jax.tree.leaves(filled), jax.tree.leaves(given)):
+        np.testing.assert_array_equal(leaf[:count], before)
+
+
 def test_held_particles_come_in_buckets_too():
     mask = np.random.default_rng(0).random(5000) < 0.2
     places, count = np.asarray(buckets.places(mask)), mask.sum()
