@@ -5,9 +5,10 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
-from physagent_jax.mpm import PrescribedMotion, step
+from physagent_jax.mpm import PrescribedMotion, RigidBody, step
 from physagent_jax.mpm.constraints import rotate
 from tests.mpm.blocks import block
 
@@ -50,6 +51,21 @@ def test_translation_is_exact_and_ends_with_its_window(x64):
     moved = run(model.replace(constraints=(motion(particles, velocity=(0.2, 0, 0.1), end=0.1),)), state, 100)
     np.testing.assert_allclose(moved.x - state.x, np.broadcast_to([0.02, 0, 0.01], state.x.shape), atol=1e-12)
     np.testing.assert_allclose(moved.F, np.broadcast_to(np.eye(3), moved.F.shape), atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", [motion, RigidBody])
+def test_an_index_beyond_the_last_particle_stands_for_none(kind, x64):
+    """Right beside the last particle, whose mass and motion a careless lookup would take for that of none."""
+    model, state = block((3, 2, 2), dtype=np.float64, dt=1e-3, gravity=jnp.array([0.0, 0.0, -10.0]))
+    state, count = dataclasses.replace(state, v=20 * (state.x - 0.45)[:, ::-1]), len(state.x)
+    held = np.arange(count - 12, count - 2)
+    lists = held, np.append(held, [count] * 6)
+    exact, filled = (
+        run(model.replace(constraints=(kind(jnp.asarray(places, jnp.int32)),)), state, 40) for places in lists
+    )
+    assert np.abs(exact.x - run(model, state, 40).x).max() > 1e-4
+    np.testing.assert_allclose(filled.x, exact.x, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(filled.F, exact.F, rtol=0, atol=1e-14)
 
 
 def test_rotation_follows_the_circle_exactly(x64):
