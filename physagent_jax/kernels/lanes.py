@@ -364,6 +364,20 @@ def counted(typing, number):
 
 
 @intrinsic
+def clear(typing, array, first, last):
+    """Zeros in ``array[first:last]``, contiguous and with last >= first; a loop over indices is not vectorised."""
+
+    def generate(context, builder, signature, arguments):
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        bytes_each = arguments[1].type(array.dtype.bitwidth // 8)
+        size = builder.mul(builder.sub(arguments[2], arguments[1]), bytes_each)
+        cgutils.memset(builder, builder.gep(data, [arguments[1]]), size, 0)
+        return context.get_dummy_value()
+
+    return types.void(array, types.intp, types.intp), generate
+
+
+@intrinsic
 def flat(typing, array):
     """A C-ordered array's numbers in one dimension; NumPy's ``reshape`` is slow to compile."""
     row = types.Array(array.dtype, 1, "C")

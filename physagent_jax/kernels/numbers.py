@@ -131,13 +131,6 @@ def determinant(a, b, c):
 
 
 @njit(**INLINE)
-def clear(array, first, last):
-    """Zeros from ``first`` to before ``last``; assigning to a slice would take Numba longer to compile."""
-    for i in range(first, last):
-        array[i] = 0
-
-
-@njit(**INLINE)
 def share(count, part, parts):
     """First and last + 1 of the ``part``-th of ``parts`` nearly equal shares."""
     return part * count // parts, (part + 1) * count // parts

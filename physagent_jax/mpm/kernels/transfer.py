@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit, prange
 
 from physagent_jax.kernels.lanes import (
+    clear,
     everywhere,
     flat,
     load,
@@ -33,7 +34,6 @@ from physagent_jax.kernels.lanes import (
 from physagent_jax.kernels.numbers import (
     INLINE,
     OPTIONS,
-    clear,
     columns,
     determinant,
     dot,
