@@ -221,7 +221,7 @@ class Layout:
             raise UserError(f"the constraint {type(constraint).__name__} cannot be split over devices")
         particles = _known(constraint.particles)
         claim = np.full(sum(self.counts), -1)
-        real = np.flatnonzero(particles < len(claim))
+        real = np.flatnonzero(particles < len(claim))  # the others stand for no particle
         claim[particles[real]] = real
         claims = claim[self.order].reshape(self.devices, -1)
         held = [np.flatnonzero(row >= 0) for row in claims]
