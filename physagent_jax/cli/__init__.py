@@ -21,11 +21,15 @@ def main(arguments: list[str] | None = None) -> int:
     debug = "--debug" in arguments
     arguments = [argument for argument in arguments if argument != "--debug"]
     try:
+        enable_compile_cache()
+        if arguments[:1] in (["run"], ["simulate"]) and not {"-h", "--help"} & set(arguments):
+            from physagent_jax.kernels import ahead
+
+            ahead.begin()  # while the rest is imported
         import tyro
 
         from physagent_jax.cli.commands import COMMANDS, DESCRIPTION
 
-        enable_compile_cache()
         command = tyro.extras.subcommand_cli_from_dict(
             COMMANDS,
             prog="physagent",

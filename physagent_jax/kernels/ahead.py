@@ -1,16 +1,19 @@
-"""Kernels compiled ahead: the first time on a machine, each in a process of its own.
+"""Kernels compiled ahead: the first time on a machine, in processes of their own.
 
 Numba compiles for ten seconds or two, on one core, and only once; while an object is loaded and XLA compiles the rest,
-the other cores can do it.
+the other cores can do it. One process imports what all kernels need and forks into one per kernel.
 """
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Iterable
+from threading import Lock
 
 from physagent_jax.kernels import load, use_cpu
+from physagent_jax.kernels.threads import cores
 
 _TRANSFERS, _BLENDING = "physagent_jax.mpm.kernels.handlers", "physagent_jax.render.kernels.handlers"
 PLAYING = {
@@ -18,9 +21,10 @@ PLAYING = {
     "physagent_g2p_float32": (_TRANSFERS, "g2p", "float32"),
     "physagent_blend": (_BLENDING, "blend"),
 }
-"""What simulating and rendering any scene needs: target -> (module, arguments of its `handler`)."""
+"""What simulating and rendering any scene needs: target -> (module, arguments of its `handler`); the longest first."""
 
-_running: dict[str, subprocess.Popen] = {}
+_running: dict[str, subprocess.Popen[str]] = {}
+_reading = Lock()
 
 
 def begin() -> None:
@@ -29,20 +33,45 @@ def begin() -> None:
         return
     from physagent_jax.kernels import store  # needs Numba, without which there is nothing to do
 
-    for name, (module, *arguments) in PLAYING.items():
-        if name not in _running and not store.has(name):
-            script = f"from physagent_jax.kernels import ahead; ahead.compile_one({module!r}, {arguments!r})"
-            _running[name] = subprocess.Popen(
-                [sys.executable, "-c", script], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-            )
+    missing = [name for name in PLAYING if name not in _running and not store.has(name)]
+    if missing:
+        script = f"from physagent_jax.kernels import ahead; ahead.compile_all({missing!r})"
+        process = subprocess.Popen(
+            [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        )
+        _running.update(dict.fromkeys(missing, process))
 
 
-def compile_one(module: str, arguments: Iterable[str]) -> None:
-    """Compiles a kernel into the store, in a process that was started for it."""
+def compile_all(names: Iterable[str]) -> None:
+    """Compiles kernels into the store and prints the names of those done, in a process that was started for it."""
+    at_work = 0
+    for name in names:
+        load(PLAYING[name][0])
+        if not hasattr(os, "fork"):
+            _compile(name)
+            continue
+        if at_work == cores():
+            os.wait()
+            at_work -= 1
+        at_work += 1
+        if os.fork() == 0:
+            _compile(name)
+            os._exit(0)
+    for _ in range(at_work):
+        os.wait()
+
+
+def _compile(name: str) -> None:
+    module, *arguments = PLAYING[name]
     load(module).handler(*arguments)
+    print(name, flush=True)
 
 
 def wait_for(name: str) -> None:
     """Returns when nobody is compiling ``name``; whoever failed has left it to the caller."""
-    if name in _running:
-        _running.pop(name).wait()
+    with _reading:
+        while name in _running:
+            output = _running[name].stdout
+            done = output.readline().strip() if output else ""
+            for each in [done] if done else [each for each in _running if _running[each] is _running[name]]:
+                _running.pop(each, None)

@@ -13,9 +13,11 @@ import numpy as np
 from physagent_jax.arrays import on_device
 from physagent_jax.mpm.state import Grid
 
-# A new shape means a new compilation: sides are multiples of a granule, and grow by a good share at once.
+# A new shape means a new compilation, which costs more than many nodes too many: sides are multiples of a granule, the
+# first window has room, a side grows by half at once, and those nearly full grow with it.
 _GRANULE = 8
-_GROWTH = 1.3
+_ROOM, _GROWTH = 1.1, 1.5
+_NEARLY_FULL, _GROWTH_WITH_IT = 0.7, 1.3
 
 
 def fit_window(grid: Grid, low: np.ndarray, high: np.ndarray, reach: float) -> Grid:
@@ -40,18 +42,28 @@ def fit_window(grid: Grid, low: np.ndarray, high: np.ndarray, reach: float) -> G
     if np.all(origin <= first) and np.all(last < origin + np.asarray(grid.shape)):
         return grid
     needed = last - first + 1
-    nx, ny, nz = (_side(int(need), have, nodes) for need, have in zip(needed, grid.shape))
-    shape = (nx, ny, nz)
+    shape = _sides(needed, grid.shape, nodes)
     slack = np.asarray(shape) - needed
     origin = np.clip(first - slack // 2, 0, nodes - np.asarray(shape))
     return dataclasses.replace(grid, origin=on_device(origin, np.int32), shape=shape)
 
 
-def _side(need: int, have: int, most: int) -> int:
-    if need <= have:
+def _sides(needed: np.ndarray, have: tuple[int, int, int], most: int) -> tuple[int, int, int]:
+    """At least what is needed and what there is, but no more than ``most``."""
+    if np.all(needed <= have):
         return have
-    grown = max(need, _GROWTH * have) if have > _GRANULE else need
-    return min(most, _GRANULE * math.ceil(grown / _GRANULE))
+
+    def side(need: int, present: int) -> int:
+        if present == _GRANULE:
+            room = _ROOM * need
+        elif need > present:
+            room = max(need, _GROWTH * present)
+        else:
+            room = present * (_GROWTH_WITH_IT if need > _NEARLY_FULL * present else 1)
+        return min(most, _GRANULE * math.ceil(room / _GRANULE))
+
+    nx, ny, nz = (side(*pair) for pair in zip(needed.tolist(), have))
+    return nx, ny, nz
 
 
 def smallest_window(size: float, cells: int) -> Grid:

@@ -11,6 +11,7 @@ from physagent_jax.mpm.linalg import (
     Principal,
     cofactor,
     determinant,
+    greatest_stretch_squared,
     isotropic,
     matmul,
     singular_values,
@@ -89,6 +90,19 @@ MATRICES = {
     "small": turned(1e-4, 3e-5, 1e-5),
     "tiny and large": turned(1e3, 1.0, 1e-3),
 }
+
+
+EXTREME = {"nothing": np.zeros((3, 3)), "huge": turned(1e15, 1e15, 1e-3), "minute": turned(1e-15, 1e-16, 0)}
+
+
+@pytest.mark.parametrize("F", [*MATRICES.values(), *EXTREME.values()], ids=[*MATRICES, *EXTREME])
+def test_greatest_stretch_matches_numpy(F):
+    """In both precisions, at the exactness that its docstring states, and without overflow."""
+    expected = np.linalg.norm(F, ord=2) ** 2
+    single = greatest_stretch_squared(jnp.asarray(F, np.float32))
+    np.testing.assert_allclose(single, expected, rtol=3e-4)
+    with jax.enable_x64(True):
+        np.testing.assert_allclose(greatest_stretch_squared(jnp.asarray(F)), expected, rtol=3e-8)
 SINGULAR = {
     "rank 2": turned(1.5, 0.7, 0.0),
     "rank 1": turned(1.5, 0.0, 0.0),

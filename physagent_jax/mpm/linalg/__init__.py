@@ -3,6 +3,7 @@
 from physagent_jax.mpm.linalg.algebra import cofactor as cofactor
 from physagent_jax.mpm.linalg.algebra import cross as cross
 from physagent_jax.mpm.linalg.algebra import determinant as determinant
+from physagent_jax.mpm.linalg.algebra import greatest_stretch_squared as greatest_stretch_squared
 from physagent_jax.mpm.linalg.algebra import matmul as matmul
 from physagent_jax.mpm.linalg.algebra import matvec as matvec
 from physagent_jax.mpm.linalg.algebra import skew as skew

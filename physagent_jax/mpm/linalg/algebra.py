@@ -48,6 +48,19 @@ def determinant(a: jax.Array) -> jax.Array:
     return (a[..., 0, :] * cross(a[..., 1, :], a[..., 2, :])).sum(-1)
 
 
+def greatest_stretch_squared(F: jax.Array) -> jax.Array:
+    """Largest eigenvalue of F^T F, shape (...,), by the trigonometric formula (Smith 1961) instead of iterations.
+
+    In float32 within 3e-4 of its value where the two largest meet, 1e-5 elsewhere: for bounds, not for stresses.
+    """
+    size = jnp.maximum((F**2).sum((-1, -2)), jnp.finfo(F.dtype).tiny)  # the sum of the eigenvalues
+    scaled = F / jnp.sqrt(size)[..., None, None]
+    deviator = matmul(transpose(scaled), scaled) - jnp.eye(3, dtype=F.dtype) / 3
+    spread = jnp.sqrt((deviator**2).sum((-1, -2)) / 6)
+    cosine = determinant(deviator) / jnp.maximum(2 * spread**3, jnp.finfo(F.dtype).tiny)
+    return size * (1 / 3 + 2 * spread * jnp.cos(jnp.arccos(jnp.clip(cosine, -1, 1)) / 3))
+
+
 def skew(w: jax.Array) -> jax.Array:
     """The matrix W with W u = w x u, shapes (..., 3) -> (..., 3, 3)."""
     zero = jnp.zeros_like(w[..., 0])

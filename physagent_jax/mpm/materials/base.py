@@ -6,7 +6,6 @@ from typing import Protocol
 
 import jax
 
-from physagent_jax.mpm.linalg import singular_values
 
 History = jax.Array | tuple[()]
 """What a material remembers of the past: one number per particle, shape (n,), or () for none."""
@@ -96,8 +95,3 @@ def lame_parameters(youngs_modulus, poissons_ratio):
     mu = youngs_modulus / (2 * (1 + poissons_ratio))
     lam = youngs_modulus * poissons_ratio / ((1 + poissons_ratio) * (1 - 2 * poissons_ratio))
     return mu, lam
-
-
-def principal_stretches_squared(F: jax.Array) -> jax.Array:
-    """Eigenvalues of F^T F, descending, shape (n, 3). For time-step control, not for the inner loop."""
-    return singular_values(F) ** 2

@@ -7,8 +7,8 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.mpm.linalg import cofactor, determinant, matmul, transpose
-from physagent_jax.mpm.materials.base import History, Hyperelastic, principal_stretches_squared
+from physagent_jax.mpm.linalg import cofactor, determinant, greatest_stretch_squared, matmul, transpose
+from physagent_jax.mpm.materials.base import History, Hyperelastic
 from physagent_jax.pytree import register_dataclass
 
 
@@ -54,4 +54,4 @@ class NeoHookean(Hyperelastic):
 
     def stiffness(self, F: jax.Array, history: History = ()) -> jax.Array:
         """Since d tau_i / d ln lambda_j = 2 mu lambda_i^2 delta_ij + lam, so at most 2 mu max(lambda^2) + 3 lam."""
-        return 2 * self.mu * principal_stretches_squared(F)[:, 0] + 3 * self.lam
+        return 2 * self.mu * greatest_stretch_squared(F) + 3 * self.lam
