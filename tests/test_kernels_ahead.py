@@ -1,5 +1,6 @@
 """Kernels compiled ahead in processes of their own are found, and whoever fails is not missed."""
 
+import io
 import os
 import subprocess
 import sys
@@ -8,56 +9,80 @@ import pytest
 
 pytest.importorskip("numba")
 
-from physagent_jax.kernels import ahead, store  # noqa: E402  (after the check for Numba)
+from physagent_jax.cli import main  # noqa: E402  (after the check for Numba)
+from physagent_jax.kernels import ahead, store  # noqa: E402
+
+P2G, G2P, BLEND = "physagent_p2g_float32", "physagent_g2p_float32", "physagent_blend"
 
 
 @pytest.fixture
-def empty_store(tmp_path, monkeypatch):
-    """No kernel has been compiled yet on this machine, as far as anybody knows."""
-    monkeypatch.setattr(store, "_folder", lambda: tmp_path)
-    monkeypatch.setattr(ahead, "_running", {})
-    return tmp_path
+def begun(tmp_path, monkeypatch):
+    """What processes are begun for, where no kernel has been compiled on this machine, as far as anybody knows.
 
-
-def test_missing_kernels_are_compiled_each_in_a_process(empty_store, monkeypatch):
-    """What is there is left alone, what is being compiled is not begun twice, and waiting ends."""
-    begun = []
+    They are stand-ins, which say that P2G and the picture's kernel are done, and end.
+    """
+    scripts = []
 
     class Process:
         """Says what it was asked."""
 
         def __init__(self, command, **_):
-            begun.append(command[-1])
+            scripts.append(command[-1])
+            self.stdout = io.StringIO(f"{BLEND}\n{P2G}\n")
 
-        def wait(self):
-            begun.append("waited")
+        def communicate(self):
+            scripts.append("over")
 
+    monkeypatch.setattr(store, "_folder", lambda: tmp_path)
+    monkeypatch.setattr(ahead, "_running", {})
     monkeypatch.setattr(ahead.subprocess, "Popen", Process)
-    store.note("physagent_g2p_float32")
+    return scripts
+
+
+def test_one_process_compiles_what_is_missing(begun):
+    """What is there is left alone, and what is being compiled is not begun twice."""
+    store.note(G2P)
     ahead.begin()
     ahead.begin()
-    assert len(begun) == 2 and "'p2g', 'float32'" in begun[0] and "'blend'" in begun[1]
-    ahead.wait_for("physagent_p2g_float32")
-    ahead.wait_for("physagent_p2g_float32")
-    assert begun[2:] == ["waited"]
+    (script,) = begun
+    assert P2G in script and BLEND in script and G2P not in script
+
+
+def test_waiting_ends_with_the_kernel_or_the_process(begun):
+    """What is said of another kernel meanwhile is noted; what the process never made is nobody's any more."""
+    ahead.begin()
+    ahead.wait_for(BLEND)
+    assert set(ahead._running) == {P2G, G2P}
+    ahead.wait_for(BLEND)
+    assert "over" not in begun
+    ahead.wait_for(G2P)
+    assert not ahead._running and begun[1:] == ["over"]
+
+
+def test_commands_that_play_begin_before_they_read_their_arguments(begun):
+    """A help text compiles nothing."""
+    for arguments in (["run", "--help"], ["simulate", "-h"], ["materials", "--nonsense"]):
+        with pytest.raises(SystemExit):
+            main(arguments)
+    assert not begun
+    with pytest.raises(SystemExit):
+        main(["run", "--nonsense"])
+    assert len(begun) == 1
+
+
+def in_a_process(script, folder):
+    """What ``script`` prints, with an empty store, or what another left in ``folder``."""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder)}
+    command = [sys.executable, "-c", f"from physagent_jax.kernels import ahead, store; {script}"]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.split()
 
 
 def test_every_target_ahead_is_one_that_a_handler_makes(tmp_path):
-    """A fresh process compiles the smallest of them into an empty store, and a second one finds it there."""
-    name = "physagent_blend"
-    module, *arguments = ahead.PLAYING[name]
-    script = (
-        f"from physagent_jax.kernels import ahead, store; print(store.has({name!r})); "
-        f"ahead.compile_one({module!r}, {arguments!r}); print(store.has({name!r}))"
-    )
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    runs = [
-        subprocess.run(
-            [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True
-        )
-        for _ in range(2)
-    ]
-    assert [run.stdout.split() for run in runs] == [["False", "True"], ["True", "True"]]
+    """A process compiles the smallest of them and says so; what cannot be made it leaves out, and goes on."""
+    nonsense = f'ahead.PLAYING["nonsense"] = (ahead.PLAYING["{BLEND}"][0], "nonsense")'
+    script = f'{nonsense}; ahead.compile_all(["nonsense", "{BLEND}"])'
+    assert in_a_process(script, tmp_path) == [BLEND]
+    assert in_a_process(f'print(store.has("{BLEND}"), store.has("nonsense"))', tmp_path) == ["True", "False"]
 
 
 def test_nothing_here_needs_numba():

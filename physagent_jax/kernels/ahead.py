@@ -71,7 +71,10 @@ def wait_for(name: str) -> None:
     """Returns when nobody is compiling ``name``; whoever failed has left it to the caller."""
     with _reading:
         while name in _running:
-            output = _running[name].stdout
-            done = output.readline().strip() if output else ""
-            for each in [done] if done else [each for each in _running if _running[each] is _running[name]]:
+            process = _running[name]
+            done = process.stdout.readline().strip() if process.stdout else ""
+            ended = [each for each in _running if _running[each] is process]
+            for each in [done] if done else ended:
                 _running.pop(each, None)
+            if process not in _running.values():
+                process.communicate()

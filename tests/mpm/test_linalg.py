@@ -103,6 +103,8 @@ def test_greatest_stretch_matches_numpy(F):
     np.testing.assert_allclose(single, expected, rtol=3e-4)
     with jax.enable_x64(True):
         np.testing.assert_allclose(greatest_stretch_squared(jnp.asarray(F)), expected, rtol=3e-8)
+
+
 SINGULAR = {
     "rank 2": turned(1.5, 0.7, 0.0),
     "rank 1": turned(1.5, 0.0, 0.0),

@@ -6,7 +6,6 @@ from typing import Protocol
 
 import jax
 
-
 History = jax.Array | tuple[()]
 """What a material remembers of the past: one number per particle, shape (n,), or () for none."""
 
