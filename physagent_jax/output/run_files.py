@@ -88,8 +88,7 @@ def motion_of(scene: Scene, recording: Recording) -> Motion:
 
 def write_filmstrip(path: Path, rgb: np.ndarray, seen: Perception) -> None:
     """A strip of evenly spaced frames with perception's mask and tracks drawn on them."""
-    drawn = overlay(rgb, seen.masks, seen.tracks, seen.visible)
-    chosen = np.linspace(0, len(rgb) - 1, min(FILMSTRIP_FRAMES, len(rgb))).round().astype(int)
-    strip = np.concatenate([drawn[t] for t in chosen], axis=1)
+    chosen = np.linspace(0, len(rgb) - 1, min(FILMSTRIP_FRAMES, len(rgb))).round().astype(int).tolist()
+    strip = np.concatenate(overlay(rgb, seen.masks, seen.tracks, seen.visible, frames=chosen), axis=1)
     with replacing(path) as temporary:
         cv2.imwrite(str(temporary), cv2.cvtColor(strip, cv2.COLOR_RGB2BGR))

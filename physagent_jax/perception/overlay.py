@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import colorsys
+from collections.abc import Sequence
 
 import cv2
 import numpy as np
@@ -17,6 +18,7 @@ def overlay(
     tracks: np.ndarray,
     visible: np.ndarray,
     *,
+    frames: Sequence[int] | None = None,
     tail: int = 8,
     most: int = 70,
 ) -> np.ndarray:
@@ -27,14 +29,16 @@ def overlay(
         masks: The object, bool, shape (T, H, W).
         tracks: Points, pixel centres at +0.5 [px], shape (T, N, 2).
         visible: Where to draw them, bool, shape (T, N).
+        frames: Indices of the pictures to draw on; None = all.
         tail: Length of the tails [frames].
         most: Tracks drawn per frame, at most; they are thinned evenly.
 
     Returns:
-        New pictures of the same shape.
+        New pictures, uint8, shape (len(frames), H, W, 3).
     """
     colours = _colours(tracks, visible)
-    return np.stack([_frame(rgb, masks, tracks, visible, colours, t, tail, most) for t in range(len(rgb))])
+    chosen = range(len(rgb)) if frames is None else frames
+    return np.stack([_frame(rgb, masks, tracks, visible, colours, t, tail, most) for t in chosen])
 
 
 def _frame(rgb, masks, tracks, visible, colours, t: int, tail: int, most: int) -> np.ndarray:

@@ -196,6 +196,8 @@ def test_overlay_draws_without_touching_its_input():
     assert drawn.shape == rgb.shape and drawn.dtype == np.uint8
     assert (rgb == 200).all() and (drawn[2, 12:28, 12:28] != 200).any()
     assert overlay(rgb, masks, np.zeros((3, 0, 2)), np.zeros((3, 0), bool)).shape == rgb.shape
+    some = overlay(rgb, masks, tracks, np.ones((3, 2), bool), frames=[2, 0])
+    np.testing.assert_array_equal(some, drawn[[2, 0]])
 
 
 def test_seeds_without_depth_do_not_stop_the_measurement():
