@@ -23,6 +23,7 @@ from physagent_jax.mpm import reductions
 from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.ledger import Exchange, balanced, exchange
 from physagent_jax.mpm.plan import acting
+from physagent_jax.mpm.sorting import placed, renewed, restored
 from physagent_jax.mpm.state import Grid, Model, State
 from physagent_jax.mpm.step import initial_stress, substep
 from physagent_jax.mpm.timestep import SAFETY, check_explicit_dt, kinematic_dt, stable_dt, substeps_for
@@ -80,6 +81,7 @@ class Frame:
         grid: The window used; the next frame's is fitted from it.
         seconds: Wall time of the frame, redone attempts included [s].
         exchange: What forces, boundaries and dissipation exchanged since the frame before; None = not asked for.
+        order: In which the particles lay in memory meanwhile, shape (n,); None = as they are in ``state``.
     """
 
     index: int
@@ -92,6 +94,7 @@ class Frame:
     grid: Grid
     seconds: float
     exchange: Exchange | None = None
+    order: np.ndarray | None = None
 
     @property
     def grid_shape(self) -> tuple[int, int, int]:
@@ -166,8 +169,8 @@ def simulate(
         force_substep: Whether to run ``substep_dt`` even above the bound. It is then never shortened: a frame
             that fails its check ends the run.
         ledger: Whether frames carry an `Exchange`.
-        begin: A frame of an earlier call whose frames up to there are these too. Nothing but its state and grid
-            window passes from frame to frame, so what follows is the same as if all were simulated.
+        begin: A frame of an earlier call whose frames up to there are these too. Nothing but its state, grid window
+            and order passes from frame to frame, so what follows is the same as if all were simulated.
 
     Raises:
         UserError: The input cannot be simulated (`checks.check_start`), ``substep_dt`` is above the stable bound
@@ -181,16 +184,20 @@ def simulate(
     if begin is None:
         begin = Frame(0, state, 0, 0.0, 1.0, 1.0, (), model.grid, 0.0, _nothing(state, ledger))
         yield begin
-    model, state = model.replace(grid=begin.grid), begin.state
+    model, state, order = model.replace(grid=begin.grid), begin.state, begin.order
     for index in range(begin.index + 1, frame_count):
         begun, time_now = time.perf_counter(), float(state.time)
         substeps = _substeps(model, state, frame_dt, substep_dt, safety, fixed)
+        order = renewed(order, model, state)
         retries, margin = [], 1.0
         while True:
             grid = _follow(model, state, frame_dt, margin)
             model = model.replace(grid=grid, dt=on_device(frame_dt / substeps, state.x.dtype))
             present = acting(model, time_now, time_now + frame_dt)
-            after, health, total = advance(present, state, on_device(substeps, np.int32), ledger)
+            after, health, total = advance(
+                *placed(order, present, state), on_device(substeps, np.int32), ledger
+            )
+            after = restored(order, model, after)
             breach = _breach(model, after, health, fixed)
             if breach is None:
                 break
@@ -216,6 +223,7 @@ def simulate(
             grid,
             time.perf_counter() - begun,
             total,
+            order,
         )
 
 

@@ -26,6 +26,7 @@ from physagent_jax.mpm.checks import check_sizes
 from physagent_jax.mpm.constraints import PrescribedMotion, RigidBody
 from physagent_jax.mpm.materials import Rigid
 from physagent_jax.mpm.rollout import rollout
+from physagent_jax.mpm.sorting import per_particle
 from physagent_jax.mpm.state import Model, State
 
 AXIS = "particles"
@@ -89,7 +90,7 @@ def specs(split: tuple[Model, State]) -> tuple[Any, Any]:
     """How each array of a model and a state lies on the mesh."""
 
     def spec(path, leaf):
-        return PartitionSpec(AXIS) if _of_particles(path, leaf) else PartitionSpec()
+        return PartitionSpec(AXIS) if per_particle(path, leaf) else PartitionSpec()
 
     model, state = split
     return jax.tree.map_with_path(spec, model), jax.tree.map_with_path(spec, state)
@@ -97,18 +98,6 @@ def specs(split: tuple[Model, State]) -> tuple[Any, Any]:
 
 def _at(function, specs):
     return jax.tree.map(function, specs, is_leaf=lambda part: isinstance(part, PartitionSpec))
-
-
-def _of_particles(path: tuple, leaf: Any) -> bool:
-    """Whether a leaf of a `Model` or a `State` holds one entry per particle."""
-    first, last = path[0].name, getattr(path[-1], "name", "")
-    if first in ("mass", "volume", "viscosity", "x", "v", "C", "F"):
-        return True
-    if first in ("materials", "history"):
-        return jnp.ndim(leaf) > 0
-    if first == "forces":
-        return last == "weight"
-    return first == "constraints" and last in ("particles", "start", "end")
 
 
 @dataclasses.dataclass(frozen=True)

@@ -2,12 +2,24 @@
 
 Neighbours in space that are neighbours in memory find their nodes in the processor's caches, and threads with
 contiguous shares of the particles touch few of the same planes of the grid. A solid keeps its neighbours, so that
-sorting it once, at rest, pays for the whole run.
+sorting it once, at rest, pays for the whole run; what flows is sorted again when it has mixed.
 """
 
 from __future__ import annotations
 
+from functools import partial
+from typing import Any, TypeVar
+
+import jax
+import jax.numpy as jnp
 import numpy as np
+
+from physagent_jax.mpm import kernels
+from physagent_jax.mpm.state import Model, State
+
+MIXED = 0.25  # share of neighbours in memory that are no neighbours in space, from which sorting pays
+_SAMPLED = 16  # particles per pair that is looked at
+_Part = TypeVar("_Part", Model, State)
 
 
 def cell_order(x: np.ndarray, dx: float, group: np.ndarray | None = None) -> np.ndarray:
@@ -25,3 +37,81 @@ def cell_order(x: np.ndarray, dx: float, group: np.ndarray | None = None) -> np.
     i, j, k = np.floor(np.asarray(x) / dx).astype(np.int64).T
     keys = (k, j, i) if group is None else (k, j, i, np.asarray(group))
     return np.lexsort(keys)
+
+
+def renewed(order: np.ndarray | None, model: Model, state: State) -> np.ndarray | None:
+    """The order in which particles had better lie for the coming frame: ``order`` until they have mixed.
+
+    Only the CPU kernels gain by it. A model with constraints, which name their particles, or with forces of its own
+    numbers per particle keeps its order.
+
+    Args:
+        order: The present one: a particle in each place, shape (n,); None = as they are.
+        model: Particles as they are.
+        state: Likewise.
+    """
+    if not kernels.use_cpu(model.kernels) or model.constraints or _particular(model.forces, len(state.x)):
+        return order
+    x = np.asarray(state.x)
+    pairs = _sampled_pairs(order, len(x))
+    rows = np.floor(x[pairs][..., :2] / model.grid.dx)
+    if np.mean(np.abs(rows[0] - rows[1]).max(-1) > 1) <= MIXED:
+        return order
+    counts = [material.count for material in model.materials]
+    return cell_order(x, model.grid.dx, np.repeat(np.arange(len(counts)), counts))
+
+
+def _sampled_pairs(order: np.ndarray | None, count: int) -> np.ndarray:
+    """Some particles, and those that come next in memory, shape (2, m)."""
+    first = np.arange(0, count - 1, _SAMPLED)
+    places = np.stack([first, first + 1])
+    return places if order is None else order[places]
+
+
+def _particular(forces: tuple[Any, ...], count: int) -> bool:
+    """Whether a force has numbers per particle."""
+    return any(jnp.ndim(leaf) and len(leaf) == count for leaf in jax.tree.leaves(forces))
+
+
+def placed(order: np.ndarray | None, model: Model, state: State) -> tuple[Model, State]:
+    """Both with their particles in that order."""
+    if order is None:
+        return model, state
+    counts = tuple(material.count for material in model.materials)
+    return _taken(model, order, counts), _taken(state, order, counts)
+
+
+def restored(order: np.ndarray | None, model: Model, state: State) -> State:
+    """A state of `placed` with its particles as they were."""
+    if order is None:
+        return state
+    back = np.empty_like(order)
+    back[order] = np.arange(len(order))
+    return _taken(state, back, tuple(material.count for material in model.materials))
+
+
+@partial(jax.jit, static_argnames="counts")
+def _taken(part: _Part, order: jax.Array, counts: tuple[int, ...]) -> _Part:
+    starts = np.cumsum((0, *counts))
+
+    def take(path, leaf):
+        if not per_particle(path, leaf):
+            return leaf
+        if path[0].name not in ("materials", "history"):
+            return leaf[order]
+        first, last = starts[path[1].idx : path[1].idx + 2]
+        return leaf[order[first:last] - first] if len(leaf) == last - first else leaf
+
+    return jax.tree.map_with_path(take, part)
+
+
+def per_particle(path: tuple, leaf: Any) -> bool:
+    """Whether a leaf of a `Model` or a `State` holds one entry per particle, or per particle of a material's block."""
+    first, last = path[0].name, getattr(path[-1], "name", "")
+    if first in ("mass", "volume", "viscosity", "x", "v", "C", "F"):
+        return True
+    if first in ("materials", "history"):
+        return jnp.ndim(leaf) > 0
+    if first == "forces":
+        return last == "weight"
+    return first == "constraints" and last in ("particles", "start", "end")
