@@ -120,11 +120,28 @@ def test_held_particles_come_in_buckets_too():
     assert (places[count:] == len(mask)).all()
 
 
-@pytest.mark.parametrize("anchor", ["none", "base"])
-def test_an_object_of_nearly_the_same_size_compiles_nothing_anew(robot_path, anchor):
+GRIP = {
+    "constraint_type": "enforce_particle_translation",
+    "vector": [1, 0, 0],
+    "magnitude": 1,
+    "active_time": [0, 2],
+    "region": {"kind": "half_space", "point": [0.5, 0.5, 0.6], "normal": [0, 0, 1]},
+}
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {},
+        {"anchor": c.Anchor(kind="base", fraction=0.2)},
+        {"force_field": ForceField.model_validate({"constraints": [GRIP]})},
+    ],
+    ids=["free", "anchored", "gripped"],
+)
+def test_an_object_of_nearly_the_same_size_compiles_nothing_anew(robot_path, parts):
     programs = []
     for particles in (1450, 1500):
-        scene = config(robot_path, particles, anchor=c.Anchor(kind=anchor, fraction=0.2))
+        scene = config(robot_path, particles, **parts)
         scene = compile_scene(scene, body_of(scene))
         assert scene.body.particles.count != len(scene.order)
         play(scene, Stopwatch())

@@ -44,9 +44,13 @@ def shares(order: np.ndarray) -> np.ndarray:
 
 
 def places(mask: np.ndarray) -> jax.Array:
-    """Where ``mask``, shape (n,), is true; to fill the bucket, n: no particle, and constraints do nothing to it."""
-    held = np.flatnonzero(mask)
-    return on_device(np.pad(held, (0, bucket(len(held)) - len(held)), constant_values=len(mask)), np.int32)
+    """Where ``mask``, shape (n,), is true; to fill the bucket, n."""
+    return filled(np.flatnonzero(mask), len(mask))
+
+
+def filled(held: np.ndarray, count: int) -> jax.Array:
+    """Indices of ``held`` particles and, to fill the bucket, their ``count``: no particle, which nothing is done to."""
+    return on_device(np.pad(held, (0, bucket(len(held)) - len(held)), constant_values=count), np.int32)
 
 
 def fill_up(cloud: GaussianCloud, binding: Binding) -> tuple[GaussianCloud, Binding]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from physagent_jax.errors import UserError
@@ -11,6 +13,7 @@ from physagent_jax.forces.regions import region_mask
 from physagent_jax.forces.skills import closed_form_scaling, compile_force_field
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
+from physagent_jax.scene.compile import buckets
 from physagent_jax.scene.compile.select import DTYPE, leaf
 
 
@@ -107,6 +110,8 @@ def _force_field(config: c.SceneConfig, body: Body, rest: np.ndarray, volume: np
         density=config.material.density,
         duration=(timing.frame_count - 1) * timing.frame_dt,
     )
-    return compile_force_field(
+    skills, grips = compile_force_field(
         config.force_field, scaling, rest, volume, frame_dt=timing.frame_dt, frame_count=timing.frame_count
     )
+    held = (buckets.filled(np.asarray(grip.particles), len(rest)) for grip in grips)
+    return skills, tuple(dataclasses.replace(grip, particles=places) for grip, places in zip(grips, held))
