@@ -240,6 +240,30 @@ def distribute(typing, array, start, stride, value):
 
 
 @intrinsic
+def joined(typing, a, b):
+    """The lanes of a and then those of b: two batches in one, for arithmetic that would wait for its own results."""
+    both = Lanes(a.dtype, 2 * a.count)
+
+    def generate(context, builder, signature, arguments):
+        return builder.shuffle_vector(*arguments, _mask(range(both.count)))
+
+    return both(a, a), generate
+
+
+@intrinsic
+def halves(typing, both):
+    """What `joined` has put together."""
+    half = both.count // 2
+    result = types.UniTuple(Lanes(both.dtype, half), 2)
+
+    def generate(context, builder, signature, arguments):
+        parts = [_shuffled(builder, arguments[0], range(k, k + half)) for k in (0, half)]
+        return context.make_tuple(builder, result, parts)
+
+    return result(both), generate
+
+
+@intrinsic
 def same(typing, number, lanes):
     """A number in as many lanes as ``lanes`` has."""
 

@@ -130,7 +130,12 @@ def compose(
 
     shapes = ((0, 3, 3) if diagonal is None else matrices.shape for diagonal in (change, spatial))
     results = tuple(jax.ShapeDtypeStruct(shape, F.dtype) for shape in shapes)
-    call = jax.ffi.ffi_call(handler("compose", F.dtype.name), results, vmap_method="sequential")
+    call = jax.ffi.ffi_call(
+        handler("compose", F.dtype.name),
+        results,
+        vmap_method="sequential",
+        input_output_aliases={} if change is None else {1: 0},
+    )
     new_F, tau = call(basis, matrices, padded(change), padded(spatial), _control(F.dtype))
     return new_F[:count], tau[:count]
 

@@ -83,7 +83,6 @@ def _decompose(frame, number):
 def _compose(frame, number):
     compose(
         ffi.operand(frame, 0, number, 3),
-        ffi.operand(frame, 1, number, 1),
         ffi.operand(frame, 2, number, 2),
         ffi.operand(frame, 3, number, 2),
         ffi.result(frame, 0, number, 1),

@@ -1,4 +1,4 @@
-"""The SVD of `mpm.linalg.svd` on the CPU: the same Jacobi sweeps, a batch of particles at a time.
+"""The SVD of `mpm.linalg.svd` on the CPU: the same Jacobi sweeps, two batches of particles at a time.
 
 `decompose` leaves the frames as it has them, in batches, and `compose` takes them so: turning them into matrices and
 back costs more than the SVD itself.
@@ -16,8 +16,11 @@ from physagent_jax.kernels.lanes import (
     any_greater,
     batch,
     collect,
+    counted,
     distribute,
     flat,
+    halves,
+    joined,
     magnitude,
     root,
     same,
@@ -44,45 +47,49 @@ def decompose(F, sweeps, s, basis, parts):
     """
     count, batches = s.shape[1], basis.shape[0]
     frames, values = flat(basis), flat(s)
+    pairs = (batches + 1) // 2
     for part in prange(parts):
-        first, last = share(batches, np.int64(part), parts)
-        for number in range(first, last):
-            start = batch_start(number, count)
-            (u, v), (s0, s1, s2), (x, y) = _factors(F, 9 * start, sweeps)
-            store(values, start, s0)
-            store(values, count + start, s1)
-            store(values, 2 * count + start, s2)
-            o = number * FRAME * PARTICLES
-            _put_column(frames, o, u)
-            _put_column(frames, o + 3 * PARTICLES, v)
-            _put_column(frames, o + 6 * PARTICLES, x)
-            _put_column(frames, o + 9 * PARTICLES, y)
+        first, last = share(pairs, np.int64(part), parts)
+        for pair in range(first, last):
+            # Two batches at a time: a rotation is a chain of roots and quotients, and the second fills its pauses.
+            one, other = 2 * pair, min(2 * pair + 1, batches - 1)
+            start = batch_start(one, count), batch_start(other, count)
+            (u, v), (s0, s1, s2), (x, y) = _factors(F, (9 * start[0], 9 * start[1]), sweeps)
+            _put(values, start, 0, s0)
+            _put(values, start, count, s1)
+            _put(values, start, 2 * count, s2)
+            o = one * FRAME * PARTICLES, other * FRAME * PARTICLES
+            _put_column(frames, o, 0, u)
+            _put_column(frames, o, 3 * PARTICLES, v)
+            _put_column(frames, o, 6 * PARTICLES, x)
+            _put_column(frames, o, 9 * PARTICLES, y)
 
 
 @njit(parallel=True, **OPTIONS)
-def compose(basis, F, change, spatial, new_F, tau, parts):
+def compose(basis, change, spatial, F, tau, parts):
     """F + U diag(change) V^T and U diag(spatial) U^T, with the frames of `decompose`.
 
     Args:
         basis: As made by `decompose`.
-        F: Matrices, flat.
         change: Shape (3, n), or (3, 0) = not wanted.
         spatial: Shape (3, n), or (3, 0) = not wanted.
-        new_F: Result, flat, if wanted.
+        F: Matrices, flat, which the change is added to, if wanted.
         tau: Result, flat, if wanted.
         parts: Shares of the work.
     """
-    count, batches = F.shape[0] // 9, basis.shape[0]
+    batches, count = basis.shape[0], max(change.shape[1], spatial.shape[1])
     moves, stresses = change.shape[1] > 0, spatial.shape[1] > 0
     frames, g, t = flat(basis), flat(change), flat(spatial)
     for part in prange(parts):
-        first, last = share(batches, np.int64(part), parts)
-        for number in range(first, last):
+        # The last batch belongs to whoever does the one before, whose matrices it must not change again.
+        first, last = share(batches - 1, np.int64(part), parts)
+        for number in range(first, last + (part == parts - 1)):
             start, o = batch_start(number, count), number * FRAME * PARTICLES
             u, v = _get_column(frames, o), _get_column(frames, o + 3 * PARTICLES)
             w = _cross(u, v)
             if moves:
-                a, b, c = _scaled(g, start, count, u, v, w)
+                done = number * PARTICLES - start
+                a, b, c = _scaled(g, start, count, done, u, v, w)
                 x, y = _get_column(frames, o + 6 * PARTICLES), _get_column(frames, o + 9 * PARTICLES)
                 z = _cross(x, y)
                 for k in range(3):
@@ -90,9 +97,9 @@ def compose(basis, F, change, spatial, new_F, tau, parts):
                     xk, yk, zk = three(x, k), three(y, k), three(z, k)
                     for i in range(3):
                         moved = three(a, i) * xk + three(b, i) * yk + three(c, i) * zk
-                        distribute(new_F, at + 3 * i, 9, collect(F, at + 3 * i, 9) + moved)
+                        distribute(F, at + 3 * i, 9, collect(F, at + 3 * i, 9) + moved)
             if stresses:
-                a, b, c = _scaled(t, start, count, u, v, w)
+                a, b, c = _scaled(t, start, count, 0, u, v, w)
                 for i in range(3):
                     ai, bi, ci = three(a, i), three(b, i), three(c, i)
                     for k in range(i, 3):
@@ -109,10 +116,17 @@ def batch_start(number, count):
 
 
 @njit(**INLINE)
-def _put_column(array, o, a):
-    store(array, o, a[0])
-    store(array, o + PARTICLES, a[1])
-    store(array, o + 2 * PARTICLES, a[2])
+def _put(array, o, offset, a):
+    """Writes two batches, each ``offset`` from its own place."""
+    low, high = halves(a)
+    store(array, o[0] + offset, low)
+    store(array, o[1] + offset, high)
+
+
+@njit(**INLINE)
+def _put_column(array, o, offset, a):
+    for k in range(3):
+        _put(array, o, offset + k * PARTICLES, three(a, k))
 
 
 @njit(**INLINE)
@@ -121,9 +135,16 @@ def _get_column(array, o):
 
 
 @njit(**INLINE)
-def _scaled(diagonal, start, count, u, v, w):
-    """Columns u, v, w, each times its entry of ``diagonal``."""
+def _scaled(diagonal, start, count, done, u, v, w):
+    """Columns u, v, w, each times its entry of ``diagonal``, which counts as zero in the first ``done`` lanes."""
+    lane, _ = halves(counted(diagonal[0]))
+    first, zero = same(like(done, diagonal[0]), lane), same(like(0, diagonal[0]), lane)
     d0, d1, d2 = batch(diagonal, start), batch(diagonal, count + start), batch(diagonal, 2 * count + start)
+    d0, d1, d2 = (
+        where_greater(first, lane, zero, d0),
+        where_greater(first, lane, zero, d1),
+        where_greater(first, lane, zero, d2),
+    )
     return (
         (d0 * u[0], d0 * u[1], d0 * u[2]),
         (d1 * v[0], d1 * v[1], d1 * v[2]),
@@ -133,16 +154,17 @@ def _scaled(diagonal, start, count, u, v, w):
 
 @njit(**INLINE)
 def _factors(F, o, sweeps):
-    """Two columns of U, singular values and two columns of V, of the batch of matrices that starts at ``F[o]``."""
-    zero = same(like(0, F[0]), collect(F, o, 9))
+    """Two columns of U, singular values, two columns of V: of the batches that start at ``F[o[0]]`` and ``F[o[1]]``."""
+    zero = same(like(0, F[0]), _collect(F, o, 0))
     one, half, tiny = same(like(1, F[0]), zero), same(like(0.5, F[0]), zero), same(smallest(F[0]), zero)
-    a, b, c = _column(F, o), _column(F, o + 1), _column(F, o + 2)
+    last_place = same(roundoff(F[0]) + roundoff(F[0]), zero)
+    a, b, c = _column(F, o, 0), _column(F, o, 1), _column(F, o, 2)
     scale = _largest(_largest(_largest(zero, a), b), c)
     scale = where_greater(scale, zero, scale, one) + (scale - scale)  # not finite where F is not
     a, b, c = _over(a, scale), _over(b, scale), _over(c, scale)
     x, y, z = (one, zero, zero), (zero, one, zero), (zero, zero, one)
     for sweep in range(sweeps):
-        if sweep >= _LEAST_SWEEPS and _settled(a, b, c, same(roundoff(F[0]), zero)):
+        if sweep >= _LEAST_SWEEPS and _settled(a, b, c, last_place):
             break
         a, b, x, y = _orthogonal(a, b, x, y, zero, one)
         a, c, x, z = _orthogonal(a, c, x, z, zero, one)
@@ -157,18 +179,23 @@ def _factors(F, o, sweeps):
 
 
 @njit(**INLINE)
-def _settled(a, b, c, roundoff):
-    """Whether the columns are at right angles, the longest first, in all lanes: another sweep would change nothing."""
+def _settled(a, b, c, tolerance):
+    """Whether the columns are at right angles, the longest first, in all lanes: another sweep would gain nothing."""
     aa, bb, cc = root(_dot(a, a)), root(_dot(b, b)), root(_dot(c, c))
-    askew = any_greater(magnitude(_dot(a, b)), roundoff * aa * bb)
-    askew |= any_greater(magnitude(_dot(a, c)), roundoff * aa * cc)
-    askew |= any_greater(magnitude(_dot(b, c)), roundoff * bb * cc)
+    askew = any_greater(magnitude(_dot(a, b)), tolerance * aa * bb)
+    askew |= any_greater(magnitude(_dot(a, c)), tolerance * aa * cc)
+    askew |= any_greater(magnitude(_dot(b, c)), tolerance * bb * cc)
     return not (askew or any_greater(bb, aa) or any_greater(cc, bb))
 
 
 @njit(**INLINE)
-def _column(F, o):
-    return collect(F, o, 9), collect(F, o + 3, 9), collect(F, o + 6, 9)
+def _collect(F, o, offset):
+    return joined(collect(F, o[0] + offset, 9), collect(F, o[1] + offset, 9))
+
+
+@njit(**INLINE)
+def _column(F, o, k):
+    return _collect(F, o, k), _collect(F, o, k + 3), _collect(F, o, k + 6)
 
 
 @njit(**INLINE)
