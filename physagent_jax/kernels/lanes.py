@@ -109,6 +109,41 @@ def node_sum(typing, lanes):
 
 
 @intrinsic
+def by_number(typing, a, b):
+    """Of eight nodes' numbers, four nodes in a and four in b: all first ones, all second ones and so on."""
+    kind = Lanes(a.dtype, PARTICLES)
+    result = types.UniTuple(kind, _GROUP)
+
+    def generate(context, builder, signature, arguments):
+        parts = [builder.shuffle_vector(*arguments, _mask(range(d, 2 * ROW, _GROUP))) for d in range(_GROUP)]
+        return context.make_tuple(builder, result, parts)
+
+    return result(a, a), generate
+
+
+@intrinsic
+def by_node(typing, a, b, c):
+    """The numbers of eight nodes, four nodes in each result: one of a, of b and of c, and a zero for each node."""
+    result = types.UniTuple(Lanes(a.dtype), 2)
+
+    def generate(context, builder, signature, arguments):
+        a, b, c = arguments
+        everything = _mask(range(2 * PARTICLES))
+        ab = builder.shuffle_vector(a, b, everything)
+        c0 = builder.shuffle_vector(c, ir.Constant(c.type, None), everything)
+        half = ROW // _GROUP
+        parts = [
+            builder.shuffle_vector(
+                ab, c0, _mask([d * PARTICLES + k for k in range(k0, k0 + half) for d in range(_GROUP)])
+            )
+            for k0 in (0, half)
+        ]
+        return context.make_tuple(builder, result, parts)
+
+    return result(a, a, a), generate
+
+
+@intrinsic
 def pack(typing, three):
     """A vector: three numbers and a zero."""
 

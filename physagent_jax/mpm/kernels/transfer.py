@@ -13,6 +13,11 @@ import numpy as np
 from numba import njit, prange
 
 from physagent_jax.kernels.lanes import (
+    PARTICLES,
+    ROW,
+    batch,
+    by_node,
+    by_number,
     clear,
     everywhere,
     flat,
@@ -96,15 +101,20 @@ def planes(x, first, last, origin, dx, count):
 def add_up(private, touched, nodes, i, shape):
     """Plane i of the sum of the threads' grids; ``nodes`` has one number of all nodes after the other."""
     count, total = shape[1] * shape[2], shape[0] * shape[1] * shape[2]
-    o = i * count
-    for d in range(NUMBERS):
-        clear(nodes, d * total + o, d * total + o + count)
-    for part in range(private.shape[0]):
-        if touched[part, 0] <= i < touched[part, 1]:
-            own = private[part]
-            for k in range(count):
-                for d in range(NUMBERS):
-                    nodes[d * total + o + k] += own[NUMBERS * (o + k) + d]
+    for k in range(i * count, (i + 1) * count, PARTICLES):
+        o = min(k, (i + 1) * count - PARTICLES)
+        zero = same(like(0, nodes[0]), load(nodes, 0))
+        first, second = zero, zero
+        for part in range(private.shape[0]):
+            if touched[part, 0] <= i < touched[part, 1]:
+                own = private[part]
+                first = first + load(own, NUMBERS * o)
+                second = second + load(own, NUMBERS * o + ROW)
+        a, b, c, d = by_number(first, second)
+        store(nodes, o, a)
+        store(nodes, o + total, b)
+        store(nodes, o + 2 * total, c)
+        store(nodes, o + 3 * total, d)
 
 
 @njit(**OPTIONS)
@@ -197,10 +207,12 @@ def g2p(x, F, velocity, origin, dt, dx, classical, low, high, new_x, new_v, new_
 def interleave(velocity, padded, i, shape):
     """Puts the numbers of each node of plane i side by side, and a zero after them."""
     count, total = shape[1] * shape[2], shape[0] * shape[1] * shape[2]
-    for k in range(i * count, (i + 1) * count):
-        for d in range(3):
-            padded[NUMBERS * k + d] = velocity[d * total + k]
-        padded[NUMBERS * k + 3] = 0
+    for k in range(i * count, (i + 1) * count, PARTICLES):
+        o = min(k, (i + 1) * count - PARTICLES)
+        a, b, c = batch(velocity, o), batch(velocity, o + total), batch(velocity, o + 2 * total)
+        first, second = by_node(a, b, c)
+        store(padded, NUMBERS * o, first)
+        store(padded, NUMBERS * o + ROW, second)
 
 
 @njit(**OPTIONS)
