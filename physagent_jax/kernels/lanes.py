@@ -19,7 +19,7 @@ from numba.extending import intrinsic, lower_builtin, models, register_model, ty
 from numba.np.arrayobj import populate_array
 
 ROW = 16  # lanes of a row of nodes
-PARTICLES = 8  # lanes of a batch of particles
+BATCH = 8  # particles of which the 3x3 algebra is done, or nodes put in another order, at a time
 _GROUP = 4  # numbers per node
 _CONTRACT = ("contract", "nsz")  # multiply-add in one rounding; NaN and infinity keep their meaning
 _INDEX = ir.IntType(32)
@@ -55,7 +55,7 @@ def load(typing, array, index):
 @intrinsic
 def batch(typing, array, index):
     """Eight lanes from ``array[index : index + 8]``, a contiguous one-dimensional array."""
-    lanes = Lanes(array.dtype, PARTICLES)
+    lanes = Lanes(array.dtype, BATCH)
 
     def generate(context, builder, signature, arguments):
         pointer = _pointer(context, builder, signature.args[0], arguments, lanes)
@@ -111,7 +111,7 @@ def node_sum(typing, lanes):
 @intrinsic
 def by_number(typing, a, b):
     """Of eight nodes' numbers, four nodes in a and four in b: all first ones, all second ones and so on."""
-    kind = Lanes(a.dtype, PARTICLES)
+    kind = Lanes(a.dtype, BATCH)
     result = types.UniTuple(kind, _GROUP)
 
     def generate(context, builder, signature, arguments):
@@ -128,13 +128,13 @@ def by_node(typing, a, b, c):
 
     def generate(context, builder, signature, arguments):
         a, b, c = arguments
-        everything = _mask(range(2 * PARTICLES))
+        everything = _mask(range(2 * BATCH))
         ab = builder.shuffle_vector(a, b, everything)
         c0 = builder.shuffle_vector(c, ir.Constant(c.type, None), everything)
         half = ROW // _GROUP
         parts = [
             builder.shuffle_vector(
-                ab, c0, _mask([d * PARTICLES + k for k in range(k0, k0 + half) for d in range(_GROUP)])
+                ab, c0, _mask([d * BATCH + k for k in range(k0, k0 + half) for d in range(_GROUP)])
             )
             for k0 in (0, half)
         ]
@@ -245,13 +245,13 @@ def put_rows(typing, array, index, a, b, c):
 @intrinsic
 def collect(typing, array, start, stride):
     """Eight lanes from ``array[start]``, ``array[start + stride]`` and so on, of a flat array."""
-    lanes = Lanes(array.dtype, PARTICLES)
+    lanes = Lanes(array.dtype, BATCH)
 
     def generate(context, builder, signature, arguments):
         data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
         vector = ir.Constant(context.get_value_type(lanes), ir.Undefined)
         index = arguments[1]
-        for k in range(PARTICLES):
+        for k in range(BATCH):
             vector = builder.insert_element(vector, builder.load(builder.gep(data, [index])), _INDEX(k))
             index = builder.add(index, arguments[2])
         return vector
@@ -266,7 +266,7 @@ def distribute(typing, array, start, stride, value):
     def generate(context, builder, signature, arguments):
         data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
         index = arguments[1]
-        for k in range(PARTICLES):
+        for k in range(BATCH):
             builder.store(builder.extract_element(arguments[3], _INDEX(k)), builder.gep(data, [index]))
             index = builder.add(index, arguments[2])
         return context.get_dummy_value()

@@ -7,7 +7,7 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.kernels.lanes import PARTICLES
+from physagent_jax.kernels.lanes import BATCH
 from physagent_jax.kernels.threads import thread_count
 from physagent_jax.mpm import transfer
 from physagent_jax.mpm.kernels.handlers import handler
@@ -85,10 +85,10 @@ def svd(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     s, basis = decompose(matrices)
     # The last batch begins before the one before it ends.
     batches = basis.shape[0]
-    rows = jnp.moveaxis(basis, -1, 1).reshape(batches * PARTICLES, FRAME)
-    repeated = batches * PARTICLES - s.shape[-1]
-    last = rows[(batches - 1) * PARTICLES + repeated :]
-    rows = jnp.concatenate([rows[: (batches - 1) * PARTICLES], last])[:count]
+    rows = jnp.moveaxis(basis, -1, 1).reshape(batches * BATCH, FRAME)
+    repeated = batches * BATCH - s.shape[-1]
+    last = rows[(batches - 1) * BATCH + repeated :]
+    rows = jnp.concatenate([rows[: (batches - 1) * BATCH], last])[:count]
     u, v, x, y = jnp.split(rows, 4, axis=1)
     U, V = (jnp.stack([a, b, jnp.cross(a, b)], axis=-1).reshape(F.shape) for a, b in ((u, v), (x, y)))
     return U, s[:, :count].T.reshape(F.shape[:-1]), V
@@ -103,7 +103,7 @@ def decompose(F: jax.Array) -> tuple[jax.Array, jax.Array]:
     count = matrices.shape[0]
     results = (
         jax.ShapeDtypeStruct((3, count), F.dtype),
-        jax.ShapeDtypeStruct((-(-count // PARTICLES), FRAME, PARTICLES), F.dtype),
+        jax.ShapeDtypeStruct((-(-count // BATCH), FRAME, BATCH), F.dtype),
     )
     call = jax.ffi.ffi_call(handler("decompose", F.dtype.name), results, vmap_method="sequential")
     s, basis = call(matrices, _control(F.dtype))
@@ -142,7 +142,7 @@ def compose(
 
 def _batch(F: jax.Array) -> jax.Array:
     """The matrices, and zeros so that they are at least as many as the kernels take at a time."""
-    return jnp.pad(F, ((0, max(0, PARTICLES - F.shape[0])), (0, 0), (0, 0)))
+    return jnp.pad(F, ((0, max(0, BATCH - F.shape[0])), (0, 0), (0, 0)))
 
 
 def _control(dtype) -> jax.Array:

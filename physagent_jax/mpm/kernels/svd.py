@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit, prange
 
 from physagent_jax.kernels.lanes import (
-    PARTICLES,
+    BATCH,
     any_greater,
     batch,
     collect,
@@ -38,10 +38,10 @@ def decompose(F, sweeps, s, basis, parts):
     """Singular values and frames of F = U diag(s) V^T.
 
     Args:
-        F: At least `PARTICLES` matrices, flat.
+        F: At least `BATCH` matrices, flat.
         sweeps: Jacobi sweeps.
         s: Result, shape (3, n).
-        basis: Result, shape (batches, FRAME, PARTICLES): the first two columns of U and of V, of one batch of particles
+        basis: Result, shape (batches, FRAME, BATCH): the first two columns of U and of V, of one batch of particles
             after the other. The last batch overlaps the one before, and has the same values there.
         parts: Shares of the work.
     """
@@ -58,11 +58,11 @@ def decompose(F, sweeps, s, basis, parts):
             _put(values, start, 0, s0)
             _put(values, start, count, s1)
             _put(values, start, 2 * count, s2)
-            o = one * FRAME * PARTICLES, other * FRAME * PARTICLES
+            o = one * FRAME * BATCH, other * FRAME * BATCH
             _put_column(frames, o, 0, u)
-            _put_column(frames, o, 3 * PARTICLES, v)
-            _put_column(frames, o, 6 * PARTICLES, x)
-            _put_column(frames, o, 9 * PARTICLES, y)
+            _put_column(frames, o, 3 * BATCH, v)
+            _put_column(frames, o, 6 * BATCH, x)
+            _put_column(frames, o, 9 * BATCH, y)
 
 
 @njit(parallel=True, **OPTIONS)
@@ -84,13 +84,13 @@ def compose(basis, change, spatial, F, tau, parts):
         # The last batch belongs to whoever does the one before, whose matrices it must not change again.
         first, last = share(batches - 1, np.int64(part), parts)
         for number in range(first, last + (part == parts - 1)):
-            start, o = batch_start(number, count), number * FRAME * PARTICLES
-            u, v = _get_column(frames, o), _get_column(frames, o + 3 * PARTICLES)
+            start, o = batch_start(number, count), number * FRAME * BATCH
+            u, v = _get_column(frames, o), _get_column(frames, o + 3 * BATCH)
             w = _cross(u, v)
             if moves:
-                done = number * PARTICLES - start
+                done = number * BATCH - start
                 a, b, c = _scaled(g, start, count, done, u, v, w)
-                x, y = _get_column(frames, o + 6 * PARTICLES), _get_column(frames, o + 9 * PARTICLES)
+                x, y = _get_column(frames, o + 6 * BATCH), _get_column(frames, o + 9 * BATCH)
                 z = _cross(x, y)
                 for k in range(3):
                     at = 9 * start + k
@@ -112,7 +112,7 @@ def compose(basis, change, spatial, F, tau, parts):
 @njit(**INLINE)
 def batch_start(number, count):
     """Number of a batch's first particle; the last batch overlaps the one before rather than being short."""
-    return min(number * PARTICLES, count - PARTICLES)
+    return min(number * BATCH, count - BATCH)
 
 
 @njit(**INLINE)
@@ -126,12 +126,12 @@ def _put(array, o, offset, a):
 @njit(**INLINE)
 def _put_column(array, o, offset, a):
     for k in range(3):
-        _put(array, o, offset + k * PARTICLES, three(a, k))
+        _put(array, o, offset + k * BATCH, three(a, k))
 
 
 @njit(**INLINE)
 def _get_column(array, o):
-    return batch(array, o), batch(array, o + PARTICLES), batch(array, o + 2 * PARTICLES)
+    return batch(array, o), batch(array, o + BATCH), batch(array, o + 2 * BATCH)
 
 
 @njit(**INLINE)

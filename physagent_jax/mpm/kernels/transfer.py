@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit, prange
 
 from physagent_jax.kernels.lanes import (
-    PARTICLES,
+    BATCH,
     ROW,
     batch,
     by_node,
@@ -101,15 +101,14 @@ def planes(x, first, last, origin, dx, count):
 def add_up(private, touched, nodes, i, shape):
     """Plane i of the sum of the threads' grids; ``nodes`` has one number of all nodes after the other."""
     count, total = shape[1] * shape[2], shape[0] * shape[1] * shape[2]
-    for k in range(i * count, (i + 1) * count, PARTICLES):
-        o = min(k, (i + 1) * count - PARTICLES)
-        zero = same(like(0, nodes[0]), load(nodes, 0))
+    zero = same(like(0, nodes[0]), load(private[0], 0))
+    for k in range(i * count, (i + 1) * count, BATCH):
+        o = min(k, (i + 1) * count - BATCH)  # the last batch overlaps; a plane has nine nodes or more
         first, second = zero, zero
         for part in range(private.shape[0]):
             if touched[part, 0] <= i < touched[part, 1]:
                 own = private[part]
-                first = first + load(own, NUMBERS * o)
-                second = second + load(own, NUMBERS * o + ROW)
+                first, second = first + load(own, NUMBERS * o), second + load(own, NUMBERS * o + ROW)
         a, b, c, d = by_number(first, second)
         store(nodes, o, a)
         store(nodes, o + total, b)
@@ -207,8 +206,8 @@ def g2p(x, F, velocity, origin, dt, dx, classical, low, high, new_x, new_v, new_
 def interleave(velocity, padded, i, shape):
     """Puts the numbers of each node of plane i side by side, and a zero after them."""
     count, total = shape[1] * shape[2], shape[0] * shape[1] * shape[2]
-    for k in range(i * count, (i + 1) * count, PARTICLES):
-        o = min(k, (i + 1) * count - PARTICLES)
+    for k in range(i * count, (i + 1) * count, BATCH):
+        o = min(k, (i + 1) * count - BATCH)  # as in `add_up`
         a, b, c = batch(velocity, o), batch(velocity, o + total), batch(velocity, o + 2 * total)
         first, second = by_node(a, b, c)
         store(padded, NUMBERS * o, first)
