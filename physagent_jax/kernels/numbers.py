@@ -7,6 +7,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
@@ -22,6 +23,9 @@ OPTIONS = {
     "nogil": True,
 }
 INLINE = {**OPTIONS, "forceinline": True}  # for what is called per particle: arrays are costly to pass
+
+SHARES = 8
+"""Into how many a thread's work is cut where whoever is free takes the next: cores are seldom equally fast."""
 
 
 @intrinsic
@@ -128,6 +132,17 @@ def determinant(a, b, c):
         - a[1] * (b[0] * c[2] - b[2] * c[0])
         + a[2] * (b[0] * c[1] - b[1] * c[0])
     )
+
+
+@intrinsic
+def take(typing, counter):
+    """The next number of a counter that threads share, an array of one word: 0, 1, 2 and so on, each given once."""
+
+    def generate(context, builder, signature, arguments):
+        place = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        return builder.atomic_rmw("add", place, ir.Constant(ir.IntType(64), 1), "monotonic")
+
+    return types.int64(counter), generate
 
 
 @njit(**INLINE)

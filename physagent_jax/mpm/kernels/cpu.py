@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.kernels.lanes import BATCH
+from physagent_jax.kernels.numbers import SHARES
 from physagent_jax.kernels.threads import thread_count
 from physagent_jax.mpm import transfer
 from physagent_jax.mpm.kernels.handlers import handler
@@ -50,9 +51,9 @@ def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, push, dt, *, neo_h
 @partial(jax.custom_vjp, nondiff_argnums=(0, 1))
 def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.Moved:
     """As `transfer.grid_to_particles`. ``v`` and ``C`` only lend their memory."""
-    parts, size = thread_count(), NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
+    shares, size = thread_count() * SHARES, NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
     results = tuple(jax.ShapeDtypeStruct(like.shape, x.dtype) for like in (x, v, C, F))
-    results += tuple(jax.ShapeDtypeStruct(shape, x.dtype) for shape in ((parts, WATCHED), (size,)))
+    results += tuple(jax.ShapeDtypeStruct(shape, x.dtype) for shape in ((shares, WATCHED), (size,)))
     # A particle's old x and F are read before its new ones are written: they may lie in the same place.
     call = jax.ffi.ffi_call(
         handler("g2p", x.dtype.name),

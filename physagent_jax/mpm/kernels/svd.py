@@ -27,14 +27,24 @@ from physagent_jax.kernels.lanes import (
     store,
     where_greater,
 )
-from physagent_jax.kernels.numbers import INLINE, OPTIONS, like, roundoff, share, smallest, three
+from physagent_jax.kernels.numbers import (
+    INLINE,
+    OPTIONS,
+    SHARES,
+    like,
+    roundoff,
+    share,
+    smallest,
+    take,
+    three,
+)
 
 FRAME = 12  # numbers of U and V: their third columns are cross products, and memory is slower than arithmetic
 _LEAST_SWEEPS = 2  # before it is asked whether more are needed; they also let what is not finite reach V
 
 
 @njit(parallel=True, **OPTIONS)
-def decompose(F, sweeps, s, basis, parts):
+def decompose(F, sweeps, s, basis, threads):
     """Singular values and frames of F = U diag(s) V^T.
 
     Args:
@@ -43,30 +53,40 @@ def decompose(F, sweeps, s, basis, parts):
         s: Result, shape (3, n).
         basis: Result, shape (batches, FRAME, BATCH): the first two columns of U and of V, of one batch of particles
             after the other. The last batch overlaps the one before, and has the same values there.
-        parts: Shares of the work.
+        threads: To be used.
     """
+    pairs, shares, taken = (basis.shape[0] + 1) // 2, threads * SHARES, np.empty(1, np.int64)
+    taken[0] = 0
+    for _ in prange(threads):
+        part = take(taken)
+        while part < shares:
+            first, last = share(pairs, part, shares)
+            decompose_pairs(F, sweeps, s, basis, first, last)
+            part = take(taken)
+
+
+@njit(**INLINE)
+def decompose_pairs(F, sweeps, s, basis, first, last):
+    """The pairs of batches ``first`` to ``last``."""
     count, batches = s.shape[1], basis.shape[0]
     frames, values = flat(basis), flat(s)
-    pairs = (batches + 1) // 2
-    for part in prange(parts):
-        first, last = share(pairs, np.int64(part), parts)
-        for pair in range(first, last):
-            # Two batches at a time: a rotation is a chain of roots and quotients, and the second fills its pauses.
-            one, other = 2 * pair, min(2 * pair + 1, batches - 1)
-            start = batch_start(one, count), batch_start(other, count)
-            (u, v), (s0, s1, s2), (x, y) = _factors(F, (9 * start[0], 9 * start[1]), sweeps)
-            _put(values, start, 0, s0)
-            _put(values, start, count, s1)
-            _put(values, start, 2 * count, s2)
-            o = one * FRAME * BATCH, other * FRAME * BATCH
-            _put_column(frames, o, 0, u)
-            _put_column(frames, o, 3 * BATCH, v)
-            _put_column(frames, o, 6 * BATCH, x)
-            _put_column(frames, o, 9 * BATCH, y)
+    for pair in range(first, last):
+        # Two batches at a time: a rotation is a chain of roots and quotients, and the second fills its pauses.
+        one, other = 2 * pair, min(2 * pair + 1, batches - 1)
+        start = batch_start(one, count), batch_start(other, count)
+        (u, v), (s0, s1, s2), (x, y) = _factors(F, (9 * start[0], 9 * start[1]), sweeps)
+        _put(values, start, 0, s0)
+        _put(values, start, count, s1)
+        _put(values, start, 2 * count, s2)
+        o = one * FRAME * BATCH, other * FRAME * BATCH
+        _put_column(frames, o, 0, u)
+        _put_column(frames, o, 3 * BATCH, v)
+        _put_column(frames, o, 6 * BATCH, x)
+        _put_column(frames, o, 9 * BATCH, y)
 
 
 @njit(parallel=True, **OPTIONS)
-def compose(basis, change, spatial, F, tau, parts):
+def compose(basis, change, spatial, F, tau, threads):
     """F + U diag(change) V^T and U diag(spatial) U^T, with the frames of `decompose`.
 
     Args:
@@ -75,38 +95,49 @@ def compose(basis, change, spatial, F, tau, parts):
         spatial: Shape (3, n), or (3, 0) = not wanted.
         F: Matrices, flat, which the change is added to, if wanted.
         tau: Result, flat, if wanted.
-        parts: Shares of the work.
+        threads: To be used.
     """
-    batches, count = basis.shape[0], max(change.shape[1], spatial.shape[1])
+    batches, shares, taken = basis.shape[0], threads * SHARES, np.empty(1, np.int64)
+    taken[0] = 0
+    for _ in prange(threads):
+        part = take(taken)
+        while part < shares:
+            # The last batch belongs to whoever does the one before, whose matrices it must not change again.
+            first, last = share(batches - 1, part, shares)
+            compose_batches(basis, change, spatial, F, tau, first, last + (part == shares - 1))
+            part = take(taken)
+
+
+@njit(**INLINE)
+def compose_batches(basis, change, spatial, F, tau, first, last):
+    """The batches ``first`` to ``last``, in order."""
+    count = max(change.shape[1], spatial.shape[1])
     moves, stresses = change.shape[1] > 0, spatial.shape[1] > 0
     frames, g, t = flat(basis), flat(change), flat(spatial)
-    for part in prange(parts):
-        # The last batch belongs to whoever does the one before, whose matrices it must not change again.
-        first, last = share(batches - 1, np.int64(part), parts)
-        for number in range(first, last + (part == parts - 1)):
-            start, o = batch_start(number, count), number * FRAME * BATCH
-            u, v = _get_column(frames, o), _get_column(frames, o + 3 * BATCH)
-            w = _cross(u, v)
-            if moves:
-                done = number * BATCH - start
-                a, b, c = _scaled(g, start, count, done, u, v, w)
-                x, y = _get_column(frames, o + 6 * BATCH), _get_column(frames, o + 9 * BATCH)
-                z = _cross(x, y)
-                for k in range(3):
-                    at = 9 * start + k
-                    xk, yk, zk = three(x, k), three(y, k), three(z, k)
-                    for i in range(3):
-                        moved = three(a, i) * xk + three(b, i) * yk + three(c, i) * zk
-                        distribute(F, at + 3 * i, 9, collect(F, at + 3 * i, 9) + moved)
-            if stresses:
-                a, b, c = _scaled(t, start, count, 0, u, v, w)
+    for number in range(first, last):
+        start, o = batch_start(number, count), number * FRAME * BATCH
+        u, v = _get_column(frames, o), _get_column(frames, o + 3 * BATCH)
+        w = _cross(u, v)
+        if moves:
+            done = number * BATCH - start
+            a, b, c = _scaled(g, start, count, done, u, v, w)
+            x, y = _get_column(frames, o + 6 * BATCH), _get_column(frames, o + 9 * BATCH)
+            z = _cross(x, y)
+            for k in range(3):
+                at = 9 * start + k
+                xk, yk, zk = three(x, k), three(y, k), three(z, k)
                 for i in range(3):
-                    ai, bi, ci = three(a, i), three(b, i), three(c, i)
-                    for k in range(i, 3):
-                        value = ai * three(u, k) + bi * three(v, k) + ci * three(w, k)
-                        distribute(tau, 9 * start + 3 * i + k, 9, value)
-                        if k > i:
-                            distribute(tau, 9 * start + 3 * k + i, 9, value)
+                    moved = three(a, i) * xk + three(b, i) * yk + three(c, i) * zk
+                    distribute(F, at + 3 * i, 9, collect(F, at + 3 * i, 9) + moved)
+        if stresses:
+            a, b, c = _scaled(t, start, count, 0, u, v, w)
+            for i in range(3):
+                ai, bi, ci = three(a, i), three(b, i), three(c, i)
+                for k in range(i, 3):
+                    value = ai * three(u, k) + bi * three(v, k) + ci * three(w, k)
+                    distribute(tau, 9 * start + 3 * i + k, 9, value)
+                    if k > i:
+                        distribute(tau, 9 * start + 3 * k + i, 9, value)
 
 
 @njit(**INLINE)

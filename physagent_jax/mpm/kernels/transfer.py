@@ -1,8 +1,9 @@
 """P2G and G2P on the CPU: compiled by Numba, threaded, sixteen numbers at once.
 
-Particles are dealt to the threads in contiguous shares. Each thread scatters into a grid of its own, of which only
+P2G deals the particles to the threads in contiguous shares. Each thread scatters into a grid of its own, of which only
 the planes that its particles touch are cleared and added up: sorted particles touch few. The order of all sums is
-fixed by the number of threads, so that results repeat bit by bit.
+fixed by the number of threads, so that results repeat bit by bit. G2P sums nothing over particles: its shares are
+smaller, and a thread that is done takes the next one.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportPrivateImportUsage=false, reportAttributeAccessIssue=false
@@ -39,6 +40,7 @@ from physagent_jax.kernels.lanes import (
 from physagent_jax.kernels.numbers import (
     INLINE,
     OPTIONS,
+    SHARES,
     columns,
     determinant,
     dot,
@@ -49,6 +51,7 @@ from physagent_jax.kernels.numbers import (
     share,
     slopes,
     spline,
+    take,
     three,
     times,
 )
@@ -168,38 +171,24 @@ def scatter_force(t0, t1, t2, push, X, Y, Z, dX, dY, dZ, nodes, start, shape):
 
 @njit(parallel=True, **OPTIONS)
 def g2p(x, F, velocity, origin, dt, dx, classical, low, high, new_x, new_v, new_C, new_F, watch, padded):
-    """Fills the ``new_`` arrays and a row of ``watch`` per thread; ``padded`` has room for a grid and `PADDING`.
+    """Fills the ``new_`` arrays, and a row of ``watch`` per share of the work, a multiple of `SHARES`.
 
-    ``velocity`` is ordered as the nodes of `p2g`.
+    ``velocity`` is ordered as the nodes of `p2g`; ``padded`` has room for a grid and `PADDING`.
     """
-    shape, parts = velocity.shape, watch.shape[0]
+    shape, shares, taken = velocity.shape, watch.shape[0], np.empty(1, np.int64)
     plane = NUMBERS * shape[1] * shape[2]
     clear(padded, shape[0] * plane, padded.size)
     numbers = flat(velocity)
     for i in prange(shape[0]):
         interleave(numbers, padded, np.int64(i), shape)
-    for part in prange(parts):
-        first, last = share(x.shape[0], np.int64(part), parts)
-        own = watch[part]
-        gather(
-            x,
-            F,
-            padded,
-            origin,
-            dt,
-            dx,
-            classical,
-            low,
-            high,
-            shape,
-            new_x,
-            new_v,
-            new_C,
-            new_F,
-            own,
-            first,
-            last,
-        )
+    taken[0] = 0
+    for _ in prange(shares // SHARES):
+        part = take(taken)
+        while part < shares:
+            first, last = share(x.shape[0], part, shares)
+            own, old, new = watch[part], (x, F), (new_x, new_v, new_C, new_F)
+            gather(old, padded, origin, dt, dx, classical, low, high, shape, new, own, first, last)
+            part = take(taken)
 
 
 @njit(**OPTIONS)
@@ -215,32 +204,15 @@ def interleave(velocity, padded, i, shape):
 
 
 @njit(**OPTIONS)
-def gather(
-    x,
-    F,
-    velocity,
-    origin,
-    dt,
-    dx,
-    classical,
-    low,
-    high,
-    shape,
-    new_x,
-    new_v,
-    new_C,
-    new_F,
-    watch,
-    first,
-    last,
-):
+def gather(old, velocity, origin, dt, dx, classical, low, high, shape, new, watch, first, last):
     """Moves the particles ``first`` to ``last``; ``velocity`` is flat, with four numbers per node."""
     one, zero, inf = like(1, dx), like(0, dx), like(np.inf, dx)
     least_J, most_J, least_increment, fastest, strange = inf, -inf, inf, zero, 0
     near, far = pack((inf, inf, inf)), pack((-inf, -inf, -inf))
     e0, e1, e2 = pack((one, zero, zero)), pack((zero, one, zero)), pack((zero, zero, one))
     k, step = same(like(4, dx) / dx, near), same(dt, near)
-    old, new, affine = flat(F), flat(new_F), flat(new_C)
+    (x, F), (new_x, new_v, new_C, new_F) = old, new
+    old_F, moved_F, affine = flat(F), flat(new_F), flat(new_C)
     for p in range(first, last):
         start, f0, f1, f2 = place(x, p, origin, dx, shape)
         X, Y, Z = spline(f0), spline(f1), spline(f2)
@@ -256,11 +228,10 @@ def gather(
             s = same(one / dx, v)
             c0, c1, c2 = transposed(s * g0, s * g1, s * g2)
         c0, c1, c2 = step * c0, step * c1, step * c2  # dt grad v
-        a, b, c = take_rows(
-            old, 9 * p
-        )  # all of F before the first entry of the new one, which may lie in its place
+        # All of F before the first entry of the new one, which may lie in its place.
+        a, b, c = take_rows(old_F, 9 * p)
         a, b, c = a + product(c0, a, b, c), b + product(c1, a, b, c), c + product(c2, a, b, c)
-        put_rows(new, 9 * p, a, b, c)
+        put_rows(moved_F, 9 * p, a, b, c)
         increment, J = triple(e0 + c0, e1 + c1, e2 + c2), triple(a, b, c)
         square = inner(v, v)
         if np.isfinite(J + increment + square):
