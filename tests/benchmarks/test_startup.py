@@ -1,8 +1,8 @@
-"""What compilation adds to the first result, as the benchmark reports it."""
+"""What compilation adds to the first result, and what an iteration takes, as the benchmark reports it."""
 
 import pytest
 
-from benchmarks.startup import document, summary
+from benchmarks.startup import document, iteration, summary
 
 
 def row(number, state, seconds):
@@ -19,11 +19,31 @@ ROWS = [
 ]
 
 
+def repeat(number, simulate):
+    stages = {
+        "compile": 9.0,
+        "simulate": simulate,
+        "render": 1.0,
+        "perceive": 2.0,
+        "agents": 0.5,
+        "write": 7.0,
+    }
+    return {"round": number, "stages": stages, "particles": 20000, "frames": 50, "substeps": 1300}
+
+
+ITERATIONS = [repeat(0, 3.0), repeat(1, 5.0), repeat(2, 4.0)]
+
+
 def test_compilation_is_what_cold_runs_take_longer():
     found = summary(ROWS)
     assert found["cold"] == {"median": 28.0, "range": [20.0, 30.0]}
     assert found["warm"] == {"median": 14.0, "range": [12.0, 16.0]}
     assert found["share_of_compilation"] == pytest.approx(0.5)
+
+
+def test_an_iteration_is_its_four_stages_without_compiling_and_writing():
+    found = iteration(ITERATIONS)
+    assert (found["median"], found["range"], found["particles"]) == (7.5, [6.5, 8.5], 20000)
 
 
 def test_the_document_shows_each_run_and_what_is_left_of_it():
@@ -33,8 +53,13 @@ def test_the_document_shows_each_run_and_what_is_left_of_it():
         "git_revision": "abc",
         "rows": ROWS,
         "summary": summary(ROWS),
+        "iterations": ITERATIONS,
+        "iteration": iteration(ITERATIONS),
     }
     lines = document(report).splitlines()
     assert "| 1 | cold | 7.5 | 15.0 | 7.5 | 30.0 |" in lines
-    assert sum(line.startswith(("| 1 |", "| 2 |", "| 3 |")) for line in lines) == len(ROWS)
+    first, second = "\n".join(lines).split("## An iteration")
+    assert sum(line.startswith(("| 1 |", "| 2 |", "| 3 |")) for line in first.splitlines()) == len(ROWS)
+    assert "| 2 | 9.0 | 5.0 | 1.0 | 2.0 | 0.5 | 7.0 | 1300 |" in second
+    assert "**7.5 s** (6.5 to 8.5" in second
     assert any("50%" in line for line in lines)
