@@ -15,12 +15,11 @@ from benchmarks.cases.base import Numerics, cosine_deviation
 from benchmarks.skipping.base import Answer, Pair, Sizes, Skip, State, Way
 from benchmarks.skipping.scene import cube, rolled
 from physagent_jax.mpm import simulate, stable_dt
-from physagent_jax.mpm.timestep import substeps_for
+from physagent_jax.mpm.timestep import SAFETY, substeps_for
 
 PERIODS = 2  # of the bar's first mode
 CELLS = 16  # along the bar
 FRAME_DT = 0.02  # an eighth of a period [s]
-SAFETY = 0.7  # `mpm.simulate`'s own
 SIGNAL_BAR = 0.1  # largest deviation of the automatic step's signal from the cosine, both as root mean square
 
 

@@ -44,6 +44,11 @@ _TABLE = """
 |---|---|---|---|---|---|---|---|---|---|---|
 """
 
+_SPARSE = """
+A substep also clears, updates and sums every node of its window, whatever lies in it: where particles are few, that is
+what is left.
+"""
+
 _STAGES = """
 ## Stages of our substep
 
@@ -212,7 +217,7 @@ def _how(row: dict, rows: Rows) -> str:
 
 
 def _table(title: str, key: str, rows: Rows) -> str:
-    text = f"\n## {title}\n"
+    text = f"\n## {title}\n" + (_SPARSE if title == "Number of particles" else "")
     for group in dict.fromkeys(row["group"] for row in rows):
         members = [row for row in rows if row["group"] == group]
         heading = f", {members[0]['particles']:,} particles" if key == "cells" or title == "Materials" else ""
