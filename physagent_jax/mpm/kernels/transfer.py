@@ -205,7 +205,10 @@ def interleave(velocity, padded, i, shape):
 
 @njit(**OPTIONS)
 def gather(old, velocity, origin, dt, dx, classical, low, high, shape, new, watch, first, last):
-    """Moves the particles ``first`` to ``last``; ``velocity`` is flat, with four numbers per node."""
+    """Moves the particles ``first`` to ``last``: (x, F) ``old`` give (x, v, C, F) ``new``.
+
+    ``velocity`` is flat, with four numbers per node; ``watch`` gets what happened.
+    """
     one, zero, inf = like(1, dx), like(0, dx), like(np.inf, dx)
     least_J, most_J, least_increment, fastest, strange = inf, -inf, inf, zero, 0
     near, far = pack((inf, inf, inf)), pack((-inf, -inf, -inf))
