@@ -100,11 +100,12 @@ def run(job: tuple[str, ...], folder: Path) -> dict:
     done = subprocess.run(
         [sys.executable, "-c", script, "run", *job, "--out", str(out), "--overwrite", "--json"],
         env=environment,
-        check=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
     )
     seconds = time.perf_counter() - begun
+    if done.returncode != 0:
+        sys.exit(f"physagent run {' '.join(job)} failed:\n{done.stderr}")
     told = json.loads(done.stdout)
     stages = {stage: round(took, 2) for stage, took in told["wall_s"].items() if stage != "total"}
     row = {"seconds": round(seconds, 2), "stages": stages, "load_average": round(load, 2)}

@@ -52,7 +52,7 @@ def decompose(F, sweeps, s, basis, threads):
         sweeps: Jacobi sweeps.
         s: Result, shape (3, n).
         basis: Result, shape (batches, FRAME, BATCH): the first two columns of U and of V, of one batch of particles
-            after the other. The last batch overlaps the one before, and has the same values there.
+            after the other. The last batch overlaps the one before, and has the same values there but for round-off.
         threads: To be used.
     """
     pairs, shares, taken = (basis.shape[0] + 1) // 2, threads * SHARES, np.empty(1, np.int64)
@@ -60,8 +60,10 @@ def decompose(F, sweeps, s, basis, threads):
     for _ in prange(threads):
         part = take(taken)
         while part < shares:
-            first, last = share(pairs, part, shares)
-            decompose_pairs(F, sweeps, s, basis, first, last)
+            # The last pair belongs to whoever does the one before: the matrices that both have may get other sweeps in
+            # it, and which s stays must not depend on who is faster.
+            first, last = share(pairs - 1, part, shares)
+            decompose_pairs(F, sweeps, s, basis, first, last + (part == shares - 1))
             part = take(taken)
 
 
