@@ -16,7 +16,7 @@ import jax.numpy as jnp
 import optax
 
 from baselines.tasks import Parameters, Task
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 
 
 @dataclasses.dataclass(frozen=True)

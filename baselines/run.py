@@ -14,8 +14,8 @@ from baselines.oracle_gradient import Step, optimise
 from baselines.tasks import TASKS, Parameters, Task, make_task
 from physagent_jax.cli import enable_compile_cache
 from physagent_jax.cli.console import FrameBar
-from physagent_jax.errors import UserError
-from physagent_jax.output.files import check_writable, replacing, write_text
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.files import check_writable, replacing, write_text
 from physagent_jax.output.motion_file import write_motion
 from physagent_jax.output.run_files import motion_of
 from physagent_jax.output.video import write_video

@@ -14,12 +14,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.schema import MAGNITUDE_MAX, MAGNITUDE_MIN, Action, ActionType, ForceField
 from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.gaussians.ply import write_ply
 from physagent_jax.mpm import Grid, rollout, stable_dt
 from physagent_jax.mpm.timestep import substeps_for
-from physagent_jax.pytree import register_dataclass
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.compile import Scene, compile_scene
 from physagent_jax.scene.config import (

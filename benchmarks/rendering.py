@@ -22,8 +22,8 @@ import tyro
 from rich.console import Console
 
 from benchmarks.machine import circumstances
+from physagent_jax.core.files import write_text
 from physagent_jax.gaussians.cloud import Splats
-from physagent_jax.output.files import write_text
 from physagent_jax.render import Camera, frames_at_once, look_at, pair_capacity, rasterize, render, render_all
 
 CASES = ((20_000, 256, 40.0), (100_000, 512, 200.0))  # Gaussians, side of the picture [px], aim [ms]

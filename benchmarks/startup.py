@@ -24,7 +24,7 @@ import tyro
 from rich.console import Console
 
 from benchmarks.machine import circumstances
-from physagent_jax.output.files import write_text
+from physagent_jax.core.files import write_text
 
 OBJECT = Path(__file__).resolve().parents[1] / "examples" / "assets" / "robot.ply"
 JOB = ("--object", str(OBJECT), "--prompt", "a strong wind pushes the robot to the left")

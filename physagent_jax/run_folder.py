@@ -17,7 +17,7 @@ run/report.html
 
 from __future__ import annotations
 
-from physagent_jax.strict import Strict, Vector
+from physagent_jax.core.strict import Strict, Vector
 
 
 class TrueMotion(Strict):

@@ -9,8 +9,8 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from physagent_jax.errors import UserError
-from physagent_jax.output.files import check_writable, write_text
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.files import check_writable, write_text
 from physagent_jax.run_folder import Manifest
 
 Schema = TypeVar("Schema", bound=BaseModel)

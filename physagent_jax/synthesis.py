@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 
 from physagent_jax.agents.bands import expectation_windows
 from physagent_jax.agents.schema import DirectionTable, Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.kernels import ahead
 from physagent_jax.output.run_files import write_best, write_rollout, write_verdict

@@ -227,7 +227,7 @@ def test_schema_prints_json_schema(what, capsys):
 
 
 def test_debug_shows_the_traceback(tmp_path):
-    from physagent_jax.errors import UserError
+    from physagent_jax.core.errors import UserError
 
     with pytest.raises(UserError):
         main(["simulate", str(tmp_path / "none.json"), "--out", str(tmp_path / "out"), "--debug"])

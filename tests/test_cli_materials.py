@@ -7,7 +7,7 @@ import pytest
 from physagent_jax.cli import main
 from physagent_jax.cli.matter import AFFORDABLE, chosen_material
 from physagent_jax.cli.run import Run
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.scene.config import MaterialModel
 from physagent_jax.scene.materials import LIBRARY, substeps
 from physagent_jax.scene.presets import PRESETS, PresetName

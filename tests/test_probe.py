@@ -7,7 +7,7 @@ import pytest
 from physagent_jax.agents.schema import Rewrite
 from physagent_jax.cli.request import make_request, offline_agents
 from physagent_jax.cli.run import Run
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import Action, ForceField, SphereRegion
 from physagent_jax.report.html import write_report
 from physagent_jax.run_folder import Manifest, SimulationRecord

@@ -23,8 +23,8 @@ from benchmarks.accuracy.study import NEAR_BOUND, REFERENCE_DT, Row, ours, rule_
 from benchmarks.cases.catalogue import CASES, EXPENSIVE, STUDIED, Studied
 from benchmarks.machine import circumstances
 from benchmarks.peers.base import Found, find
+from physagent_jax.core.files import write_text
 from physagent_jax.mpm.timestep import CLASSICAL_SHARE
-from physagent_jax.output.files import write_text
 
 console = Console(stderr=True)
 _PEERS = (

@@ -13,8 +13,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import State
-from physagent_jax.pytree import register_dataclass
 
 Field = Callable[[jax.Array, jax.Array], jax.Array]
 """A vector field of one particle: (rest position of shape (3,), time) -> shape (3,)."""

@@ -22,7 +22,7 @@ from benchmarks.skipping.base import QUICK, Sizes
 from benchmarks.skipping.catalogue import SKIPS
 from benchmarks.skipping.markdown import document
 from benchmarks.skipping.measure import row
-from physagent_jax.output.files import write_text
+from physagent_jax.core.files import write_text
 
 console = Console(stderr=True)
 

@@ -11,11 +11,11 @@ import jax.numpy as jnp
 
 from benchmarks.skipping.base import Pair, Sizes, Skip
 from benchmarks.skipping.scene import YOUNGS_MODULUS, both, cube
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import Hencky, NeoHookean, Snow, VonMises
 from physagent_jax.mpm import State as Particles
 from physagent_jax.mpm.linalg import Principal, spectral
 from physagent_jax.mpm.materials import History, Material
-from physagent_jax.pytree import register_dataclass
 
 _UNREACHABLE = 1e30  # a yield stress [Pa]
 STRESS_ROUND_OFF = "kernel and XLA round the stress, a difference from 1, each in its own way"

@@ -33,7 +33,7 @@ from benchmarks.stability.criteria import Result, examine
 from benchmarks.stability.dt_crit import CONFIGURATIONS, FORMS, SUBJECTS, measure
 from benchmarks.stability.markdown import PARTS, document
 from benchmarks.stability.scenario import Scenario
-from physagent_jax.output.files import write_text
+from physagent_jax.core.files import write_text
 
 Part = Literal["critical", "matrix", "pairwise", "stiffness", "degenerate"]
 _QUICK = {"critical": 2, "matrix": 12, "pairwise": 6, "stiffness": 3, "degenerate": 8}  # rows of a quick look

@@ -24,7 +24,7 @@ import numpy as np
 
 from benchmarks.stability.materials import FLUID
 from benchmarks.stability.scenario import Run, Scenario, build
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import Frame
 from physagent_jax.mpm.energy import elastic_energy
 from physagent_jax.mpm.transfer import scatter_mass, stencil

@@ -30,7 +30,7 @@ from rich.console import Console
 from benchmarks.machine import circumstances
 from benchmarks.throughput import job, parts
 from benchmarks.throughput.markdown import PARTS, document
-from physagent_jax.output.files import write_text
+from physagent_jax.core.files import write_text
 
 Part = Literal["materials", "sizes", "grids", "stages", "memory", "job", "error"]
 _MEASURE = {

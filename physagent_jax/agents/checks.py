@@ -9,8 +9,8 @@ from physagent_jax.agents.comparisons import View, compare_amount, compare_direc
 from physagent_jax.agents.matching import thrown_up, together
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, cosine, dot, norm, scaled
+from physagent_jax.core.strict import Vector
 from physagent_jax.perception.schema import Matrix, WindowMotion
-from physagent_jax.strict import Vector
 
 _SAME_WAY = 0.7  # cosine: within 45 degrees
 _SAME_AXIS = 0.6

@@ -9,9 +9,9 @@ from physagent_jax.agents.bands import Band
 from physagent_jax.agents.matching import agrees, causes_of
 from physagent_jax.agents.schema import Check, ExpectedMotion, SceneBrief
 from physagent_jax.agents.vectors import clamp, dot
+from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.schema import MotionReport, WindowMotion
-from physagent_jax.strict import Vector
 
 
 @dataclass(frozen=True)

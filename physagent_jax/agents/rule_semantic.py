@@ -21,7 +21,7 @@ from physagent_jax.agents.schema import (
     SceneBrief,
     SemanticReply,
 )
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 
 EXAMPLES = (
     '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'

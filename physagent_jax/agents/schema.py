@@ -10,8 +10,8 @@ from typing import Literal
 
 from pydantic import Field
 
+from physagent_jax.core.strict import Strict, Vector
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.strict import Strict, Vector
 
 
 class Verdict(enum.StrEnum):

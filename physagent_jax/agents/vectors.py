@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from physagent_jax.strict import Vector
+from physagent_jax.core.strict import Vector
 
 
 def add(vectors: Iterable[Vector]) -> Vector:

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 
 _CACHE_VARIABLE = "PHYSAGENT_COMPILE_CACHE"
 

@@ -29,8 +29,8 @@ class Make:
 
     def __call__(self) -> int:
         """Runs the command; returns the exit code."""
+        from physagent_jax.core.files import replacing, write_text
         from physagent_jax.gaussians.ply import write_ply
-        from physagent_jax.output.files import replacing, write_text
         from physagent_jax.scene.card import ObjectCard
         from physagent_jax.scene.priors import guess_kind
         from physagent_jax.scene.procedural import PROCEDURAL

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.scene.config import Material, MaterialModel, load_json
 from physagent_jax.scene.materials import LIBRARY, find_material, softened, stable_step, substeps
 from physagent_jax.scene.materials.soften import softening_for

@@ -6,8 +6,8 @@ import warnings
 from pathlib import Path
 
 from physagent_jax.cli.console import warn
+from physagent_jax.core.files import check_writable, write_text
 from physagent_jax.kernels import ahead
-from physagent_jax.output.files import check_writable, write_text
 from physagent_jax.output.motion_file import write_motion
 from physagent_jax.output.run_files import motion_of
 from physagent_jax.output.splats import write_splat_frames

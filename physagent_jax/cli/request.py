@@ -12,7 +12,7 @@ from physagent_jax.agents.rule_executor import RuleExecutor
 from physagent_jax.agents.rule_planner import RulePlanner
 from physagent_jax.agents.rule_semantic import RuleSemanticAgent
 from physagent_jax.cli.matter import chosen_material
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.provenance import make_manifest, settings_hash
 from physagent_jax.scene.card import load_card
 from physagent_jax.scene.config import Anchor, CameraConfig, Source, validation_message

@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 import tyro
 
 from physagent_jax.cli.console import ConsoleObserver, stderr, warn
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.scene.config import SignedAxis
 from physagent_jax.scene.presets import PresetName
 

@@ -12,7 +12,7 @@ from typing import Annotated
 import tyro
 
 from physagent_jax.cli.console import FrameBar, stderr, warn
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 
 
 @dataclasses.dataclass(frozen=True)
@@ -104,7 +104,7 @@ class ImportPhysGaussian:
 
     def __call__(self) -> int:
         """Runs the command; returns the exit code."""
-        from physagent_jax.output.files import write_text
+        from physagent_jax.core.files import write_text
         from physagent_jax.scene.config import dump_scene
 
         scene, notes = read_scene(self.config, self.object)

@@ -14,8 +14,8 @@ import math
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.protocols import window_fraction
-from physagent_jax.pytree import register_dataclass
 
 FOREVER = 1e9  # [s]; the end of a window that never closes
 Scalar = jax.Array | float

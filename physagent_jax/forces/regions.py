@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region, SphereRegion
 
 

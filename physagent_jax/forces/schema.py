@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from physagent_jax.strict import Strict, Vector
+from physagent_jax.core.strict import Strict, Vector
 
 MAGNITUDE_MIN = 0.4
 MAGNITUDE_MAX = 1.6

@@ -23,8 +23,8 @@ import math
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.arrays import on_device
-from physagent_jax.errors import UserError
+from physagent_jax.core.arrays import on_device
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces.regions import region_mask
 from physagent_jax.forces.schema import (
     Action,

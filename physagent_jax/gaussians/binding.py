@@ -11,12 +11,12 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.spatial import KDTree
 
-from physagent_jax.arrays import on_device
-from physagent_jax.errors import UserError
+from physagent_jax.core.arrays import on_device
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.gaussians.cloud import GaussianCloud, Splats
 from physagent_jax.gaussians.covariance import quats_scales_to_covariances, transform_covariances
 from physagent_jax.gaussians.polar import polar_rotation
-from physagent_jax.pytree import register_dataclass
 
 # A Gaussian nearer to a particle than this fraction of the scene's extent is that particle: float32
 # positions are not resolved any finer.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from physagent_jax.arrays import on_device
+from physagent_jax.core.arrays import on_device
 from physagent_jax.gaussians.cloud import GaussianCloud, Splats
 from physagent_jax.gaussians.covariance import decompose_covariances
 from physagent_jax.gaussians.sh import rotate_sh

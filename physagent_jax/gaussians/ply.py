@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 from plyfile import PlyData, PlyElement, PlyListProperty, PlyParseError
 
-from physagent_jax.arrays import on_device
-from physagent_jax.errors import UserError
+from physagent_jax.core.arrays import on_device
+from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud
 
 _POSITION = ("x", "y", "z")

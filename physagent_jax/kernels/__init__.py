@@ -20,7 +20,7 @@ from typing import Literal
 
 import jax
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 
 Kernels = Literal["auto", "reference", "cpu"]
 log = logging.getLogger(__name__)

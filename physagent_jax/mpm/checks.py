@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.timestep import stable_dt
 

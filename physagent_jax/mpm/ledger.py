@@ -16,12 +16,12 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.energy import kinetic_energy, total_energy
 from physagent_jax.mpm.linalg import cofactor, determinant, matmul, transpose
 from physagent_jax.mpm.reductions import total
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import Trace, damped_affine, per_material, viscous_stress
-from physagent_jax.pytree import register_dataclass
 
 
 @register_dataclass

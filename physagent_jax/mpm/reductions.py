@@ -13,7 +13,7 @@ from contextvars import ContextVar
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 
 _split: ContextVar[str | None] = ContextVar("split", default=None)
 

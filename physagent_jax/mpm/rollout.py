@@ -17,8 +17,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.arrays import on_device
-from physagent_jax.errors import UserError
+from physagent_jax.core.arrays import on_device
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import reductions
 from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.ledger import Exchange, balanced, exchange
@@ -29,7 +30,6 @@ from physagent_jax.mpm.step import initial_stress, substep
 from physagent_jax.mpm.timestep import SAFETY, check_explicit_dt, kinematic_dt, stable_dt, substeps_for
 from physagent_jax.mpm.transfer import Watch, outside
 from physagent_jax.mpm.window import fit_window
-from physagent_jax.pytree import register_dataclass
 
 MAX_RETRIES = 6  # halvings of the step before a frame is given up
 MAX_CRUSHES = (

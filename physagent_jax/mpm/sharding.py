@@ -21,7 +21,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.checks import check_sizes
 from physagent_jax.mpm.constraints import PrescribedMotion, RigidBody
 from physagent_jax.mpm.materials import Rigid

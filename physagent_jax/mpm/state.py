@@ -8,8 +8,8 @@ from typing import Any, Literal
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.materials.base import History, Material
-from physagent_jax.pytree import register_dataclass
 
 _STATIC = dict(static=True)
 

@@ -13,6 +13,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import constraints, kernels, materials, reductions, transfer
 from physagent_jax.mpm.boundaries.symmetry_plane import SymmetryPlane
 from physagent_jax.mpm.linalg import determinant, transpose
@@ -20,7 +21,6 @@ from physagent_jax.mpm.materials import NeoHookean
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import stencil
-from physagent_jax.pytree import register_dataclass
 
 
 def step(model: Model, state: State) -> State:

@@ -27,7 +27,7 @@ import math
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.reductions import greatest, least
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import body_acceleration, per_material

@@ -12,10 +12,10 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import reductions
 from physagent_jax.mpm.linalg import determinant, matmul
 from physagent_jax.mpm.state import Grid
-from physagent_jax.pytree import register_dataclass
 
 
 @register_dataclass

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from physagent_jax.arrays import on_device
+from physagent_jax.core.arrays import on_device
 from physagent_jax.mpm.state import Grid
 
 # A new shape means a new compilation, which costs more than many nodes too many: sides are multiples of a granule, the

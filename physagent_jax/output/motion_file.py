@@ -32,8 +32,8 @@ from pathlib import Path
 
 import numpy as np
 
-from physagent_jax.errors import UserError
-from physagent_jax.output.files import replacing
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.files import replacing
 
 FORMAT = 1
 LEVELS = np.iinfo(np.uint16).max

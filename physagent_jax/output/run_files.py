@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from physagent_jax.agents.schema import Judgement
-from physagent_jax.output.files import replacing, write_text
+from physagent_jax.core.files import replacing, write_text
 from physagent_jax.output.motion_file import Motion, read_motion, write_motion
 from physagent_jax.output.splats import write_splat_frames
 from physagent_jax.output.video import write_frames, write_video

@@ -8,12 +8,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.core.files import replacing
 from physagent_jax.gaussians.binding import deform
 from physagent_jax.gaussians.cloud import GaussianCloud, Splats
 from physagent_jax.gaussians.covariance import transform_covariances
 from physagent_jax.gaussians.export import splats_to_cloud
 from physagent_jax.gaussians.ply import write_ply
-from physagent_jax.output.files import replacing
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.placement import Placement
 

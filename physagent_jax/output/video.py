@@ -12,8 +12,8 @@ from av.container import OutputContainer
 from av.error import FFmpegError
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc
 
-from physagent_jax.errors import UserError
-from physagent_jax.output.files import replacing
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.files import replacing
 
 # Constant rate factor 18 is visually lossless for H.264; "yuv420p" and the index in front ("faststart")
 # are what browsers and phones need.

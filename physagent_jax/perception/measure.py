@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.perception import lift, timing
 from physagent_jax.perception.assemble import GONE, assemble, in_view, touches_border
 from physagent_jax.perception.follow import follow

@@ -10,7 +10,7 @@ from typing import Annotated
 
 from pydantic import BeforeValidator
 
-from physagent_jax.strict import Strict, Vector
+from physagent_jax.core.strict import Strict, Vector
 
 Matrix = tuple[Vector, Vector, Vector]
 

@@ -8,7 +8,7 @@ import math
 import jax
 import numpy as np
 
-from physagent_jax.pytree import register_dataclass
+from physagent_jax.core.pytree import register_dataclass
 
 
 @register_dataclass

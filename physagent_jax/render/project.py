@@ -7,9 +7,9 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.gaussians.sh import eval_sh
-from physagent_jax.pytree import register_dataclass
 from physagent_jax.render.camera import Camera
 
 NEAR_PLANE = 0.01

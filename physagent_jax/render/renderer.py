@@ -11,10 +11,10 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.kernels import Kernels, threads, use_cpu
-from physagent_jax.pytree import register_dataclass
 from physagent_jax.render.camera import Camera
 from physagent_jax.render.layout import Layout
 from physagent_jax.render.project import Projected, project

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.pytree import register_dataclass
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.render.project import Projected
 
 # Rounding must not lose a pixel whose alpha is exactly at the limit; the rasteriser decides in the end.

@@ -8,7 +8,7 @@ from importlib import resources
 from pathlib import Path
 
 from physagent_jax import __version__
-from physagent_jax.output.files import write_text
+from physagent_jax.core.files import write_text
 from physagent_jax.report.charts import motion_charts, physics_charts
 from physagent_jax.report.facts import clip_words, cost_facts, reproduction, scene_facts, simulation_facts
 from physagent_jax.report.force_cards import setting_of

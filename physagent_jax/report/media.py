@@ -11,7 +11,7 @@ from pathlib import Path
 import imageio.v3 as iio
 import numpy as np
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.output.video import read_video
 from physagent_jax.report.formats import fixed
 from physagent_jax.report.markup import Markup, div, join, tag

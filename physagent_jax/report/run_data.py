@@ -9,7 +9,7 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.run_folder import Manifest, SimulationRecord

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import KDTree
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.scene.config import Anchor
 
 

@@ -10,9 +10,9 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.strict import Strict
 from physagent_jax.scene.config import SignedAxis, validation_message
-from physagent_jax.strict import Strict
 
 
 class ObjectCard(Strict):

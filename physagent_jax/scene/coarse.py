@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.presets import Preset
 

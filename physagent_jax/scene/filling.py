@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 from scipy import ndimage
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.config import Filling
 from physagent_jax.scene.density import CellGrid, interior, overlap_density

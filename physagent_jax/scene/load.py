@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.ply import read_ply
 from physagent_jax.scene.config import Source

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.config import SignedAxis
 from physagent_jax.scene.placement import up_rotation

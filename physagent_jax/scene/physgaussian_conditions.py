@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.strict import Vector
 from physagent_jax.scene.config import (
     Cuboid,
     DomainBox,
@@ -16,7 +17,6 @@ from physagent_jax.scene.config import (
     ParticleTranslation,
     Surface,
 )
-from physagent_jax.strict import Vector
 
 END = 1e3  # PhysGaussian's default end of a window [s]
 _SURFACES = {"sticky": Surface.STICKY, "slip": Surface.SLIP}  # anything else separates

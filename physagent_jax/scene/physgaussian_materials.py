@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.scene.config import Material, MaterialModel
 from physagent_jax.scene.physgaussian_conditions import Reader
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.scene.config import Material
 from physagent_jax.scene.materials import LIBRARY, substeps, with_youngs_modulus
 from physagent_jax.scene.presets import PRESETS, PresetName

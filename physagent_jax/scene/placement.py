@@ -8,8 +8,8 @@ import warnings
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from physagent_jax.arrays import on_device
-from physagent_jax.errors import UserError
+from physagent_jax.core.arrays import on_device
+from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.config import Domain, SignedAxis, Source
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from physagent_jax.arrays import on_device
+from physagent_jax.core.arrays import on_device
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.shapes import Patch, bezier, build, lathe, leaf, tube
 from physagent_jax.scene.surfels import value_noise

@@ -14,7 +14,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import KDTree
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.scene.mesh import load_mesh
 
 MARGIN = 3  # cells around the mesh

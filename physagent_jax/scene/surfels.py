@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import map_coordinates
 from scipy.spatial import KDTree
 
-from physagent_jax.arrays import on_device
+from physagent_jax.core.arrays import on_device
 from physagent_jax.gaussians.cloud import GaussianCloud
 
 SH_DC = 0.28209479177387814  # Y_00; colour = SH_DC * sh[0] + 0.5

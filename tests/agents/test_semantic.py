@@ -11,7 +11,7 @@ from physagent_jax.agents.language import modifiers, verbs
 from physagent_jax.agents.language.compilation import MAX_ACTIONS
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import cosine
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ActionType
 from tests.agents.scenes import brief, described, read, table
 from tests.agents.sentences import SENTENCES

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians import (
     GaussianCloud,
     bind,

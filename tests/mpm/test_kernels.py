@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import physagent_jax.kernels as choice
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import Grid, kernels, materials, rollout, simulate
 from physagent_jax.mpm.linalg import isotropic, svd
 from physagent_jax.mpm.transfer import grid_to_particles, particles_to_grid

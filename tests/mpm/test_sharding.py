@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.mpm import PrescribedMotion, rollout, rollout_sharded, simulate, step
 from physagent_jax.mpm.sharding import Layout

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.output.motion_file import Motion, read_motion, write_motion
 
 

@@ -5,7 +5,7 @@ import functools
 import numpy as np
 import pytest
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.metrics.motion import compare, true_motion
 from physagent_jax.perception.measure import perceive
 from tests.perception import scenes

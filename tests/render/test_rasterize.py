@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.render import pair_capacity, rasterize, render, renderer
 from physagent_jax.render.project import project
 from physagent_jax.render.reference import render_reference

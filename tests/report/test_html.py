@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.report.html import write_report
 from physagent_jax.run_folder import SimulationRecord
 from tests.report.fake_run import FRAMES, PROMPT, build_run, store

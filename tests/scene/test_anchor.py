@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.scene.anchor import anchored_particles
 from physagent_jax.scene.config import Anchor
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.mpm import FixedCorotated, NeoHookean, simulate
 from physagent_jax.scene import config as c

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from physagent_jax import mpm
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import simulate
 from physagent_jax.report.facts import boundary_words, constraint_words
 from physagent_jax.scene import config as c

@@ -10,7 +10,7 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from physagent_jax import mpm
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.boundaries import SignedDistance
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile.boundaries import compile_boundaries

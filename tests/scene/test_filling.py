@@ -6,7 +6,7 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.ply import read_ply
 from physagent_jax.scene.config import Domain, Filling, Source
 from physagent_jax.scene.density import CellGrid, overlap_density

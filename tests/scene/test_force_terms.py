@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces import terms
 from physagent_jax.mpm import simulate
 from physagent_jax.report.facts import scene_facts

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.ply import read_ply, write_ply
 from physagent_jax.scene.config import Source
 from physagent_jax.scene.load import file_sha256, load_object

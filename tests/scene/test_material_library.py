@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import Grid, Model, State, stable_dt
 from physagent_jax.scene.compile.matter import Matter
 from physagent_jax.scene.config import Material, MaterialModel

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import materials as m
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile.matter import Matter

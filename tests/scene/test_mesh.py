@@ -4,7 +4,7 @@ import trimesh
 from PIL import Image
 from scipy.spatial import cKDTree
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.covariance import quat_to_matrix
 from physagent_jax.scene.mesh import gaussians_from_mesh
 from physagent_jax.scene.surfels import SH_DC, baked_light, even_points, value_noise

@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.scene.config import MaterialModel
 from physagent_jax.scene.materials import LIBRARY
 from physagent_jax.scene.physgm import CLASSES, decode_poissons_ratio, decode_youngs_modulus, import_physgm

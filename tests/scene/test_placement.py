@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.covariance import covariance_matrices, quats_scales_to_covariances
 from physagent_jax.gaussians.ply import read_ply
 from physagent_jax.scene.config import Domain, Source

@@ -8,8 +8,8 @@ from physagent_jax.agents.language.events import Event
 from physagent_jax.agents.language.schedule import Window
 from physagent_jax.agents.schema import Evidence, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import clamp
+from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import MAGNITUDE_MAX, MAGNITUDE_MIN, Action, ActionType, ForceField
-from physagent_jax.strict import Vector
 
 MAX_ACTIONS = 60  # more would only slow the simulation; no sentence for a clip of a few seconds needs them
 

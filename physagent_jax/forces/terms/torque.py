@@ -7,10 +7,10 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.terms.rigid import mass_centre
 from physagent_jax.mpm.linalg import cross, skew
 from physagent_jax.mpm.protocols import window_fraction
-from physagent_jax.pytree import register_dataclass
 
 
 @register_dataclass

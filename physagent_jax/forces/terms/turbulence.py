@@ -9,9 +9,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope, Scalar
 from physagent_jax.forces.terms.region import confined
-from physagent_jax.pytree import register_dataclass
 
 _HIGHEST = jax.lax.Precision.HIGHEST  # phases of many radians do not survive a shortened mantissa
 

@@ -7,10 +7,10 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope
 from physagent_jax.forces.terms.region import confined
 from physagent_jax.mpm.protocols import window_fraction
-from physagent_jax.pytree import register_dataclass
 
 
 @register_dataclass

@@ -7,8 +7,8 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.boundaries.contact import Contact, carried, collide, in_window, touching
-from physagent_jax.pytree import register_dataclass
 
 
 @register_dataclass

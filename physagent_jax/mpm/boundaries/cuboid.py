@@ -7,9 +7,9 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.boundaries.box import Box
 from physagent_jax.mpm.boundaries.contact import Contact
-from physagent_jax.pytree import register_dataclass
 
 
 @register_dataclass

@@ -7,7 +7,7 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.pytree import register_dataclass
+from physagent_jax.core.pytree import register_dataclass
 
 
 @register_dataclass

@@ -7,12 +7,12 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.constraints.rotation import rotate
 from physagent_jax.mpm.linalg import cross, skew
 from physagent_jax.mpm.reductions import total
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, scatter_mass
-from physagent_jax.pytree import register_dataclass
 
 
 @register_dataclass

@@ -7,12 +7,12 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.constraints.rotation import rotate, rotation_matrix
 from physagent_jax.mpm.linalg import cofactor, cross, determinant, matmul, matvec, skew, transpose
 from physagent_jax.mpm.reductions import total
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, scatter_mass
-from physagent_jax.pytree import register_dataclass
 
 CONTACT_ITERATIONS = 8
 _LEAST_INERTIA = 1e-3  # determinant, over the mass and dx^2; a lone particle's nodes have 1/8

@@ -9,9 +9,9 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.materials.base import TORN, History
 from physagent_jax.mpm.materials.hencky import HenckyPlasticity, deviator, relative_excess
-from physagent_jax.pytree import register_dataclass
 
 
 @register_dataclass

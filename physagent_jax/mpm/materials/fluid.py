@@ -7,9 +7,9 @@ import dataclasses
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.linalg import determinant
 from physagent_jax.mpm.materials.base import TORN, History
-from physagent_jax.pytree import register_dataclass
 
 
 @register_dataclass

@@ -8,9 +8,9 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.linalg import Principal, spectral
 from physagent_jax.mpm.materials.base import History, Hyperelastic
-from physagent_jax.pytree import register_dataclass
 
 
 class HenckyElasticity(Hyperelastic):

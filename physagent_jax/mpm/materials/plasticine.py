@@ -10,10 +10,10 @@ import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.linalg import Principal, spectral
 from physagent_jax.mpm.materials.base import TORN, History
 from physagent_jax.mpm.materials.hencky import HenckyPlasticity, deviator, relative_excess
-from physagent_jax.pytree import register_dataclass
 
 
 @register_dataclass

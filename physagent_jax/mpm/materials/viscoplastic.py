@@ -9,8 +9,8 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.materials.hencky import HenckyPlasticity, deviator, relative_excess
-from physagent_jax.pytree import register_dataclass
 
 _LONGEST_RELAXATION = 50.0  # relaxation times in a step; exp(-50) is below double precision
 

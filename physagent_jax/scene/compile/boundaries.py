@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import Contact, boundaries
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile.select import leaf

@@ -12,7 +12,7 @@ import dataclasses
 import jax
 import numpy as np
 
-from physagent_jax.arrays import on_device
+from physagent_jax.core.arrays import on_device
 from physagent_jax.gaussians.binding import Binding
 from physagent_jax.gaussians.cloud import GaussianCloud
 

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces import terms
 from physagent_jax.forces.envelope import Envelope, EnvelopeKind
 from physagent_jax.forces.regions import region_mask

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import jax
 import numpy as np
 
-from physagent_jax.arrays import on_device
+from physagent_jax.core.arrays import on_device
 from physagent_jax.mpm import materials as m
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from physagent_jax.arrays import on_device
+from physagent_jax.core.arrays import on_device
 from physagent_jax.gaussians.binding import Binding
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.mpm import Model, PrescribedMotion, State, cell_order, smallest_window

@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from physagent_jax.core.strict import Strict, Vector
 from physagent_jax.forces.schema import unit_vector
 from physagent_jax.scene.config.common import NonNegative, Positive, Windowed
-from physagent_jax.strict import Strict, Vector
 
 
 class Surface(enum.StrEnum):

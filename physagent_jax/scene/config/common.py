@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from physagent_jax.strict import Strict
+from physagent_jax.core.strict import Strict
 
 FOREVER = 1e9  # [s]; the end of a window that never closes
 SignedAxis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]

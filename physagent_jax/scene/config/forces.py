@@ -10,9 +10,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from physagent_jax.core.strict import Strict, Vector
 from physagent_jax.forces.schema import Region, unit_vector
 from physagent_jax.scene.config.common import FOREVER, NonNegative, Positive, Windowed
-from physagent_jax.strict import Strict, Vector
 
 # --- time profiles: 0 outside [start, end) [s] ---------------------------------------------------------
 

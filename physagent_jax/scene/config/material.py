@@ -9,8 +9,8 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
+from physagent_jax.core.strict import Strict, Vector
 from physagent_jax.scene.config.common import NonNegative, Positive
-from physagent_jax.strict import Strict, Vector
 
 
 class MaterialModel(enum.StrEnum):

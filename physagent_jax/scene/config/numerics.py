@@ -6,8 +6,8 @@ from typing import Literal
 
 from pydantic import Field
 
+from physagent_jax.core.strict import Strict
 from physagent_jax.scene.config.common import NonNegative, Positive
-from physagent_jax.strict import Strict
 
 
 class Domain(Strict):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pydantic import Field
 
+from physagent_jax.core.strict import Strict, Vector
 from physagent_jax.scene.config.common import Positive
-from physagent_jax.strict import Strict, Vector
 
 
 class CameraConfig(Strict):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from physagent_jax.core.strict import Strict, Vector
 from physagent_jax.forces.schema import ForceField, SkillScaling
 from physagent_jax.scene.config.boundaries import Boundary, DomainBox
 from physagent_jax.scene.config.constraints import Anchor, Constraint
@@ -17,7 +18,6 @@ from physagent_jax.scene.config.material import Material, MaterialRegion
 from physagent_jax.scene.config.numerics import Domain, Timing, Transfer
 from physagent_jax.scene.config.pictures import CameraConfig, Rendering
 from physagent_jax.scene.config.source import Filling, Source
-from physagent_jax.strict import Strict, Vector
 
 
 class SceneConfig(Strict):

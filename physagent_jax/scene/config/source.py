@@ -6,8 +6,8 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
+from physagent_jax.core.strict import Strict, Vector
 from physagent_jax.scene.config.common import Positive, SignedAxis
-from physagent_jax.strict import Strict, Vector
 
 
 class Source(Strict):

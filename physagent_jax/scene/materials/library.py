@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.scene.materials.entry import NamedMaterial
 from physagent_jax.scene.materials.granular import GRANULAR
 from physagent_jax.scene.materials.hard import HARD

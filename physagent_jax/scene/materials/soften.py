@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.scene.config.material import Material, MaterialModel
 from physagent_jax.scene.materials.cost import stiffness, substeps
 

@@ -8,7 +8,7 @@ import uuid
 from collections.abc import Iterator
 from pathlib import Path
 
-from physagent_jax.errors import UserError
+from physagent_jax.core.errors import UserError
 
 
 @contextlib.contextmanager

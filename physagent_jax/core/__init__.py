@@ -1,0 +1,1 @@
+"""What every layer rests on: errors, the schema base, pytrees, arrays, and files read and written with care."""
