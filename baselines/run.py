@@ -15,15 +15,12 @@ from baselines.tasks import TASKS, Parameters, Task, make_task
 from physagent_jax.cli import enable_compile_cache
 from physagent_jax.cli.console import FrameBar
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.files import check_writable, replacing, write_text
-from physagent_jax.output.motion_file import write_motion
-from physagent_jax.output.run_files import motion_of
-from physagent_jax.output.video import write_video
+from physagent_jax.core.files import write_text
+from physagent_jax.output.run_files import write_best, write_rollout
 from physagent_jax.provenance import make_manifest, settings_hash
 from physagent_jax.report.html import write_report
-from physagent_jax.run_store import RunStore
+from physagent_jax.run.store import RunStore
 from physagent_jax.scene.compile import compile_scene
-from physagent_jax.scene.config import dump_scene
 from physagent_jax.simulation import play
 from physagent_jax.stopwatch import Stopwatch
 
@@ -75,12 +72,17 @@ def solve(command: Command) -> RunStore:
         seed=0,
         inputs={"settings": settings_hash(settings)},
     )
-    check_writable(out)
-    store = RunStore.open(out, manifest, overwrite=command.overwrite)
-    if store.manifest.complete:
-        print(f"{out} is complete; pass --overwrite to make it again")
-        return store
-    store.update()
+    with RunStore.open(out, manifest, overwrite=command.overwrite) as store:
+        if store.manifest.complete:
+            print(f"{out} is complete; pass --overwrite to make it again")
+        else:
+            _solve(command, store)
+    return store
+
+
+def _solve(command: Command, store: RunStore) -> None:
+    out = store.path
+    store.begin()
     watch = Stopwatch()
     with watch("prepare"):
         task = make_task(TASKS[command.task], out, frame_count=command.frames, particles=command.particles)
@@ -93,7 +95,6 @@ def solve(command: Command) -> RunStore:
         )
     _write(store, task, parameters, history, watch)
     print(f"best loss {min(step.loss for step in history):.3g} body lengths^2; report: {write_report(out)}")
-    return store
 
 
 def _print(step: Step) -> None:
@@ -117,18 +118,11 @@ def _write(
     finally:
         bar.close()
     with watch("write"):
-        folder = store.iteration(0)
-        write_text(folder / "scene.json", dump_scene(config))
-        write_text(store.path / "scene.json", dump_scene(config))
-        store.write("iterations/0/force_field.json", config.force_field)
-        store.write("iterations/0/simulation.json", recording.record)
+        write_rollout(store, 0, scene, recording)
+        write_best(store, 0, task.body, save_frames=False, save_splats=False)
         steps = [dataclasses.asdict(step) for step in history]
-        write_text(store.path / "optimisation.json", json.dumps(steps, indent=2) + "\n")
-        for place in (folder, store.path):
-            write_video(place / "video.mp4", recording.rgb, 1 / config.timing.frame_dt)
-            with replacing(place / "motion.npz") as temporary:
-                write_motion(temporary, motion_of(scene, recording))
-    store.update(stages=watch.stages(), iterations=1, best_iteration=0, complete=True)
+        write_text(store.claimed("optimisation.json"), json.dumps(steps, indent=2) + "\n")
+    store.finish(stages=watch.stages(), iterations=1, best_iteration=0)
 
 
 if __name__ == "__main__":

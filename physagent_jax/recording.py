@@ -122,6 +122,7 @@ class Recording:
         gaussians: Gaussian centres [m], shape (T, g, 3).
         record: Facts and figures, the true motion among them.
         past: What a scene that begins in the same way may go on from.
+        reused_frames: How many frames were taken over from such a past instead of simulated.
     """
 
     rgb: np.ndarray
@@ -131,6 +132,7 @@ class Recording:
     gaussians: np.ndarray
     record: SimulationRecord
     past: Past
+    reused_frames: int
 
     @staticmethod
     def of(
@@ -144,14 +146,13 @@ class Recording:
             x=np.stack([shot.x for shot in shots]),
             F=np.stack([shot.F for shot in shots]),
             gaussians=gaussians,
-            record=_record(scene, entries, gaussians, reused_frames),
+            record=_record(scene, entries, gaussians),
             past=past,
+            reused_frames=reused_frames,
         )
 
 
-def _record(
-    scene: Scene, entries: Sequence[Entry], gaussians: np.ndarray, reused_frames: int
-) -> SimulationRecord:
+def _record(scene: Scene, entries: Sequence[Entry], gaussians: np.ndarray) -> SimulationRecord:
     frames = [entry.frame for entry in entries]
     done = frames[1:]
     budgets = [entry.budget for entry in entries]
@@ -168,7 +169,6 @@ def _record(
         stable_dt=float(stable_dt(scene.model, scene.state)),
         redone_frames={f.index: "; ".join(f.retries) for f in done if f.retries},
         stopped_particles=entries[-1].stopped,
-        reused_frames=reused_frames,
         min_volume_ratio=tuple(f.min_J for f in frames),
         max_volume_ratio=tuple(f.max_J for f in frames),
         ledger=_summed(exchanges) if exchanges else None,

@@ -36,6 +36,7 @@ class Request:
         manifest: Passport; its ``inputs`` identify the run.
         max_iterations: Rounds at most.
         probe: Whether as many rounds on a coarse version of the scene come first, to begin with their best force field.
+        needed: Files that the run reads; ``overwrite`` does not replace these.
         overwrite: Replace another run in ``out``.
         save_frames, save_splats: Also leave PNG frames, and one PLY per frame.
     """
@@ -46,6 +47,7 @@ class Request:
     base_dir: Path
     out: Path
     manifest: Manifest
+    needed: tuple[Path, ...] = ()
     max_iterations: int = 3
     probe: bool = False
     overwrite: bool = False

@@ -17,7 +17,14 @@ run/report.html
 
 from __future__ import annotations
 
+from pathlib import PurePosixPath
+
+from pydantic import field_validator
+
 from physagent_jax.core.strict import Strict, Vector
+
+FORMAT = 2
+"""Of the run folder's layout; 2 added the list of files."""
 
 
 class TrueMotion(Strict):
@@ -71,8 +78,6 @@ class SimulationRecord(Strict):
         stable_dt: The closed-form bound at the start [s].
         redone_frames: Frames that were redone with a smaller step, with the reason.
         stopped_particles: Particle-steps at which a particle was stopped at the domain's wall.
-        reused_frames: Frames, frame 0 among them, taken over from the round before, which had the same forces until
-            then; all other figures are of all frames alike.
         kinetic_energy, elastic_energy: Per frame [J].
         gravitational_energy: Per frame, over frame 0's [J]; empty in records of earlier versions.
         momentum: Per frame [kg m/s].
@@ -91,7 +96,6 @@ class SimulationRecord(Strict):
     stable_dt: float
     redone_frames: dict[int, str] = {}
     stopped_particles: int = 0
-    reused_frames: int = 0
     kinetic_energy: tuple[float, ...]
     elastic_energy: tuple[float, ...]
     gravitational_energy: tuple[float, ...] = ()
@@ -135,6 +139,7 @@ class Manifest(Strict):
 
     Attributes:
         format: Version of the folder's layout.
+        files: What the run has written or is about to, relative to its folder; it touches nothing else there.
         command: How it was started.
         prompt: The sentence.
         versions: Of this package and of what it computes with.
@@ -149,12 +154,15 @@ class Manifest(Strict):
         probe_iterations: How many coarse rounds came before.
         probe_best: Which of them gave the force field of iteration 0; None = none, it is the sentence's.
         stages: Wall time summed over iterations.
+        reused_frames: Frames, frame 0 among them, that an iteration's folder took over from the round before, which
+            had the same forces until then; other figures are of all frames alike.
         agents: Cost per agent.
         warnings: Everything the user should know.
         complete: False while the run is under way (or was stopped).
     """
 
-    format: int = 1
+    format: int = FORMAT
+    files: tuple[str, ...] = ()
     command: str
     prompt: str
     versions: dict[str, str]
@@ -169,6 +177,16 @@ class Manifest(Strict):
     probe_iterations: int = 0
     probe_best: int | None = None
     stages: Stages = Stages()
+    reused_frames: dict[str, int] = {}
     agents: tuple[AgentCost, ...] = ()
     warnings: tuple[str, ...] = ()
     complete: bool = False
+
+    @field_validator("files")
+    @classmethod
+    def _inside(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        for name in value:
+            path = PurePosixPath(name)
+            if path.is_absolute() or ".." in path.parts or not path.parts:
+                raise ValueError(f"`files` are relative to the run folder and inside it (got {name!r})")
+        return value

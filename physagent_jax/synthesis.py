@@ -26,8 +26,8 @@ from physagent_jax.recording import Past
 from physagent_jax.request import Agents as Agents
 from physagent_jax.request import Observer as Observer
 from physagent_jax.request import Request as Request
+from physagent_jax.run.store import PROBE, RunStore
 from physagent_jax.run_folder import AgentCost
-from physagent_jax.run_store import PROBE, RunStore
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.camera import viewer_directions
 from physagent_jax.scene.coarse import coarser
@@ -58,28 +58,28 @@ def synthesize(request: Request, agents: Agents, observer: Observer | None = Non
             are understood.
     """
     observer = observer or Observer()
-    store = RunStore.open(request.out, request.manifest, overwrite=request.overwrite)
-    if store.manifest.complete:
+    overwrite = request.overwrite
+    with RunStore.open(request.out, request.manifest, overwrite=overwrite, needed=request.needed) as store:
+        if store.manifest.complete:
+            return store
+        ahead.begin()  # while the sentence is read and the object loaded
+        loop = _Loop(request, agents, observer, store)
+        reply = loop.read_sentence()
+        body = loop.load_object()
+        store.begin()
+        try:
+            store.write("semantic.json", reply)
+            ingredients = loop.with_anchor(reply)
+            force_field = reply.force_field
+            if request.probe:
+                force_field = loop.probe(ingredients, body, reply)
+            series = _Series(store, ingredients, body, "round", observer.judged)
+            attempts = list(loop.rounds(series, force_field, reply))
+        except UserError:
+            store.discard_if_barren()
+            raise
+        loop.finish(attempts, body)
         return store
-    ahead.begin()  # while the sentence is read and the object loaded
-    loop = _Loop(request, agents, observer, store)
-    reply = loop.read_sentence()
-    body = loop.load_object()
-    store.update()
-    store.write("semantic.json", reply)
-    ingredients = loop.with_anchor(reply)
-
-    force_field = reply.force_field
-    if request.probe:
-        force_field = loop.probe(ingredients, body, reply)
-    try:
-        series = _Series(store, ingredients, body, "round", observer.judged)
-        attempts = list(loop.rounds(series, force_field, reply))
-    except UserError:
-        store.discard_if_barren()
-        raise
-    loop.finish(attempts, body)
-    return store
 
 
 @dataclasses.dataclass(frozen=True)
@@ -109,6 +109,7 @@ class _Loop:
         self._costs = {cost.agent: cost for cost in store.manifest.agents}
         self._anchor = request.ingredients.anchor
         self._past: Past | None = None
+        self._reused = dict(store.manifest.reused_frames)
 
     def read_sentence(self) -> SemanticReply:
         """The semantic agent's reply, from the folder if it is there."""
@@ -189,6 +190,9 @@ class _Loop:
         self._observer.stage(f"{name}: simulating and rendering")
         recording = play(scene, self._watch, self._observer.frame, self._past)
         self._past = recording.past
+        if recording.reused_frames:
+            folder = series.store.iteration(index).relative_to(self._store.path).as_posix()
+            self._reused[folder] = recording.reused_frames
         with self._watch("write"):
             earnest = series.store is self._store
             frames = self._request.save_frames and earnest
@@ -265,8 +269,8 @@ class _Loop:
             best_iteration=best,
             verdict=attempts[best].judgement.verdict.value,
             warnings=(*self._request.manifest.warnings, *self._warnings),
-            complete=True,
         )
+        self._store.finish()
 
     def _ask(self, role: str, method: str, *arguments):
         """Calls an agent and notes what it cost."""
@@ -282,7 +286,8 @@ class _Loop:
         return answer
 
     def _save_costs(self, **changes) -> None:
-        self._store.update(stages=self._watch.stages(), agents=tuple(self._costs.values()), **changes)
+        costs = dict(stages=self._watch.stages(), agents=tuple(self._costs.values()))
+        self._store.update(**costs, reused_frames=self._reused, **changes)
 
     def _brief(self) -> SceneBrief:
         ingredients = self._request.ingredients

@@ -18,7 +18,7 @@ from physagent_jax.forces.schema import (
     VelocityConstraint,
 )
 from physagent_jax.report.html import write_report
-from physagent_jax.run_folder import SimulationRecord
+from physagent_jax.run_folder import Manifest
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import compile_scene
@@ -169,7 +169,7 @@ def assert_equal(resumed, full, exactly=False):
         one, other = getattr(resumed, name), getattr(full, name)
         assert np.abs(one - other).max() <= tolerance * np.abs(other).max(), name
     assert np.abs(resumed.rgb.astype(int) - full.rgb).max() <= (0 if exactly else 1)
-    records = [r.record.model_dump(exclude={"reused_frames"}) for r in (resumed, full)]
+    records = [r.record.model_dump() for r in (resumed, full)]
     same(*records, tolerance)
 
 
@@ -199,7 +199,7 @@ def test_a_resumed_rollout_equals_one_from_the_start(case, robot):
     before, after = (compiled(robot, LEFT, item) for item in LATER[case])
     first = play(before, Stopwatch())
     resumed, full = play(after, Stopwatch(), past=first.past), play(after, Stopwatch())
-    assert (resumed.record.reused_frames, full.record.reused_frames) == (8, 0)
+    assert (resumed.reused_frames, full.reused_frames) == (8, 0)
     assert_equal(resumed, full)
     assert np.abs(full.x[-1] - first.x[-1]).max() > 0.01  # the two rounds do differ
 
@@ -211,7 +211,7 @@ def test_plastic_memory_and_a_grown_window_are_taken_over(robot):
     first = play(short, Stopwatch())
     assert first.past.restarts[8].grid.shape != short.model.grid.shape
     resumed = play(long, Stopwatch(), past=first.past)
-    assert resumed.record.reused_frames == 9
+    assert resumed.reused_frames == 9
     assert_equal(resumed, play(long, Stopwatch()), exactly=True)  # the same program runs
 
 
@@ -252,7 +252,7 @@ def test_only_states_that_memory_allows_are_kept(robot, monkeypatch):
     monkeypatch.setattr(simulation, "PAST_BYTES", 0)
     empty = play(both, Stopwatch()).past
     assert not empty.restarts and not empty.shots
-    assert play(both, Stopwatch(), past=empty).record.reused_frames == 0
+    assert play(both, Stopwatch(), past=empty).reused_frames == 0
 
 
 def test_another_body_shares_nothing(robot, robot_path):
@@ -287,8 +287,8 @@ def run_loop(robot_path, out, scores, interrupt=False):
 
 
 def reused(folder):
-    records = sorted(folder.glob("iterations/*/simulation.json"))
-    return [SimulationRecord.model_validate_json(path.read_bytes()).reused_frames for path in records]
+    manifest = Manifest.model_validate_json((folder / "manifest.json").read_bytes())
+    return [manifest.reused_frames.get(f"iterations/{index}", 0) for index in range(manifest.iterations)]
 
 
 def test_the_loop_takes_over_what_rounds_share_and_says_so(robot_path, tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 import json
 from pathlib import Path
 from typing import Literal
@@ -12,6 +13,7 @@ import tyro
 from physagent_jax.cli.materials import Materials
 from physagent_jax.cli.run import Run
 from physagent_jax.cli.simulate import ImportPhysGaussian, Simulate
+from physagent_jax.core.errors import UserError
 
 DESCRIPTION = "Physically simulated 4D video from 3D Gaussians and a sentence."
 
@@ -26,21 +28,25 @@ class Make:
     """PLY to write; its card is written beside it."""
     seed: int = 0
     """Another seed, another individual."""
+    overwrite: bool = False
+    """Replace files that hold something else."""
 
     def __call__(self) -> int:
         """Runs the command; returns the exit code."""
-        from physagent_jax.core.files import replacing, write_text
+        from physagent_jax.core.files import write_new
         from physagent_jax.gaussians.ply import write_ply
         from physagent_jax.scene.card import ObjectCard
         from physagent_jax.scene.priors import guess_kind
         from physagent_jax.scene.procedural import PROCEDURAL
 
-        with replacing(self.out) as temporary:
-            write_ply(temporary, PROCEDURAL[self.what](self.seed))
+        if not self.out.name:
+            raise UserError("`--out` must name a file", got=f"{str(self.out)!r}", do="Pass --out object.ply")
+        ply = io.BytesIO()
+        write_ply(ply, PROCEDURAL[self.what](self.seed))
         card = ObjectCard(name=self.what, kind=guess_kind(self.what), up="+z")
-        write_text(
-            self.out.with_suffix(".card.json"), card.model_dump_json(indent=2, exclude_none=True) + "\n"
-        )
+        text = card.model_dump_json(indent=2, exclude_none=True) + "\n"
+        contents = {self.out: ply.getvalue(), self.out.with_suffix(".card.json"): text.encode()}
+        write_new(contents, overwrite=self.overwrite)
         print(self.out)
         return 0
 
@@ -91,12 +97,14 @@ class Report:
 
     run: tyro.conf.Positional[Path]
     """The run folder."""
+    overwrite: bool = False
+    """Replace a report.html that is something else."""
 
     def __call__(self) -> int:
         """Runs the command; returns the exit code."""
         from physagent_jax.report.html import write_report
 
-        print(write_report(self.run))
+        print(write_report(self.run, overwrite=self.overwrite))
         return 0
 
 

@@ -88,6 +88,7 @@ def make_request(command: Run, command_line: str) -> Request:
         base_dir=Path.cwd(),
         out=command.out,
         manifest=manifest,
+        needed=tuple(filter(None, (path, command.anchor_mask, command.physgm))),
         max_iterations=command.max_iterations,
         probe=command.probe,
         overwrite=command.overwrite,

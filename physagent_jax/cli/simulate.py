@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import shlex
+import sys
 import time
 import warnings
 from pathlib import Path
@@ -33,6 +35,8 @@ class Simulate:
     """Also leave the frames as PNG."""
     save_splats: bool = False
     """Also leave one 3DGS PLY per frame."""
+    overwrite: bool = False
+    """Replace another run in the folder."""
     json_line: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one line of JSON instead of sentences."""
 
@@ -49,11 +53,13 @@ class Simulate:
         try:
             record, stages = play_scene(
                 config,
-                self.scene.parent,
+                self.scene,
                 self.out,
                 bar,
+                command=shlex.join(sys.argv),
                 save_frames=self.save_frames,
                 save_splats=self.save_splats,
+                overwrite=self.overwrite,
             )
         finally:
             bar.close()
@@ -101,16 +107,18 @@ class ImportPhysGaussian:
     """The 3DGS PLY that it is meant for."""
     out: Path
     """Scene file to write."""
+    overwrite: bool = False
+    """Replace a file that holds something else."""
 
     def __call__(self) -> int:
         """Runs the command; returns the exit code."""
-        from physagent_jax.core.files import write_text
+        from physagent_jax.core.files import write_new
         from physagent_jax.scene.config import dump_scene
 
         scene, notes = read_scene(self.config, self.object)
         for text in notes:
             warn(text)
-        write_text(self.out, dump_scene(scene))
+        write_new({self.out: dump_scene(scene).encode()}, overwrite=self.overwrite)
         stderr.print(f"{len(notes)} key(s) had no meaning here")
         print(self.out)
         return 0

@@ -1,14 +1,19 @@
-"""Writing files so that a reader never meets half of one."""
+"""Writing files so that a reader never meets half of one, and nothing is lost that somebody else made."""
 
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
+import re
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from physagent_jax.core.errors import UserError
+
+_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+_MARK = "[0-9a-f]{8}"  # tells temporary names from those of users
 
 
 @contextlib.contextmanager
@@ -16,7 +21,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
     """Yields a temporary name beside ``path``; renames it to ``path`` when the block succeeds.
 
     The name keeps the suffix (encoders choose their format by it) and the folder (a rename across file
-    systems is not atomic). If the block fails, the temporary file goes and the old ``path`` stays.
+    systems is not atomic). If the block fails, the temporary file goes and the old ``path`` stays; if the
+    process is killed, the temporary file stays until `remove_leftovers`.
 
     Raises:
         UserError: The folder cannot be made or written to.
@@ -28,18 +34,65 @@ def replacing(path: str | Path) -> Iterator[Path]:
         yield temporary
         os.replace(temporary, path)
     except OSError as error:
-        raise UserError(
-            f"cannot write {path}", got=error.strerror or error, do="Choose a folder that you may write to"
-        ) from error
+        raise cannot_write(path, error) from error
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
 
 
+def cannot_write(path: str | Path, error: OSError) -> UserError:
+    """What to tell of an operating system's refusal to write ``path``."""
+    if error.errno in _FULL:
+        remedy = "Make room and give the same command again"
+    else:
+        remedy = "Choose a place that you may write to"
+    return UserError(f"cannot write {path}", got=error.strerror or error, do=remedy)
+
+
+def remove_leftovers(path: str | Path) -> None:
+    """Removes what `replacing` left beside ``path`` when a process was killed; nobody may be writing it."""
+    path = Path(path)
+    pattern = re.compile(re.escape(f".{path.stem}.") + _MARK + re.escape(path.suffix))
+    with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+        for name in os.listdir(path.parent):
+            if pattern.fullmatch(name):
+                (path.parent / name).unlink(missing_ok=True)
+
+
 def write_text(path: str | Path, text: str) -> None:
     """Writes UTF-8 text atomically."""
+    write_bytes(path, text.encode("utf-8"))
+
+
+def write_bytes(path: str | Path, content: bytes) -> None:
+    """Writes a file atomically."""
     with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        temporary.write_bytes(content)
+
+
+def write_new(contents: Mapping[Path, bytes], *, overwrite: bool) -> None:
+    """Writes files, but none of them if one would replace a file that holds something else, unless told to.
+
+    Raises:
+        UserError: There is such a file, or one cannot be written.
+    """
+    for path, content in contents.items():
+        if path.is_dir():
+            raise UserError(f"cannot write {path}", got="it is a folder", do="Name a file")
+        if not overwrite and os.path.lexists(path) and not _holds(path, content):
+            raise UserError(
+                f"{path} exists and holds something else",
+                do="Choose another --out, or pass --overwrite to replace it",
+            )
+    for path, content in contents.items():
+        write_bytes(path, content)
+
+
+def _holds(path: Path, content: bytes) -> bool:
+    try:
+        return path.is_file() and path.stat().st_size == len(content) and path.read_bytes() == content
+    except OSError:
+        return False  # it cannot be told
 
 
 def check_writable(folder: str | Path) -> None:

@@ -12,6 +12,7 @@ import os
 import warnings
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any, BinaryIO
 
 import numpy as np
 from plyfile import PlyData, PlyElement, PlyListProperty, PlyParseError
@@ -96,14 +97,14 @@ def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) ->
     return GaussianCloud(*(on_device(values, np.float32) for values in kept))
 
 
-def write_ply(path: str | os.PathLike[str], cloud: GaussianCloud) -> None:
+def write_ply(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> None:
     """Writes a cloud as a little-endian binary PLY that ordinary 3DGS viewers open.
 
     Opacity logits are clipped to +-16 and scales to the smallest positive float32, so that every number
     in the file is finite.
 
     Args:
-        path: The file to write; its folder must exist.
+        path: The file to write, whose folder must exist, or a stream.
         cloud: What to write.
     """
     means, quats, scales, opacities, sh = (
@@ -121,7 +122,8 @@ def write_ply(path: str | os.PathLike[str], cloud: GaussianCloud) -> None:
     )
     names = (*_POSITION, *_NORMAL, *_DC, *rest_names, "opacity", *_SCALE, *_ROTATION)
     vertex = np.rec.fromarrays(table.astype("<f4").T, dtype=[(name, "<f4") for name in names])
-    PlyData([PlyElement.describe(np.asarray(vertex), "vertex")], byte_order="<").write(os.fspath(path))
+    target: Any = os.fspath(path) if isinstance(path, str | os.PathLike) else path
+    PlyData([PlyElement.describe(np.asarray(vertex), "vertex")], byte_order="<").write(target)
 
 
 def _read_vertices(path: Path) -> PlyElement:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import jax
 import jax.numpy as jnp
@@ -27,9 +27,9 @@ def write_splat_frames(folder: Path, body: Body, x: np.ndarray, F: np.ndarray) -
         x: Particle positions in the body's order [m], shape (T, n, 3).
         F: Deformation gradients, shape (T, n, 3, 3).
     """
-    paths = []
+    paths = [folder / name for name in splat_names("", len(x))]
     bend = jax.jit(deform)
-    for index, (positions, gradients) in enumerate(zip(x, F)):
+    for path, positions, gradients in zip(paths, x, F):
         splats = bend(
             body.cloud,
             body.binding,
@@ -37,11 +37,14 @@ def write_splat_frames(folder: Path, body: Body, x: np.ndarray, F: np.ndarray) -
             jnp.asarray(gradients, jnp.float32),
             body.placement.rotation,
         )
-        path = folder / f"{index:04d}.ply"
         with replacing(path) as temporary:
             write_ply(temporary, in_source_frame(splats, body.placement))
-        paths.append(path)
     return paths
+
+
+def splat_names(folder: str, count: int) -> list[str]:
+    """Names of the files of ``count`` frames in ``folder``."""
+    return [str(PurePosixPath(folder, f"{index:04d}.ply")) for index in range(count)]
 
 
 def in_source_frame(splats: Splats, placement: Placement) -> GaussianCloud:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import av
 import imageio.v3 as iio
@@ -13,11 +13,11 @@ from av.error import FFmpegError
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.files import replacing
+from physagent_jax.core.files import replacing, write_bytes
 
 # Constant rate factor 18 is visually lossless for H.264; "yuv420p" and the index in front ("faststart")
-# are what browsers and phones need.
-QUALITY = {"crf": "18", "preset": "medium"}
+# are what browsers and phones need. One thread: with several, the bytes depend on the machine and the moment.
+QUALITY = {"crf": "18", "preset": "medium", "threads": "1"}
 
 
 def write_video(path: str | Path, frames: np.ndarray, fps: float) -> Path:
@@ -72,7 +72,7 @@ def read_video(path: str | Path) -> np.ndarray:
 
 
 def write_frames(folder: str | Path, frames: np.ndarray) -> list[Path]:
-    """Writes ``frame_0000.png`` and so on; frames left by an earlier, longer clip are removed.
+    """Writes ``frame_0000.png`` and so on.
 
     Args:
         folder: Where to; made if absent.
@@ -86,13 +86,20 @@ def write_frames(folder: str | Path, frames: np.ndarray) -> list[Path]:
         ValueError: The frames are not uint8 RGB.
     """
     folder = Path(folder)
-    paths = [folder / f"frame_{index:04d}.png" for index in range(len(_checked(frames)))]
+    paths = [folder / name for name in frame_names("", len(_checked(frames)))]
     for path, picture in zip(paths, frames, strict=True):
-        with replacing(path) as temporary:
-            temporary.write_bytes(iio.imwrite("<bytes>", picture, extension=".png"))
-    for stale in set(folder.glob("frame_*.png")) - set(paths):
-        stale.unlink()
+        write_picture(path, picture)
     return paths
+
+
+def frame_names(folder: str, count: int) -> list[str]:
+    """Names of the pictures of ``count`` frames in ``folder``."""
+    return [str(PurePosixPath(folder, f"frame_{index:04d}.png")) for index in range(count)]
+
+
+def write_picture(path: str | Path, picture: np.ndarray) -> None:
+    """Writes a PNG, uint8, shape (H, W, 3), atomically."""
+    write_bytes(path, iio.imwrite("<bytes>", picture, extension=".png"))
 
 
 def _checked(frames: np.ndarray) -> np.ndarray:

@@ -89,7 +89,7 @@ def simulation_facts(iteration: Iteration) -> Markup:
                 ("substep used", used + share),
                 ("particles stopped at the wall", _stopped(record.stopped_particles)),
                 ("redone frames", "none" if not record.redone_frames else str(len(record.redone_frames))),
-                ("taken over", reused_words(record)) if record.reused_frames else None,
+                ("taken over", reused_words(iteration.reused_frames)) if iteration.reused_frames else None,
             ]
         ),
         _redone(record),
@@ -272,10 +272,9 @@ def _stopped(particle_steps: int) -> str:
     return "none" if particle_steps == 0 else f"{count(particle_steps)} times"
 
 
-def reused_words(record: SimulationRecord) -> str:
+def reused_words(frames: int) -> str:
     """Which frames were not simulated again."""
-    last = record.reused_frames - 1
-    return f"frames 0 to {last} of the round before, whose forces are the same until then"
+    return f"frames 0 to {frames - 1} of the round before, whose forces are the same until then"
 
 
 def _redone(record: SimulationRecord) -> Markup | None:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import os
 from importlib import resources
 from pathlib import Path
 
 from physagent_jax import __version__
+from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
 from physagent_jax.report.charts import motion_charts, physics_charts
 from physagent_jax.report.facts import clip_words, cost_facts, reproduction, scene_facts, simulation_facts
@@ -20,6 +22,7 @@ from physagent_jax.report.media import Clip, filmstrip, load_clip, player
 from physagent_jax.report.run_data import Iteration, Run, load_run
 from physagent_jax.report.truth import truth_table
 from physagent_jax.report.words import words_section
+from physagent_jax.run.store import REPORT
 
 SECTIONS = {
     "words": "From words to forces",
@@ -31,7 +34,11 @@ SECTIONS = {
 }
 
 
-def write_report(run_dir: str | Path) -> Path:
+_GENERATOR = "physagent-jax"
+_HEAD_BYTES = 1024  # within which a page says who has made it
+
+
+def write_report(run_dir: str | Path, *, overwrite: bool = False) -> Path:
     """Writes ``report.html`` into a run folder, from the folder's files alone.
 
     The page needs no other file and no network: style, script, pictures and videos are inside it (a video
@@ -40,6 +47,7 @@ def write_report(run_dir: str | Path) -> Path:
 
     Args:
         run_dir: The run folder.
+        overwrite: Whether to replace a ``report.html`` that is not a page of this function's.
 
     Returns:
         The page's path.
@@ -48,9 +56,20 @@ def write_report(run_dir: str | Path) -> Path:
         UserError: The folder holds nothing of a run, or the page cannot be written.
     """
     run = load_run(run_dir)
-    path = Path(run_dir) / "report.html"
+    path = Path(run_dir) / REPORT
+    if not overwrite and os.path.lexists(path) and not _is_ours(path):
+        raise UserError(
+            f"{path} exists and was not written by {_GENERATOR}", do="Move it away, or pass --overwrite"
+        )
     write_text(path, render_page(run))
     return path
+
+
+def _is_ours(path: Path) -> bool:
+    if not path.is_file():
+        return False
+    with open(path, "rb") as file:
+        return f'name="generator" content="{_GENERATOR} '.encode() in file.read(_HEAD_BYTES)
 
 
 def render_page(run: Run) -> str:
@@ -72,6 +91,7 @@ def render_page(run: Run) -> str:
     script = _asset("report.js")
     head = [
         tag("meta", charset="utf-8"),
+        tag("meta", name="generator", content=f"{_GENERATOR} {__version__}"),
         tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
         tag("meta", http_equiv="Content-Security-Policy", content=_policy(script)),
         tag("meta", name="color-scheme", content="light dark"),

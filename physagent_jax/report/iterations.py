@@ -14,7 +14,6 @@ from physagent_jax.report.layout import badge, facts, fold, json_fold, listing, 
 from physagent_jax.report.markup import Child, Markup, div, join, span, tag
 from physagent_jax.report.media import image
 from physagent_jax.report.run_data import Iteration
-from physagent_jax.run_folder import SimulationRecord
 
 MARKS = {True: ("pass", "\u2713 pass"), False: ("failed", "\u2717 fail"), None: ("open", "? not observable")}
 
@@ -73,7 +72,7 @@ def iteration_card(
     parts = [
         _head(iteration, is_best),
         div("split", div("clip", video), _forces(iteration, previous, setting)),
-        _taken_over(iteration.simulation),
+        _taken_over(iteration),
         _overlay(iteration),
         _judgement(iteration.judgement),
         _rewrite(iteration.rewrite, iteration.index),
@@ -111,10 +110,11 @@ def _forces(iteration: Iteration, previous: Iteration | None, setting: Setting) 
     return force_cards(iteration.force_field, setting, previous=previous.force_field if previous else None)
 
 
-def _taken_over(record: SimulationRecord | None) -> Markup | None:
-    if record is None or not record.reused_frames:
+def _taken_over(iteration: Iteration) -> Markup | None:
+    if not iteration.reused_frames:
         return None
-    return tag("p", f"Taken over instead of simulated: {reused_words(record)}.", class_="quiet")
+    text = f"Taken over instead of simulated: {reused_words(iteration.reused_frames)}."
+    return tag("p", text, class_="quiet")
 
 
 def _overlay(iteration: Iteration) -> Markup | None:

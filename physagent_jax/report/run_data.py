@@ -12,8 +12,8 @@ from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.schema import MotionReport
+from physagent_jax.run.store import PROBE
 from physagent_jax.run_folder import Manifest, SimulationRecord
-from physagent_jax.run_store import PROBE
 from physagent_jax.scene.config import SceneConfig
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -32,6 +32,7 @@ class Iteration:
     simulation: SimulationRecord | None
     video: Path | None
     overlay: Path | None
+    reused_frames: int = 0
 
     @property
     def clip(self) -> str:
@@ -104,7 +105,9 @@ def load_run(folder: str | Path) -> Run:
     semantic = reader.model("semantic.json", SemanticReply)
     scene = reader.model("scene.json", SceneConfig)
     video = reader.file("video.mp4")
-    iterations, probe = _iterations(reader, "iterations"), _iterations(reader, f"{PROBE}/iterations")
+    reused = manifest.reused_frames if manifest else {}
+    iterations = _iterations(reader, "iterations", reused)
+    probe = _iterations(reader, f"{PROBE}/iterations", reused)
     if manifest is None and scene is None and not iterations and not probe:
         raise UserError(f"{folder} is not a run folder", do="Name the folder that holds manifest.json")
     if not iterations:
@@ -112,14 +115,14 @@ def load_run(folder: str | Path) -> Run:
     return Run(folder, manifest, semantic, scene, video, iterations, probe, tuple(reader.problems))
 
 
-def _iterations(reader: _Reader, name: str) -> tuple[Iteration, ...]:
+def _iterations(reader: _Reader, name: str, reused: dict[str, int]) -> tuple[Iteration, ...]:
     """Those in the folder ``name``, in order."""
     found = reader.folder.glob(f"{name}/*")
     indices = sorted(int(p.name) for p in found if p.is_dir() and p.name.isdecimal())
-    return tuple(_iteration(reader, name, index, is_last=index == indices[-1]) for index in indices)
+    return tuple(_iteration(reader, name, index, reused, is_last=index == indices[-1]) for index in indices)
 
 
-def _iteration(reader: _Reader, name: str, index: int, *, is_last: bool) -> Iteration:
+def _iteration(reader: _Reader, name: str, index: int, reused: dict[str, int], *, is_last: bool) -> Iteration:
     base = f"{name}/{index}"
     return Iteration(
         index=index,
@@ -132,6 +135,7 @@ def _iteration(reader: _Reader, name: str, index: int, *, is_last: bool) -> Iter
         simulation=reader.model(f"{base}/simulation.json", SimulationRecord),
         video=reader.file(f"{base}/video.mp4"),
         overlay=reader.file(f"{base}/overlay.png", optional=True),
+        reused_frames=reused.get(base, 0),
     )
 
 

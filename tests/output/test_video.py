@@ -78,11 +78,15 @@ def test_reading_rubbish_is_a_user_error(tmp_path):
             read_video(tmp_path / name)
 
 
-def test_frames_are_exact_and_replace_a_longer_clip(tmp_path):
+def test_frames_are_exact_and_leave_other_files_alone(tmp_path):
+    """A picture called like a later frame may be somebody's own."""
     frames = colour_bars(4, 9, 11)
-    write_frames(tmp_path / "frames", frames)
+    (tmp_path / "frames").mkdir()
+    other = tmp_path / "frames" / "frame_0003.png"
+    other.write_bytes(b"precious")
     paths = write_frames(tmp_path / "frames", frames[:3])
-    assert sorted((tmp_path / "frames").iterdir()) == paths
+    assert sorted((tmp_path / "frames").iterdir()) == [*paths, other]
+    assert other.read_bytes() == b"precious"
     assert [path.name for path in paths] == ["frame_0000.png", "frame_0001.png", "frame_0002.png"]
     for path, picture in zip(paths, frames, strict=False):
         np.testing.assert_array_equal(iio.imread(path), picture)

@@ -7,11 +7,12 @@ Regions of constraints are absolute [m] and select particles by their rest posit
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Literal
 
 from physagent_jax.core.strict import Strict, Vector
 from physagent_jax.forces.schema import ForceField, SkillScaling
-from physagent_jax.scene.config.boundaries import Boundary, DomainBox
+from physagent_jax.scene.config.boundaries import Boundary, DomainBox, Mesh
 from physagent_jax.scene.config.constraints import Anchor, Constraint
 from physagent_jax.scene.config.forces import ForceTerm
 from physagent_jax.scene.config.material import Material, MaterialRegion
@@ -55,3 +56,13 @@ class SceneConfig(Strict):
     ledger: bool = False
     camera: CameraConfig = CameraConfig()
     rendering: Rendering = Rendering()
+
+    def files(self, base_dir: Path) -> dict[str, Path]:
+        """The files that the scene names, by what they are for; relative paths start from ``base_dir``."""
+        names = {"object": self.source.path}
+        if self.anchor.kind == "mask" and self.anchor.mask_path is not None:
+            names["anchor"] = self.anchor.mask_path
+        for index, boundary in enumerate(self.boundaries):
+            if isinstance(boundary, Mesh):
+                names[f"boundaries[{index}]"] = boundary.path
+        return {name: base_dir / path for name, path in names.items()}

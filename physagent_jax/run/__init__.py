@@ -1,0 +1,1 @@
+"""Run folders: one run each, resumable, never half-written, never at the cost of what stood there."""
