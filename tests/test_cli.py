@@ -5,6 +5,8 @@ import json
 import pytest
 
 from physagent_jax.cli import main
+from physagent_jax.run.store import RunStore
+from physagent_jax.run_folder import Manifest
 from physagent_jax.scene.config import Filling, SceneConfig, Source, Timing, dump_scene
 
 PROMPT = "push the robot to the left"
@@ -246,3 +248,104 @@ def test_a_scene_that_cannot_be_simulated_leaves_nothing(tmp_path, robot_path, c
     arguments = ["run", "--object", robot_path, "--prompt", PROMPT, "--out", out, *stiff]
     refused(capsys, arguments, "above the stable bound", "Use `substep_dt` <=")
     assert not out.exists()
+
+
+# --- files of others ---------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def earlier_run(tmp_path):
+    """A finished run, and an object that a user keeps in its folder."""
+    path = tmp_path / "run"
+    earlier = Manifest(command="", prompt="earlier", versions={}, platform="", seed=0, inputs={})
+    with RunStore.open(path, earlier) as store:
+        store.begin()
+        store.claimed("video.mp4").write_bytes(b"the earlier video")
+        store.finish()
+    return path
+
+
+def snapshot(folder):
+    return {path: path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def test_a_refused_run_leaves_the_earlier_one_whole(earlier_run, robot_path, tmp_path, capsys):
+    """Sentence, object and scene are checked before anything is replaced, and a failed simulation gives it back."""
+    mine = make_file(earlier_run / "object.ply", robot_path.read_bytes())
+    before = snapshot(earlier_run)
+    stiff = ["--preset", "paper", "--youngs-modulus", "1e9"]
+    for prompt, object_path, extra in (
+        ("asdf qwer zxcv", robot_path, []),
+        (PROMPT, tmp_path / "nowhere.ply", []),
+        (PROMPT, robot_path, stiff),
+        (PROMPT, mine, stiff),
+    ):
+        arguments = ["run", "--object", object_path, "--prompt", prompt, "--out", earlier_run, "--overwrite"]
+        refused(capsys, [*arguments, *SMALL, *extra])
+        assert snapshot(earlier_run) == before
+
+
+def test_an_object_that_the_earlier_run_wrote_is_not_replaced(earlier_run, robot_path, capsys):
+    with RunStore.open(earlier_run, read_manifest(earlier_run)) as store:
+        make_file(store.claimed("0000.ply"), robot_path.read_bytes())
+    before = snapshot(earlier_run)
+    arguments = [
+        "--object",
+        earlier_run / "0000.ply",
+        "--prompt",
+        PROMPT,
+        "--out",
+        earlier_run,
+        "--overwrite",
+    ]
+    refused(capsys, ["run", *arguments, *SMALL], "0000.ply", "needed for the new one")
+    assert snapshot(earlier_run) == before
+
+
+def read_manifest(folder):
+    return Manifest.model_validate_json((folder / "manifest.json").read_bytes())
+
+
+def test_simulate_does_not_write_over_what_it_did_not_make(scene_file, earlier_run, tmp_path, capsys):
+    before = snapshot(earlier_run)
+    refused(capsys, ["simulate", scene_file, "--out", earlier_run], "another run", "--overwrite")
+    (tmp_path / "other").mkdir()
+    make_file(tmp_path / "other" / "video.mp4", b"precious")
+    for extra in ([], ["--overwrite"]):
+        refused(capsys, ["simulate", scene_file, "--out", tmp_path / "other", *extra], "not a run folder")
+    assert snapshot(earlier_run) == before
+    assert (tmp_path / "other" / "video.mp4").read_bytes() == b"precious"
+    assert main(["simulate", str(scene_file), "--out", str(earlier_run), "--overwrite"]) == 0
+    assert main(["simulate", str(scene_file), "--out", str(earlier_run)]) == 0  # the same is there already
+    after = snapshot(earlier_run)
+    refused(
+        capsys,
+        ["simulate", earlier_run / "scene.json", "--out", earlier_run, "--overwrite", "--ledger"],
+        "scene.json",
+        "needed for the new one",
+    )
+    assert snapshot(earlier_run) == after
+
+
+def test_make_and_import_do_not_write_over_other_files(tmp_path, robot_path, capsys):
+    card = make_file(tmp_path / "a.card.json", b"precious")
+    refused(capsys, ["make", "jelly", "--out", tmp_path / "a.ply"], "a.card.json", "--overwrite")
+    assert not (tmp_path / "a.ply").exists() and card.read_bytes() == b"precious"
+    assert main(["make", "jelly", "--out", str(tmp_path / "a.ply"), "--overwrite"]) == 0
+    assert json.loads(card.read_text())["name"] == "jelly"
+    config = make_file(
+        tmp_path / "config.json", b'{"n_grid": 50, "substep_dt": 1e-4, "frame_num": 2, "g": [0, 0, -9.8]}'
+    )
+    scene = make_file(tmp_path / "scene.json", b"precious")
+    arguments = ["import-physgaussian", str(config), "--object", str(robot_path), "--out", str(scene)]
+    refused(capsys, arguments, "scene.json exists")
+    assert scene.read_bytes() == b"precious"
+    assert main([*arguments, "--overwrite"]) == 0
+
+
+def test_report_does_not_replace_a_page_of_another_hand(earlier_run, capsys):
+    make_file(earlier_run / "report.html", b"<html>my own</html>")
+    refused(capsys, ["report", earlier_run], "report.html", "--overwrite")
+    assert (earlier_run / "report.html").read_bytes() == b"<html>my own</html>"
+    assert main(["report", str(earlier_run), "--overwrite"]) == 0
+    assert main(["report", str(earlier_run)]) == 0  # its own page

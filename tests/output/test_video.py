@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import os
+
 import av
 import imageio.v3 as iio
 import numpy as np
@@ -90,3 +92,18 @@ def test_frames_are_exact_and_leave_other_files_alone(tmp_path):
     assert [path.name for path in paths] == ["frame_0000.png", "frame_0001.png", "frame_0002.png"]
     for path, picture in zip(paths, frames, strict=False):
         np.testing.assert_array_equal(iio.imread(path), picture)
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="no way to choose cores here")
+def test_the_bytes_do_not_depend_on_the_cores_that_are_free(tmp_path):
+    """The encoder's own threads would be as many as there are cores, and each count gives another file."""
+    frames = np.random.default_rng(0).integers(0, 256, (12, 96, 128, 3), dtype=np.uint8)
+    cores = os.sched_getaffinity(0)
+    files = []
+    try:
+        for chosen in (cores, {min(cores)}, cores):
+            os.sched_setaffinity(0, chosen)
+            files.append(write_video(tmp_path / "clip.mp4", frames, 25).read_bytes())
+    finally:
+        os.sched_setaffinity(0, cores)
+    assert files[0] == files[1] == files[2]
