@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
+from physagent_jax.cli.stopping import Stopped, stoppable
 from physagent_jax.core.errors import UserError
 
 _CACHE_VARIABLE = "PHYSAGENT_COMPILE_CACHE"
@@ -20,32 +22,39 @@ def main(arguments: list[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     debug = "--debug" in arguments
     arguments = [argument for argument in arguments if argument != "--debug"]
+    simulates = arguments[:1] in (["run"], ["simulate"]) and not {"-h", "--help"} & set(arguments)
     try:
-        enable_compile_cache()
-        if arguments[:1] in (["run"], ["simulate"]) and not {"-h", "--help"} & set(arguments):
-            from physagent_jax.kernels import ahead
-
-            ahead.begin()  # while the rest is imported
-        import tyro
-
-        from physagent_jax.cli.commands import COMMANDS, DESCRIPTION
-
-        command = tyro.extras.subcommand_cli_from_dict(
-            COMMANDS,
-            prog="physagent",
-            description=DESCRIPTION,
-            args=joined(arguments) or ["--help"],
-            config=(tyro.conf.EnumChoicesFromValues, tyro.conf.FlagCreatePairsOff, tyro.conf.DisallowNone),
-        )
-        return command()
+        with stoppable() if simulates else nullcontext():
+            return _execute(arguments, simulates)
     except UserError as error:
         if debug:
             raise
         print(f"physagent: {error}", file=sys.stderr)
         return 2
-    except KeyboardInterrupt:
-        print("physagent: stopped; the same command takes the run up again", file=sys.stderr)
-        return 130
+    except KeyboardInterrupt as stop:
+        resumes = "; the same command takes the run up again" if arguments[:1] == ["run"] else ""
+        print(f"physagent: stopped{resumes}", file=sys.stderr)
+        return stop.exit_code if isinstance(stop, Stopped) else 130
+
+
+def _execute(arguments: list[str], simulates: bool) -> int:
+    enable_compile_cache()
+    if simulates:
+        from physagent_jax.kernels import ahead
+
+        ahead.begin()  # while the rest is imported
+    import tyro
+
+    from physagent_jax.cli.commands import COMMANDS, DESCRIPTION
+
+    command = tyro.extras.subcommand_cli_from_dict(
+        COMMANDS,
+        prog="physagent",
+        description=DESCRIPTION,
+        args=joined(arguments) or ["--help"],
+        config=(tyro.conf.EnumChoicesFromValues, tyro.conf.FlagCreatePairsOff, tyro.conf.DisallowNone),
+    )
+    return command()
 
 
 def joined(arguments: list[str]) -> list[str]:

@@ -6,6 +6,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from physagent_jax.agents.schema import Judgement, Verdict
+from physagent_jax.cli import stopping
 from physagent_jax.synthesis import Observer
 
 stderr = Console(stderr=True, highlight=False, soft_wrap=True)
@@ -39,7 +40,8 @@ class FrameBar:
         self._task = None
 
     def __call__(self, done: int, total: int) -> None:
-        """``done`` of ``total`` frames are finished."""
+        """``done`` of ``total`` frames are finished; raises `Stopped` if the process has been asked to stop."""
+        stopping.check()
         if self._task is None:
             self._progress.start()
             self._task = self._progress.add_task(self._text, total=total)
@@ -59,8 +61,9 @@ class ConsoleObserver(Observer):
         self._bar: FrameBar | None = None
 
     def stage(self, text: str) -> None:
-        """Prints the stage; its frames, if any, get a bar."""
+        """Prints the stage; its frames, if any, get a bar. Raises as `FrameBar`."""
         self.close()
+        stopping.check()
         stderr.print(f"[dim]·[/] {_plain(text)}")
         self._bar = FrameBar(text)
 
