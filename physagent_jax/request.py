@@ -11,6 +11,7 @@ from physagent_jax.agents.protocols import ExecutorAgent, PlannerAgent, Semantic
 from physagent_jax.agents.schema import Judgement
 from physagent_jax.run_folder import Manifest
 from physagent_jax.scene.config import Anchor
+from physagent_jax.scene.cost import Limits
 from physagent_jax.scene.fuse import Ingredients
 
 
@@ -36,6 +37,7 @@ class Request:
         manifest: Passport; its ``inputs`` identify the run.
         max_iterations: Rounds at most.
         probe: Whether as many rounds on a coarse version of the scene come first, to begin with their best force field.
+        limits: What a round may take.
         needed: Files that the run reads; ``overwrite`` does not replace these.
         overwrite: Replace another run in ``out``.
         save_frames, save_splats: Also leave PNG frames, and one PLY per frame.
@@ -47,6 +49,7 @@ class Request:
     base_dir: Path
     out: Path
     manifest: Manifest
+    limits: Limits = Limits()
     needed: tuple[Path, ...] = ()
     max_iterations: int = 3
     probe: bool = False

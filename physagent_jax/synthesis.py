@@ -33,6 +33,7 @@ from physagent_jax.scene.camera import viewer_directions
 from physagent_jax.scene.coarse import coarser
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import SceneConfig
+from physagent_jax.scene.cost import check_cost, estimate_cost
 from physagent_jax.scene.fuse import Ingredients, fuse
 from physagent_jax.simulation import play
 from physagent_jax.stopwatch import Stopwatch
@@ -66,10 +67,11 @@ def synthesize(request: Request, agents: Agents, observer: Observer | None = Non
         loop = _Loop(request, agents, observer, store)
         reply = loop.read_sentence()
         body = loop.load_object()
+        ingredients = loop.with_anchor(reply)
+        check_cost(estimate_cost(fuse(ingredients, body, reply.force_field), body), request.limits)
         store.begin()
         try:
             store.write("semantic.json", reply)
-            ingredients = loop.with_anchor(reply)
             force_field = reply.force_field
             if request.probe:
                 force_field = loop.probe(ingredients, body, reply)

@@ -90,7 +90,3 @@ def enable_compile_cache() -> None:
         return  # a read-only home costs compile time, nothing else
     jax.config.update("jax_compilation_cache_dir", str(folder))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

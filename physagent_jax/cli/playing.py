@@ -19,6 +19,7 @@ from physagent_jax.run_folder import SimulationRecord, Stages
 from physagent_jax.scene.body import Body, body_of
 from physagent_jax.scene.compile import Scene, compile_scene
 from physagent_jax.scene.config import SceneConfig, dump_scene
+from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
 from physagent_jax.scene.load import file_sha256
 from physagent_jax.simulation import Progress, play
 from physagent_jax.stopwatch import Stopwatch
@@ -33,6 +34,7 @@ def play_scene(
     command: str,
     save_frames: bool,
     save_splats: bool,
+    limits: Limits,
     overwrite: bool,
 ) -> tuple[SimulationRecord, Stages]:
     """Simulates ``config``, read from ``scene_file``; writes scene.json, simulation.json, video and motion to ``out``.
@@ -57,6 +59,7 @@ def play_scene(
         with watch("prepare"), warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", UserWarning)
             body = body_of(config, base_dir)
+            check_cost(estimate_cost(config, body), limits)
             scene = compile_scene(config, body, base_dir)
         for warning in caught:
             warn(warning.message)

@@ -16,6 +16,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.provenance import make_manifest, settings_hash
 from physagent_jax.scene.card import load_card
 from physagent_jax.scene.config import Anchor, CameraConfig, Source, validation_message
+from physagent_jax.scene.cost import Limits
 from physagent_jax.scene.fuse import Ingredients
 from physagent_jax.scene.load import file_sha256
 from physagent_jax.scene.presets import PRESETS, Preset
@@ -88,6 +89,7 @@ def make_request(command: Run, command_line: str) -> Request:
         base_dir=Path.cwd(),
         out=command.out,
         manifest=manifest,
+        limits=Limits(command.max_minutes, command.max_memory),
         needed=tuple(filter(None, (path, command.anchor_mask, command.physgm))),
         max_iterations=command.max_iterations,
         probe=command.probe,

@@ -85,6 +85,10 @@ class Run:
     """Also leave the frames as PNG."""
     save_splats: bool = False
     """Also leave one 3DGS PLY per frame."""
+    max_minutes: float = 60.0
+    """Refuse a run of which a round is estimated to take longer."""
+    max_memory: float | None = None
+    """Refuse what is estimated to need more [GB]; default: 80 % of the machine's."""
     overwrite: bool = False
     """Replace another run in the folder."""
     json_line: Annotated[bool, tyro.conf.arg(name="json")] = False

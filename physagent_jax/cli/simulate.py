@@ -35,6 +35,10 @@ class Simulate:
     """Also leave the frames as PNG."""
     save_splats: bool = False
     """Also leave one 3DGS PLY per frame."""
+    max_minutes: float = 60.0
+    """Refuse what is estimated to take longer."""
+    max_memory: float | None = None
+    """Refuse what is estimated to need more [GB]; default: 80 % of the machine's."""
     overwrite: bool = False
     """Replace another run in the folder."""
     json_line: Annotated[bool, tyro.conf.arg(name="json")] = False
@@ -43,6 +47,7 @@ class Simulate:
     def __call__(self) -> int:
         """Runs the command; returns the exit code."""
         from physagent_jax.cli.playing import play_scene
+        from physagent_jax.scene.cost import Limits
 
         begun = time.perf_counter()
         config, notes = read_scene(self.scene, self.object)
@@ -59,6 +64,7 @@ class Simulate:
                 command=shlex.join(sys.argv),
                 save_frames=self.save_frames,
                 save_splats=self.save_splats,
+                limits=Limits(self.max_minutes, self.max_memory),
                 overwrite=self.overwrite,
             )
         finally:
