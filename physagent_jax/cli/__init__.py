@@ -26,15 +26,28 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with stoppable() if simulates else nullcontext():
             return _execute(arguments, simulates)
-    except UserError as error:
+    except BrokenPipeError:  # whoever reads the output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
+    except (UserError, OSError, MemoryError) as error:
         if debug:
             raise
-        print(f"physagent: {error}", file=sys.stderr)
+        print(f"physagent: {_as_user_error(error)}", file=sys.stderr)
         return 2
     except KeyboardInterrupt as stop:
         resumes = "; the same command takes the run up again" if arguments[:1] == ["run"] else ""
         print(f"physagent: stopped{resumes}", file=sys.stderr)
         return stop.exit_code if isinstance(stop, Stopped) else 130
+
+
+def _as_user_error(error: UserError | OSError | MemoryError) -> UserError:
+    """What to tell; the one place for refusals of the operating system that no reader or writer has foreseen."""
+    if isinstance(error, UserError):
+        return error
+    if isinstance(error, MemoryError):
+        return UserError("the memory does not suffice", do="Use fewer particles, frames, pixels or cells")
+    what = "the operating system refuses" if error.filename is None else f"cannot use {error.filename!r}"
+    return UserError(what, got=error.strerror or error, do="Mend this and give the command again")
 
 
 def _execute(arguments: list[str], simulates: bool) -> int:
