@@ -1,8 +1,9 @@
 """`python -m benchmarks.accuracy [--quick] --json OUT [--plot PNG] [--markdown MD]`: error against wall time.
 
-Two tables. "verification": every case at the resolution its bar holds for. "work_precision": grid size x step
+Three tables. "verification": every case at the resolution its bar holds for. "work_precision": grid size x step
 policy, then transfer, stress form and precision at the middle grid, for the cases with a smooth error, and the
 same problems on the peers that are installed, in the same run. Wall times are warm; compilation is apart.
+"quadrature": what the number of particles per cell does to bending.
 """
 
 from __future__ import annotations
@@ -19,7 +20,17 @@ from rich.console import Console
 
 from benchmarks.accuracy.markdown import document
 from benchmarks.accuracy.peers import theirs
-from benchmarks.accuracy.study import NEAR_BOUND, REFERENCE_DT, Row, ours, rule_words, work_precision
+from benchmarks.accuracy.study import (
+    NEAR_BOUND,
+    QUADRATURE_CASE,
+    QUADRATURE_ERROR,
+    REFERENCE_DT,
+    Row,
+    ours,
+    quadrature,
+    rule_words,
+    work_precision,
+)
 from benchmarks.cases.catalogue import CASES, EXPENSIVE, STUDIED, Studied
 from benchmarks.machine import circumstances
 from benchmarks.peers.base import Found, find
@@ -44,8 +55,12 @@ class Command:
     """Also draw the work-precision plot here (PNG)."""
     markdown: Path | None = None
     """Also write the tables here (docs/accuracy.md)."""
-    parts: tuple[Literal["verification", "work_precision"], ...] = ("verification", "work_precision")
-    """Which tables to measure; the file's other one is kept."""
+    parts: tuple[Literal["verification", "work_precision", "quadrature"], ...] = (
+        "verification",
+        "work_precision",
+        "quadrature",
+    )
+    """Which tables to measure; the file's others are kept."""
     quick: bool = False
     """Coarse grids and cheap cases only: a few minutes."""
     only: str = ""
@@ -63,6 +78,8 @@ def main() -> int:
         result[part] = section = {**circumstances(), "rows": rows}
         if part == "verification":
             found = ((row, None) for row in _verification(command))
+        elif part == "quadrature":
+            found = ((row, QUADRATURE_ERROR) for row in _quadrature(command))
         else:
             section["peers"], usable = _peers()
             found = _studies(command, usable)
@@ -84,6 +101,13 @@ def _verification(command: Command):
         if command.only in name and not (command.quick and name in EXPENSIVE):
             numerics = verified.coarse if command.quick else verified.fine
             yield ours(verified.case, verified.note, numerics, judged=True)
+
+
+def _quadrature(command: Command):
+    """A row for every density of particles, grid and stress form."""
+    for numerics in quadrature((4,) if command.quick else (4, 8)):
+        label = f"{numerics.stress_form}, {numerics.per_axis} per axis"
+        yield ours(QUADRATURE_CASE, label, numerics)
 
 
 def _peers() -> tuple[dict[str, str], dict[str, Found]]:

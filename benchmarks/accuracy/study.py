@@ -11,10 +11,12 @@ import jax
 import numpy as np
 
 from benchmarks.cases.base import Case, Numerics, Problem, run
+from benchmarks.cases.cantilever import Cantilever
 from physagent_jax.mpm import stable_dt
 
 REFERENCE_DT = 2e-4  # [s]; PhysGaussian's and the paper's usual substep
 NEAR_BOUND = ("bound", 0.9)
+QUADRATURE_CASE, QUADRATURE_ERROR = Cantilever(), "tip drop"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -68,6 +70,14 @@ def work_precision(resolutions: tuple[int, ...], base: Numerics) -> Iterator[tup
     yield "RPIC 0.5", dataclasses.replace(base, rpic_damping=0.5)
     yield "PIC", dataclasses.replace(base, transfer="pic")
     yield "float64", dataclasses.replace(base, dtype=np.float64)
+
+
+def quadrature(resolutions: tuple[int, ...]) -> Iterator[Numerics]:
+    """Numerics that differ in how densely particles lie, for `QUADRATURE_CASE`."""
+    for resolution in resolutions:
+        for form in ("mls", "gradient"):
+            for per_axis in (2, 3, 4):
+                yield Numerics(resolution=resolution, stress_form=form, per_axis=per_axis)
 
 
 def rule_words(rule: tuple[str, float]) -> str:
