@@ -53,10 +53,8 @@ def use_cpu(kernels: Kernels | None = None) -> bool:
 
 
 def load(module: str):
-    """A module that needs Numba, imported so that what it compiles is kept."""
-    store = importlib.import_module("physagent_jax.kernels.store")
-    with store.kept():
-        return importlib.import_module(module)
+    """A module that needs Numba."""
+    return importlib.import_module(module)
 
 
 def chosen(kernels: Kernels) -> str:

@@ -1,12 +1,15 @@
 """Kernels compiled ahead: the first time on a machine, in processes of their own.
 
 Numba compiles for ten seconds or two, on one core, and only once; while an object is loaded and XLA compiles the rest,
-the other cores can do it. One process imports what all kernels need and forks into one per kernel.
+the other cores can do it. One process imports what all kernels need and forks into one per kernel. They are a session of
+their own, which a Ctrl-C in the terminal does not reach, and end with the process that began them, however it ends.
 """
 
 from __future__ import annotations
 
 import os
+import select
+import signal
 import subprocess
 import sys
 from collections.abc import Iterable
@@ -23,6 +26,7 @@ PLAYING = {
 }
 """What simulating and rendering any scene needs: target -> (module, arguments of its `handler`); the longest first."""
 
+_LOOK = 0.1  # seconds between two looks at whether a kernel is done
 _running: dict[str, subprocess.Popen[str]] = {}
 _reading = Lock()
 
@@ -35,15 +39,26 @@ def begin() -> None:
 
     missing = [name for name in PLAYING if name not in _running and not store.has(name)]
     if missing:
-        script = f"from physagent_jax.kernels import ahead; ahead.compile_all({missing!r})"
+        script = f"from physagent_jax.kernels import ahead; ahead.compile_all({missing!r}, parent=0)"
         process = subprocess.Popen(
-            [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+            [sys.executable, "-c", script],
+            stdin=subprocess.PIPE,  # closed when this process ends
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            start_new_session=True,
         )
         _running.update(dict.fromkeys(missing, process))
 
 
-def compile_all(names: Iterable[str]) -> None:
-    """Compiles kernels into the store and prints the names of those done, in a process that was started for it."""
+def compile_all(names: Iterable[str], parent: int | None = None) -> None:
+    """Compiles kernels into the store and prints the names of those done, in a process that was started for it.
+
+    Args:
+        names: Of `PLAYING`.
+        parent: A pipe that closes when whoever waits for the kernels is no more: then all processes of this one's
+            session end. None = nobody's end matters.
+    """
     at_work = 0
     for name in names:
         load(PLAYING[name][0])
@@ -51,13 +66,22 @@ def compile_all(names: Iterable[str]) -> None:
             _compile(name)
             continue
         if at_work == cores():
-            os.wait()
+            _wait_for_one(parent)
             at_work -= 1
         at_work += 1
         if os.fork() == 0:
             _compile(name)
             os._exit(0)
     for _ in range(at_work):
+        _wait_for_one(parent)
+
+
+def _wait_for_one(parent: int | None) -> None:
+    """Returns when a forked process has ended."""
+    while parent is not None and os.waitpid(-1, os.WNOHANG)[0] == 0:
+        if select.select([parent], [], [], _LOOK)[0] and not os.read(parent, 1):
+            os.killpg(0, signal.SIGKILL)
+    if parent is None:
         os.wait()
 
 

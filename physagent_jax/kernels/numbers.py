@@ -11,8 +11,11 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
-WITHIN: dict[str, Any] = {"cache": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""For what compiled code alone calls: doors for Python are a tenth of the work of compiling."""
+WITHIN: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""For what compiled code alone calls: doors for Python are a tenth of the work of compiling.
+
+Only handlers are kept on disk (`store`), each with all that it calls.
+"""
 BODY: dict[str, Any] = {**WITHIN, "inline": "always"}  # of a handler
 
 OPTIONS = {

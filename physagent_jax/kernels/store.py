@@ -1,56 +1,116 @@
-"""Where compiled kernels are kept from one process to the next."""
+"""Where compiled kernels are kept from one process to the next.
+
+Each kernel has a folder of its own: the files that Numba writes, and a seal with their digests. It is filled elsewhere
+and renamed, so that nobody finds half of one, and is read only if the seal holds: Numba itself would run whatever code
+a damaged file has, or fail. Then the folder goes, and the kernel is compiled again.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
+import json
+import logging
 import os
+import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
 import numba
+from numba import cfunc
+from numba.core.compiler_lock import global_compiler_lock
+
+from physagent_jax.kernels.folders import private_folder, processor
+from physagent_jax.kernels.launch import without_gil
+
+log = logging.getLogger(__name__)
+_SEAL = "seal.json"
 
 
-@contextmanager
-def kept() -> Iterator[None]:
-    """Lets Numba keep what is decorated within in a folder that belongs to exactly these sources.
+def has(target: str) -> bool:
+    """Whether a target has been compiled from these sources on this machine."""
+    return _sealed(_folder() / target)
 
-    Numba's own cache notices a changed file, but not that a function calls one from another file that has changed:
-    it would go on running old code.
-    """
+
+def compiled(target: str, signature, function):
+    """The C function that Numba makes of ``function``: from the disk, or compiled and kept."""
+    place = _folder() / target
+    if place.exists() and not _sealed(place):
+        log.warning("%s is damaged: %s is compiled again", place, target)
+        _remove(place)
+    if place.exists():
+        try:
+            return _compiled_in(place, signature, function)
+        except Exception as error:  # whatever Numba and LLVM make of code that is not theirs
+            log.warning("%s cannot be read (%s): %s is compiled again", place, type(error).__name__, target)
+            _remove(place)
+    try:
+        filled = Path(tempfile.mkdtemp(prefix=f".{target}.", dir=_folder()))
+    except OSError:  # a full disk costs a compilation each time, nothing else
+        return _compiled_in(None, signature, function)
+    try:
+        made = _compiled_in(filled, signature, function)
+        with contextlib.suppress(OSError):  # whoever was first has the same
+            _seal(filled)
+            filled.rename(place)
+        return made
+    except OSError:
+        return _compiled_in(None, signature, function)
+    finally:
+        shutil.rmtree(filled, ignore_errors=True)
+
+
+def _compiled_in(folder: Path | None, signature, function):
+    with global_compiler_lock, without_gil(), _numba_keeps_in(folder):
+        return cfunc(signature, cache=folder is not None)(function)
+
+
+@contextlib.contextmanager
+def _numba_keeps_in(folder: Path | None) -> Iterator[None]:
     before = numba.config.CACHE_DIR  # type: ignore[attr-defined]
-    numba.config.CACHE_DIR = str(_folder())  # type: ignore[attr-defined]
+    numba.config.CACHE_DIR = str(folder or before)  # type: ignore[attr-defined]
     try:
         yield
     finally:
         numba.config.CACHE_DIR = before  # type: ignore[attr-defined]
 
 
-def has(target: str) -> bool:
-    """Whether a target has been compiled from these sources on this machine."""
-    return (_folder() / f"{target}.compiled").is_file()
+def _seal(folder: Path) -> None:
+    (folder / _SEAL).write_text(json.dumps(_digests(folder)))
 
 
-def note(target: str) -> None:
-    """Remembers that a target has been compiled."""
-    (_folder() / f"{target}.compiled").touch()
+def _sealed(folder: Path) -> bool:
+    """Whether all files of a folder are as they were written."""
+    try:
+        return json.loads((folder / _SEAL).read_bytes()) == _digests(folder)
+    except (OSError, ValueError, RecursionError):
+        return False
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    files = sorted(path for path in folder.rglob("*.nb?") if path.is_file())
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
+
+
+def _remove(folder: Path) -> None:
+    """Takes a folder away at once, whoever else is about to read it."""
+    with contextlib.suppress(OSError):
+        away = Path(tempfile.mkdtemp(prefix=".old.", dir=folder.parent))
+        folder.rename(away / folder.name)
+        shutil.rmtree(away, ignore_errors=True)
 
 
 @cache
 def _folder() -> Path:
-    digest = hashlib.sha256(numba.__version__.encode())
+    """A folder that belongs to exactly these sources, where they lie, and this processor.
+
+    Numba's own cache notices a changed file by its time, but not that a function calls one from another file that
+    has changed: it would go on running old code.
+    """
+    digest = hashlib.sha256(f"{numba.__version__} {processor()}".encode())
     for source in sorted(Path(__file__).parents[1].glob("**/kernels/*.py")):
-        digest.update(source.read_bytes())
+        digest.update(f"{source} {source.stat().st_mtime_ns}".encode() + source.read_bytes())
     asked = os.environ.get("NUMBA_CACHE_DIR")
-    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "physagent_jax"
-    for base in (Path(asked) if asked else user, Path(tempfile.gettempdir()) / "physagent_jax"):
-        folder = base / "kernels" / digest.hexdigest()[:16]
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError:
-            continue
-        if os.access(folder, os.W_OK):
-            return folder
-    return Path(tempfile.mkdtemp(prefix="physagent-kernels-"))
+    return private_folder("kernels", digest.hexdigest()[:16], base=Path(asked) if asked else None)

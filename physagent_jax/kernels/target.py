@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from functools import cache
 
-from numba import cfunc
-
 from physagent_jax.kernels import ahead, ffi, store
 from physagent_jax.kernels.threads import thread_count
 
@@ -15,7 +13,5 @@ def target(name: str, function) -> str:
     """Compiles ``function``, a handler of `ffi`, unless the disk has it, and registers it under ``name``."""
     thread_count()  # starts the threads: compiled code from the disk asks for them as it is loaded
     ahead.wait_for(name)
-    with store.kept():
-        ffi.register(name, cfunc(ffi.HANDLER, cache=True)(function))
-    store.note(name)
+    ffi.register(name, store.compiled(name, ffi.HANDLER, function))
     return name
