@@ -12,7 +12,7 @@ import tyro
 
 from baselines.oracle_gradient import Step, optimise
 from baselines.tasks import TASKS, Parameters, Task, make_task
-from physagent_jax.cli import enable_compile_cache
+from physagent_jax.cli.environment import enable_compile_cache
 from physagent_jax.cli.console import FrameBar
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text

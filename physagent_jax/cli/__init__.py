@@ -5,13 +5,11 @@ from __future__ import annotations
 import os
 import sys
 from contextlib import nullcontext
-from pathlib import Path
-from typing import Any
 
 from physagent_jax.cli.stopping import Stopped, stoppable
 from physagent_jax.core.errors import UserError
 
-_CACHE_VARIABLE = "PHYSAGENT_COMPILE_CACHE"
+_LONGEST = 4096  # bytes of an argument: as long as a path may be on Linux, and more than a sentence needs
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -22,7 +20,7 @@ def main(arguments: list[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     debug = "--debug" in arguments
     arguments = [argument for argument in arguments if argument != "--debug"]
-    simulates = arguments[:1] in (["run"], ["simulate"]) and not {"-h", "--help"} & set(arguments)
+    simulates = _computes(arguments) and arguments[0] in ("run", "simulate")
     try:
         with stoppable() if simulates else nullcontext():
             return _execute(arguments, simulates)
@@ -40,18 +38,12 @@ def main(arguments: list[str] | None = None) -> int:
         return stop.exit_code if isinstance(stop, Stopped) else 130
 
 
-def _as_user_error(error: UserError | OSError | MemoryError) -> UserError:
-    """What to tell; the one place for refusals of the operating system that no reader or writer has foreseen."""
-    if isinstance(error, UserError):
-        return error
-    if isinstance(error, MemoryError):
-        return UserError("the memory does not suffice", do="Use fewer particles, frames, pixels or cells")
-    what = "the operating system refuses" if error.filename is None else f"cannot use {error.filename!r}"
-    return UserError(what, got=error.strerror or error, do="Mend this and give the command again")
-
-
 def _execute(arguments: list[str], simulates: bool) -> int:
-    enable_compile_cache()
+    _check(arguments)
+    if _computes(arguments):
+        from physagent_jax.cli import environment
+
+        environment.prepare()
     if simulates:
         from physagent_jax.kernels import ahead
 
@@ -81,25 +73,32 @@ def joined(arguments: list[str]) -> list[str]:
     return glued
 
 
-def enable_compile_cache() -> None:
-    """Keeps compiled programs between processes, so that only the first run pays for compilation.
+def _computes(arguments: list[str]) -> bool:
+    """Whether a command needs devices and caches; help texts and schemas come whatever state those are in."""
+    helped = not arguments or bool({"-h", "--help"} & set(arguments))
+    return not helped and arguments[0] not in ("schema", "report")
 
-    ``PHYSAGENT_COMPILE_CACHE`` names another folder, or turns it off with ``off``. A folder set through
-    JAX's own configuration is left alone. The folder is private to the user: JAX loads code from it.
-    """
-    setting = os.environ.get(_CACHE_VARIABLE, "")
-    if setting.lower() in ("off", "0", "no", "none", "false"):
-        return
-    import jax
 
-    config: Any = jax.config  # its flags are not typed
-    if config.jax_compilation_cache_dir is not None:
-        return
-    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    folder = Path(setting) if setting else home / "physagent_jax" / "compiled"
-    try:
-        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-    except OSError:
-        return  # a read-only home costs compile time, nothing else
-    jax.config.update("jax_compilation_cache_dir", str(folder))
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
+def _check(arguments: list[str]) -> None:
+    """Refuses arguments that no option could mean, and no file could be called (`UserError`)."""
+    for argument in arguments:
+        shown = repr(argument[:40])
+        if not argument or argument.endswith("="):
+            raise UserError("an argument is empty", got=shown, do="Leave the option out, or give it a value")
+        if "\0" in argument:
+            raise UserError("an argument holds a zero byte", got=shown, do="Take it out")
+        if len(os.fsencode(argument)) > _LONGEST:
+            raise UserError(f"an argument is longer than {_LONGEST:,} bytes", got=f"{shown}...", do="Shorten it")
+
+
+def _as_user_error(error: UserError | OSError | MemoryError) -> UserError:
+    """What to tell; the one place for refusals of the operating system that no reader or writer has foreseen."""
+    if isinstance(error, UserError):
+        return error
+    if isinstance(error, MemoryError):
+        return UserError("the memory does not suffice", do="Use fewer particles, frames, pixels or cells")
+    what = "the operating system refuses"
+    if error.filename is not None:
+        name = str(error.filename)
+        what = f"cannot use {name if len(name) < 200 else name[:200] + '...'}"
+    return UserError(what, got=error.strerror or error, do="Mend this and give the command again")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from functools import cache
 
+from physagent_jax.core.errors import UserError
+
 # Waiting threads must not spin: between two kernels XLA needs the cores. Read when the OpenMP runtime is loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
@@ -14,10 +16,20 @@ def thread_count() -> int:
     """Threads of a kernel: ``NUMBA_NUM_THREADS`` if set, else the cores that this process may use.
 
     Also starts Numba's threading layer, which compiled code from the cache needs to be there.
+
+    Raises:
+        UserError: The threading layer that was asked for is not to be had.
     """
     import numba
 
-    return min(numba.get_num_threads(), cores())
+    try:
+        return min(numba.get_num_threads(), cores())
+    except ValueError as error:
+        raise UserError(
+            "Numba cannot start its threads",
+            got=str(error).splitlines()[0],
+            do="Unset `NUMBA_THREADING_LAYER`, or set it to omp or workqueue",
+        ) from error
 
 
 def callers() -> int:
