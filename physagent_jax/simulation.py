@@ -102,7 +102,7 @@ def frames(scene: Scene, begin: Frame | None = None) -> Iterator[Frame]:
     """The frames of ``scene`` after ``begin``, simulated one after another; from the rest pose on if None."""
     timing = scene.config.timing
     return simulate(
-        scene.model,
+        scene.windowed,
         scene.state,
         frame_count=timing.frame_count,
         frame_dt=timing.frame_dt,

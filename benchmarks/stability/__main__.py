@@ -101,10 +101,9 @@ def _rows(part: Part, quick: bool, skipped: int) -> Iterator[dict]:
             verdict = "pass" if found.good else "FAIL"
             yield dataclasses.asdict(found) | {"verdict": verdict, "good": found.good}
         return
-    for index, row in enumerate(_some(_runs(part), part, quick)[skipped:]):
+    for row in _some(_runs(part), part, quick)[skipped:]:
         yield _plain(row())
-        if index % PROGRAMS_KEPT == PROGRAMS_KEPT - 1:
-            jax.clear_caches()
+        programs.bound()
 
 
 def _critical() -> list[tuple[str, str, str]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import subprocess
 import sys
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.names import unknown_name
 
 CACHE_VARIABLE = "PHYSAGENT_COMPILE_CACHE"
 _OFF = ("off", "0", "no", "none", "false")
@@ -87,12 +87,7 @@ def _check_numba() -> None:
         )
     layer = os.environ.get("NUMBA_THREADING_LAYER")
     if layer is not None and layer not in _LAYERS:
-        close = difflib.get_close_matches(layer, _LAYERS, n=1)
-        raise UserError(
-            "`NUMBA_THREADING_LAYER` is unknown",
-            got=layer,
-            do=f"Use {close[0] if close else ' or '.join(_LAYERS)}, or unset it",
-        )
+        raise unknown_name("`NUMBA_THREADING_LAYER`", layer, _LAYERS)
 
 
 def _check_xla_flags() -> None:

@@ -1,9 +1,9 @@
 """Hand-written CPU kernels: what chooses them, and the plumbing that they share.
 
 The kernels themselves lie where their work is, in `mpm.kernels` (transfers, singular values) and `render.kernels`
-(blending). `Model.kernels` chooses for the simulator: "auto" takes them where JAX runs on CPU and Numba is installed,
-"reference" the pure JAX path, "cpu" insists; pictures of a scene are made as its model is. Both give the same numbers
-to round-off; forward-mode derivatives exist for the reference only.
+(blending). `Model.kernels` chooses for the simulator: "auto" takes them where the arrays lie on a CPU, or JAX puts
+them there, and Numba is installed, "reference" the pure JAX path, "cpu" insists; pictures of a scene are made as its
+model is. Both give the same numbers to round-off; forward-mode derivatives exist for the reference only.
 
 Here: SIMD values (`lanes`), XLA's calling convention (`ffi`), threads and the store of compiled code.
 """
@@ -13,10 +13,10 @@ from __future__ import annotations
 import importlib
 import logging
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from functools import cache
-from typing import Literal
+from typing import Any, Literal
 
 import jax
 
@@ -35,6 +35,23 @@ def using(choice: Kernels) -> Iterator[None]:
         yield
     finally:
         _chosen.reset(token)
+
+
+@contextmanager
+def beside(array: Any) -> Iterator[None]:
+    """Lets what is computed within be made for the device on which ``array`` lies; JAX's own choice if it is traced."""
+    known = isinstance(array, jax.Array) and not isinstance(array, jax.core.Tracer)
+    device = next(iter(array.devices())) if known else None
+    with nullcontext() if device is None or device.platform == platform() else jax.default_device(device):
+        yield
+
+
+def platform() -> str:
+    """Where JAX computes what does not lie anywhere yet: on its default device, if one is set, else its backend's."""
+    device: Any = jax.config.jax_default_device  # type: ignore[attr-defined]
+    if device is None:
+        return jax.default_backend()
+    return device if isinstance(device, str) else device.platform
 
 
 def use_cpu(kernels: Kernels | None = None) -> bool:
@@ -68,8 +85,8 @@ def chosen(kernels: Kernels) -> str:
 
 def _missing() -> str:
     """Why there are no CPU kernels; "" if there are."""
-    if jax.default_backend() != "cpu":
-        return f"JAX runs on {jax.default_backend()}"
+    if platform() != "cpu":
+        return f"JAX runs on {platform()}"
     return _numba_missing()
 
 

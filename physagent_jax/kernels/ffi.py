@@ -12,14 +12,17 @@ a kernel takes to compile.
 from __future__ import annotations
 
 import ctypes
+from typing import Any
 
 import jax
+import numpy as np
 from llvmlite import ir
 from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 
+from physagent_jax.core.errors import UserError
 from physagent_jax.kernels.numbers import WITHIN
 
 HANDLER = types.int64(types.int64)
@@ -39,6 +42,29 @@ def register(name: str, handler) -> None:
     new_capsule = ctypes.pythonapi.PyCapsule_New
     new_capsule.restype, new_capsule.argtypes = ctypes.py_object, (ctypes.c_void_p,) + (ctypes.c_char_p,) * 2
     jax.ffi.register_ffi_target(name, new_capsule(handler.address, None, None), platform="cpu")
+
+
+def check(kernel: str, operands: dict[str, Any], shapes: dict[str, tuple[int, ...]], dtype, **others) -> None:
+    """Refuses operands that a kernel would take for others: it reads memory as if they were what it expects.
+
+    Args:
+        kernel: Its name.
+        operands: By name, traced or not.
+        shapes: What the kernel expects of each.
+        dtype: Of those that ``others`` does not name.
+        others: Types of some.
+
+    Raises:
+        UserError: One has another type or shape.
+    """
+    for name, shape in shapes.items():
+        got, expected = jax.typeof(operands[name]), np.dtype(others.get(name, dtype))
+        if got.shape != shape or got.dtype != expected:  # type: ignore[attr-defined]
+            raise UserError(
+                f"the kernel {kernel} takes `{name}` as {expected} of {shape}",
+                got=got,
+                do="Give model and state in one precision, as `mpm.conform` makes them",
+            )
 
 
 @intrinsic(prefer_literal=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 
 import numpy as np
 
@@ -10,14 +11,17 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.timestep import stable_dt
 
+EXTREME = 10.0
+"""Volume by which, or by the inverse of which, matter at the start is thought to be a mistake: warned of."""
+
 
 def check_start(
     model: Model, state: State, *, frame_dt: float, substep_dt: float | None, safety: float
 ) -> None:
-    """Checks the input of `mpm.simulate` once.
+    """Checks the input of `mpm.simulate` once, after `conform`; warns of matter that is hardly any more.
 
     Raises:
-        UserError: Sizes differ; something is not finite, has no mass or volume, is inside out or lies outside
+        UserError: Something is not finite, has no mass or volume, is inside out or lies outside
             the domain; a step or a material parameter makes no sense.
     """
     if not frame_dt > 0 or not 0 < safety <= 1 or not (substep_dt is None or substep_dt > 0):
@@ -31,7 +35,6 @@ def check_start(
         )
     if model.gravity is not None and not np.isfinite(np.asarray(model.gravity)).all():
         raise UserError("`model.gravity` must be finite", got=np.asarray(model.gravity).tolist())
-    check_sizes(model, state)
     _check_particles(model, state)
     bound = float(stable_dt(model, state))
     if math.isnan(bound) or bound <= 0:
@@ -42,30 +45,16 @@ def check_start(
         )
 
 
-def check_sizes(model: Model, state: State) -> None:
-    """Refuses (`UserError`) a model and a state of different numbers of particles."""
-    sizes = {name: len(getattr(state, name)) for name in ("x", "v", "C", "F")}
-    sizes |= {"mass": len(model.mass), "volume": len(model.volume)}
-    sizes["materials"] = sum(material.count for material in model.materials)
-    if model.viscosity is not None:
-        sizes["viscosity"] = len(model.viscosity)
-    if len(set(sizes.values())) > 1:
-        raise UserError(
-            "`model` and `state` must speak of the same number of particles",
-            got=", ".join(f"{name}: {size}" for name, size in sizes.items()),
-        )
-
-
 def _check_particles(model: Model, state: State) -> None:
     # Half a cell more than where particles are stopped: the last place from which a stencil is complete.
     low, high = (model.wall - 0.5) * model.grid.dx, (model.grid.cells - model.wall + 0.5) * model.grid.dx
     leaves = (state.x, state.v, state.C, state.F, model.mass, model.volume)
     finite = [np.isfinite(np.asarray(leaf)).reshape(len(leaf), -1).all(1) for leaf in leaves]
-    x = np.asarray(state.x)
+    x, J = np.asarray(state.x), np.linalg.det(np.asarray(state.F, float))
     faults = {
         "have a value that is not finite": ~np.logical_and.reduce(finite),
         "have no mass or no volume": ~((np.asarray(model.mass) > 0) & (np.asarray(model.volume) > 0)),
-        "are turned inside out (det F <= 0)": ~(np.linalg.det(np.asarray(state.F, float)) > 0),
+        "are turned inside out (det F <= 0)": ~(J > 0),
         f"lie outside the domain, {low:.3g} to {high:.3g} m along each axis": ~((low <= x) & (x <= high)).all(
             1
         ),
@@ -77,3 +66,11 @@ def _check_particles(model: Model, state: State) -> None:
                 got=f"particle {np.flatnonzero(particles)[0]}",
                 do="Mend or remove them",
             )
+    extreme = (J < 1 / EXTREME) | (J > EXTREME)
+    if extreme.any():
+        warnings.warn(
+            f"{extreme.sum()} of {len(J)} particles start compressed or stretched beyond {EXTREME:g} times their volume "
+            f"(det F from {J.min():.3g} to {J.max():.3g}): is `state.F` meant so?",
+            UserWarning,
+            stacklevel=4,
+        )

@@ -20,13 +20,15 @@ import numpy as np
 from physagent_jax.core.arrays import on_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.mpm import reductions
+from physagent_jax.kernels import programs
+from physagent_jax.mpm import kernels, reductions
 from physagent_jax.mpm.checks import check_start
+from physagent_jax.mpm.conform import conform
 from physagent_jax.mpm.ledger import Exchange, balanced, exchange
 from physagent_jax.mpm.plan import acting
 from physagent_jax.mpm.sorting import placed, renewed, restored
 from physagent_jax.mpm.state import Grid, Model, State
-from physagent_jax.mpm.step import initial_stress, substep
+from physagent_jax.mpm.step import body_acceleration, initial_stress, per_material, substep
 from physagent_jax.mpm.timestep import SAFETY, check_explicit_dt, kinematic_dt, stable_dt, substeps_for
 from physagent_jax.mpm.transfer import Watch, outside
 from physagent_jax.mpm.window import fit_window
@@ -177,71 +179,88 @@ def simulate(
             and not forced, or a frame fails even with steps 2**MAX_RETRIES times smaller (the message says what
             the check saw).
     """
+    programs.bound()
+    model, state = conform(model, state)
     check_start(model, state, frame_dt=frame_dt, substep_dt=substep_dt, safety=safety)
     if substep_dt is not None and not force_substep:
         check_explicit_dt(substep_dt, float(stable_dt(model, state)))
-    fixed = substep_dt is not None and force_substep
-    if begin is None:
-        begin = Frame(0, state, 0, 0.0, 1.0, 1.0, (), model.grid, 0.0, _nothing(state, ledger))
-        yield begin
-    model, state, order = model.replace(grid=begin.grid), begin.state, begin.order
-    for index in range(begin.index + 1, frame_count):
-        begun, time_now = time.perf_counter(), float(state.time)
-        substeps = _substeps(model, state, frame_dt, substep_dt, safety, fixed)
-        order = renewed(order, model, state)
-        retries, margin = [], 1.0
-        while True:
-            grid = _follow(model, state, frame_dt, margin)
-            model = model.replace(grid=grid, dt=on_device(frame_dt / substeps, state.x.dtype))
-            present = acting(model, time_now, time_now + frame_dt)
-            after, health, total = advance(
-                *placed(order, present, state), on_device(substeps, np.int32), ledger
-            )
-            after = restored(order, model, after)
-            breach = _breach(model, after, health, fixed)
-            if breach is None:
-                break
-            retries.append(f"{breach} at dt = {frame_dt / substeps:.3g} s")
-            tight_window = breach == _LEFT
-            crushes = sum(_CRUSHED in reason for reason in retries)
-            spent = len(retries) > MAX_RETRIES or crushes >= MAX_CRUSHES or 2 * substeps > MAX_SUBSTEPS
-            if spent or (fixed and not tight_window):
-                raise _hopeless(index, retries, fixed)
-            if tight_window:
-                margin *= 2.5  # the window was too small, not the step too long
-            else:
-                substeps *= 2
-        state = after
-        yield Frame(
-            index,
-            state,
-            substeps,
-            frame_dt / substeps,
-            float(health.min_J),
-            float(health.max_J),
-            tuple(retries),
-            grid,
-            time.perf_counter() - begun,
-            total,
-            order,
-        )
+    pace = _Pace(frame_dt, substep_dt, safety, fixed=substep_dt is not None and force_substep)
+    frame = begin
+    if frame is None:
+        frame = Frame(0, state, 0, 0.0, 1.0, 1.0, (), model.grid, 0.0, _nothing(state, ledger))
+        yield frame
+    for _ in range(frame.index + 1, frame_count):
+        with kernels.beside(frame.state.x):
+            frame = _next_frame(model, frame, pace, ledger)
+        yield frame
+
+
+@dataclasses.dataclass(frozen=True)
+class _Pace:
+    """How long frames and substeps are, as in `simulate`; ``fixed`` = the substep is forced."""
+
+    frame_dt: float
+    substep_dt: float | None
+    safety: float
+    fixed: bool
+
+
+def _next_frame(model: Model, before: Frame, pace: _Pace, ledger: bool) -> Frame:
+    """The frame after ``before``, redone with shorter steps or a wider window until it can be trusted."""
+    begun, index, frame_dt = time.perf_counter(), before.index + 1, pace.frame_dt
+    state, order, model = before.state, before.order, model.replace(grid=before.grid)
+    time_now = float(state.time)
+    substeps = _substeps(model, state, pace)
+    order = renewed(order, model, state)
+    retries, margin = [], 1.0
+    while True:
+        grid = _follow(model, state, frame_dt, margin)
+        model = model.replace(grid=grid, dt=on_device(frame_dt / substeps, state.x.dtype))
+        present = acting(model, time_now, time_now + frame_dt)
+        after, health, total = advance(*placed(order, present, state), on_device(substeps, np.int32), ledger)
+        after = restored(order, model, after)
+        breach = _breach(model, after, health, pace.fixed)
+        if breach is None:
+            break
+        retries.append(f"{breach} at dt = {frame_dt / substeps:.3g} s")
+        tight_window = breach == _LEFT
+        crushes = sum(_CRUSHED in reason for reason in retries)
+        spent = len(retries) > MAX_RETRIES or crushes >= MAX_CRUSHES or 2 * substeps > MAX_SUBSTEPS
+        if spent or (pace.fixed and not tight_window):
+            raise _hopeless(index, retries, pace.fixed, model, state)
+        if tight_window:
+            margin *= 2.5  # the window was too small, not the step too long
+        else:
+            substeps *= 2
+    return Frame(
+        index,
+        after,
+        substeps,
+        frame_dt / substeps,
+        float(health.min_J),
+        float(health.max_J),
+        tuple(retries),
+        grid,
+        time.perf_counter() - begun,
+        total,
+        order,
+    )
 
 
 def _nothing(state: State, ledger: bool) -> Exchange | None:
     return Exchange.none(state.x.dtype) if ledger else None
 
 
-def _substeps(
-    model: Model, state: State, frame_dt: float, substep_dt: float | None, safety: float, fixed: bool
-) -> int:
+def _substeps(model: Model, state: State, pace: _Pace) -> int:
     """Substeps for the coming frame.
 
     Raises:
         UserError: They would be more than MAX_SUBSTEPS.
     """
-    if fixed and substep_dt is not None:
-        return substeps_for(frame_dt, substep_dt)
-    elastic = substep_dt or safety * float(stable_dt(model, state))
+    frame_dt = pace.frame_dt
+    if pace.fixed and pace.substep_dt is not None:
+        return substeps_for(frame_dt, pace.substep_dt)
+    elastic = pace.substep_dt or pace.safety * float(stable_dt(model, state))
     horizon = on_device(frame_dt, state.x.dtype)
     # With the frame as the step, forces give their mean over it: blows within the frame are foreseen.
     kinematic = float(kinematic_dt(model.replace(dt=horizon), state, horizon))
@@ -256,19 +275,37 @@ def _substeps(
     return substeps_for(frame_dt, dt)
 
 
-def _hopeless(index: int, retries: list[str], fixed: bool) -> UserError:
+def _hopeless(index: int, retries: list[str], fixed: bool, model: Model, state: State) -> UserError:
     if fixed:
         return UserError(
             f"frame {index} fails with the forced substep: {retries[-1]}",
             do='Take a smaller `substep_dt`, or "auto"',
         )
+    what = f"frame {index} cannot be simulated: {'; '.join(retries)}"
+    if _CRUSHED not in retries[-1]:
+        return UserError(what, do="Use a stiffer material, a weaker force, or a finer grid")
+    load, stiffness = _load(model, state)
     return UserError(
-        f"frame {index} cannot be simulated: {'; '.join(retries)}",
-        do="Use a stiffer material, a weaker force, or a finer grid"
-        + (
-            "; of the elastic laws, neo-hookean resists being crushed most" if _CRUSHED in retries[-1] else ""
-        ),
+        f"{what}: what acts on the matter is a pressure of some {load:.2g} Pa, and what is most stiff in it has a "
+        f"modulus of {stiffness:.2g} Pa (3 lam + 2 mu)",
+        do=(
+            f"Use a material {load / stiffness:.2g} times as stiff or more, or forces and speeds as much weaker"
+            if load > stiffness
+            else "Use a stiffer material, weaker forces, or a finer grid"
+        )
+        + "; of the elastic laws, neo-hookean resists being crushed most",
     )
+
+
+def _load(model: Model, state: State) -> tuple[float, float]:
+    """Pressure of inertia, rho (|a| L + |v|^2), over the body's length L, and the greatest stiffness at rest [Pa]."""
+    x, v = np.asarray(state.x), np.asarray(state.v)
+    density = float((np.asarray(model.mass) / np.asarray(model.volume)).max())
+    acceleration = np.linalg.norm(np.asarray(body_acceleration(model, state)), axis=-1).max()
+    load = density * (acceleration * np.ptp(x, axis=0).max() + (v**2).sum(-1).max())
+    rest = dataclasses.replace(state, F=jnp.broadcast_to(jnp.eye(3, dtype=state.F.dtype), state.F.shape))
+    stiffness = per_material(model, rest, lambda material, F, history: material.stiffness(F, history))
+    return float(load), float(stiffness.max())
 
 
 def _follow(model: Model, state: State, frame_dt: float, margin: float):
@@ -301,7 +338,6 @@ def _breach(model: Model, after: State, health: Health, fixed: bool) -> str | No
     return None
 
 
-@partial(jax.jit, static_argnames=("frame_count", "substeps"))
 def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> tuple[State, State]:
     """``frame_count`` frames of ``substeps`` steps of ``model.dt`` each; differentiable in reverse.
 
@@ -314,8 +350,17 @@ def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> t
 
     Returns:
         The final state, and the states at the end of every frame stacked along a new first axis.
-    """
 
+    Raises:
+        UserError: ``model`` and ``state`` do not fit each other (`conform`).
+    """
+    programs.bound()
+    with kernels.beside(state.x):
+        return _rollout(*conform(model, state), frame_count, substeps)
+
+
+@partial(jax.jit, static_argnums=(2, 3))
+def _rollout(model: Model, state: State, frame_count: int, substeps: int) -> tuple[State, State]:
     @jax.checkpoint
     def one(carry, _):
         state, tau, _ = substep(model, *carry)

@@ -22,7 +22,7 @@ import numpy as np
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.mpm.checks import check_sizes
+from physagent_jax.mpm.conform import conform
 from physagent_jax.mpm.constraints import PrescribedMotion, RigidBody
 from physagent_jax.mpm.materials import Rigid
 from physagent_jax.mpm.rollout import rollout
@@ -65,7 +65,7 @@ def rollout_sharded(
         raise UserError(
             "the CPU kernels serve one device only", got='kernels="cpu"', do='Use "auto" or "reference"'
         )
-    check_sizes(model, state)
+    model, state = conform(model, state)
     mesh = Mesh(np.asarray(jax.devices() if devices is None else devices), (AXIS,))
     layout = Layout(tuple(material.count for material in model.materials), mesh.size)
     split = layout.split(model, state)

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import Any, Literal
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
+from physagent_jax.core.arrays import on_device
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.names import unknown_name
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.materials.base import History, Material
 
 _STATIC = dict(static=True)
+_KNOWN = dict(transfer=("apic", "pic"), stress_form=("mls", "gradient"), kernels=("auto", "reference", "cpu"))
 
 
 @register_dataclass
@@ -38,7 +44,7 @@ class Grid:
     def whole(size: float, cells: int) -> Grid:
         """The window that covers the whole domain of side ``size`` [m]."""
         nodes = cells + 1
-        return Grid(jnp.zeros(3, jnp.int32), (nodes, nodes, nodes), size / cells, cells)
+        return Grid(on_device(np.zeros(3, np.int32)), (nodes, nodes, nodes), size / cells, cells)
 
     def node_positions(self, dtype) -> tuple[jax.Array, jax.Array, jax.Array]:
         """Node coordinates [m], shapes (nx, 1, 1), (1, ny, 1), (1, 1, nz): they broadcast, never materialise."""
@@ -102,6 +108,17 @@ class Model:
     wall: int = dataclasses.field(default=1, metadata=_STATIC)
     kernels: Literal["auto", "reference", "cpu"] = dataclasses.field(default="auto", metadata=_STATIC)
     axis: str | None = dataclasses.field(default=None, metadata=_STATIC)
+
+    def __post_init__(self):
+        for name, known in _KNOWN.items():
+            if getattr(self, name) not in known:
+                raise unknown_name(f"`Model.{name}`", getattr(self, name), known)
+        if not 0 <= self.rpic_damping <= 1:
+            raise UserError("`Model.rpic_damping` must be within [0, 1]", got=self.rpic_damping)
+        if not 0 <= self.damping_rate < math.inf:
+            raise UserError("`Model.damping_rate` must be finite and not negative", got=self.damping_rate)
+        if self.wall < 1:
+            raise UserError("`Model.wall` must be 1 or more: a stencil needs the room", got=self.wall)
 
     def replace(self, **changes) -> Model:
         """A copy with ``changes``."""

@@ -16,6 +16,7 @@ import jax.numpy as jnp
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import constraints, kernels, materials, reductions, transfer
 from physagent_jax.mpm.boundaries.symmetry_plane import SymmetryPlane
+from physagent_jax.mpm.conform import as_field, conform
 from physagent_jax.mpm.linalg import determinant, transpose
 from physagent_jax.mpm.materials import NeoHookean
 from physagent_jax.mpm.materials.base import History
@@ -24,8 +25,14 @@ from physagent_jax.mpm.transfer import stencil
 
 
 def step(model: Model, state: State) -> State:
-    """Advances ``state`` by ``model.dt``; pure, jittable, differentiable."""
-    return substep(model, state, initial_stress(model, state))[0]
+    """Advances ``state`` by ``model.dt``; pure, jittable, differentiable.
+
+    Raises:
+        UserError: ``model`` and ``state`` do not fit each other (`conform`).
+    """
+    model, state = conform(model, state)
+    with kernels.beside(state.x):
+        return substep(model, state, initial_stress(model, state))[0]
 
 
 @register_dataclass
@@ -76,7 +83,8 @@ def substep(model: Model, state: State, tau: jax.Array | None) -> tuple[State, j
         free = grid_velocity(model, nodes)
         unmet = velocity = damped(model, folded_velocity(model, nodes, free))
         for boundary in model.boundaries:
-            velocity = boundary.apply(velocity, grid, state.time)
+            met = boundary.apply(velocity, grid, state.time)
+            velocity = as_field(met, velocity, f"velocities after {type(boundary).__name__}")
         s = stencil(state.x, grid)  # compiled away where nothing is constrained
         velocity = constraints.on_grid(model, unmet, velocity, node_mass, s, state.time)
     with jax.named_scope("g2p"):
@@ -104,7 +112,8 @@ def scatter(model: Model, state: State, held: State, tau: jax.Array | None) -> j
     if tau is None:
         law: Any = model.materials[0]
         p2g = kernels.compiled().p2g_neo_hookean
-        return p2g(form, grid, held.x, v, held.C, held.F, law.mu, law.lam, *matter)
+        mu, lam = (jnp.broadcast_to(parameter, model.mass.shape) for parameter in (law.mu, law.lam))
+        return p2g(form, grid, held.x, v, held.C, held.F, mu, lam, *matter)
     p2g = kernels.compiled().p2g if kernels.use_cpu(model.kernels) else transfer.particles_to_grid
     return p2g(form, grid, held.x, v, held.C, tau, *matter)
 
@@ -135,7 +144,8 @@ def external_acceleration(model: Model, state: State) -> jax.Array:
     total = jnp.zeros(3, state.x.dtype)
     with reductions.split_over(model.axis):
         for force in model.forces:
-            total = total + force.acceleration(state.x, state.v, model.mass, state.time, model.dt)
+            made = force.acceleration(state.x, state.v, model.mass, state.time, model.dt)
+            total = total + as_field(made, state.x, f"accelerations of {type(force).__name__}")
     return total
 
 
@@ -146,13 +156,14 @@ def affine(model: Model, state: State) -> jax.Array:
         for force in model.forces:
             gradient = force.gradient(state.x, state.time, model.dt)
             if gradient is not None:
-                C = C + model.dt * gradient
+                C = C + model.dt * as_field(gradient, C, f"gradients of {type(force).__name__}")
     return C
 
 
 def kirchhoff_stress(model: Model, state: State) -> jax.Array:
     """Kirchhoff stress without viscosity [Pa], shape (n, 3, 3), each block of particles by its own material."""
-    return per_material(model, state, lambda material, F, history: material.stress(F, history))
+    tau = per_material(model, state, lambda material, F, history: material.stress(F, history))
+    return as_field(tau, state.F, "stresses")
 
 
 def viscous_stress(viscosity: jax.Array, state: State) -> jax.Array:
@@ -170,7 +181,8 @@ def respond(
     with kernels.using(model.kernels):
         blocks = [materials.respond(*block, model.dt) for block in _blocks(model, trial, history)]
     F, memories, tau = zip(*blocks)
-    return _joined(F), memories if history else (), _joined(tau)
+    F, tau = (as_field(_joined(part), trial, "what the materials make") for part in (F, tau))
+    return F, memories if history else (), tau
 
 
 def per_material(model: Model, state: State, function) -> jax.Array:

@@ -1,6 +1,7 @@
 """P2G, G2P and singular values by hand-written kernels where there are some, else by pure JAX (`mpm.transfer`)."""
 
 from physagent_jax.kernels import Kernels as Kernels
+from physagent_jax.kernels import beside as beside
 from physagent_jax.kernels import chosen as chosen
 from physagent_jax.kernels import load
 from physagent_jax.kernels import use_cpu as use_cpu

@@ -7,6 +7,8 @@ from functools import partial
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.core.errors import UserError
+from physagent_jax.kernels import ffi
 from physagent_jax.kernels.lanes import BATCH
 from physagent_jax.kernels.numbers import SHARES
 from physagent_jax.kernels.threads import thread_count
@@ -35,6 +37,15 @@ def p2g_neo_hookean(form: str, grid: Grid, x, v, C, F, mu, lam, mass, volume, pu
 
 
 def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, push, dt, *, neo_hookean: bool) -> jax.Array:
+    count = len(x)
+    _check(
+        "p2g",
+        grid,
+        dict(x=x, v=v, C=C, tau=tau, mu=mu, lam=lam, mass=mass, volume=volume, push=push),
+        dict(x=(count, 3), v=(count, 3), C=(count, 3, 3), tau=(count, 3, 3), mass=(count,), volume=(count,))
+        | dict.fromkeys(("mu", "lam"), (count,) if neo_hookean else (1,))
+        | dict(push=(3,)),
+    )
     parts, size = thread_count(), NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
     nodes = jax.ShapeDtypeStruct((*grid.shape, NUMBERS), x.dtype)
     private = jax.ShapeDtypeStruct((parts, size), x.dtype)
@@ -51,6 +62,13 @@ def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, push, dt, *, neo_h
 @partial(jax.custom_vjp, nondiff_argnums=(0, 1))
 def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.Moved:
     """As `transfer.grid_to_particles`. ``v`` and ``C`` only lend their memory."""
+    count = len(x)
+    _check(
+        "g2p",
+        grid,
+        dict(x=x, v=v, C=C, F=F, velocity=velocity),
+        dict(x=(count, 3), v=(count, 3), C=(count, 3, 3), F=(count, 3, 3), velocity=(*grid.shape, 3)),
+    )
     shares, size = thread_count() * SHARES, NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
     results = tuple(jax.ShapeDtypeStruct(like.shape, x.dtype) for like in (x, v, C, F))
     results += tuple(jax.ShapeDtypeStruct(shape, x.dtype) for shape in ((shares, WATCHED), (size,)))
@@ -80,6 +98,14 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.
     )
 
 
+def _check(kernel: str, grid: Grid, operands: dict[str, jax.Array], shapes: dict[str, tuple[int, ...]]):
+    """`ffi.check`, and that a stencil has room in the window: beyond it the kernels would write elsewhere."""
+    if min(grid.shape) < 3:
+        raise UserError(f"the kernel {kernel} takes windows of three nodes or more along each axis", got=grid.shape)
+    operands, shapes = operands | {"origin": grid.origin}, shapes | {"origin": (3,)}
+    ffi.check(kernel, operands, shapes, operands["x"].dtype, origin="int32")
+
+
 def svd(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     """As `linalg.svd`, of any number of matrices, shape (..., 3, 3)."""
     matrices, count = F.reshape(-1, 3, 3), F.size // 9
@@ -102,6 +128,7 @@ def decompose(F: jax.Array) -> tuple[jax.Array, jax.Array]:
     """
     matrices = _batch(F)
     count = matrices.shape[0]
+    ffi.check("decompose", {"F": matrices}, {"F": (count, 3, 3)}, F.dtype)
     results = (
         jax.ShapeDtypeStruct((3, count), F.dtype),
         jax.ShapeDtypeStruct((-(-count // BATCH), FRAME, BATCH), F.dtype),
@@ -137,7 +164,12 @@ def compose(
         vmap_method="sequential",
         input_output_aliases={} if change is None else {1: 0},
     )
-    new_F, tau = call(basis, matrices, padded(change), padded(spatial), _control(F.dtype))
+    total = matrices.shape[0]
+    operands = dict(basis=basis, F=matrices, change=padded(change), spatial=padded(spatial))
+    shapes = dict(basis=(-(-total // BATCH), FRAME, BATCH), F=(total, 3, 3))
+    shapes |= {name: (3, 0 if own is None else total) for name, own in (("change", change), ("spatial", spatial))}
+    ffi.check("compose", operands, shapes, F.dtype)
+    new_F, tau = call(*operands.values(), _control(F.dtype))
     return new_F[:count], tau[:count]
 
 

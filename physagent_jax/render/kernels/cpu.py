@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.kernels import ffi
 from physagent_jax.kernels.threads import thread_count
 from physagent_jax.render.kernels.blend import PACKED, PIXELS, SIDE
 from physagent_jax.render.kernels.handlers import handler
@@ -34,9 +35,9 @@ def blend(layout: Layout, limits, packed, gaussians, starts) -> tuple[jax.Array,
         jax.ShapeDtypeStruct((layout.tiles, PIXELS), jnp.float32),
     )
     call = jax.ffi.ffi_call(handler("blend"), results, vmap_method="sequential")
-    features, left = call(
-        packed, _reach(packed, limits[0]), gaussians, starts, _sizes(layout), _array(limits)
-    )
+    reach = _reach(packed, limits[0])
+    _check("blend", layout, dict(packed=packed, reach=reach, gaussians=gaussians, starts=starts))
+    features, left = call(packed, reach, gaussians, starts, _sizes(layout), _array(limits))
     return features.swapaxes(1, 2)[:, None], left[:, None]
 
 
@@ -48,20 +49,27 @@ def blend_backward(layout: Layout, limits, packed, gaussians, starts, g, g_left,
         jax.ShapeDtypeStruct((parts, 3, PIXELS), jnp.float32),
     )
     call = jax.ffi.ffi_call(handler("blend_backward"), results, vmap_method="sequential")
-    gradient, _ = call(
-        packed,
-        _reach(packed, limits[0]),
-        gaussians,
-        starts,
-        _sizes(layout),
-        _array(limits),
-        g[:, 0].swapaxes(1, 2),
-        g_left[:, 0],
-        features[:, 0].swapaxes(1, 2),
-        left[:, 0],
-        layout.pixels(jnp.asarray(layout.tile_ids()[:, 0]), jnp.float32)[2].astype(jnp.float32),
+    lists = dict(packed=packed, reach=_reach(packed, limits[0]), gaussians=gaussians, starts=starts)
+    pictures = dict(
+        g=g[:, 0].swapaxes(1, 2),
+        g_left=g_left[:, 0],
+        features=features[:, 0].swapaxes(1, 2),
+        left=left[:, 0],
+        inside=layout.pixels(jnp.asarray(layout.tile_ids()[:, 0]), jnp.float32)[2].astype(jnp.float32),
     )
+    _check("blend_backward", layout, lists | pictures)
+    gradient, _ = call(*lists.values(), _sizes(layout), _array(limits), *pictures.values())
     return gradient.sum(0)
+
+
+def _check(kernel: str, layout: Layout, operands: dict[str, jax.Array]) -> None:
+    count, tiles = operands["packed"].shape[0], layout.tiles
+    shapes = dict(packed=(count, PACKED), reach=(count,), gaussians=operands["gaussians"].shape[:1])
+    shapes |= dict(starts=(tiles + 1,))
+    if "g" in operands:
+        shapes |= dict.fromkeys(("g", "features"), (tiles, 4, PIXELS))
+        shapes |= dict.fromkeys(("g_left", "left", "inside"), (tiles, PIXELS))
+    ffi.check(kernel, operands, shapes, "float32", gaussians="int32", starts="int32")
 
 
 def _reach(packed: jax.Array, least_alpha: float) -> jax.Array:

@@ -11,8 +11,17 @@ import numpy as np
 from physagent_jax.core.arrays import on_device
 from physagent_jax.gaussians.binding import Binding
 from physagent_jax.gaussians.cloud import GaussianCloud
-from physagent_jax.mpm import Model, PrescribedMotion, State, cell_order, smallest_window
+from physagent_jax.mpm import (
+    Grid,
+    Model,
+    PrescribedMotion,
+    State,
+    cell_order,
+    smallest_window,
+    stable_dt,
+)
 from physagent_jax.mpm.constraints import RigidBody
+from physagent_jax.mpm.timestep import substeps_for
 from physagent_jax.render.camera import Camera
 from physagent_jax.scene import config as c
 from physagent_jax.scene.anchor import anchored_particles
@@ -33,7 +42,9 @@ class Scene:
     Attributes:
         config: What it was compiled from.
         body: The object at rest.
-        model, state: For `mpm.simulate`.
+        model, state: For `mpm.rollout`, with ``substeps`` steps per frame: the window is the whole domain, and the step
+            is stable for the state. For `mpm.simulate`, which fits both to each frame, take `windowed`.
+        substeps: Steps of ``model.dt`` in a frame.
         camera: The reference camera.
         order: Body particle of each model particle, shape (n,): particles are grouped by material, lie cell by
             cell in memory, and some are there twice (`buckets`).
@@ -44,9 +55,16 @@ class Scene:
     body: Body
     model: Model
     state: State
+    substeps: int
     camera: Camera
     order: np.ndarray
     anchored: int
+
+    @property
+    def windowed(self) -> Model:
+        """The model with the least window, which grows to the object in `mpm.simulate`; the whole domain is costly."""
+        grid = self.model.grid
+        return self.model.replace(grid=smallest_window(grid.dx * grid.cells, grid.cells))
 
     @cached_property
     def back(self) -> np.ndarray:
@@ -89,7 +107,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         prescribed = (*prescribed, PrescribedMotion.fixed(buckets.places(still)))
     falling = config.force_field.default_drop or config.always_gravity
     model = Model(
-        grid=smallest_window(config.domain.size, config.domain.cells),
+        grid=Grid.whole(config.domain.size, config.domain.cells),
         dt=on_device(config.timing.frame_dt, DTYPE),
         gravity=on_device(config.gravity, DTYPE) if falling and any(config.gravity) else None,
         mass=on_device(share * whole, DTYPE),
@@ -105,5 +123,14 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         damping_rate=config.transfer.damping_rate,
     )
     state = State.at_rest(on_device(rest), materials=model.materials)
+    substeps = _substeps(config, model, state)
+    model = model.replace(dt=on_device(config.timing.frame_dt / substeps, DTYPE))
     camera = reference_camera(config.camera, config.rendering, config.domain)
-    return Scene(config, body, model, state, camera, order, int(held @ share + 0.5))
+    return Scene(config, body, model, state, substeps, camera, order, int(held @ share + 0.5))
+
+
+def _substeps(config: c.SceneConfig, model: Model, state: State) -> int:
+    """Steps per frame that are stable at the start, or as many as the scene asks for."""
+    timing = config.timing
+    bound = timing.safety * float(stable_dt(model, state)) if timing.substep_dt == "auto" else timing.substep_dt
+    return substeps_for(timing.frame_dt, bound) if 0 < bound < timing.frame_dt else 1
