@@ -83,7 +83,7 @@ def _check(arguments: list[str]) -> None:
     """Refuses arguments that no option could mean, and no file could be called (`UserError`)."""
     for argument in arguments:
         shown = repr(argument[:40])
-        if not argument or argument.endswith("="):
+        if not argument or (argument.startswith("--") and argument.endswith("=")):
             raise UserError("an argument is empty", got=shown, do="Leave the option out, or give it a value")
         if "\0" in argument:
             raise UserError("an argument holds a zero byte", got=shown, do="Take it out")
