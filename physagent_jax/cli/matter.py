@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.scene.config import Material, MaterialModel, load_json
+from physagent_jax.core.reading import read_json
+from physagent_jax.scene.config import Material, MaterialModel
 from physagent_jax.scene.materials import LIBRARY, find_material, softened, stable_step, substeps
 from physagent_jax.scene.materials.soften import softening_for
 from physagent_jax.scene.physgm import import_physgm
@@ -48,7 +49,9 @@ def _base(command: Run, kind: str, warnings: list[str]) -> Material:
             raise UserError(
                 "`--physgm` and `--material` both say what the object is made of", do="Pass one of them"
             )
-        material, notes = import_physgm(load_json(command.physgm), warn_of_cost=False)
+        material, notes = import_physgm(
+            read_json(command.physgm, what="PhysGM's prediction"), warn_of_cost=False
+        )
         warnings += notes
         return material
     if command.material is None:

@@ -13,9 +13,10 @@ from physagent_jax.agents.rule_planner import RulePlanner
 from physagent_jax.agents.rule_semantic import RuleSemanticAgent
 from physagent_jax.cli.matter import chosen_material
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import validation_message
 from physagent_jax.provenance import make_manifest, settings_hash
 from physagent_jax.scene.card import load_card
-from physagent_jax.scene.config import Anchor, CameraConfig, Source, validation_message
+from physagent_jax.scene.config import Anchor, CameraConfig, Source
 from physagent_jax.scene.cost import Limits
 from physagent_jax.scene.fuse import Ingredients
 from physagent_jax.scene.load import file_sha256

@@ -136,10 +136,11 @@ def read_scene(path: Path, object_path: Path | None):
     Raises:
         UserError: The file is not a scene, or the object it needs is not given.
     """
-    from physagent_jax.scene.config import load_json, parse_scene
+    from physagent_jax.core.reading import read_json
+    from physagent_jax.scene.config import parse_scene
     from physagent_jax.scene.physgaussian import is_physgaussian
 
-    data = load_json(path)
+    data = read_json(path, what="the scene")
     if not isinstance(data, dict) or not is_physgaussian(data):
         scene = parse_scene(data, origin=str(path))
         if object_path is not None:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from pathlib import Path
 from typing import TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 
 from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import parse_model, read_json
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.run.store import PROBE
@@ -148,7 +150,7 @@ class _Reader:
 
     def file(self, name: str, *, optional: bool = False) -> Path | None:
         path = self.folder / name
-        if path.is_file():
+        if os.path.isfile(path):  # False too where the system cannot take the name
             return path
         if not optional:
             self.problems.append(f"{name} is missing.")
@@ -159,11 +161,7 @@ class _Reader:
         if path is None:
             return None
         try:
-            return schema.model_validate_json(path.read_bytes())
-        except ValidationError as error:
-            first = error.errors()[0]
-            place = ".".join(str(part) for part in first["loc"]) or "top level"
-            self.problems.append(f"{name} cannot be used: {place}: {first['msg']}.")
-        except OSError as error:
-            self.problems.append(f"{name} cannot be read: {error.strerror}.")
+            return parse_model(read_json(path), schema, f"{name} cannot be used")
+        except UserError as error:
+            self.problems.append(str(error))
         return None

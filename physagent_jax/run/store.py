@@ -7,14 +7,16 @@ another one moves it aside (`run.previous`) when it has understood what it is as
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import remove_leftovers, write_text
+from physagent_jax.core.reading import read_model
 from physagent_jax.run import previous
 from physagent_jax.run.lock import FolderLock
 from physagent_jax.run_folder import FORMAT, Manifest
@@ -221,14 +223,11 @@ def _as_json(value: BaseModel) -> str:
 
 
 def _read(path: Path, schema: type[Schema]) -> Schema | None:
-    try:
-        return schema.model_validate_json(path.read_bytes())
-    except (FileNotFoundError, NotADirectoryError):
+    if not os.path.lexists(path):
         return None
-    except (OSError, ValidationError) as error:
-        first = str(error).splitlines()[0]
+    try:
+        return read_model(path, schema)
+    except UserError as error:
         raise UserError(
-            f"{path} cannot be read",
-            got=first,
-            do="Choose another --out, or remove what is there",
+            error.what, got=error.got, do="Choose another --out, or remove what is there"
         ) from None

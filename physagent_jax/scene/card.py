@@ -6,13 +6,12 @@ nobody has to pass them on the command line.
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
-from pydantic import ValidationError
-
-from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import read_model
 from physagent_jax.core.strict import Strict
-from physagent_jax.scene.config import SignedAxis, validation_message
+from physagent_jax.scene.config import SignedAxis
 
 
 class ObjectCard(Strict):
@@ -41,11 +40,6 @@ def load_card(object_path: str | Path) -> ObjectCard:
     """
     path = Path(object_path)
     path = path.with_name(path.name.removesuffix(path.suffix) + ".card.json")
-    if not path.is_file():
+    if not os.path.lexists(path):
         return ObjectCard()
-    try:
-        return ObjectCard.model_validate_json(path.read_text(encoding="utf-8"))
-    except ValidationError as error:
-        raise validation_message(error, str(path)) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"cannot read the object card {path}", got=error, do="Mend or remove it") from None
+    return read_model(path, ObjectCard, what="the object card")

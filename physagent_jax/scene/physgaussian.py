@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import validation_message
 from physagent_jax.scene.config import (
     CameraConfig,
     Domain,
@@ -18,7 +19,6 @@ from physagent_jax.scene.config import (
     Source,
     Timing,
     Transfer,
-    validation_message,
 )
 from physagent_jax.scene.physgaussian_conditions import Reader, conditions
 from physagent_jax.scene.physgaussian_materials import MATERIAL_KEYS, read_material, unused_keys

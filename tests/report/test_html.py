@@ -222,7 +222,7 @@ def test_a_broken_file_is_named_with_its_field(copy):
     (copy / "iterations/1/judgement.json").write_text(json.dumps(data))
     (copy / "iterations/0/video.mp4").write_bytes(b"half a video")
     page = render(copy)
-    assert "iterations/1/judgement.json cannot be used: score:" in page.text
+    assert "iterations/1/judgement.json cannot be used: field `score`:" in page.text
     assert "video.mp4 cannot be played" in page.text
 
 

@@ -17,10 +17,8 @@ from physagent_jax.scene.config.constraints import ParticleRelease as ParticleRe
 from physagent_jax.scene.config.constraints import ParticleRotation as ParticleRotation
 from physagent_jax.scene.config.constraints import ParticleTranslation as ParticleTranslation
 from physagent_jax.scene.config.files import dump_scene as dump_scene
-from physagent_jax.scene.config.files import load_json as load_json
 from physagent_jax.scene.config.files import load_scene as load_scene
 from physagent_jax.scene.config.files import parse_scene as parse_scene
-from physagent_jax.scene.config.files import validation_message as validation_message
 from physagent_jax.scene.config.forces import Attractor as Attractor
 from physagent_jax.scene.config.forces import ConstantEnvelope as ConstantEnvelope
 from physagent_jax.scene.config.forces import Envelope as Envelope

@@ -1,0 +1,314 @@
+"""Reading what comes from outside: files of bounded size, JSON of bounded shape, and schemas filled from it.
+
+Every reader of the package goes through `open_regular`, so that a device, a pipe, a folder, a name that the
+system cannot take and a file that is far too large are each refused in one line, and never waited for.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import stat
+from pathlib import Path
+from typing import Any, BinaryIO, TypeVar, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.names import did_you_mean
+
+Schema = TypeVar("Schema", bound=BaseModel)
+
+MIB = 2**20
+JSON_BYTES = 32 * MIB  # a record of 10,000 frames has 10 MiB
+JSON_DEPTH = 64
+JSON_DIGITS = 400  # of one number; the largest float written out has 309
+_MISSPELT = ("extra_forbidden", "enum", "literal_error", "union_tag_invalid")  # as pydantic calls them
+_SHOWN = 80  # characters of a name or value in a message
+
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a pipe"),
+    (stat.S_ISCHR, "a device"),
+    (stat.S_ISBLK, "a device"),
+    (stat.S_ISSOCK, "a socket"),
+)
+_MARKS = {
+    b"\xef\xbb\xbf": "a byte order mark",
+    b"\xff\xfe": "UTF-16",
+    b"\xfe\xff": "UTF-16",
+}
+
+
+# --- files ---------------------------------------------------------------------------------------------
+
+
+def open_regular(path: str | Path, *, most: int, what: str = "the file") -> BinaryIO:
+    """Opens a regular file of at most ``most`` bytes for reading; links are followed.
+
+    Args:
+        path: The file.
+        most: Largest size [bytes].
+        what: What it is to the user, for messages ("the anchor mask").
+
+    Raises:
+        UserError: There is none, it cannot be read, is no regular file, or is larger.
+    """
+    shown = shortened(path)
+    try:
+        # Without O_NONBLOCK, opening a pipe waits for somebody to write into it.
+        handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
+    except FileNotFoundError:
+        raise UserError(f"cannot read {what}: there is no file {shown}", do="Check the path") from None
+    except OSError as error:
+        raise UserError(
+            f"cannot read {what} {shown}", got=error.strerror or error, do="Check the path"
+        ) from None
+    except ValueError as error:  # a NUL, or characters that the file system's encoding lacks
+        reason = "a name that is not text" if isinstance(error, UnicodeError) else error
+        raise UserError(f"cannot read {what} {shown}", got=reason, do="Check the path") from None
+    status = os.fstat(handle)
+    if stat.S_ISREG(status.st_mode) and status.st_size <= most:
+        return os.fdopen(handle, "rb")
+    os.close(handle)
+    if stat.S_ISREG(status.st_mode):
+        raise _too_large(what, shown, status.st_size, most)
+    kind = next((name for holds, name in _KINDS if holds(status.st_mode)), "no regular file")
+    raise UserError(f"cannot read {what} {shown}", got=kind, do="Give a regular file")
+
+
+def check_regular(path: str | Path, *, most: int, what: str = "the file") -> int:
+    """Size of a file [bytes] that a library reads by its name; raises as `open_regular`."""
+    with open_regular(path, most=most, what=what) as file:
+        return os.fstat(file.fileno()).st_size
+
+
+def read_bytes(path: str | Path, *, most: int, what: str = "the file") -> bytes:
+    """A file's bytes; raises as `open_regular`."""
+    with open_regular(path, most=most, what=what) as file:
+        try:
+            data = file.read(most + 1)
+        except OSError as error:
+            raise UserError(
+                f"cannot read {what} {shortened(path)}", got=error.strerror or error, do="Check the disk"
+            ) from None
+    if len(data) > most:  # the system told another size, as for what it makes up while it is read
+        raise _too_large(what, shortened(path), len(data), most)
+    return data
+
+
+def check_counts(place: str, what: str, count: int, each: float, available: int) -> None:
+    """Refuses a file that announces more than it can hold, before memory is taken for it.
+
+    Args:
+        place: The file, and where in it.
+        what: What is counted ("vertices").
+        count: How many the file announces.
+        each: Least size of one of them [bytes].
+        available: What the file has for them [bytes].
+
+    Raises:
+        UserError: ``count`` is negative, or they do not fit.
+    """
+    if count < 0 or count * each > available:
+        raise UserError(
+            f"{place} is truncated or damaged: it announces more than it holds",
+            got=f"{_plain(count)} {what} of {each:g} bytes or more in {max(available, 0):,} bytes",
+            do="Copy or export the file again",
+        )
+
+
+# --- JSON ----------------------------------------------------------------------------------------------
+
+
+def read_json(path: str | Path, *, what: str = "the file") -> Any:
+    """Decodes a JSON file.
+
+    Raises:
+        UserError: As `open_regular` and `decode_json`.
+    """
+    return decode_json(read_bytes(path, most=JSON_BYTES, what=what), shortened(path))
+
+
+def decode_json(data: bytes, origin: str) -> Any:
+    """Decodes JSON; ``origin`` names it in messages.
+
+    Raises:
+        UserError: It is not JSON in UTF-8, is nested more than `JSON_DEPTH` deep, or holds a number that is not
+            finite, is an integer beyond 64 bits or has more than `JSON_DIGITS` digits.
+    """
+    for mark, name in _MARKS.items():
+        if data.startswith(mark):
+            raise UserError(
+                f"{origin} is not valid JSON: it begins with {name}",
+                do="Save it as UTF-8 without a byte order mark",
+            )
+
+    def refuse(constant: str):
+        raise UserError(
+            f"{origin} holds {constant}, which is not a number", do="Replace it with a finite number"
+        )
+
+    def number(literal: str, kind: type) -> Any:
+        if len(literal) > JSON_DIGITS:
+            raise UserError(f"{origin} holds a number of {len(literal)} digits", do="Round it")
+        value = kind(literal)
+        if not (math.isfinite(value) if kind is float else -(2**63) <= value < 2**64):
+            raise UserError(
+                f"{origin} holds a number that is too large", got=shortened(literal, 40), do="Mend it"
+            )
+        return value
+
+    try:
+        text = data.decode("utf-8")
+        decoded = json.loads(
+            text,
+            parse_constant=refuse,
+            parse_int=lambda literal: number(literal, int),
+            parse_float=lambda literal: number(literal, float),
+        )
+    except UnicodeDecodeError as error:
+        raise UserError(
+            f"{origin} is not valid JSON: it is not UTF-8", got=error, do="Save it as UTF-8"
+        ) from None
+    except json.JSONDecodeError as error:
+        raise UserError(
+            f"{origin} is not valid JSON", got=error, do="Mend the file or make it anew"
+        ) from None
+    except RecursionError:
+        raise _too_deep(origin) from None
+    _check_depth(decoded, origin)
+    if "\\ud" in text.lower():
+        _check_text(decoded, origin)
+    return decoded
+
+
+def _check_text(decoded: Any, origin: str) -> None:
+    """Refuses halves of surrogate pairs, which JSON can spell and no file can be written with."""
+    try:
+        json.dumps(decoded, ensure_ascii=False).encode("utf-8")
+    except UnicodeEncodeError as error:
+        half = ascii(error.object[error.start])
+        raise UserError(f"{origin} holds half a character", got=half, do="Mend the text") from None
+
+
+def _check_depth(decoded: Any, origin: str) -> None:
+    level, depth = [decoded], 0
+    while level := [each for each in level if isinstance(each, dict | list)]:
+        depth += 1
+        if depth > JSON_DEPTH:
+            raise _too_deep(origin)
+        level = [inner for each in level for inner in (each.values() if isinstance(each, dict) else each)]
+
+
+# --- schemas -------------------------------------------------------------------------------------------
+
+
+def read_model(path: str | Path, schema: type[Schema], *, what: str = "the file") -> Schema:
+    """Reads a JSON file as ``schema``.
+
+    Raises:
+        UserError: As `read_json`, or it breaks the schema; the message names the field.
+    """
+    return parse_model(read_json(path, what=what), schema, shortened(path))
+
+
+def parse_model(data: Any, schema: type[Schema], origin: str) -> Schema:
+    """Validates decoded JSON as ``schema``; ``origin`` names it in messages.
+
+    Raises:
+        UserError: It breaks the schema; the message names the field.
+    """
+    try:
+        return schema.model_validate(data)
+    except ValidationError as error:
+        raise validation_message(error, origin, schema) from None
+
+
+def validation_message(
+    error: ValidationError,
+    origin: str,
+    schema: type[BaseModel] | None = None,
+    do: str = "`physagent schema` prints the schema",
+) -> UserError:
+    """The first of pydantic's complaints as one line that names the field, what was got, what to do.
+
+    Args:
+        error: What pydantic raised.
+        origin: The file or command line that the values are from.
+        schema: What was validated: tells which key an unknown one is near to.
+        do: What to do.
+    """
+    complaints = error.errors(include_url=False)
+    # A misspelt key often comes with a complaint that the right one is missing.
+    first = next((each for each in complaints if each["type"] in _MISSPELT), complaints[0])
+    field = shortened(".".join(str(part) for part in first["loc"]), _SHOWN) or "(top level)"
+    message = first["msg"].removeprefix("Value error, ")
+    more = error.error_count() - 1
+    extra = f" ({more} more problem{'s' if more > 1 else ''})" if more else ""
+    got = first["input"]
+    shown = repr(got) if isinstance(got, str | int | float | list | tuple | None) else type(got).__name__
+    hint = did_you_mean(*_misspelt(first, schema))
+    return UserError(
+        f"{origin}: field `{field}`: {message}{extra}",
+        got=shortened(shown, _SHOWN),
+        do=f"{hint} {do}".strip(),
+    )
+
+
+def _misspelt(complaint: Any, schema: type[BaseModel] | None) -> tuple[str, list[str]]:
+    """The word that was not understood, and those that would have been."""
+    context = complaint.get("ctx", {})
+    match complaint["type"]:
+        case "extra_forbidden" if schema is not None:
+            *place, word = complaint["loc"]
+            return str(word), sorted(_keys_at(schema, place))
+        case "enum" | "literal_error":
+            return str(complaint["input"]), re.findall(r"'([^']*)'", str(context["expected"]))
+        case "union_tag_invalid":
+            return str(context["tag"]), re.findall(r"'([^']*)'", str(context["expected_tags"]))
+    return "", []
+
+
+def _keys_at(annotation: Any, place: list) -> set[str]:
+    """Keys that the schema has at a place in the data; a member of a union goes by its tag."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        fields = annotation.model_fields
+        if not place:
+            return set(fields)
+        if place[0] in fields:
+            return _keys_at(fields[place[0]].annotation, place[1:])
+        tags = {field.default for field in fields.values() if isinstance(field.default, str)}
+        return _keys_at(annotation, place[1:]) if place[0] in tags else set()
+    arguments = [each for each in get_args(annotation) if each is not Ellipsis]
+    if get_origin(annotation) in (tuple, list, dict):
+        place = place[1:]
+    return set().union(*(_keys_at(each, place) for each in arguments))
+
+
+# --- words ---------------------------------------------------------------------------------------------
+
+
+def shortened(text: object, length: int = 200) -> str:
+    """``text`` as a message can show it: not longer than ``length``, every character printable."""
+    text = str(text)
+    text = text if len(text) <= length else f"{text[: length - 3]}..."
+    return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
+def _plain(count: int) -> str:
+    return f"{count:,}" if abs(count) < 2**64 else "more than 2^64"
+
+
+def _too_large(what: str, shown: str, size: int, most: int) -> UserError:
+    return UserError(
+        f"{what} {shown} is too large to be read",
+        got=f"{size:,} bytes, at most {most:,} are read",
+        do="Check that it is the right file",
+    )
+
+
+def _too_deep(origin: str) -> UserError:
+    return UserError(f"{origin} is nested too deeply", do=f"Use at most {JSON_DEPTH} levels")
