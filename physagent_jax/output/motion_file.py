@@ -34,6 +34,7 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import replacing
+from physagent_jax.core.npy import read_npz
 
 FORMAT = 1
 LEVELS = np.iinfo(np.uint16).max
@@ -41,6 +42,14 @@ LEVELS = np.iinfo(np.uint16).max
 # than level 6 (18 MB) in two thirds of the time.
 COMPRESSION_LEVEL = 1
 
+_MOST_BYTES = 16 * 2**30  # unpacked; 200,000 particles and 1,000 frames take 5 GB
+
+_PACKED_KEYS = {
+    "x_quantised": np.uint16,
+    "x_low": np.float64,
+    "x_step": np.float64,
+    "F_minus_identity": np.float16,
+}
 _PLAIN_KEYS = {
     "times": np.float64,
     "binding_indices": np.int32,
@@ -123,29 +132,37 @@ def read_motion(path: str | Path) -> Motion:
     """Reads a motion file; reals come back as float32 (times and rotation: float64).
 
     Raises:
-        UserError: The file is missing, is not a motion file, or has another version's layout.
+        UserError: The file is missing, is not a motion file or damaged, or has another version's layout.
     """
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            arrays = {key: archive[key] for key in archive.files}
-    except (OSError, ValueError, zipfile.BadZipFile) as error:
-        raise UserError(f"cannot read the motion file {path}", got=error, do="Simulate again") from None
-    version = int(arrays.get("format", 0))
-    if version != FORMAT:
+    keys = ("format", *_PACKED_KEYS, *_PLAIN_KEYS)
+    arrays = read_npz(path, keys, most=_MOST_BYTES, what="the motion file")
+    version = arrays.get("format", np.int64(0))
+    if version.shape != () or version != FORMAT:
         raise UserError(
             f"{path} has motion format {version}, this version reads {FORMAT}",
             do="Simulate again to rewrite it",
         )
+    for key, dtype in (_PACKED_KEYS | _PLAIN_KEYS).items():
+        if key not in arrays or arrays[key].dtype != dtype:
+            got = f"{arrays[key].dtype} in place of {np.dtype(dtype)}" if key in arrays else "nothing"
+            raise UserError(f"the motion file {path} is damaged: `{key}`", got=got, do="Simulate again")
     plain = {
         key: arrays[key].astype(np.float32) if arrays[key].dtype == np.float16 else arrays[key]
         for key in _PLAIN_KEYS
     }
-    x = arrays["x_low"] + arrays["x_step"] * arrays["x_quantised"]
-    F = arrays["F_minus_identity"].astype(np.float32) + np.eye(3, dtype=np.float32)
-    return Motion(x=x.astype(np.float32), F=F, **plain)
+    try:
+        x = arrays["x_low"] + arrays["x_step"] * arrays["x_quantised"]
+        F = arrays["F_minus_identity"].astype(np.float32) + np.eye(3, dtype=np.float32)
+        motion = Motion(x=x.astype(np.float32), F=F, **plain)
+        _check(motion)
+    except ValueError as error:
+        raise UserError(f"the motion file {path} is damaged", got=error, do="Simulate again") from None
+    return motion
 
 
 def _check(motion: Motion) -> None:
+    if np.ndim(motion.x) != 3:
+        raise ValueError(f"`x` must have three axes (got shape {np.shape(motion.x)})")
     frames, particles = np.shape(motion.x)[:2]
     gaussians = len(motion.cloud_means)
     expected = {
@@ -168,3 +185,7 @@ def _check(motion: Motion) -> None:
     for key in ("x", "F"):
         if not np.isfinite(getattr(motion, key)).all():
             raise ValueError(f"`{key}` holds values that are not finite: this rollout must not be stored")
+    if np.size(motion.binding_indices) and not (
+        np.min(motion.binding_indices) >= 0 and np.max(motion.binding_indices) < particles
+    ):
+        raise ValueError(f"`binding_indices` must lie in 0 to {particles - 1}")

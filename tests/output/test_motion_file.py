@@ -92,3 +92,29 @@ def test_other_files_are_user_errors(tmp_path):
     ):
         with pytest.raises(UserError, match=message):
             read_motion(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("x_quantised", None),
+        ("x_quantised", np.zeros((6, 40, 3))),
+        ("x_quantised", np.zeros((6, 40), np.uint16)),
+        ("x_low", np.full(3, np.nan)),
+        ("F_minus_identity", np.zeros((6, 40, 2, 2), np.float16)),
+        ("times", np.zeros(5)),
+        ("binding_indices", np.full((70, 4), 40, np.int32)),
+        ("binding_indices", np.full((70, 4), -1, np.int32)),
+        ("format", np.zeros((2, 2), np.int64)),
+        ("format", np.array("one")),
+    ],
+)
+def test_arrays_that_are_missing_or_do_not_fit_are_told(tmp_path, key, value):
+    """Whatever one array of an otherwise good file is replaced by."""
+    path = write_motion(tmp_path / "motion.npz", motion())
+    with np.load(path) as archive:
+        arrays = dict(archive)
+    arrays.pop(key)
+    np.savez(path, **(arrays if value is None else arrays | {key: value}))
+    with pytest.raises(UserError, match="motion.npz (is damaged|has motion format)"):
+        read_motion(path)
