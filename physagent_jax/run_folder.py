@@ -18,13 +18,17 @@ run/report.html
 from __future__ import annotations
 
 from pathlib import PurePosixPath
+from typing import Annotated
 
-from pydantic import field_validator
+from pydantic import Field, field_validator
 
 from physagent_jax.core.strict import Strict, Vector
 
 FORMAT = 2
 """Of the run folder's layout; 2 added the list of files."""
+
+Rounds = Annotated[int, Field(ge=0, le=1000)]
+"""As many as `physagent run` allows."""
 
 
 class TrueMotion(Strict):
@@ -171,11 +175,11 @@ class Manifest(Strict):
     kernels: str = "reference"
     seed: int
     inputs: dict[str, str]
-    iterations: int = 0
-    best_iteration: int | None = None
+    iterations: Rounds = 0
+    best_iteration: Rounds | None = None
     verdict: str | None = None
-    probe_iterations: int = 0
-    probe_best: int | None = None
+    probe_iterations: Rounds = 0
+    probe_best: Rounds | None = None
     stages: Stages = Stages()
     reused_frames: dict[str, int] = {}
     agents: tuple[AgentCost, ...] = ()

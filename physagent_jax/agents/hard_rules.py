@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from physagent_jax.agents.matching import agrees, all_causes, own_causes
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, normalised, scaled
+from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import (
     MAGNITUDE_MAX,
     MAGNITUDE_MIN,
@@ -26,8 +27,8 @@ from physagent_jax.forces.schema import (
     ActionType,
     ConstraintType,
     ForceField,
-    Vector,
     VelocityConstraint,
+    is_too_short,
 )
 
 LONGEST_IMPULSE = 2.0  # frames
@@ -166,7 +167,9 @@ def window_in_clip(entries: Entries, context: Context) -> tuple[Entries, list[st
         if window and end >= 1:
             first, last = clamp(min(window), 0.0, end), clamp(max(window), 0.0, end)
             kept = (
-                [first, last] if last - first > 1e-6 else [min(first, end - 1.0), min(first, end - 1.0) + 1.0]
+                [min(first, end - 1.0), min(first, end - 1.0) + 1.0]
+                if is_too_short(first, last)
+                else [first, last]
             )
         if kept is None or window is None or list(window) != kept:
             reasons.append(

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import cosine, scaled
+from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import (
     Action,
     ActionType,
     ConstraintType,
     ForceField,
-    Vector,
     VelocityConstraint,
 )
 

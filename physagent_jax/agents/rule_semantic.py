@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from dataclasses import replace
 from typing import Literal
 
@@ -26,6 +27,7 @@ from physagent_jax.core.errors import UserError
 EXAMPLES = (
     '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'
 )
+MOST_CHARACTERS = 100_000  # read within seconds
 End = Literal["base", "top", "none"] | None
 _LETS_FALL = frozenset({"release", "let go", "let ~ go", "let loose", "set free"})
 _DETERMINERS = frozenset({"the", "a", "an", "this", "that", "my", "your"})
@@ -40,8 +42,7 @@ class RuleSemanticAgent:
         Raises:
             UserError: The prompt is empty or nothing in it can be understood.
         """
-        if not prompt.strip():
-            raise UserError("The prompt is empty", do=f"Say what should happen, for example {EXAMPLES}")
+        _check_text(prompt)
         marks = read_marks(prompt, _object_words(brief))
         clauses = read_clauses(marks)
         gravity = _gravity(marks)
@@ -67,6 +68,26 @@ class RuleSemanticAgent:
             evidence=tuple([*draft.evidence, *_anchor_evidence(anchor)]),
             not_understood=tuple(unknown),
             notes=tuple(draft.notes),
+        )
+
+
+def _check_text(prompt: str) -> None:
+    """Refuses what is no sentence at all, before any of it is read."""
+    if not prompt.strip():
+        raise UserError("The prompt is empty", do=f"Say what should happen, for example {EXAMPLES}")
+    if len(prompt) > MOST_CHARACTERS:
+        raise UserError(
+            f"The prompt is longer than {MOST_CHARACTERS:,} characters",
+            got=f"{len(prompt):,}",
+            do=f"Say in a sentence or two what should happen, for example {EXAMPLES}",
+        )
+    # Line breaks and tabs are spaces to a reader; other control characters and halves of characters are no text.
+    strange = next((c for c in prompt if unicodedata.category(c) in ("Cc", "Cs") and not c.isspace()), None)
+    if strange is not None:
+        raise UserError(
+            "The prompt holds a character that is no text",
+            got=ascii(strange),
+            do=f"Type the sentence anew, for example {EXAMPLES}",
         )
 
 

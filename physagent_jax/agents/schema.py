@@ -6,12 +6,14 @@ Pure data: no arrays, no jax. Frames are the unit of time, body lengths the unit
 from __future__ import annotations
 
 import enum
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from physagent_jax.core.strict import Strict, Vector
+from physagent_jax.core.strict import Count, Number, Numbers, Strict
 from physagent_jax.forces.schema import ForceField
+
+_Frame = Annotated[float, Field(ge=0, le=1e5)]
 
 
 class Verdict(enum.StrEnum):
@@ -42,12 +44,12 @@ class DirectionTable(Strict):
         toward, away: Towards the camera (horizontally) and away from it.
     """
 
-    right: Vector
-    left: Vector
-    up: Vector
-    down: Vector
-    toward: Vector
-    away: Vector
+    right: Numbers
+    left: Numbers
+    up: Numbers
+    down: Numbers
+    toward: Numbers
+    away: Numbers
 
 
 class SceneBrief(Strict):
@@ -65,8 +67,8 @@ class SceneBrief(Strict):
     object_name: str
     object_kind: str = "object"
     anchored: str | None = None
-    frame_count: int = Field(gt=0)
-    frame_dt: float = Field(gt=0)
+    frame_count: int = Field(ge=1, le=10_000)
+    frame_dt: float = Field(ge=1e-6, le=100)
     directions: DirectionTable
 
 
@@ -99,10 +101,10 @@ class ExpectedMotion(Strict):
     """
 
     kind: MotionKind
-    direction: Vector | None = None
+    direction: Numbers | None = None
     strength: float = Field(default=1.0, ge=0.4, le=1.6)
-    window: tuple[float, float]
-    repeats: int = Field(default=1, ge=1)
+    window: tuple[_Frame, _Frame]
+    repeats: int = Field(default=1, ge=1, le=10_000)
     released: bool = False
     sudden: bool = False
     partial: bool = False
@@ -161,14 +163,14 @@ class Check(Strict):
         remedy: What to change, in one sentence; empty if passed.
     """
 
-    expectation: int
+    expectation: Count
     question: str
     expected: str
     observed: str
     passed: bool | None
     aspect: Literal["amount", "direction", "repeats", "return", "stillness"] = "amount"
     score: float = Field(ge=0, le=1)
-    gain: float | None = None
+    gain: Number | None = None
     remedy: str = ""
 
 

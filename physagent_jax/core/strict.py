@@ -1,13 +1,44 @@
-"""The base of every JSON schema: immutable, refuses unknown keys and NaN."""
+"""The base of every JSON schema, immutable and strict, and the ranges that every number from outside keeps.
+
+The general rule: a number is at most `LARGEST` in magnitude, and one that may be divided by (`Positive`) at least
+its inverse. The simulation computes in float32, which ends at 3e38 and 1e-38: squares of such numbers, and
+inverses of the squares, are still numbers there. Real quantities in SI units lie far inside, from a virus (1e-8 m)
+to the bulk modulus of a nearly incompressible diamond (2e14 Pa). What physics bounds more tightly has its own
+range where it is declared. Schemas of what was measured (`Vector`, plain floats) are only required to be finite.
+"""
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict
+import math
+from typing import Annotated
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 Vector = tuple[float, float, float]
+
+LARGEST = 1e15
+Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+Positive = Annotated[float, Field(ge=1 / LARGEST, le=LARGEST)]
+NonNegative = Annotated[float, Field(ge=0, le=LARGEST)]
+Seed = Annotated[int, Field(ge=0, lt=2**32)]
+"""Of a random generator: NumPy's and JAX's both take it."""
+Numbers = tuple[Number, Number, Number]
+Count = Annotated[int, Field(ge=0, lt=2**63)]
 
 
 class Strict(BaseModel):
     """Immutable, refuses unknown keys and numbers that are not finite."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def unit_vector(value: Vector) -> Vector:
+    """Normalises a direction; a zero vector is refused."""
+    norm = math.sqrt(sum(c * c for c in value))
+    if norm < 1e-9:
+        raise ValueError(f"a direction must not be the zero vector (got {list(value)})")
+    return (value[0] / norm, value[1] / norm, value[2] / norm)
+
+
+Direction = Annotated[Numbers, AfterValidator(unit_vector)]
+"""Normalised on input, zero refused."""

@@ -8,15 +8,20 @@ paper's executor emits (appendix B.2, "Skill-Specific Constraints").
 from __future__ import annotations
 
 import enum
-import math
 from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from physagent_jax.core.strict import Strict, Vector
+from physagent_jax.core.strict import Direction, Strict
 
 MAGNITUDE_MIN = 0.4
 MAGNITUDE_MAX = 1.6
+
+_Fraction = Annotated[float, Field(ge=-1e6, le=1e6)]
+_Place = tuple[_Fraction, _Fraction, _Fraction]  # in bounding-box fractions
+_Frame = Annotated[float, Field(ge=0, le=1e5)]
+# Accelerations and velocities from the closed forms, over all ranges of extent, matter and clip.
+_Scale = Annotated[float, Field(ge=1e-30, le=1e30)]
 
 
 class ActionType(enum.StrEnum):
@@ -42,8 +47,8 @@ class BoxRegion(Strict):
     """Particles whose rest position lies in an axis-aligned box, in bounding-box fractions."""
 
     kind: Literal["box"] = "box"
-    low: Vector
-    high: Vector
+    low: _Place
+    high: _Place
 
     @model_validator(mode="after")
     def _ordered(self) -> BoxRegion:
@@ -56,37 +61,27 @@ class HalfSpaceRegion(Strict):
     """Particles on the side of a plane that ``normal`` points to, in bounding-box fractions."""
 
     kind: Literal["half_space"] = "half_space"
-    point: Vector
-    normal: Vector
-
-    @field_validator("normal")
-    @classmethod
-    def _unit(cls, value: Vector) -> Vector:
-        return unit_vector(value)
+    point: _Place
+    normal: Direction
 
 
 class SphereRegion(Strict):
     """Particles within ``radius`` (fraction of the longest extent) of ``center`` (bounding-box fractions)."""
 
     kind: Literal["sphere"] = "sphere"
-    center: Vector
-    radius: float = Field(gt=0)
+    center: _Place
+    radius: float = Field(ge=1e-6, le=1e6)
 
 
 Region = Annotated[BoxRegion | HalfSpaceRegion | SphereRegion, Field(discriminator="kind")]
 
 
 class _Timed(Strict):
-    vector: Vector
+    vector: Direction
     magnitude: float = 1.0
-    active_time: tuple[float, float] | None = None
+    active_time: tuple[_Frame, _Frame] | None = None
     region: Region | None = None
-    object: str | None = None
-
-    @field_validator("vector")
-    @classmethod
-    def _unit(cls, value: Vector) -> Vector:
-        return unit_vector(value)
+    object: Annotated[str, Field(max_length=200)] | None = None
 
     @field_validator("magnitude")
     @classmethod
@@ -105,6 +100,8 @@ class _Timed(Strict):
             raise ValueError(
                 f"`active_time` is [first, last] in frames with 0 <= first < last (got {list(value)})"
             )
+        if value is not None and is_too_short(*value):
+            raise ValueError(f"`active_time` is too short to be simulated (got {list(value)})")
         return value
 
 
@@ -147,8 +144,8 @@ class ForceField(Strict):
     """
 
     default_drop: bool = False
-    actions: tuple[Action, ...] = ()
-    constraints: tuple[VelocityConstraint, ...] = ()
+    actions: Annotated[tuple[Action, ...], Field(max_length=256)] = ()
+    constraints: Annotated[tuple[VelocityConstraint, ...], Field(max_length=256)] = ()
 
 
 class SkillScaling(Strict):
@@ -163,17 +160,14 @@ class SkillScaling(Strict):
         reason: How they were found.
     """
 
-    translation: float = Field(gt=0)
-    scale: float = Field(gt=0)
-    impulse: float = Field(gt=0)
-    torque: float = Field(gt=0)
-    velocity: float = Field(gt=0)
+    translation: _Scale
+    scale: _Scale
+    impulse: _Scale
+    torque: _Scale
+    velocity: _Scale
     reason: str = ""
 
 
-def unit_vector(value: Vector) -> Vector:
-    """Normalises a direction; a zero vector is refused."""
-    norm = math.sqrt(sum(c * c for c in value))
-    if norm < 1e-9:
-        raise ValueError(f"a direction must not be the zero vector (got {list(value)})")
-    return (value[0] / norm, value[1] / norm, value[2] / norm)
+def is_too_short(first: float, last: float) -> bool:
+    """Whether a window of frames is one that single precision hardly tells from none."""
+    return last - first < max(1e-3, 1e-6 * last)

@@ -10,9 +10,10 @@ from typing import Annotated
 
 from pydantic import BeforeValidator
 
-from physagent_jax.core.strict import Strict, Vector
+from physagent_jax.core import strict
+from physagent_jax.core.strict import Count, Numbers, Strict
 
-Matrix = tuple[Vector, Vector, Vector]
+Matrix = tuple[Numbers, Numbers, Numbers]
 
 
 def _rounded(value):
@@ -23,7 +24,7 @@ def _rounded(value):
     return value
 
 
-Number = Annotated[float, BeforeValidator(_rounded)]
+Number = Annotated[strict.Number, BeforeValidator(_rounded)]
 
 
 class WindowMotion(Strict):
@@ -47,12 +48,12 @@ class WindowMotion(Strict):
         unobservable: Reasons, keyed by field name.
     """
 
-    first: int
-    last: int
+    first: Count
+    last: Count
     displacement: tuple[Number, Number, Number] | None
     path_length: Number | None
     peak_displacement: tuple[Number, Number, Number] | None
-    peak_frame: int | None
+    peak_frame: Count | None
     rotation_axis: tuple[Number, Number, Number] | None
     rotation_degrees: Number | None
     stretch: Matrix | None
@@ -74,7 +75,7 @@ class Oscillation(Strict):
     direction: tuple[Number, Number, Number]
     frequency_hz: Number
     amplitude: Number
-    reversals: int
+    reversals: Count
 
 
 class Quality(Strict):
@@ -94,7 +95,7 @@ class Quality(Strict):
     fit_residual: Number
     depth_noise: Number
     mask_fraction: Number
-    leaves_frame: int | None
+    leaves_frame: Count | None
     notes: tuple[str, ...] = ()
 
 
@@ -117,8 +118,8 @@ class MotionReport(Strict):
         text: One paragraph for a language model, in the paper's manner (appendix B.1).
     """
 
-    frame_count: int
-    frame_dt: float
+    frame_count: Count
+    frame_dt: strict.Positive
     object_size: Number
     object_center: tuple[Number, Number, Number]
     windows: tuple[WindowMotion, ...]
@@ -126,8 +127,8 @@ class MotionReport(Strict):
     rotation_degrees: tuple[Number | None, ...]
     volume_ratio: tuple[Number | None, ...]
     oscillation: Oscillation | None
-    onset_frame: int | None
-    settle_frame: int | None
+    onset_frame: Count | None
+    settle_frame: Count | None
     quality: Quality
     text: str
 

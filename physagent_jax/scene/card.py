@@ -11,7 +11,7 @@ from pathlib import Path
 
 from physagent_jax.core.reading import read_model
 from physagent_jax.core.strict import Strict
-from physagent_jax.scene.config import SignedAxis
+from physagent_jax.scene.config.common import Degrees, SignedAxis
 
 
 class ObjectCard(Strict):
@@ -28,7 +28,7 @@ class ObjectCard(Strict):
     name: str | None = None
     kind: str | None = None
     up: SignedAxis | None = None
-    azimuth_degrees: float | None = None
+    azimuth_degrees: Degrees | None = None
     credit: str | None = None
 
 

@@ -79,19 +79,22 @@ def import_physgaussian(
         source = _source(reader, object_path)
         material, notes = read_material(reader)
         substep_dt = reader.number("substep_dt", 1e-4)
+        # First, since the rest is measured in cells and steps.
+        domain = Domain(size=reader.number("grid_lim", 2.0), cells=reader.integer("n_grid", 50))
+        timing = Timing(
+            frame_count=reader.integer("frame_num", 100) + 1,
+            frame_dt=reader.number("frame_dt", 1e-2),
+            substep_dt=substep_dt,
+        )
         boundaries, constraints = conditions(reader, substep_dt)
         config = SceneConfig(
             preset="physgaussian",
             source=source,
-            filling=_filling(reader),
+            filling=_filling(reader, domain),
             material=material,
             material_regions=_regions(reader),
-            domain=Domain(size=reader.number("grid_lim", 2.0), cells=reader.integer("n_grid", 50)),
-            timing=Timing(
-                frame_count=reader.integer("frame_num", 100) + 1,
-                frame_dt=reader.number("frame_dt", 1e-2),
-                substep_dt=substep_dt,
-            ),
+            domain=domain,
+            timing=timing,
             transfer=_transfer(reader, substep_dt),
             gravity=_gravity(reader),
             always_gravity=True,
@@ -119,7 +122,7 @@ def _source(reader: Reader, object_path: str) -> Source:
         opacity_threshold=reader.number("opacity_threshold", 0.02),
         crop=crop,
         rotation_degrees=reader.numbers("rotation_degree", None, ()),
-        rotation_axes=tuple(int(a) for a in reader.numbers("rotation_axis", None, ())),
+        rotation_axes=reader.numbers("rotation_axis", None, ()),  # type: ignore[arg-type]
         extent=reader.number("scale", 1.0),
         center=CENTER,
     )
@@ -135,20 +138,22 @@ def _regions(reader: Reader) -> tuple[MaterialRegion, ...]:
     )
 
 
-def _filling(reader: Reader) -> Filling:
+def _filling(reader: Reader, domain: Domain) -> Filling:
     """Filling; its cells are counted along the domain there and along the object here."""
-    grid_cells, size = reader.integer("n_grid", 50), reader.number("grid_lim", 2.0)
     if reader.data.get("particle_filling") is None:
         return Filling(enabled=False, max_particles=2_000_000, volumes="cells")
     part = reader.part("particle_filling")
-    cells = round(part.integer("n_grid", 4 * grid_cells) * reader.number("scale", 1.0) / size)
+    asked = round(part.integer("n_grid", 4 * domain.cells) * reader.number("scale", 1.0) / domain.size)
+    cells = min(max(asked, 4), 512)
+    if cells != asked:
+        reader.warn(f"`particle_filling.n_grid` is {asked:,} cells along the object: {cells} are taken")
     for key in part.data:
         if key in ("visualize", "boundary") and part.data[key]:
             why = "filled particles are not drawn" if key == "visualize" else "all of the object is filled"
             reader.warn(f"`particle_filling.{key}` is ignored: {why}")
     exclude = part.integer("search_exclude_direction", 5)
     return Filling(
-        cells=min(max(cells, 4), 512),
+        cells=cells,
         density_unit="overlap",
         density_threshold=part.number("density_threshold", 5.0),
         search_threshold=part.number("search_threshold", 3.0),

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.strict import Vector
+from physagent_jax.core.names import nearest, unknown_name
+from physagent_jax.core.reading import shortened
+from physagent_jax.core.strict import LARGEST, Vector
 from physagent_jax.scene.config import (
     Cuboid,
     DomainBox,
@@ -43,6 +44,13 @@ class Reader:
     def number(self, key: str, default: object = _MISSING) -> float:
         """A finite number."""
         return self._checked(key, self._get(key, default))
+
+    def word(self, key: str, default: str) -> str:
+        """A name."""
+        value = self._get(key, default)
+        if not isinstance(value, str):
+            raise self._wrong(key, "must be a name", value)
+        return value
 
     def integer(self, key: str, default: object = _MISSING) -> int:
         """A whole number."""
@@ -88,8 +96,8 @@ class Reader:
         return default
 
     def _checked(self, key: str, value: Any) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise self._wrong(key, "must be a finite number", value)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not -LARGEST <= value <= LARGEST:
+            raise self._wrong(key, f"must be a finite number of at most {LARGEST:g}", value)
         return float(value)
 
     def _sub(self, key: str, value: object) -> Reader:
@@ -98,9 +106,8 @@ class Reader:
         return Reader(value, f"{self.name(key)}.", self.warnings)
 
     def _wrong(self, key: str, rule: str, value: object) -> UserError:
-        return UserError(
-            f"PhysGaussian scene: `{self.name(key)}` {rule}", got=repr(value)[:60], do="Mend the file"
-        )
+        got = shortened(repr(value) if isinstance(value, int | float | str) else type(value).__name__, 60)
+        return UserError(f"PhysGaussian scene: `{self.name(key)}` {rule}", got=got, do="Mend the file")
 
 
 def conditions(reader: Reader, substep_dt: float) -> tuple[tuple, tuple]:
@@ -115,7 +122,7 @@ def conditions(reader: Reader, substep_dt: float) -> tuple[tuple, tuple]:
     """
     boundaries, constraints = [], []
     for part in reader.parts("boundary_conditions"):
-        kind = part.data.get("type")
+        kind = part.word("type", "")
         if _never(part):
             reader.warn(f"`{part.name('end_time')}` is not after `start_time`: the condition is left out")
         elif kind in _BOUNDARIES:
@@ -124,6 +131,8 @@ def conditions(reader: Reader, substep_dt: float) -> tuple[tuple, tuple]:
             constraints.append(_impulse(part, substep_dt))
         elif kind in _CONSTRAINTS:
             constraints += _CONSTRAINTS[kind](part)
+        elif nearest(kind, _KINDS):
+            raise unknown_name(f"PhysGaussian scene: `{part.name('type')}`", kind, _KINDS)
         else:
             reader.warn(f"`{part.name('type')}` = {kind!r} is left out: such a condition is not known")
     return (*boundaries, DomainBox(padding=3)), tuple(constraints)
@@ -151,7 +160,7 @@ def _cuboid(part: Reader) -> list:
 
 
 def _surface_collider(part: Reader) -> list:
-    surface = part.data.get("surface", "sticky")
+    surface = part.word("surface", "sticky")
     if surface == "cut":
         part.warn(f"`{part.name('surface')}` = 'cut' is left out: it is tied to one scene of PhysGaussian")
         return []
@@ -248,3 +257,4 @@ _CONSTRAINTS = {
     "enforce_particle_velocity_rotation": _rotation,
     "release_particles_sequentially": _release,
 }
+_KINDS = (*_BOUNDARIES, *_CONSTRAINTS, "particle_impulse")

@@ -14,6 +14,8 @@ from __future__ import annotations
 import math
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.names import did_you_mean
+from physagent_jax.core.reading import shortened
 from physagent_jax.scene.config import Material, MaterialModel
 from physagent_jax.scene.physgaussian_conditions import Reader
 
@@ -61,8 +63,11 @@ def read_material(reader: Reader, part: Reader | None = None) -> tuple[Material,
     """
     name = reader.data.get("material", "jelly")
     if not isinstance(name, str) or name not in _KEYS:
+        near = did_you_mean(name, _KEYS) if isinstance(name, str) else ""
         raise UserError(
-            "PhysGaussian scene: `material` is unknown", got=repr(name), do=f"Available: {', '.join(_KEYS)}"
+            "PhysGaussian scene: `material` is unknown",
+            got=shortened(repr(name), 60),
+            do=f"{near if near.startswith('Did') else ''} Available: {', '.join(_KEYS)}",
         )
     if part is None:
         youngs_modulus, nu = reader.number("E", 1e5), reader.number("nu", 0.4)

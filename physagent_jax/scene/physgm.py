@@ -12,7 +12,11 @@ from __future__ import annotations
 
 import math
 
+from pydantic import ValidationError
+
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import shortened, validation_message
+from physagent_jax.core.strict import LARGEST
 from physagent_jax.scene.config import Material
 from physagent_jax.scene.materials import LIBRARY, substeps, with_youngs_modulus
 from physagent_jax.scene.presets import PRESETS, PresetName
@@ -83,11 +87,14 @@ def import_physgm(data: object, *, warn_of_cost: bool = True) -> tuple[Material,
             f"PhysGM predicts nu = {poissons_ratio:.4g}, outside [0, {LARGEST_NU}]: {nu:g} is taken"
         )
     known = LIBRARY[CLASSES[name]]
-    material = with_youngs_modulus(known.material, youngs_modulus).changed(
-        poissons_ratio=nu,
-        reason=f"PhysGM predicts {name}, E = {youngs_modulus:.3g} Pa, nu = {poissons_ratio:.3g}; "
-        f"the rest as of {known.name} ({known.what})",
-    )
+    try:
+        material = with_youngs_modulus(known.material, youngs_modulus).changed(
+            poissons_ratio=nu,
+            reason=f"PhysGM predicts {name}, E = {youngs_modulus:.3g} Pa, nu = {poissons_ratio:.3g}; "
+            f"the rest as of {known.name} ({known.what})",
+        )
+    except ValidationError as error:
+        raise validation_message(error, "PhysGM prediction", do="Mend the file") from None
     warnings += _too_soft(material) or (_too_stiff(material) if warn_of_cost else [])
     return material, warnings
 
@@ -125,11 +132,13 @@ def _class(data: dict, warnings: list[str]) -> str:
     name = data.get("material")
     if not isinstance(name, str):
         raise UserError(
-            "PhysGM prediction: `material` must be a class name", got=repr(name), do="Mend the file"
+            "PhysGM prediction: `material` must be a class name", got=repr(name)[:60], do="Mend the file"
         )
     if name in CLASSES:
         return name
-    warnings.append(f"PhysGM's class {name!r} is not known: the object is taken as rubber, as PhysGM does")
+    warnings.append(
+        f"PhysGM's class {shortened(name, 60)!r} is not known: the object is taken as rubber, as PhysGM does"
+    )
     return FALLBACK
 
 
@@ -145,4 +154,4 @@ def _number(data: dict, key: str) -> float:
 
 
 def _is_finite(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, int | float) and not isinstance(value, bool) and -LARGEST <= value <= LARGEST

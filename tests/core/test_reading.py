@@ -15,6 +15,8 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import did_you_mean
 from physagent_jax.core.strict import Strict
 
+DEVICES = ("/dev/zero", "/dev/urandom", "/dev/full", "/dev/null")
+
 
 def refused(action, *fragments):
     with pytest.raises(UserError) as caught:
@@ -34,7 +36,7 @@ def odd_path(request, tmp_path):
     path = tmp_path / "file"
     match request.param:
         case "device":
-            return Path("/dev/zero"), "device"
+            return next(filter(Path.is_char_device, map(Path, DEVICES))), "device"
         case "pipe":
             os.mkfifo(path)
             return path, "pipe"

@@ -527,3 +527,51 @@ def test_the_orbit_camera_stands_where_physgaussians_does(azimuth):
 def test_the_radius_is_said_to_be_in_file_units():
     assert any("init_radius" in w for w in imported(ficus())[1])
     assert not any("init_radius" in w for w in imported(ficus(), file_units_per_metre=1.0)[1])
+
+
+HUGE = [10**400, 1e300, -1e300, 1e16, float("inf")]
+
+
+@pytest.mark.parametrize("value", [*HUGE, [], {}, "x" * 5000, None, True], ids=str)
+@pytest.mark.parametrize(
+    "key", ["E", "g", "grid_lim", "n_grid", "frame_num", "substep_dt", "material", "scale", "rotation_axis"]
+)
+def test_any_value_of_any_key_is_read_or_refused_in_one_line(key, value):
+    refused_or_read({"g": [0, 0, 0]} | {key: value})
+
+
+@pytest.mark.parametrize("value", [*HUGE, [], {}, None, 0], ids=str)
+@pytest.mark.parametrize("key", ["type", "surface", "start_time", "end_time", "friction", "point", "num_dt"])
+def test_any_value_in_a_condition_is_read_or_refused_in_one_line(key, value):
+    refused_or_read({"g": [0, 0, 0], "boundary_conditions": [collider() | {key: value}]})
+    impulse = {"type": "particle_impulse", "force": [1, 0, 0]}
+    refused_or_read({"g": [0, 0, 0], "boundary_conditions": [impulse | {key: value}]})
+
+
+def refused_or_read(data):
+    try:
+        imported(data)
+    except UserError as error:
+        assert "\n" not in str(error) and len(str(error)) < 400
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"grid_lim": 0}, "size"),
+        ({"substep_dt": 0}, "substep_dt"),
+        ({"material": ["jelly"]}, "`material`"),
+        ({"material": "metl"}, "Did you mean `metal`"),
+        ({"boundary_conditions": [{"type": ["cuboid"]}]}, r"`boundary_conditions\[0\].type` must be a name"),
+        ({"boundary_conditions": [{"type": "cubiod"}]}, "Did you mean `cuboid`"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused_with_what_may_be(change, message):
+    with pytest.raises(UserError, match=message):
+        imported({"g": [0, 0, 0]} | change)
+
+
+def test_a_filling_grid_beyond_ours_is_said_to_be_cut():
+    config, warnings = imported({"g": [0, 0, 0], "particle_filling": {"n_grid": 10**12}})
+    assert config.filling.cells == 512
+    assert any("particle_filling.n_grid" in w and "512 are taken" in w for w in warnings)

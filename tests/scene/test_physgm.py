@@ -103,3 +103,21 @@ def test_an_unknown_class_is_rubber_as_in_physgm():
 def test_broken_predictions_name_the_key(data, fragment):
     with pytest.raises(UserError, match=fragment):
         import_physgm(data)
+
+
+@pytest.mark.parametrize(
+    "value", [10**400, 1e300, -1e300, 1e-300, [], "x" * 5000, None, True], ids=lambda v: str(v)[:9]
+)
+@pytest.mark.parametrize("key", ["E", "nu", "material", "E_mu", "nu_mu", "phys_logits"])
+def test_any_value_of_any_key_is_read_or_refused_in_one_line(key, value):
+    for data in (
+        {"E": 1e6, "nu": 0.3, "material": "Rubber"},
+        {"E_mu": 0.1, "nu_mu": 0.1, "phys_logits": [1.0] * 14},
+    ):
+        try:
+            material, warnings = import_physgm(data | {key: value})
+        except UserError as error:
+            assert "\n" not in str(error) and len(str(error)) < 400
+        else:
+            assert 1e-3 <= material.youngs_modulus <= 1e13
+            assert all(len(warning) < 400 for warning in warnings)

@@ -9,7 +9,14 @@ from physagent_jax.agents.language.schedule import Window
 from physagent_jax.agents.schema import Evidence, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import clamp
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.schema import MAGNITUDE_MAX, MAGNITUDE_MIN, Action, ActionType, ForceField
+from physagent_jax.forces.schema import (
+    MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
+    Action,
+    ActionType,
+    ForceField,
+    is_too_short,
+)
 
 MAX_ACTIONS = 60  # more would only slow the simulation; no sentence for a clip of a few seconds needs them
 
@@ -114,7 +121,7 @@ class Draft:
         first, end = (clamp(edge, 0.0, self.last) for edge in window)
         if round(end) > round(first):
             return (float(round(first)), float(round(end)))
-        return (first, end) if end - first > 1e-3 else (self.last - 1.0, self.last)
+        return (self.last - 1.0, self.last) if is_too_short(first, end) else (first, end)
 
     def force_field(self) -> ForceField:
         """The result."""

@@ -5,11 +5,20 @@ from __future__ import annotations
 import enum
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
-from physagent_jax.core.strict import Strict, Vector
-from physagent_jax.forces.schema import unit_vector
-from physagent_jax.scene.config.common import NonNegative, Positive, Windowed
+from physagent_jax.core.strict import Direction, Strict
+from physagent_jax.scene.config.common import (
+    Friction,
+    HalfSize,
+    Length,
+    Path,
+    Point,
+    RotationAxes,
+    Rotations,
+    Velocity,
+    Windowed,
+)
 
 
 class Surface(enum.StrEnum):
@@ -37,29 +46,24 @@ class Obstacle(Windowed):
     """
 
     surface: Surface = Surface.SEPARATE
-    friction: NonNegative = 0.0
-    velocity: Vector = (0.0, 0.0, 0.0)
+    friction: Friction = 0.0
+    velocity: Velocity = (0.0, 0.0, 0.0)
 
 
 class HalfSpace(Obstacle):
     """A plane; ``normal`` points out of the solid, which is what lies behind it."""
 
     kind: Literal["half_space"] = "half_space"
-    point: Vector
-    normal: Vector
-
-    @field_validator("normal")
-    @classmethod
-    def _unit(cls, value: Vector) -> Vector:
-        return unit_vector(value)
+    point: Point
+    normal: Direction
 
 
 class Sphere(Obstacle):
     """A ball about ``point``; as a ``container``, the solid around a spherical hollow."""
 
     kind: Literal["sphere"] = "sphere"
-    point: Vector
-    radius: Positive
+    point: Point
+    radius: Length
     container: bool = False
 
 
@@ -67,8 +71,8 @@ class Box(Obstacle):
     """A solid box of ``point`` +- ``half_size`` [m]; as a ``container``, the solid around such a hollow."""
 
     kind: Literal["box"] = "box"
-    point: Vector
-    half_size: tuple[Positive, Positive, Positive]
+    point: Point
+    half_size: tuple[Length, Length, Length]
     container: bool = False
 
 
@@ -83,11 +87,11 @@ class Mesh(Obstacle):
     """
 
     kind: Literal["mesh"] = "mesh"
-    path: str
-    scale: Positive = 1.0
-    position: Vector = (0.0, 0.0, 0.0)
-    rotation_degrees: tuple[float, ...] = ()
-    rotation_axes: tuple[Literal[0, 1, 2], ...] = ()
+    path: Path
+    scale: Annotated[float, Field(ge=1e-9, le=1e9)] = 1.0
+    position: Point = (0.0, 0.0, 0.0)
+    rotation_degrees: Rotations = ()
+    rotation_axes: RotationAxes = ()
 
     @model_validator(mode="after")
     def _paired(self) -> Mesh:
@@ -100,9 +104,9 @@ class Cuboid(Windowed):
     """A box that moves with ``velocity`` and imposes it on the grid nodes inside, within [start, end) [s]."""
 
     kind: Literal["cuboid"] = "cuboid"
-    point: Vector
-    half_size: Vector
-    velocity: Vector = (0.0, 0.0, 0.0)
+    point: Point
+    half_size: HalfSize
+    velocity: Velocity = (0.0, 0.0, 0.0)
 
 
 Boundary = Annotated[DomainBox | HalfSpace | Sphere | Box | Mesh | Cuboid, Field(discriminator="kind")]

@@ -4,20 +4,32 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
-from physagent_jax.core.strict import Strict, Vector
-from physagent_jax.forces.schema import unit_vector
-from physagent_jax.scene.config.common import NonNegative, Positive, Windowed
+from physagent_jax.core.strict import Direction, Numbers, Strict
+from physagent_jax.scene.config.common import (
+    AngularVelocity,
+    Coordinate,
+    Duration,
+    HalfSize,
+    Length,
+    Path,
+    Point,
+    Speed,
+    Time,
+    Velocity,
+    Windowed,
+    check_window,
+)
 
 
 class ParticleTranslation(Windowed):
     """Particles that rest in a box move with ``velocity`` [m/s] within [start, end) [s]."""
 
     kind: Literal["particle_translation"] = "particle_translation"
-    point: Vector
-    half_size: Vector
-    velocity: Vector
+    point: Point
+    half_size: HalfSize
+    velocity: Velocity
 
 
 class ParticleRotation(Windowed):
@@ -32,17 +44,12 @@ class ParticleRotation(Windowed):
     """
 
     kind: Literal["particle_rotation"] = "particle_rotation"
-    point: Vector
-    normal: Vector
-    half_height: Positive
-    radius: Positive
-    angular_velocity: float = 0.0
-    axial_velocity: float = 0.0
-
-    @field_validator("normal")
-    @classmethod
-    def _unit(cls, value: Vector) -> Vector:
-        return unit_vector(value)
+    point: Point
+    normal: Direction
+    half_height: Length
+    radius: Length
+    angular_velocity: AngularVelocity = 0.0
+    axial_velocity: Speed = 0.0
 
 
 class ParticleImpulse(Strict):
@@ -53,17 +60,18 @@ class ParticleImpulse(Strict):
     """
 
     kind: Literal["particle_impulse"] = "particle_impulse"
-    point: Vector
-    half_size: Vector
-    delta_velocity: Vector | None = None
-    force: Vector | None = None
-    start: NonNegative = 0.0
-    duration: Positive = 1e-4
+    point: Point
+    half_size: HalfSize
+    delta_velocity: Velocity | None = None
+    force: Numbers | None = None
+    start: Time = 0.0
+    duration: Duration = 1e-4
 
     @model_validator(mode="after")
     def _one(self) -> ParticleImpulse:
         if (self.delta_velocity is None) == (self.force is None):
             raise ValueError("give exactly one of `delta_velocity` and `force`")
+        check_window(self.start, self.duration)
         return self
 
 
@@ -81,15 +89,10 @@ class ParticleRelease(Windowed):
     """
 
     kind: Literal["particle_release"] = "particle_release"
-    normal: Vector
-    start_position: float
-    end_position: float
+    normal: Direction
+    start_position: Coordinate
+    end_position: Coordinate
     layers: int = Field(ge=1, le=10_000)
-
-    @field_validator("normal")
-    @classmethod
-    def _unit(cls, value: Vector) -> Vector:
-        return unit_vector(value)
 
     @model_validator(mode="after")
     def _apart(self) -> ParticleRelease:
@@ -117,9 +120,9 @@ class Anchor(Strict):
 
     kind: Literal["none", "base", "top", "box", "mask"] = "none"
     fraction: float = Field(default=0.12, gt=0, le=1)
-    point: Vector | None = None
-    half_size: Vector | None = None
-    mask_path: str | None = None
+    point: Point | None = None
+    half_size: HalfSize | None = None
+    mask_path: Path | None = None
     reason: str = ""
 
     @model_validator(mode="after")

@@ -8,13 +8,35 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
-from physagent_jax.core.strict import Strict, Vector
-from physagent_jax.forces.schema import Region, unit_vector
-from physagent_jax.scene.config.common import FOREVER, NonNegative, Positive, Windowed
+from physagent_jax.core.strict import Direction, Seed, Strict
+from physagent_jax.forces.schema import Region
+from physagent_jax.scene.config.common import (
+    FOREVER,
+    Acceleration,
+    AccelerationComponent,
+    Duration,
+    Length,
+    Point,
+    Rate,
+    Time,
+    Windowed,
+)
+
+_STRONGEST = 1e9  # [m/s^2], pull of an attractor on what is at its point
+_SHORTEST_RAMP = 1e-9  # [s]
 
 # --- time profiles: 0 outside [start, end) [s] ---------------------------------------------------------
+
+
+def _ramp(value: float) -> float:
+    if 0 < value < _SHORTEST_RAMP:
+        raise ValueError(f"a ramp lasts 0 s, or {_SHORTEST_RAMP:g} s and more")
+    return value
+
+
+Ramp = Annotated[Time, AfterValidator(_ramp)]
 
 
 class ConstantEnvelope(Windowed):
@@ -27,8 +49,8 @@ class RampEnvelope(Windowed):
     """Rises linearly from 0 to 1 over ``rise`` [s], falls linearly to 0 over the last ``fall`` [s]."""
 
     kind: Literal["ramp"] = "ramp"
-    rise: NonNegative = 0.0
-    fall: NonNegative = 0.0
+    rise: Ramp = 0.0
+    fall: Ramp = 0.0
 
     @model_validator(mode="after")
     def _fits(self) -> RampEnvelope:
@@ -63,8 +85,8 @@ class SineEnvelope(Windowed):
     """
 
     kind: Literal["sine"] = "sine"
-    frequency: Positive
-    phase: float = 0.0
+    frequency: Annotated[float, Field(ge=1e-9, le=1e6)]
+    phase: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0
 
 
 Envelope = Annotated[
@@ -101,17 +123,12 @@ class Wind(_Term):
     """
 
     kind: Literal["wind"] = "wind"
-    direction: Vector | None = None
-    speed: NonNegative = 0.0
-    linear_drag: NonNegative = 0.0
-    quadratic_drag: NonNegative = 0.0
-    center: Vector | None = None
-    radius: Positive | None = None
-
-    @field_validator("direction")
-    @classmethod
-    def _unit(cls, value: Vector | None) -> Vector | None:
-        return None if value is None else unit_vector(value)
+    direction: Direction | None = None
+    speed: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    linear_drag: Rate = 0.0
+    quadratic_drag: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    center: Point | None = None
+    radius: Length | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> Wind:
@@ -135,10 +152,19 @@ class Attractor(_Term):
     """
 
     kind: Literal["attractor"] = "attractor"
-    point: Vector
-    strength: float
+    point: Point
+    strength: AccelerationComponent
     power: float = Field(default=2.0, ge=-1, le=6)
-    softening: Positive = 0.1
+    softening: Length = 0.1
+
+    @model_validator(mode="after")
+    def _bounded(self) -> Attractor:
+        if self.power > 0 and abs(self.strength) > _STRONGEST * self.softening**self.power:
+            pull = abs(self.strength) / self.softening**self.power
+            raise ValueError(
+                f"the pull at the point is {pull:.3g} m/s^2, more than {_STRONGEST:g}: raise `softening`"
+            )
+        return self
 
 
 class Vortex(_Term):
@@ -155,18 +181,13 @@ class Vortex(_Term):
     """
 
     kind: Literal["vortex"] = "vortex"
-    point: Vector
-    axis: Vector
-    swirl: float = 0.0
-    inward: float = 0.0
-    axial: float = 0.0
-    core: Positive = 0.25
+    point: Point
+    axis: Direction
+    swirl: AccelerationComponent = 0.0
+    inward: AccelerationComponent = 0.0
+    axial: AccelerationComponent = 0.0
+    core: Length = 0.25
     power: float = Field(default=1.0, ge=0, le=6)
-
-    @field_validator("axis")
-    @classmethod
-    def _unit(cls, value: Vector) -> Vector:
-        return unit_vector(value)
 
     @model_validator(mode="after")
     def _does_something(self) -> Vortex:
@@ -187,10 +208,10 @@ class Turbulence(_Term):
     """
 
     kind: Literal["turbulence"] = "turbulence"
-    strength: Positive
-    length_scale: Positive
-    time_scale: Positive
-    seed: int = Field(default=0, ge=0)
+    strength: Annotated[float, Field(gt=0, le=1e6)]
+    length_scale: Length
+    time_scale: Duration
+    seed: Seed = 0
     modes: int = Field(default=32, ge=1, le=512)
 
 
@@ -198,7 +219,7 @@ class Uniform(_Term):
     """One acceleration [m/s^2] for all particles of the region."""
 
     kind: Literal["uniform"] = "uniform"
-    acceleration: Vector
+    acceleration: Acceleration
 
 
 ForceTerm = Annotated[Wind | Attractor | Vortex | Turbulence | Uniform, Field(discriminator="kind")]

@@ -9,8 +9,8 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from physagent_jax.core.strict import Strict, Vector
-from physagent_jax.scene.config.common import NonNegative, Positive
+from physagent_jax.core.strict import Strict
+from physagent_jax.scene.config.common import HalfSize, Point
 
 
 class MaterialModel(enum.StrEnum):
@@ -71,7 +71,11 @@ _GENERAL_DEFAULTS = {
     MaterialModel.SNOW: {"youngs_modulus": 1.4e5, "poissons_ratio": 0.2, "density": 400.0},
     MaterialModel.FLUID: {"density": 1000.0},
 }
-_Share = Annotated[float, Field(gt=0, lt=1)]
+_Share = Annotated[float, Field(ge=1e-6, lt=1)]
+# Diamond has E = 1.2e12 Pa; K of a fluid with nu near 1/2 is up to 170 times its E.
+_Modulus = Annotated[float, Field(ge=0, le=1e15)]  # [Pa]
+_Strength = Annotated[float, Field(ge=1e-6, le=1e16)]  # [Pa]
+_Viscosity = Annotated[float, Field(ge=0, le=1e15)]  # [Pa s]; pitch has 2e8, a glacier 1e13
 
 
 class Material(Strict):
@@ -103,22 +107,22 @@ class Material(Strict):
     """
 
     model: MaterialModel = MaterialModel.NEO_HOOKEAN
-    youngs_modulus: Positive = 1e5
+    youngs_modulus: Annotated[float, Field(ge=1e-3, le=1e13)] = 1e5
     poissons_ratio: float = Field(default=0.3, ge=0, lt=0.499)
-    density: Positive = 200.0
+    density: Annotated[float, Field(ge=1e-3, le=1e6)] = 200.0
     reason: str = ""
-    viscosity: NonNegative | None = None
-    yield_stress: Positive | None = None
-    hardening_modulus: NonNegative | None = None
-    softening_modulus: NonNegative | None = None
-    plastic_viscosity: NonNegative | None = None
+    viscosity: _Viscosity | None = None
+    yield_stress: _Strength | None = None
+    hardening_modulus: _Modulus | None = None
+    softening_modulus: _Modulus | None = None
+    plastic_viscosity: _Viscosity | None = None
     friction_angle: Annotated[float, Field(ge=0, lt=90)] | None = None
-    cohesion: NonNegative | None = None
+    cohesion: _Modulus | None = None
     critical_compression: _Share | None = None
     critical_stretch: _Share | None = None
-    hardening_coefficient: NonNegative | None = None
-    hardening_cap: Annotated[float, Field(ge=1)] | None = None
-    bulk_modulus: Positive | None = None
+    hardening_coefficient: Annotated[float, Field(ge=0, le=1e3)] | None = None
+    hardening_cap: Annotated[float, Field(ge=1, le=1e6)] | None = None
+    bulk_modulus: _Strength | None = None
     tension: bool | None = None
 
     @model_validator(mode="before")
@@ -175,8 +179,8 @@ class MaterialRegion(Strict):
         material: The material there.
     """
 
-    point: Vector
-    half_size: Vector
+    point: Point
+    half_size: HalfSize
     material: Material
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from physagent_jax.core.strict import Strict
-from physagent_jax.scene.config.common import NonNegative, Positive
+from physagent_jax.scene.config.common import Rate
 
 
 class Domain(Strict):
@@ -18,7 +18,7 @@ class Domain(Strict):
         cells: Cells along a side; dx = size / cells.
     """
 
-    size: Positive = 4.0
+    size: float = Field(default=4.0, ge=1e-3, le=1e6)
     cells: int = Field(default=96, ge=8, le=1024)
 
     @property
@@ -39,9 +39,9 @@ class Timing(Strict):
     """
 
     frame_count: int = Field(default=50, ge=2, le=10_000)
-    frame_dt: Positive = 0.04
-    substep_dt: Positive | Literal["auto"] = "auto"
-    safety: float = Field(default=0.9, gt=0, le=1)  # as `mpm.timestep.SAFETY`
+    frame_dt: float = Field(default=0.04, ge=1e-6, le=100)
+    substep_dt: Annotated[float, Field(ge=1e-12, le=100)] | Literal["auto"] = "auto"
+    safety: float = Field(default=0.9, ge=1e-3, le=1)  # as `mpm.timestep.SAFETY`
     force_substep: bool = False
 
 
@@ -59,4 +59,4 @@ class Transfer(Strict):
     scheme: Literal["apic", "pic"] = "apic"
     stress_form: Literal["mls", "gradient"] = "mls"
     rpic_damping: float = Field(default=0.0, ge=0, le=1)
-    damping_rate: NonNegative = 0.0
+    damping_rate: Rate = 0.0

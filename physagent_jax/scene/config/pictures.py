@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pydantic import Field
 
-from physagent_jax.core.strict import Strict, Vector
-from physagent_jax.scene.config.common import Positive
+from physagent_jax.core.strict import Strict
+from physagent_jax.scene.config.common import Degrees, Length, Point
+
+_Channel = Annotated[float, Field(ge=0, le=1)]
 
 
 class CameraConfig(Strict):
@@ -19,10 +23,10 @@ class CameraConfig(Strict):
         fov_degrees: Vertical field of view.
     """
 
-    target: Vector | None = None
-    azimuth_degrees: float = 0.0
+    target: Point | None = None
+    azimuth_degrees: Degrees = 0.0
     elevation_degrees: float = Field(default=10.0, gt=-89, lt=89)
-    distance: Positive = 4.0
+    distance: Length = 4.0
     fov_degrees: float = Field(default=40.0, gt=1, lt=150)
 
 
@@ -36,4 +40,4 @@ class Rendering(Strict):
 
     width: int = Field(default=320, ge=16, le=4096)
     height: int = Field(default=320, ge=16, le=4096)
-    background: Vector = (1.0, 1.0, 1.0)
+    background: tuple[_Channel, _Channel, _Channel] = (1.0, 1.0, 1.0)

@@ -8,17 +8,22 @@ Regions of constraints are absolute [m] and select particles by their rest posit
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
-from physagent_jax.core.strict import Strict, Vector
+from pydantic import Field
+
+from physagent_jax.core.strict import Strict
 from physagent_jax.forces.schema import ForceField, SkillScaling
 from physagent_jax.scene.config.boundaries import Boundary, DomainBox, Mesh
+from physagent_jax.scene.config.common import Acceleration
 from physagent_jax.scene.config.constraints import Anchor, Constraint
 from physagent_jax.scene.config.forces import ForceTerm
 from physagent_jax.scene.config.material import Material, MaterialRegion
 from physagent_jax.scene.config.numerics import Domain, Timing, Transfer
 from physagent_jax.scene.config.pictures import CameraConfig, Rendering
 from physagent_jax.scene.config.source import Filling, Source
+
+_FEW = Field(max_length=256)  # every one of them is compiled into the step
 
 
 class SceneConfig(Strict):
@@ -41,17 +46,17 @@ class SceneConfig(Strict):
     source: Source
     filling: Filling = Filling()
     material: Material = Material()
-    material_regions: tuple[MaterialRegion, ...] = ()
+    material_regions: Annotated[tuple[MaterialRegion, ...], _FEW] = ()
     domain: Domain = Domain()
     timing: Timing = Timing()
     transfer: Transfer = Transfer()
-    gravity: Vector = (0.0, 0.0, -9.8)
+    gravity: Acceleration = (0.0, 0.0, -9.8)
     always_gravity: bool = False
-    boundaries: tuple[Boundary, ...] = (DomainBox(),)
-    constraints: tuple[Constraint, ...] = ()
+    boundaries: Annotated[tuple[Boundary, ...], _FEW] = (DomainBox(),)
+    constraints: Annotated[tuple[Constraint, ...], _FEW] = ()
     anchor: Anchor = Anchor()
     force_field: ForceField = ForceField()
-    forces: tuple[ForceTerm, ...] = ()
+    forces: Annotated[tuple[ForceTerm, ...], _FEW] = ()
     scaling: SkillScaling | None = None
     ledger: bool = False
     camera: CameraConfig = CameraConfig()

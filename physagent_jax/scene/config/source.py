@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from physagent_jax.core.strict import Strict, Vector
-from physagent_jax.scene.config.common import Positive, SignedAxis
+from physagent_jax.core.strict import Number, Seed, Strict
+from physagent_jax.scene.config.common import Length, Path, Point, RotationAxes, Rotations, SignedAxis
+
+_Threshold = Annotated[float, Field(ge=1e-6, le=1e6)]
 
 
 class Source(Strict):
@@ -29,27 +31,25 @@ class Source(Strict):
         surface_samples: Gaussians sampled on a mesh's surface (meshes only).
     """
 
-    path: str
+    path: Path
     sha256: str | None = None
     name: str = ""
     kind: str = "object"
     up: SignedAxis = "+z"
     opacity_threshold: float = Field(default=0.02, ge=0, lt=1)
-    crop: tuple[float, float, float, float, float, float] | None = None
-    rotation_degrees: tuple[float, ...] = ()
-    rotation_axes: tuple[int, ...] = ()
-    extent: Positive = 1.0
-    center: Vector | None = None
-    surface_samples: int = Field(default=20_000, gt=0)
+    crop: tuple[Number, Number, Number, Number, Number, Number] | None = None
+    rotation_degrees: Rotations = ()
+    rotation_axes: RotationAxes = ()
+    extent: Length = 1.0
+    center: Point | None = None
+    surface_samples: int = Field(default=20_000, ge=8, le=10_000_000)
 
     @model_validator(mode="after")
     def _paired(self) -> Source:
-        if len(self.rotation_degrees) != len(self.rotation_axes) or any(
-            a not in (0, 1, 2) for a in self.rotation_axes
-        ):
-            raise ValueError(
-                "`rotation_degrees` and `rotation_axes` must have equal length, axes in {0, 1, 2}"
-            )
+        if len(self.rotation_degrees) != len(self.rotation_axes):
+            raise ValueError("`rotation_degrees` and `rotation_axes` must have equal length")
+        if self.crop is not None and any(high <= low for low, high in zip(self.crop[0::2], self.crop[1::2])):
+            raise ValueError("`crop` must be (xmin, xmax, ymin, ymax, zmin, zmax), each min below its max")
         return self
 
 
@@ -76,12 +76,12 @@ class Filling(Strict):
     enabled: bool = True
     cells: int | None = Field(default=None, ge=4, le=512)
     density_unit: Literal["coverage", "overlap"] = "coverage"
-    density_threshold: Positive = 5.0
-    search_threshold: Positive = 3.0
+    density_threshold: _Threshold = 5.0
+    search_threshold: _Threshold = 3.0
     exclude_direction: int | None = Field(default=5, ge=0, le=5)
     ray_cast_direction: int = Field(default=4, ge=0, le=5)
     particles_per_cell: int = Field(default=1, ge=1, le=64)
-    max_particles: int = Field(default=20_000, ge=8)
+    max_particles: int = Field(default=20_000, ge=8, le=100_000_000)
     smooth: bool = False
     volumes: Literal["matter", "cells"] = "matter"
-    seed: int = 0
+    seed: Seed = 0
