@@ -140,7 +140,7 @@ def read_scene(path: Path, object_path: Path | None):
     from physagent_jax.scene.config import parse_scene
     from physagent_jax.scene.physgaussian import is_physgaussian
 
-    data = read_json(path, what="the scene")
+    data = read_json(path, what="the scene file")
     if not isinstance(data, dict) or not is_physgaussian(data):
         scene = parse_scene(data, origin=str(path))
         if object_path is not None:

@@ -61,7 +61,8 @@ def open_regular(path: str | Path, *, most: int, what: str = "the file") -> Bina
         # Without O_NONBLOCK, opening a pipe waits for somebody to write into it.
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
     except FileNotFoundError:
-        raise UserError(f"cannot read {what}: there is no file {shown}", do="Check the path") from None
+        name = what.removeprefix("the ")
+        raise UserError(f"cannot read: there is no {name} {shown}", do="Check the path") from None
     except OSError as error:
         raise UserError(
             f"cannot read {what} {shown}", got=error.strerror or error, do="Check the path"

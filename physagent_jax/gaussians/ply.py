@@ -19,7 +19,9 @@ from plyfile import PlyData, PlyElement, PlyListProperty, PlyParseError
 
 from physagent_jax.core.arrays import on_device
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import shortened
 from physagent_jax.gaussians.cloud import GaussianCloud
+from physagent_jax.gaussians.ply_header import read_ply_header
 
 _POSITION = ("x", "y", "z")
 _NORMAL = ("nx", "ny", "nz")
@@ -35,14 +37,17 @@ _REST_COUNTS = {0: 0, 9: 3, 24: 8, 45: 15}
 # with an infinite logit shows nothing at all.
 _LOGIT_LIMIT = 16.0
 
+# The largest values that a Gaussian may have: lengths whose squares float32 holds, colours that float16 holds.
+_MOST = {"means": 1e12, "scales": 1e12, "sh": 1e4}
+
 
 def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) -> GaussianCloud:
     """Reads 3D Gaussians from a PLY file (binary or ASCII), in linear units.
 
     Properties may stand in any order and further ones are ignored. Quaternions are normalised. Gaussians
-    with a value that is not finite are dropped with a warning, because captures contain a few of them and
-    they can only spoil the simulation; infinite opacity logits are legal (opacity 0 or 1). A quaternion of
-    norm zero is read as the identity, with a warning.
+    with a value that is not finite, or so large that float32 cannot compute with it, are dropped with a
+    warning, because captures contain a few of them and they can only spoil the simulation; infinite opacity
+    logits are legal (opacity 0 or 1). A quaternion of norm zero is read as the identity, with a warning.
 
     Args:
         path: The file.
@@ -72,20 +77,9 @@ def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) ->
         rest = columns(rest_names).reshape(len(means), 3, -1)
         sh = np.concatenate([sh, rest.transpose(0, 2, 1)], axis=1)
     with np.errstate(over="ignore"):  # an overflow is found by the check just below
-        scales = np.exp(log_scales).astype(np.float32)
+        scales = np.exp(log_scales)
         opacities = 1.0 / (1.0 + np.exp(-logits))
-
-    finite = ~np.isnan(logits)
-    for values in (means, log_scales, scales, quats, sh):
-        finite &= np.isfinite(values.reshape(len(means), -1)).all(axis=1)
-    if not finite.any():
-        raise UserError(
-            f"all Gaussians in {path} have values that are not finite", do="Export the scene again"
-        )
-    if not finite.all():
-        dropped = np.sum(~finite)
-        warnings.warn(f"{path}: dropped {dropped} Gaussians with values that are not finite", stacklevel=2)
-
+    finite = _usable(path, means=means, scales=scales, quats=quats, sh=sh, logits=logits)
     keep = finite & (opacities >= opacity_threshold)
     if not keep.any():
         raise UserError(
@@ -95,6 +89,30 @@ def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) ->
         )
     kept = (means[keep], _unit_quats(path, quats[keep]), scales[keep], opacities[keep], sh[keep])
     return GaussianCloud(*(on_device(values, np.float32) for values in kept))
+
+
+def _usable(path: Path, *, logits: np.ndarray, **values: np.ndarray) -> np.ndarray:
+    """Gaussians whose values are numbers that mean something, shape (n,); warns of the others.
+
+    Raises:
+        UserError: There is none.
+    """
+    finite = ~np.isnan(logits)
+    for array in values.values():
+        finite &= np.isfinite(array.reshape(len(logits), -1)).all(axis=1)
+    _warn_of_dropped(path, finite, np.ones_like(finite), "that are not finite")
+    sane = finite.copy()
+    for name, most in _MOST.items():
+        sane &= (np.abs(values[name]) <= most).reshape(len(logits), -1).all(axis=1)
+    _warn_of_dropped(path, sane, finite, f"beyond {', '.join(f'{v:g} ({k})' for k, v in _MOST.items())}")
+    return sane
+
+
+def _warn_of_dropped(path: Path, kept: np.ndarray, before: np.ndarray, what: str) -> None:
+    if not kept.any():
+        raise UserError(f"all Gaussians in {path} have values {what}", do="Export the scene again")
+    if (dropped := np.sum(before & ~kept)) > 0:
+        warnings.warn(f"{path}: dropped {dropped} Gaussians with values {what}", stacklevel=4)
 
 
 def write_ply(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> None:
@@ -128,12 +146,11 @@ def write_ply(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> 
 
 def _read_vertices(path: Path) -> PlyElement:
     """The `vertex` element of a PLY file, or a `UserError` that says why there is none."""
-    if not path.is_file():
-        raise UserError(f"there is no file {path}", do="Check the path")
+    read_ply_header(path)  # checks it
     try:
         data = PlyData.read(os.fspath(path))
-    except (PlyParseError, ValueError) as error:  # ValueError: undecodable header, negative counts
-        message = str(error)
+    except (PlyParseError, ValueError) as error:  # ValueError: words where text should hold numbers
+        message = shortened(error)
         if "early end-of-file" in message and "element" in message:
             what, do = f"{path} is truncated", "Copy or export the file again"
         else:
@@ -174,6 +191,8 @@ def _check_properties(path: Path, vertex: PlyElement) -> list[str]:
 
 def _unit_quats(path: Path, quats: np.ndarray) -> np.ndarray:
     """Normalised quaternions; those of norm zero become the identity."""
+    largest = np.abs(quats).max(axis=1, keepdims=True)
+    quats = quats / np.where(largest > 0, largest, 1.0)  # whose squares neither overflow nor vanish
     norms = np.linalg.norm(quats, axis=1, keepdims=True)
     zero = norms[:, 0] == 0.0
     if zero.any():

@@ -6,8 +6,10 @@ import hashlib
 from pathlib import Path
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import check_regular, open_regular
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.ply import read_ply
+from physagent_jax.gaussians.ply_header import MOST_BYTES, read_ply_header
 from physagent_jax.scene.config import Source
 from physagent_jax.scene.mesh import gaussians_from_mesh
 
@@ -20,7 +22,6 @@ _OTHER_SPLATS = {
     ".sog": "PlayCanvas SOG",
 }
 _GAUSSIAN_PROPERTIES = {"f_dc_0", "scale_0", "rot_0", "opacity"}
-_HEADER_BYTES = 65_536
 
 
 def load_object(source: Source, base_dir: str | Path) -> GaussianCloud:
@@ -34,8 +35,7 @@ def load_object(source: Source, base_dir: str | Path) -> GaussianCloud:
         UserError: The file is missing, of an unknown kind, unreadable, or not the one that was hashed.
     """
     path = Path(base_dir) / source.path
-    if not path.is_file():
-        raise UserError(f"there is no object file {path}", do="Check the path")
+    check_object(path)
     if source.sha256 is not None and (found := file_sha256(path)) != source.sha256.lower():
         raise UserError(
             f"{path} is not the file that this scene was made with",
@@ -47,17 +47,19 @@ def load_object(source: Source, base_dir: str | Path) -> GaussianCloud:
     return read_ply(path, opacity_threshold=source.opacity_threshold)
 
 
+def check_object(path: str | Path) -> None:
+    """Refuses an object file that is missing, no regular file or too large to be read."""
+    check_regular(path, most=MOST_BYTES, what="the object file")
+
+
 def file_sha256(path: str | Path) -> str:
     """SHA-256 of a file's bytes, in hexadecimal.
 
     Raises:
         UserError: The file cannot be read.
     """
-    try:
-        with open(path, "rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError as error:
-        raise UserError(f"cannot read {path}", got=error.strerror, do="Check the path") from None
+    with open_regular(path, most=MOST_BYTES, what="the object file") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def _is_mesh(path: Path) -> bool:
@@ -77,7 +79,9 @@ def _is_mesh(path: Path) -> bool:
     if suffix != ".ply":
         known = ", ".join((".ply", *MESH_SUFFIXES))
         raise UserError(f"{path} is of an unknown kind", got=suffix or "no suffix", do=f"Give one of {known}")
-    faces, properties = _ply_contents(path)
+    header = read_ply_header(path)
+    face, vertex = header.element("face"), header.element("vertex")
+    faces, properties = face.count if face else 0, vertex.names if vertex else set()
     if faces == 0 and not _GAUSSIAN_PROPERTIES & properties and "packed_position" not in properties:
         raise UserError(
             f"{path} holds neither faces nor 3D Gaussians",
@@ -85,21 +89,3 @@ def _is_mesh(path: Path) -> bool:
             do="Give a 3DGS .ply (with f_dc_*, scale_*, rot_*, opacity) or a mesh",
         )
     return faces > 0 and not _GAUSSIAN_PROPERTIES <= properties
-
-
-def _ply_contents(path: Path) -> tuple[int, set[str]]:
-    """Number of faces and names of the vertex properties, from a PLY header."""
-    with open(path, "rb") as file:
-        header = file.read(_HEADER_BYTES)
-    if not header.startswith(b"ply"):
-        raise UserError(f"{path} is no PLY file: it does not begin with `ply`", do="Export it again")
-    faces, element, properties = 0, "", set()
-    for line in header.split(b"end_header")[0].decode("ascii", "replace").splitlines():
-        words = line.split()
-        if words[:1] == ["element"] and len(words) == 3:
-            element = words[1]
-            if element == "face" and words[2].isdigit():
-                faces = int(words[2])
-        elif words[:1] == ["property"] and element == "vertex":
-            properties.add(words[-1])
-    return faces, properties

@@ -43,17 +43,17 @@ def odd_path(request, tmp_path):
         case "folder":
             return tmp_path, "folder"
         case "missing":
-            return path, "no file"
+            return path, "there is no file"
         case "dangling":
             path.symlink_to(tmp_path / "gone")
-            return path, "no file"
+            return path, "there is no file"
         case "loop":
             path.symlink_to(path)
             return path, "symbolic link"
         case "long":
             return tmp_path / ("x" * 5000), "too long"
         case "bytes":
-            return Path(os.fsdecode(b"no\xff\xfesuch")), "no file"
+            return Path(os.fsdecode(b"no\xff\xfesuch")), "there is no file"
         case "nul":
             return "a\0b", "null"
     return "\ud800", "not text"

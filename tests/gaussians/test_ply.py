@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import struct
+
 import numpy as np
 import pytest
 from plyfile import PlyData, PlyElement
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians import GaussianCloud, read_ply, write_ply
+from physagent_jax.gaussians.ply_header import read_ply_header
 
 BASE = ("x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2")
 ROTATION = ("rot_0", "rot_1", "rot_2", "rot_3")
@@ -221,3 +224,98 @@ def test_real_captures_survive_a_round_trip(tmp_path, shared_data, name):
 def test_real_compressed_capture_is_refused(shared_data):
     with pytest.raises(UserError, match="compressed PLY"):
         read_ply(shared_data / "guitar.compressed.ply")
+
+
+# --- counts and values beyond sense ----------------------------------------------------------------------
+
+
+def with_count(tmp_path, count, **options):
+    """A good file of five Gaussians whose header announces ``count``."""
+    data = save(tmp_path / "a.ply", columns(), **options).read_bytes()
+    (tmp_path / "a.ply").write_bytes(data.replace(b"element vertex 5", b"element vertex %s" % count))
+    return tmp_path / "a.ply"
+
+
+@pytest.mark.parametrize("text", [False, True])
+@pytest.mark.parametrize(
+    "count", [b"6000", b"99999999999999", b"-1", b"18446744073709551617", b"9" * 5000, b"5.5"]
+)
+def test_counts_beyond_the_file_are_refused_before_memory_is_taken(tmp_path, count, text):
+    with pytest.raises(UserError, match="announces more than it holds|a count of") as error:
+        read_ply(with_count(tmp_path, count, text=text))
+    assert len(str(error.value)) < 400
+
+
+HEADER = b"ply\nformat %s 1.0\nelement face %d\nproperty list %s int vertex_indices\nend_header\n"
+
+
+def lists(tmp_path, body, *, order=b"binary_little_endian", count=1, length=b"uchar"):
+    (tmp_path / "a.ply").write_bytes(HEADER % (order, count, length) + body)
+    return tmp_path / "a.ply"
+
+
+def test_lengths_of_lists_are_held_against_the_file(tmp_path):
+    """Rows of 3, 4 and 2 entries take 13 + 17 + 9 bytes, in either byte order."""
+    for order, end in ((b"binary_little_endian", "<"), (b"binary_big_endian", ">")):
+        rows = [struct.pack(f"{end}B{n}i", n, *range(n)) for n in (3, 4, 2)]
+        read_ply_header(lists(tmp_path, b"".join(rows), order=order, count=3))
+        read_ply_header(lists(tmp_path, rows[0] * 50, order=order, count=50))
+        for body, count in ((b"".join(rows)[:-1], 3), (rows[0] * 50, 51), (b"\xff" + rows[0], 1)):
+            with pytest.raises(UserError, match="announces more"):
+                read_ply_header(lists(tmp_path, body, order=order, count=count))
+    for length, content in (
+        (b"char", b"\xff"),
+        (b"int", b"\xff" * 4),
+        (b"uint", b"\xff" * 4),
+        (b"float", b"\0" * 4),
+    ):
+        with pytest.raises(UserError, match="announces more"):
+            read_ply_header(lists(tmp_path, content + bytes(100), length=length))
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        b"ply\nformat binary_little_endian 1.0\nelement vertex 99999999999\nend_header\n",
+        b"ply\nformat binary_middle_endian 1.0\nelement vertex 1\nproperty float x\nend_header\n1234",
+        b"ply\nformat ascii 1.0\nelement vertex 1\nproperty quaternion x\nend_header\n1 2 3",
+        b"ply\nformat ascii 1.0\nproperty float x\nend_header\n",
+        b"ply\nelement vertex 1\nproperty float x\nend_header\n1234",
+        b"ply\nformat ascii 1.0\nelement vertex\nend_header\n",
+        b"ply" + b"x" * 3_000_000,
+    ],
+)
+def test_headers_that_make_no_sense_are_refused(tmp_path, header):
+    (tmp_path / "a.ply").write_bytes(header)
+    with pytest.raises(UserError, match="a.ply is (not a readable PLY|truncated)"):
+        read_ply(tmp_path / "a.ply")
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("x", 1e30), ("f_dc_1", 1e300), ("scale_1", 50), ("f_rest_3", -1e9)]
+)
+def test_values_that_float32_cannot_compute_with_are_dropped_with_a_warning(tmp_path, name, value):
+    properties = {key: values.astype(np.float64) for key, values in columns(1).items()}
+    properties[name][3] = value
+    with pytest.warns(UserWarning, match="dropped 1 Gaussians with values beyond .*1e"):
+        cloud = read_ply(save(tmp_path / "a.ply", properties))
+    np.testing.assert_allclose(cloud.means[:, 1], np.delete(properties["y"], 3), rtol=1e-6)
+    properties[name][:] = value
+    with pytest.raises(UserError, match="all Gaussians in .* beyond"):
+        read_ply(tmp_path / save(tmp_path / "a.ply", properties))
+
+
+@pytest.mark.parametrize("factor", [1e300, 1e-300])
+def test_the_length_of_a_quaternion_does_not_matter(tmp_path, factor):
+    properties = {key: values.astype(np.float64) for key, values in columns().items()}
+    expected = read_ply(save(tmp_path / "a.ply", properties))
+    for name in ROTATION:
+        properties[name][:] *= factor
+    cloud = read_ply(save(tmp_path / "b.ply", properties))
+    np.testing.assert_allclose(cloud.quats, expected.quats, rtol=1e-6)
+
+
+def test_opacity_logits_may_have_any_size(tmp_path):
+    properties = {key: values.astype(np.float64) for key, values in columns().items()}
+    properties["opacity"][:2] = 1e300, -1e300
+    np.testing.assert_array_equal(read_ply(save(tmp_path / "a.ply", properties)).opacities[:2], [1, 0])

@@ -15,7 +15,7 @@ def load_scene(path: str | Path) -> SceneConfig:
     Raises:
         UserError: The file is missing, not JSON, or breaks the schema (the message names the field).
     """
-    return read_model(path, SceneConfig, what="the scene")
+    return read_model(path, SceneConfig, what="the scene file")
 
 
 def parse_scene(data: object, *, origin: str = "scene") -> SceneConfig:
