@@ -12,8 +12,8 @@ import tyro
 
 from baselines.oracle_gradient import Step, optimise
 from baselines.tasks import TASKS, Parameters, Task, make_task
-from physagent_jax.cli.environment import enable_compile_cache
 from physagent_jax.cli.console import FrameBar
+from physagent_jax.cli.environment import enable_compile_cache
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
 from physagent_jax.output.run_files import write_best, write_rollout

@@ -88,7 +88,9 @@ def _check(arguments: list[str]) -> None:
         if "\0" in argument:
             raise UserError("an argument holds a zero byte", got=shown, do="Take it out")
         if len(os.fsencode(argument)) > _LONGEST:
-            raise UserError(f"an argument is longer than {_LONGEST:,} bytes", got=f"{shown}...", do="Shorten it")
+            raise UserError(
+                f"an argument is longer than {_LONGEST:,} bytes", got=f"{shown}...", do="Shorten it"
+            )
 
 
 def _as_user_error(error: UserError | OSError | MemoryError) -> UserError:

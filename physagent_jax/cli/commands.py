@@ -40,7 +40,9 @@ class Make:
         from physagent_jax.scene.procedural import PROCEDURAL
 
         if self.out.suffix.lower() != ".ply":
-            raise UserError("`--out` must name a .ply file", got=f"{str(self.out)!r}", do="Pass --out object.ply")
+            raise UserError(
+                "`--out` must name a .ply file", got=f"{str(self.out)!r}", do="Pass --out object.ply"
+            )
         ply = io.BytesIO()
         write_ply(ply, PROCEDURAL[self.what](self.seed))
         card = ObjectCard(name=self.what, kind=guess_kind(self.what), up="+z")

@@ -33,7 +33,8 @@ def prepare() -> None:
     config: Any = jax.config  # its flags are not typed
     if config.jax_disable_jit:
         raise UserError(
-            "`JAX_DISABLE_JIT` runs a simulation operation by operation, which would take hours", do="Unset it"
+            "`JAX_DISABLE_JIT` runs a simulation operation by operation, which would take hours",
+            do="Unset it",
         )
     enable_compile_cache()
     try:

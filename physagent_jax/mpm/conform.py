@@ -84,7 +84,9 @@ def as_field(value: Any, like: jax.Array, what: str) -> jax.Array:
         fits = np.broadcast_shapes(value.shape, like.shape) == like.shape
     except ValueError:
         fits = False
-    if not fits or not (jnp.issubdtype(value.dtype, jnp.floating) or jnp.issubdtype(value.dtype, jnp.integer)):
+    if not fits or not (
+        jnp.issubdtype(value.dtype, jnp.floating) or jnp.issubdtype(value.dtype, jnp.integer)
+    ):
         raise UserError(
             f"{what} must be numbers of the shape {like.shape}", got=f"{value.dtype} of {value.shape}"
         )

@@ -59,7 +59,7 @@ def test_memory_is_refused_with_what_takes_most_of_it(changes, most, body):
 @pytest.mark.parametrize(
     "changes",
     [
-        dict(timing=Timing(frame_dt=1000.0)),
+        dict(timing=Timing(frame_dt=100.0, frame_count=1000)),
         dict(material=Material(youngs_modulus=1e12)),
         dict(
             material_regions=(

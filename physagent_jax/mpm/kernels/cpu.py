@@ -101,7 +101,9 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.
 def _check(kernel: str, grid: Grid, operands: dict[str, jax.Array], shapes: dict[str, tuple[int, ...]]):
     """`ffi.check`, and that a stencil has room in the window: beyond it the kernels would write elsewhere."""
     if min(grid.shape) < 3:
-        raise UserError(f"the kernel {kernel} takes windows of three nodes or more along each axis", got=grid.shape)
+        raise UserError(
+            f"the kernel {kernel} takes windows of three nodes or more along each axis", got=grid.shape
+        )
     operands, shapes = operands | {"origin": grid.origin}, shapes | {"origin": (3,)}
     ffi.check(kernel, operands, shapes, operands["x"].dtype, origin="int32")
 
@@ -167,7 +169,9 @@ def compose(
     total = matrices.shape[0]
     operands = dict(basis=basis, F=matrices, change=padded(change), spatial=padded(spatial))
     shapes = dict(basis=(-(-total // BATCH), FRAME, BATCH), F=(total, 3, 3))
-    shapes |= {name: (3, 0 if own is None else total) for name, own in (("change", change), ("spatial", spatial))}
+    shapes |= {
+        name: (3, 0 if own is None else total) for name, own in (("change", change), ("spatial", spatial))
+    }
     ffi.check("compose", operands, shapes, F.dtype)
     new_F, tau = call(*operands.values(), _control(F.dtype))
     return new_F[:count], tau[:count]

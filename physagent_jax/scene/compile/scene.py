@@ -132,5 +132,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
 def _substeps(config: c.SceneConfig, model: Model, state: State) -> int:
     """Steps per frame that are stable at the start, or as many as the scene asks for."""
     timing = config.timing
-    bound = timing.safety * float(stable_dt(model, state)) if timing.substep_dt == "auto" else timing.substep_dt
+    bound = (
+        timing.safety * float(stable_dt(model, state)) if timing.substep_dt == "auto" else timing.substep_dt
+    )
     return substeps_for(timing.frame_dt, bound) if 0 < bound < timing.frame_dt else 1
