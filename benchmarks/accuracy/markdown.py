@@ -45,7 +45,7 @@ How much too far a beam bends under its own weight ({title}), by the number of p
 error is one of quadrature: where particles have moved across cells, the sums over them that stand for integrals are
 off, and in the MLS form of the stress that makes matter too soft in bending. It falls with more particles in a cell,
 not with smaller cells. Scenes are filled with about two per cell and axis, so expect what bends in them to bend that
-much too far; the gradient form (`transfer.stress_form = "gradient"` in a scene) has much less of it and takes steps
+much too far; the gradient form (`transfer.stress_form = "gradient"` in a scene) has less of it and takes steps
 0.71 times as long. {origin}
 
 | cells through the height | stress form | 2 per axis | 3 per axis | 4 per axis |

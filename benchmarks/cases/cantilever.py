@@ -27,8 +27,7 @@ class Cantilever:
     particle it would be a cell short, and the tip 10 % too low with 4 cells through the height.
 
     What is left is quadrature where particles have moved across cells, so it falls with more particles, not with
-    more cells. Error of the tip's drop with 2, 3, 4 particles per cell and axis, 4 cells: 7.7 %, 3.2 %, 1.6 % (with
-    8 cells 6.9 %, 3.4 %); the gradient form's with 3: 0.02 %.
+    more cells (docs/accuracy.md, "Particles per cell").
     """
 
     name = "cantilever"
