@@ -1,0 +1,55 @@
+"""The classes of cases: each module makes one kind of input and knows how to hand it to the product."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+from collections.abc import Callable
+
+from tests.fuzz.contract import Case
+from tests.fuzz.drawing import Draw
+
+
+@dataclasses.dataclass(frozen=True)
+class FuzzClass:
+    """One kind of input.
+
+    Attributes:
+        name: As ``--only`` takes it.
+        usual: Cases of the default test run; their ratio also splits ``--cases``.
+    """
+
+    name: str
+    usual: int
+
+    def case(self, seed: int, index: int) -> Case:
+        """The case of that number: the same for the same seed."""
+        make: Callable[[Draw], Case] = importlib.import_module(f"{__name__}.{self.name}").make
+        return make(Draw(seed, self.name, index))
+
+
+CLASSES = {
+    each.name: each
+    for each in (
+        FuzzClass("gaussian_files", 480),
+        FuzzClass("meshes", 320),
+        FuzzClass("motion_files", 200),
+        FuzzClass("masks", 160),
+        FuzzClass("cards", 120),
+        FuzzClass("scenes", 560),
+        FuzzClass("physgaussian", 240),
+        FuzzClass("physgm", 120),
+        FuzzClass("force_fields", 240),
+        FuzzClass("run_folders", 160),
+        FuzzClass("prompts", 360),
+        FuzzClass("steps", 80),
+        FuzzClass("pictures", 80),
+        FuzzClass("commands", 240),
+    )
+}
+
+
+def shares(cases: int, names: list[str]) -> dict[str, int]:
+    """``cases`` split over the classes as in the default run, at least one each."""
+    whole = sum(CLASSES[name].usual for name in names)
+    return {name: max(1, round(cases * CLASSES[name].usual / whole)) for name in names}

@@ -1,0 +1,66 @@
+"""Meshes in every format, as objects and as obstacles."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from physagent_jax.scene.config import Source
+from physagent_jax.scene.load import load_object
+from physagent_jax.scene.mesh import gaussians_from_mesh
+from physagent_jax.scene.signed_distance import load_solid, sample
+from tests.fuzz import seeds
+from tests.fuzz.contract import Case
+from tests.fuzz.drawing import Draw, altered, damaged
+
+OBJ_LINES = (
+    "v 1", "v 1 2", "v nan 0 0", "v 1e39 0 0", "v 1e400 0 0", "v 1 2 3 4 5 6 7 8", "v a b c", "f 1 2", "f 1 2 99", "f 0 0 0",
+    "f 1 1 1", "f -9 1 2", "f 1 2 3 4 5", "f 1/ 2/ 3/", "f 1/9/9 2/9/9 3/9/9", "f 1.5 2 3", "vt nan", "vn 0 0 0", "mtllib ../x",
+    "usemtl \u00e9", "l 1 2", "p 1", "o", "#" * 5000, "f " + "1 " * 3000, "v 9e37 9e37 9e37",
+)  # fmt: skip
+
+
+def make(draw: Draw) -> Case:
+    """One mesh file, read as an object or as an obstacle."""
+    kind = draw.one([_damaged, _damaged, _damaged, _obj, _obj, _gltf])
+    what, name, content = kind(draw)
+    if draw.chance(0.3):
+        place = draw.one([0.0, 1.0]), draw.one([1e-30, 1e-3, 0.3, 0.3, 0.3, 1.0, 30.0, 1e6, 1e30])
+        return Case(f"{name}: {what}; as an obstacle {place}", lambda f: _obstacle(f / name, *place), {name: content})
+    return Case(f"{name}: {what}", lambda folder: _object(folder, name), {name: content})
+
+
+def _object(folder: Path, name: str):
+    if name.endswith(".ply"):
+        return gaussians_from_mesh(folder / name, count=40)
+    return load_object(Source(path=name, surface_samples=40), folder)
+
+
+def _obstacle(path: Path, position: float, scale: float):
+    triangles = load_solid(path, "boundaries[1].path") * scale + position
+    return sample(triangles, 0.125, 0.0, 2.0, "boundaries[1]")
+
+
+def _damaged(draw: Draw) -> tuple[str, str, bytes]:
+    files = seeds.meshes()
+    name = draw.one(sorted(files))
+    what, content = damaged(draw, files[name], [files[other] for other in sorted(files)])
+    return what, name, content
+
+
+def _obj(draw: Draw) -> tuple[str, str, bytes]:
+    lines = seeds.meshes()["hand.obj"].decode().splitlines()
+    done = []
+    for _ in range(draw.one([1, 1, 2, 3])):
+        line = draw.one(OBJ_LINES)
+        lines.insert(draw.randrange(len(lines) + 1), line)
+        done.append(line[:30])
+    encoding = draw.one(["utf-8", "utf-8", "latin-1", "utf-16"])
+    return f"with {done} in {encoding}", "hand.obj", "\n".join(lines).encode(encoding)
+
+
+def _gltf(draw: Draw) -> tuple[str, str, bytes]:
+    what, content = altered(draw, json.loads(seeds.meshes()["box.gltf"]))
+    if draw.chance(0.5):
+        return what, "box.gltf", content
+    return what, "box.glb", seeds.glb_of(content)

@@ -1,0 +1,79 @@
+"""Run folders in which files are damaged, changed or missing: read back by the store, shown by the report."""
+
+from __future__ import annotations
+
+import functools
+import json
+import tempfile
+from pathlib import Path
+
+from physagent_jax.report.html import write_report
+from physagent_jax.run_folder import Manifest
+from physagent_jax.run_store import RunStore
+from tests.fuzz.contract import Breach, Case, Fault
+from tests.fuzz.drawing import Draw, altered, damaged, encoded, of_schema
+from tests.report.fake_run import build_run
+
+RUN = "run"
+
+
+def make(draw: Draw) -> Case:
+    """One folder with one to three files that are not as the loop left them."""
+    files, done = dict(_good()), []
+    for _ in range(draw.one([1, 1, 2, 3])):
+        name = draw.one(sorted(files))
+        if not name.endswith(".json") or draw.chance(0.2):
+            what, content = damaged(draw, files[name], [files[other] for other in sorted(files)])
+            files[name] = content
+        elif draw.chance(0.1):
+            what = "missing"
+            del files[name]
+        elif draw.chance(0.25):
+            schema = _schemas()[name.rsplit("/", 1)[-1]]
+            what, files[name] = "of the schema", encoded(draw.example(of_schema(schema)))
+        else:
+            try:
+                what, files[name] = altered(draw, json.loads(files[name]))
+            except (ValueError, RecursionError):
+                what = "damaged before"
+        done.append(f"{name}: {what}")
+    files = {f"{RUN}/{name}": content for name, content in files.items()}
+    if draw.chance(0.3):
+        return Case(f"resumed: {'; '.join(done)}", _opened, files)
+    return Case(f"shown: {'; '.join(done)}", _shown, files, own=(f"{RUN}/report.html",))
+
+
+def _shown(folder: Path):
+    page = write_report(folder / RUN)
+    text = Path(page).read_text(encoding="utf-8")
+    if not text.rstrip().endswith("</html>"):
+        raise Breach(Fault.LITTER, "the page has no end")
+
+
+def _opened(folder: Path):
+    manifest = Manifest.model_validate_json(_good()["manifest.json"])
+    store = RunStore.open(folder / RUN, manifest)
+    return store.completed_iterations(), store.manifest
+
+
+@functools.cache
+def _good() -> dict[str, bytes]:
+    with tempfile.TemporaryDirectory() as folder:
+        run = build_run(Path(folder, RUN), size=32)
+        found = {str(p.relative_to(run)): p.read_bytes() for p in sorted(run.rglob("*")) if p.is_file()}
+    return {name: content for name, content in found.items() if "/1/" not in name}
+
+
+@functools.cache
+def _schemas() -> dict[str, dict]:
+    from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
+    from physagent_jax.forces.schema import ForceField
+    from physagent_jax.perception.schema import MotionReport
+    from physagent_jax.run_folder import SimulationRecord
+    from physagent_jax.scene.config import SceneConfig
+
+    models = {
+        "manifest": Manifest, "semantic": SemanticReply, "scene": SceneConfig, "force_field": ForceField,
+        "motion_report": MotionReport, "judgement": Judgement, "rewrite": Rewrite, "simulation": SimulationRecord,
+    }  # fmt: skip
+    return {f"{name}.json": model.model_json_schema() for name, model in models.items()}

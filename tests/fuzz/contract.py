@@ -1,0 +1,329 @@
+"""What every case is held to: accepted and finite, or refused in one line; in bounded time and memory; nothing lost.
+
+A `Case` lays files into a folder of its own, does one thing with the product there and says which names the product
+may write. `check` runs it and gives a `Result`; whatever breaks the contract is a `Fault`, with the place in the code.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import enum
+import faulthandler
+import hashlib
+import json
+import os
+import resource
+import signal
+import threading
+import time
+import traceback
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from physagent_jax.core.errors import UserError
+
+MEMORY = 4 * 2**30  # [bytes] of address space that one case may take, in arrays, stacks and mappings
+RESIDENT = 1.5 * 2**30  # [bytes] by which one case may raise the process's peak
+PATIENCE = 60.0  # [s] beyond a case's limit until code that no signal stops ends the process
+BYSTANDER = "somebody-elses.txt"
+
+
+class Fault(enum.StrEnum):
+    """Ways of breaking the contract."""
+
+    TRACEBACK = "traceback"  # an exception that is no refusal
+    HANG = "hang"  # no end within the limit
+    MEMORY = "memory"  # more than `MEMORY` or `RESIDENT`
+    NONFINITE = "nonfinite"  # accepted, with a number that is none
+    LOST = "lost"  # a file changed or gone that was not the command's own
+    LITTER = "litter"  # half-written, temporary or unannounced files
+    SILENT = "silent"  # nonsense accepted, or a result that says other than what it did
+    WORDING = "wording"  # refused, but not in one line
+    NOISE = "noise"  # a RuntimeWarning of NumPy from the product's own code
+
+
+class Outcome(enum.StrEnum):
+    """How a case ended."""
+
+    ACCEPTED = "accepted"
+    REFUSED = "refused"
+    FAILED = "failed"
+
+
+class Breach(Exception):
+    """Raised by a case that sees the contract broken."""
+
+    def __init__(self, fault: Fault, detail: str):
+        super().__init__(f"{fault}: {detail}")
+        self.fault, self.detail = fault, detail
+
+
+class Overtime(BaseException):
+    """The limit has passed; not an `Exception`, so that no handler of the product takes it for its own."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Case:
+    """One input.
+
+    Attributes:
+        what: What is special about it, in a line.
+        act: Does it, in the case's folder; returns whatever must be finite. Raises one of ``refusals`` to refuse.
+        files: What lies in the folder before, by name.
+        own: Names that the product may make or change; folders with all that is in them.
+        refusals: Exceptions that count as a refusal.
+        must_refuse: Why accepting it would be an error in silence; "" = it may be accepted.
+        seconds: The limit [s].
+    """
+
+    what: str
+    act: Callable[[Path], Any]
+    files: Mapping[str, bytes] = dataclasses.field(default_factory=dict)
+    own: tuple[str, ...] = ()
+    refusals: tuple[type[BaseException], ...] = (UserError,)
+    must_refuse: str = ""
+    seconds: float = 10.0
+
+
+@dataclasses.dataclass(frozen=True)
+class Result:
+    """What became of a case.
+
+    Attributes:
+        outcome: How it ended.
+        fault: What is wrong; None unless failed.
+        detail: The refusal, or the fault in words.
+        place: Innermost line of the product, "file:line function"; "" where there is none.
+        seconds: Wall time [s].
+    """
+
+    outcome: Outcome
+    fault: Fault | None = None
+    detail: str = ""
+    place: str = ""
+    seconds: float = 0.0
+
+    @property
+    def column(self) -> str:
+        """Where it is counted: "accepted", "refused" or the name of the fault."""
+        return str(self.fault or self.outcome)
+
+
+def check(case: Case, folder: Path) -> Result:
+    """Runs ``case`` in ``folder``, which must be empty, and holds it to the contract."""
+    for name, content in {**case.files, BYSTANDER: b"not yours\n"}.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+    begun, resident = time.perf_counter(), _peak()
+    result = _acted(case, folder)
+    if result.fault is None and _peak() - resident > RESIDENT:
+        result = _failed(Fault.MEMORY, f"the process grew by {(_peak() - resident) / 2**30:.1f} GiB")
+    return dataclasses.replace(result, seconds=time.perf_counter() - begun)
+
+
+def _acted(case: Case, folder: Path) -> Result:
+    before: dict[str, str] = {}
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            before = snapshot(folder)
+            with limited(case.seconds):
+                value = case.act(folder)
+        result = Result(Outcome.ACCEPTED)
+        fault = not_finite(value)
+        if fault:
+            result = _failed(Fault.NONFINITE, fault)
+        elif case.must_refuse:
+            result = _failed(Fault.SILENT, f"accepted: {case.must_refuse}")
+    except case.refusals as error:
+        result = _refusal(error)
+    except Breach as error:
+        result = _failed(error.fault, error.detail, _place(error))
+    except Overtime as error:
+        result = _failed(Fault.HANG, f"no end after {case.seconds:g} s", _place(error))
+    except MemoryError as error:
+        result = _failed(Fault.MEMORY, f"MemoryError: {_short(error)}", _place(error))
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # whatever it is, it is what a user would see as a traceback
+        result = _failed(Fault.TRACEBACK, f"{type(error).__name__}: {_short(error)}", _place(error))
+    if result.fault is None:
+        result = _files_faulty(before, folder, case.own) or result
+    if result.fault is None:
+        result = _noisy(caught) or result
+    return result
+
+
+def _refusal(error: BaseException) -> Result:
+    text = str(error)
+    if isinstance(error, UserError) and len(text.splitlines()) != 1:
+        return _failed(Fault.WORDING, f"a refusal of {len(text.splitlines())} lines: {text[:200]!r}")
+    return Result(Outcome.REFUSED, detail=text)
+
+
+def _failed(fault: Fault, detail: str, place: str = "") -> Result:
+    return Result(Outcome.FAILED, fault, detail, place)
+
+
+def _noisy(caught: list[warnings.WarningMessage]) -> Result | None:
+    for warning in caught:
+        if issubclass(warning.category, RuntimeWarning) and "physagent_jax" in warning.filename:
+            place = f"{_relative(warning.filename)}:{warning.lineno}"
+            return _failed(Fault.NOISE, f"{warning.category.__name__}: {warning.message}", place)
+    return None
+
+
+# --- limits --------------------------------------------------------------------------------------------
+
+
+@contextlib.contextmanager
+def limited(seconds: float, memory: int = MEMORY) -> Iterator[None]:
+    """Ends the block with `Overtime` after ``seconds`` and with MemoryError beyond ``memory`` more bytes.
+
+    Python code is stopped by a signal. Native code that does not come back ends the process, with a traceback.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        raise RuntimeError("cases run in the main thread: signals end those that hang")
+
+    def stop(signum, frame):
+        raise Overtime
+
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    wanted = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize() + memory
+    earlier = signal.signal(signal.SIGALRM, stop)
+    faulthandler.dump_traceback_later(seconds + PATIENCE, exit=True)
+    resource.setrlimit(resource.RLIMIT_AS, (wanted if hard < 0 else min(wanted, hard), hard))
+    signal.setitimer(signal.ITIMER_REAL, seconds, 0.5)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+        faulthandler.cancel_dump_traceback_later()
+        signal.signal(signal.SIGALRM, earlier)
+
+
+def _peak() -> float:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024.0
+
+
+# --- values --------------------------------------------------------------------------------------------
+
+
+def not_finite(value: Any, place: str = "") -> str:
+    """Where in ``value`` is a number that is not finite; "" if nowhere. Dataclasses, schemas, containers, arrays."""
+    where = place or "the result"
+    if isinstance(value, float):
+        return "" if np.isfinite(value) else f"{where} is {value}"
+    if value is None or isinstance(value, (str, bytes, bool, int, enum.Enum, Path)):
+        return ""
+    if isinstance(value, Mapping):
+        parts = [(f"{place}[{key!r}]", part) for key, part in value.items()]
+    elif isinstance(value, (tuple, list)):
+        parts = [(f"{place}[{index}]", part) for index, part in enumerate(value)]
+    elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+        parts = [(f"{place}.{f.name}", getattr(value, f.name)) for f in dataclasses.fields(value)]
+    elif hasattr(value, "model_dump"):
+        return not_finite(value.model_dump(), place or type(value).__name__)
+    elif hasattr(value, "dtype") and hasattr(value, "shape"):
+        array = np.asarray(value)
+        if not np.issubdtype(array.dtype, np.inexact) or np.isfinite(array).all():
+            return ""
+        return f"{where} has {np.sum(~np.isfinite(array))} of {array.size} numbers that are not finite"
+    else:
+        return ""
+    for at, part in parts:
+        if found := not_finite(part, at):
+            return found
+    return ""
+
+
+# --- files ---------------------------------------------------------------------------------------------
+
+
+def snapshot(folder: Path) -> dict[str, str]:
+    """What lies in ``folder``: a hash, a link's target or a kind, by relative name."""
+    found = {}
+    for root, folders, files in os.walk(folder):
+        for name in (*folders, *files):
+            path = Path(root, name)
+            found[os.path.relpath(path, folder)] = _fingerprint(path)
+    return found
+
+
+def _fingerprint(path: Path) -> str:
+    if path.is_symlink():
+        return f"link to {os.readlink(path)}"
+    if path.is_dir():
+        return "folder"
+    if not path.is_file():
+        return "device or pipe"
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _files_faulty(before: Mapping[str, str], folder: Path, own: tuple[str, ...]) -> Result | None:
+    after = snapshot(folder)
+
+    def is_own(name: str) -> bool:
+        return any(name == mine or name.startswith(f"{mine}/") for mine in own)
+
+    for name, print_ in before.items():
+        if not is_own(name) and after.get(name) != print_:
+            return _failed(Fault.LOST, f"{name} is {'changed' if name in after else 'gone'}")
+    for name in sorted(after.keys() - before.keys()):
+        if not is_own(name):
+            return _failed(Fault.LITTER, f"{name} was left behind")
+        if detail := half_written(folder / name):
+            return _failed(Fault.LITTER, f"{name}: {detail}")
+    return None
+
+
+def half_written(path: Path) -> str:
+    """What is wrong with a file that the product has left; "" if nothing."""
+    if path.name.startswith(".") or path.suffix in (".tmp", ".part"):
+        return "a temporary file"
+    if path.is_symlink() or not path.is_file():
+        return ""
+    if path.suffix == ".json":
+        try:
+            json.loads(path.read_bytes())
+        except ValueError as error:
+            return f"no JSON ({error})"
+    if path.suffix == ".mp4":
+        import imageio.v3 as iio
+
+        try:
+            if len(iio.imread(path, plugin="pyav")) == 0:
+                return "a video without pictures"
+        except Exception as error:  # whatever the decoder meets
+            return f"cannot be decoded ({_short(error)})"
+    return ""
+
+
+# --- words ---------------------------------------------------------------------------------------------
+
+
+def _relative(filename: str) -> str:
+    return filename[filename.rindex("physagent_jax") :] if "physagent_jax" in filename else Path(filename).name
+
+
+def _place(error: BaseException) -> str:
+    """The innermost line of the product, and the innermost of all where that is another."""
+    frames = traceback.extract_tb(error.__traceback__)
+    ours = [f for f in frames if "/physagent_jax/" in f.filename]
+    shown = [*ours[-1:], *(frames[-1:] if frames and frames[-1] not in ours[-1:] else [])]
+    return " <- ".join(f"{_relative(f.filename)}:{f.lineno} {f.name}" for f in shown)
+
+
+def _short(error: BaseException, length: int = 300) -> str:
+    try:
+        text = " ".join(str(error).split())
+    except Exception:  # an exception whose text cannot be made
+        text = "?"
+    return text if len(text) <= length else f"{text[: length - 3]}..."
