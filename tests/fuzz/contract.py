@@ -217,7 +217,10 @@ def _peak() -> float:
 
 
 def not_finite(value: Any, place: str = "") -> str:
-    """Where in ``value`` is a number that is not finite; "" if nowhere. Dataclasses, schemas, containers, arrays."""
+    """Where in ``value`` is a number that is not finite; "" if nowhere. Dataclasses, schemas, containers, arrays.
+
+    What is called ``end`` may be infinite: a window that never closes.
+    """
     where = place or "the result"
     if isinstance(value, float):
         return "" if np.isfinite(value) else f"{where} is {value}"
@@ -234,6 +237,8 @@ def not_finite(value: Any, place: str = "") -> str:
     elif hasattr(value, "dtype") and hasattr(value, "shape"):
         array = np.asarray(value)
         if not np.issubdtype(array.dtype, np.inexact) or np.isfinite(array).all():
+            return ""
+        if place.endswith(".end") and not np.isnan(array).any():
             return ""
         return f"{where} has {np.sum(~np.isfinite(array))} of {array.size} numbers that are not finite"
     else:

@@ -7,6 +7,8 @@ import json
 import tempfile
 from pathlib import Path
 
+from pydantic import BaseModel
+
 from physagent_jax.report.html import write_report
 from physagent_jax.run_folder import Manifest
 from physagent_jax.run_store import RunStore
@@ -53,7 +55,11 @@ def _shown(folder: Path):
 def _opened(folder: Path):
     manifest = Manifest.model_validate_json(_good()["manifest.json"])
     store = RunStore.open(folder / RUN, manifest)
-    return store.completed_iterations(), store.manifest
+    read = []
+    for name in _good():
+        if name.endswith(".json"):
+            read.append(store.read(name, _models()[name.rsplit("/", 1)[-1]]))
+    return store.completed_iterations(), store.manifest, read
 
 
 @functools.cache
@@ -66,6 +72,10 @@ def _good() -> dict[str, bytes]:
 
 @functools.cache
 def _schemas() -> dict[str, dict]:
+    return {name: model.model_json_schema() for name, model in _models().items()}
+
+
+def _models() -> dict[str, type[BaseModel]]:
     from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
     from physagent_jax.forces.schema import ForceField
     from physagent_jax.perception.schema import MotionReport
@@ -76,4 +86,4 @@ def _schemas() -> dict[str, dict]:
         "manifest": Manifest, "semantic": SemanticReply, "scene": SceneConfig, "force_field": ForceField,
         "motion_report": MotionReport, "judgement": Judgement, "rewrite": Rewrite, "simulation": SimulationRecord,
     }  # fmt: skip
-    return {f"{name}.json": model.model_json_schema() for name, model in models.items()}
+    return {f"{name}.json": model for name, model in models.items()}
