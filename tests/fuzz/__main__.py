@@ -17,7 +17,7 @@ import sys
 from pathlib import Path
 
 from tests.fuzz import campaign
-from tests.fuzz.classes import CLASSES
+from tests.fuzz.classes import CLASSES, PLANTED
 
 
 def main() -> int:
@@ -27,7 +27,7 @@ def main() -> int:
     )
     parser.add_argument("--cases", type=int, default=3000, help="cases in all, split over the classes (3000)")
     parser.add_argument("--seed", type=int, default=0, help="another seed, other cases (0)")
-    parser.add_argument("--only", action="append", choices=sorted(CLASSES), metavar="CLASS",
+    parser.add_argument("--only", action="append", choices=[*CLASSES, PLANTED.name], metavar="CLASS",
                         help=f"a class, may be repeated: {', '.join(CLASSES)}")  # fmt: skip
     parser.add_argument("--jobs", type=int, default=1, help="processes at the same time (1)")
     parser.add_argument("--json", type=Path, metavar="OUT", help="where to write counts and failures")

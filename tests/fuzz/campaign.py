@@ -18,7 +18,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from tests.fuzz.classes import CLASSES, shares
+from tests.fuzz.classes import named, shares
 from tests.fuzz.contract import Fault, Outcome, Result, check
 
 COLUMNS = ("accepted", "refused", *(str(fault) for fault in Fault))
@@ -94,14 +94,14 @@ def again(name: str, seed: int, index: int) -> str:
 
 def examine(name: str, seed: int, index: int) -> tuple[str, Result]:
     """Makes a case and runs it in a folder of its own; what it is, and what became of it."""
-    case = CLASSES[name].case(seed, index)
+    case = named(name).case(seed, index)
     with tempfile.TemporaryDirectory(prefix="fuzz-", ignore_cleanup_errors=True) as folder:
         return case.what, check(case, Path(folder))
 
 
 def show(name: str, seed: int, index: int) -> int:
     """Prints one case: its input, what became of it, the traceback if there is one. Returns the exit code."""
-    case = CLASSES[name].case(seed, index)
+    case = named(name).case(seed, index)
     print(f"{name} {index}: {case.what}")
     folder = Path(tempfile.mkdtemp(prefix="fuzz-"))
     for file, content in case.files.items():
@@ -187,7 +187,7 @@ class _Worker:
         """What became of a case, whatever became of the process."""
         self.served += 1
         begun = time.monotonic()
-        case = CLASSES[name].case(seed, index)
+        case = named(name).case(seed, index)
         try:
             self._pipe.send((name, seed, index))
             if self._pipe.poll(case.seconds + MERCY):
