@@ -36,6 +36,7 @@ class Tally:
         counts: Cases by class and column.
         failures: One entry per failed case.
         slowest: Seconds and name of the slowest case by class [s].
+        seconds: Wall time by class [s].
     """
 
     seed: int
@@ -44,10 +45,12 @@ class Tally:
     )
     failures: list[dict] = dataclasses.field(default_factory=list)
     slowest: dict[str, tuple[float, str]] = dataclasses.field(default_factory=dict)
+    seconds: collections.Counter = dataclasses.field(default_factory=collections.Counter)
 
     def add(self, name: str, index: int, what: str, result: Result) -> None:
         """Counts one case."""
         self.counts[name][result.column] += 1
+        self.seconds[name] += result.seconds  # type: ignore[assignment]
         if result.seconds > self.slowest.get(name, (0.0, ""))[0]:
             self.slowest[name] = (round(result.seconds, 2), what)
         if result.outcome is Outcome.FAILED:
@@ -59,11 +62,12 @@ class Tally:
     def table(self) -> str:
         """Counts as text, and the distinct failures."""
         used = [c for c in COLUMNS if any(counter[c] for counter in self.counts.values())]
-        rows = [["class", "cases", *used]]
+        rows = [["class", "cases", *used, "seconds"]]
         for name, counter in self.counts.items():
-            rows.append([name, str(counter.total()), *(str(counter[c] or "") for c in used)])
+            cells = (str(counter[c] or "") for c in used)
+            rows.append([name, str(counter.total()), *cells, f"{self.seconds[name]:.1f}"])
         whole = sum(self.counts.values(), collections.Counter())
-        rows.append(["all", str(whole.total()), *(str(whole[c]) for c in used)])
+        rows.append(["all", str(whole.total()), *(str(whole[c]) for c in used), f"{sum(self.seconds.values()):.1f}"])
         widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
         lines = ["  ".join(cell.rjust(w) if i else cell.ljust(w) for i, (cell, w) in enumerate(zip(row, widths))) for row in rows]
         for (name, fault, place, kind), found in self.distinct().items():
@@ -83,7 +87,7 @@ class Tally:
     def json(self) -> str:
         """All of it as JSON."""
         value = {"seed": self.seed, "counts": {n: dict(c) for n, c in self.counts.items()}, "slowest": self.slowest,
-                 "failures": self.failures}  # fmt: skip
+                 "seconds": {n: round(s, 2) for n, s in self.seconds.items()}, "failures": self.failures}  # fmt: skip
         return json.dumps(value, indent=1, ensure_ascii=True)
 
 

@@ -75,6 +75,7 @@ class Case:
         what: What is special about it, in a line.
         act: Does it, in the case's folder; returns whatever must be finite. Raises one of ``refusals`` to refuse.
         files: What lies in the folder before, by name.
+        prepare: Lays what is no plain file, before anything is looked at.
         own: Names that the product may make or change; folders with all that is in them.
         refusals: Exceptions that count as a refusal.
         must_refuse: Why accepting it would be an error in silence; "" = it may be accepted.
@@ -84,6 +85,7 @@ class Case:
     what: str
     act: Callable[[Path], Any]
     files: Mapping[str, bytes] = dataclasses.field(default_factory=dict)
+    prepare: Callable[[Path], None] | None = None
     own: tuple[str, ...] = ()
     refusals: tuple[type[BaseException], ...] = (UserError,)
     must_refuse: str = ""
@@ -120,6 +122,8 @@ def check(case: Case, folder: Path) -> Result:
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)
+    if case.prepare:
+        case.prepare(folder)
     begun, resident = time.perf_counter(), _peak()
     result = _acted(case, folder)
     if result.fault is None and _peak() - resident > RESIDENT:

@@ -39,7 +39,7 @@ PAIRS = (
 FINE = ("--seed 3", "--kind plant", "--azimuth 30", "--up -y", "--anchor base", "--friction 0.3", "--material steel --soften auto",
         "--frames 2", "--ledger", "--physgm good-physgm.json", "--max-iterations 1", "--particles 50")  # fmt: skip
 LINK, FIFO, FOLDER, EARLIER, NOTES = "link.ply", "pipe.json", "folder", "earlier", "earlier/notes.txt"
-PATHS = ("", ".", "/", "..", "~", "x" * 5000, "a/" * 2000, "b\udcff\udcfe.json", "missing.json", "/dev/zero", "/dev/null", "/dev/full",
+PATHS = ("", ".", "/", "..", "~", "x" * 5000, "a/" * 2000, "b\udcff\udcfe.json", "missing", "/dev/zero", "/dev/null", "/dev/full",
          "/proc/self/mem", LINK, FIFO, FOLDER, seeds.OBJECT, "nul\0byte", scenes.SCENE, "ü.ply", EARLIER, "-", "--out")  # fmt: skip
 
 
@@ -90,7 +90,9 @@ def _path(draw: Draw) -> Case:
         _run(prompt=path),
     )  # fmt: skip
     arguments = draw.one(commands)
-    mine = [path] if path in ("missing.json", "ü.ply") else []  # names at which nothing is yet: to write there is right
+    mine = [path] if path in ("missing", "ü.ply") else []  # names at which nothing is yet: to write there is right
+    if arguments == ["report", path] and path in ("", "."):
+        mine.append("report.html")  # a folder that holds a scene is a run
     return _case(arguments, own=(*mine, "ü.card.json", "missing.card.json"))
 
 
@@ -149,9 +151,14 @@ def _case(
     }  # fmt: skip
     shown = f"physagent {shown}{'; ' + what if what else ''}{' with ' + repr(environment) if environment else ''}"
     return Case(
-        shown, lambda folder: _main(arguments, folder, environment or {}), laid, own=("out", "out.json", *own),
+        shown, lambda folder: _main(arguments, folder, environment or {}), laid, prepare=_specials, own=("out", "out.json", *own),
         refusals=(Refused,), must_refuse=must_refuse, seconds=SECONDS,
     )  # fmt: skip
+
+
+def _specials(folder: Path) -> None:
+    os.symlink("nowhere", folder / LINK)
+    os.mkfifo(folder / FIFO)
 
 
 def _usual_scene() -> dict:
@@ -166,8 +173,6 @@ class Refused(Exception):
 def _main(arguments: list[str], folder: Path, environment: dict[str, str]) -> Any:
     from physagent_jax.cli import main
 
-    os.symlink("nowhere", folder / LINK)
-    os.mkfifo(folder / FIFO)
     out = io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True)
     err = io.TextIOWrapper(io.BytesIO(), "utf-8", "backslashreplace", write_through=True)  # as Python's own is
     reached: list[Any] = []
@@ -180,9 +185,6 @@ def _main(arguments: list[str], folder: Path, environment: dict[str, str]) -> An
                 code = leaving.code
     except Begun:
         return reached[0].model, reached[0].state, reached[0].camera
-    finally:
-        for special in (LINK, FIFO):
-            (folder / special).unlink(missing_ok=True)
     text = err.buffer.getvalue().decode("utf-8", "replace")  # type: ignore[attr-defined]
     return judged(code, text)
 
