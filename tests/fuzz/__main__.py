@@ -5,7 +5,8 @@
     python -m tests.fuzz --only scenes --seed 1 --index 42  # one case again, with its input and its traceback
     python -m tests.fuzz --cases 10000 --json out.json      # all failures, with the command that repeats each
 
-A case is accepted (and finite), refused (in one line), or fails: with a traceback, without an end, beyond its memory, with
+A case is accepted (and finite), refused (in one line), or fails: with a traceback, without an end,
+    beyond its memory, with
 numbers that are none, with files lost or half-written, or by accepting nonsense in silence (`tests.fuzz.contract`).
 A process that dies or does not come back is counted, and another goes on. The exit code is 1 if anything failed.
 """
@@ -31,7 +32,9 @@ def main() -> int:
                         help=f"a class, may be repeated: {', '.join(CLASSES)}")  # fmt: skip
     parser.add_argument("--jobs", type=int, default=1, help="processes at the same time (1)")
     parser.add_argument("--json", type=Path, metavar="OUT", help="where to write counts and failures")
-    parser.add_argument("--index", type=int, help="only the case of this number, shown in full; needs one --only")
+    parser.add_argument(
+        "--index", type=int, help="only the case of this number, shown in full; needs one --only"
+    )
     arguments = parser.parse_args()
     names = arguments.only or list(CLASSES)
     if arguments.index is not None:

@@ -50,7 +50,7 @@ class Tally:
     def add(self, name: str, index: int, what: str, result: Result) -> None:
         """Counts one case."""
         self.counts[name][result.column] += 1
-        self.seconds[name] += result.seconds  # type: ignore[assignment]
+        self.seconds[name] += result.seconds
         if result.seconds > self.slowest.get(name, (0.0, ""))[0]:
             self.slowest[name] = (round(result.seconds, 2), what)
         if result.outcome is Outcome.FAILED:
@@ -67,12 +67,18 @@ class Tally:
             cells = (str(counter[c] or "") for c in used)
             rows.append([name, str(counter.total()), *cells, f"{self.seconds[name]:.1f}"])
         whole = sum(self.counts.values(), collections.Counter())
-        rows.append(["all", str(whole.total()), *(str(whole[c]) for c in used), f"{sum(self.seconds.values()):.1f}"])
+        rows.append(
+            ["all", str(whole.total()), *(str(whole[c]) for c in used), f"{sum(self.seconds.values()):.1f}"]
+        )
         widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-        lines = ["  ".join(cell.rjust(w) if i else cell.ljust(w) for i, (cell, w) in enumerate(zip(row, widths))) for row in rows]
+        lines = [
+            "  ".join(cell.rjust(w) if i else cell.ljust(w) for i, (cell, w) in enumerate(zip(row, widths)))
+            for row in rows
+        ]
         for (name, fault, place, kind), found in self.distinct().items():
             first = min(found, key=lambda failure: len(failure["what"]))
-            lines += [f"\n{name}: {fault} x{len(found)} {kind} at {place or '-'}", f"  {first['detail'][:300]}", f"  input: {first['what'][:300]}",
+            lines += [f"\n{name}: {fault} x{len(found)} {kind} at {place or '-'}", f"  {first['detail'][:300]}",
+            f"  input: {first['what'][:300]}",
                       f"  {first['again']}"]  # fmt: skip
         return "\n".join(lines)
 
@@ -156,8 +162,8 @@ def run(names: list[str], cases: int, seed: int, jobs: int) -> Tally:
                     tally.add(name, index, what, result)
                     done += 1
                     if done % 200 == 0:
-                        print(f"{done} of {total} cases, {len(tally.failures)} failed, {time.monotonic() - begun:.0f} s",
-                              file=sys.stderr, flush=True)  # fmt: skip
+                        so_far = f"{done} of {total} cases, {len(tally.failures)} failed"
+                        print(f"{so_far}, {time.monotonic() - begun:.0f} s", file=sys.stderr, flush=True)
         if worker is not None:
             worker.end()
 

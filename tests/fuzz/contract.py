@@ -319,7 +319,9 @@ def half_written(path: Path) -> str:
 
 
 def _relative(filename: str) -> str:
-    return filename[filename.rindex("physagent_jax") :] if "physagent_jax" in filename else Path(filename).name
+    return (
+        filename[filename.rindex("physagent_jax") :] if "physagent_jax" in filename else Path(filename).name
+    )
 
 
 def _place(error: BaseException) -> str:

@@ -24,9 +24,23 @@ NUMBERS = (
 )  # fmt: skip
 TEXTS = (
     "", " ", "0", "-1", "nan", "NaN", "inf", "-Infinity", "1e400", "null", "none", "true", "../../etc/passwd", "/", ".",
-    "~", "\n", "\0", "\ud800", "\u202egnirts", "ü", "機器人", "🤖", "a" * 300, "x" * 5000, "%s%n{0}{}", "[red]", "'", '"',
+    "~", "\n", "\0", "\ud800", "\u202egnirts", "ü", "機器人", "🤖", "a" * 300, "x" * 5000, "%s%n{0}{}", "[red]",
+    "'", '"',
 )  # fmt: skip
-OTHERS: tuple[Any, ...] = (None, True, False, [], {}, [[]], [1], [1, 2, 3], {"a": 1}, ["a"], [None], {"": None})
+OTHERS: tuple[Any, ...] = (
+    None,
+    True,
+    False,
+    [],
+    {},
+    [[]],
+    [1],
+    [1, 2, 3],
+    {"a": 1},
+    ["a"],
+    [None],
+    {"": None},
+)
 # Text that JSON's own writer would not write.
 RAW = (
     "NaN", "Infinity", "-Infinity", "1e999", "-1e999", "1" * 400, "-" + "9" * 5000, "0." + "1" * 5000, "1e-999", "01",
@@ -121,7 +135,9 @@ def _splice(draw: Draw, content: bytes, others: Sequence[bytes]) -> bytes:
 
 def _insert(draw: Draw, content: bytes, _) -> bytes:
     at = draw.randint(0, len(content))
-    extra = draw.one([b"\0", b"\xff" * 8, b"\n", b" ", b"\r\n", b"1e400 ", b"nan ", b"-", b"\xc3\x28", b"9" * 5000])
+    extra = draw.one(
+        [b"\0", b"\xff" * 8, b"\n", b" ", b"\r\n", b"1e400 ", b"nan ", b"-", b"\xc3\x28", b"9" * 5000]
+    )
     return content[:at] + extra + content[at:]
 
 
@@ -131,7 +147,9 @@ def _number(draw: Draw, content: bytes, _) -> bytes:
     if not found:
         return _flip(draw, content, _)
     number = draw.one(found)
-    new = draw.one([repr(draw.number()) if abs(draw.number()) < 1e308 else "1e999", "nan", "inf", "9" * 25, "-1", ""])
+    new = draw.one(
+        [repr(draw.number()) if abs(draw.number()) < 1e308 else "1e999", "nan", "inf", "9" * 25, "-1", ""]
+    )
     return content[: number.start()] + new.encode() + content[number.end() :]
 
 
@@ -147,7 +165,16 @@ def _words(draw: Draw, content: bytes, _) -> bytes:
 
 def _float_bits(draw: Draw, content: bytes, _) -> bytes:
     """Four or eight bytes that read as an extreme number."""
-    patterns = ("0000c07f", "0000807f", "000080ff", "ffff7f7f", "01000000", "ffffffff", "ffffff7f", "00000080")
+    patterns = (
+        "0000c07f",
+        "0000807f",
+        "000080ff",
+        "ffff7f7f",
+        "01000000",
+        "ffffffff",
+        "ffffff7f",
+        "00000080",
+    )
     pattern = bytes.fromhex(draw.one(patterns)) * draw.one([1, 2])
     at = draw.randint(0, max(0, len(content) - len(pattern)))
     return content[:at] + pattern + content[at + len(pattern) :]
@@ -273,7 +300,9 @@ _SAFE = st.one_of(
 _LEAVES = st.one_of(st.none(), st.booleans(), st.integers(), _SAFE, st.text(max_size=8))
 ANY_JSON = st.recursive(
     _LEAVES,
-    lambda inner: st.one_of(st.lists(inner, max_size=4), st.dictionaries(st.text(max_size=6), inner, max_size=4)),
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=4), st.dictionaries(st.text(max_size=6), inner, max_size=4)
+    ),
     max_leaves=12,
 )
 
@@ -341,5 +370,6 @@ def _of_range(node: dict, whole: bool) -> st.SearchStrategy[Any]:
     if whole:
         return st.sampled_from([int(n) for n in edges if n == int(n)] or [0])
     return st.one_of(
-        st.sampled_from([float(n) for n in edges] or [0.0]), st.floats(max(low, -2.0), min(high, max(low, 0) + 2.0))
+        st.sampled_from([float(n) for n in edges] or [0.0]),
+        st.floats(max(low, -2.0), min(high, max(low, 0) + 2.0)),
     )

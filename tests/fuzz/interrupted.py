@@ -58,8 +58,8 @@ def watched(what: str, at: int, marker: str, out: str) -> None:
             happen(what, marker, out)
         return result
 
-    os.replace = counting  # type: ignore[assignment]
-    os.rename = counting  # type: ignore[assignment]
+    os.replace = counting
+    os.rename = counting
 
 
 if __name__ == "__main__":

@@ -107,7 +107,14 @@ def _gltf() -> bytes:
     buffer = points.tobytes() + faces.tobytes()
     uri = "data:application/octet-stream;base64," + base64.b64encode(buffer).decode()
     accessors = [
-        {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]},
+        {
+            "bufferView": 0,
+            "componentType": 5126,
+            "count": 4,
+            "type": "VEC3",
+            "min": [0, 0, 0],
+            "max": [1, 1, 1],
+        },
         {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"},
     ]
     return json.dumps(

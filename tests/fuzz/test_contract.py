@@ -48,7 +48,16 @@ def test_processes_that_die_are_counted_and_the_others_go_on(tmp_path):
     """The whole command: counts per column, one entry per failure, exit code 1; a crash costs one case only."""
     crashes = len(PLANTED) + 2
     done = run(
-        "-m", "tests.fuzz", "--only", "planted", "--cases", str(crashes), "--jobs", "2", "--json", tmp_path / "o.json"
+        "-m",
+        "tests.fuzz",
+        "--only",
+        "planted",
+        "--cases",
+        str(crashes),
+        "--jobs",
+        "2",
+        "--json",
+        tmp_path / "o.json",
     )
     assert done.returncode == 1, done.stderr
     written = json.loads((tmp_path / "o.json").read_text())
@@ -87,7 +96,11 @@ def test_draws_depend_on_the_key_alone():
 
     def everything(key):
         draw = Draw(0, key)
-        return damaged(draw, b"x 12 y" * 9), altered(draw, {"a": [1, {"b": 2.0}]}), draw.example(of_schema(schema))
+        return (
+            damaged(draw, b"x 12 y" * 9),
+            altered(draw, {"a": [1, {"b": 2.0}]}),
+            draw.example(of_schema(schema)),
+        )
 
     assert repr(everything("k")) == repr(everything("k"))
     assert len({repr(everything(key)) for key in range(9)}) > 5

@@ -1,6 +1,7 @@
 """Every reader, scene field, option and sentence: accepted and finite, or refused in one line (`tests.fuzz.contract`).
 
-The same seed each time, so that a failure is the same everywhere. More, and other, cases: `python -m tests.fuzz --help`.
+The same seed each time, so that a failure is the same everywhere. More, and other, cases: `python -m tests.fuzz
+--help`.
 """
 
 from __future__ import annotations
@@ -30,7 +31,8 @@ def test_there_are_enough_cases():
 def test_accepted_and_finite_or_refused_in_one_line(name, indices):
     results = [(index, *examine(name, SEED, index)) for index in indices]
     failed = [
-        f"{result.fault}: {what[:200]}\n    {result.detail[:300]}\n    at {result.place or '-'}\n    {again(name, SEED, index)}"
+        f"{result.fault}: {what[:200]}\n    {result.detail[:300]}\n    at {result.place or '-'}\n"
+        f"    {again(name, SEED, index)}"
         for index, what, result in results
         if result.outcome is Outcome.FAILED
     ]

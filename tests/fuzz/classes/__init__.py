@@ -48,7 +48,9 @@ CLASSES = {
     )
 }
 
-PLANTED = FuzzClass("planted", 0)  # faults on purpose, for the tests of the fuzzing itself; never drawn unasked
+PLANTED = FuzzClass(
+    "planted", 0
+)  # faults on purpose, for the tests of the fuzzing itself; never drawn unasked
 
 
 def named(name: str) -> FuzzClass:

@@ -1,6 +1,8 @@
-"""The command line, within the process: options at their edges, pairs that exclude each other, odd paths, files as scenes.
+"""The command line, within the process: options at their edges, pairs that exclude each other, odd paths, files as
+scenes.
 
-Simulating is stopped where it would begin: a case that gets so far is accepted, and what it would have simulated is checked.
+Simulating is stopped where it would begin: a case that gets so far is accepted, and what it would have simulated
+is checked.
 """
 
 from __future__ import annotations
@@ -19,28 +21,44 @@ from tests.fuzz.contract import Breach, Case, Fault
 from tests.fuzz.drawing import TEXTS, Draw, altered, damaged, encoded
 
 SECONDS = 30.0
-NONSENSE = "-5 0 -0 1e-300 1e300 nan inf -inf 1e400 abc 99999999999999999999 0.5 2".split() + ["", " ", "0x10", "1,5", "1_0"]
+NONSENSE = "-5 0 -0 1e-300 1e300 nan inf -inf 1e400 abc 99999999999999999999 0.5 2".split() + [
+    "",
+    " ",
+    "0x10",
+    "1,5",
+    "1_0",
+]
 # Values that must not be accepted, by option.
 WRONG = {
-    "--friction": ("-1", "nan", "inf", "1e300"), "--kind": ("xyzzy", "plnat", ""), "--material": ("stele", "", "nan"),
-    "--seed": ("-1", "1e3", "1.5"), "--frames": ("0", "1", "-3", "1000000"), "--particles": ("0", "-1", "1.5"),
-    "--resolution": ("0", "1", "1000000"), "--azimuth": ("nan", "inf", "1e400"), "--elevation": ("90", "-90", "nan", "1e300"),
-    "--soften": ("0", "-1", "nan", "inf", "1e300", "x"), "--youngs-modulus": ("0", "-1", "nan", "1e-300", "1e300", "inf"),
-    "--poissons-ratio": ("0.5", "-0.1", "nan"), "--density": ("0", "-1", "1e-300", "1e300", "nan"), "--up": ("z", "+w", ""),
-    "--opacity-threshold": ("-0.1", "1.5", "nan"), "--max-iterations": ("0", "-1", "x"), "--preset": ("slow", ""),
-    "--anchor": ("foot", ""), "--physgm": ("missing.json", "/dev/zero", ""), "--anchor-mask": ("missing.npy",),
+    "--friction": ("-1", "nan", "inf", "1e300"), "--kind": ("xyzzy", "plnat", ""),
+    "--material": ("stele", "", "nan"), "--seed": ("-1", "1e3", "1.5"),
+    "--frames": ("0", "1", "-3", "1000000"), "--particles": ("0", "-1", "1.5"),
+    "--resolution": ("0", "1", "1000000"), "--azimuth": ("nan", "inf", "1e400"),
+    "--elevation": ("90", "-90", "nan", "1e300"), "--soften": ("0", "-1", "nan", "inf", "1e300", "x"),
+    "--youngs-modulus": ("0", "-1", "nan", "1e-300", "1e300", "inf"),
+    "--poissons-ratio": ("0.5", "-0.1", "nan"), "--density": ("0", "-1", "1e-300", "1e300", "nan"),
+    "--up": ("z", "+w", ""), "--opacity-threshold": ("-0.1", "1.5", "nan"),
+    "--max-iterations": ("0", "-1", "x"), "--preset": ("slow", ""), "--anchor": ("foot", ""),
+    "--physgm": ("missing.json", "/dev/zero", ""), "--anchor-mask": ("missing.npy",),
 }  # fmt: skip
 # Two options that say the same thing, or of which one has no meaning without the other.
 PAIRS = (
-    ("--physgm", "good-physgm.json", "--material", "steel"), ("--anchor", "base", "--anchor-mask", scenes.MASK),
-    ("--anchor-mask", scenes.MASK), ("--anchor-box", "1", "1", "1", "1", "1", "1"), ("--anchor", "mask"), ("--anchor", "box"),
+    ("--physgm", "good-physgm.json", "--material", "steel"),
+    ("--anchor", "base", "--anchor-mask", scenes.MASK), ("--anchor-mask", scenes.MASK),
+    ("--anchor-box", "1", "1", "1", "1", "1", "1"), ("--anchor", "mask"), ("--anchor", "box"),
     ("--anchor", "none", "--anchor-box", "1", "1", "1", "1", "1", "1"),
 )  # fmt: skip
-FINE = ("--seed 3", "--kind plant", "--azimuth 30", "--up -y", "--anchor base", "--friction 0.3", "--material steel --soften auto",
-        "--frames 2", "--ledger", "--physgm good-physgm.json", "--max-iterations 1", "--particles 50")  # fmt: skip
+FINE = (
+    "--seed 3", "--kind plant", "--azimuth 30", "--up -y", "--anchor base", "--friction 0.3",
+    "--material steel --soften auto", "--frames 2", "--ledger", "--physgm good-physgm.json",
+    "--max-iterations 1", "--particles 50",
+)  # fmt: skip
 LINK, FIFO, FOLDER, EARLIER, NOTES = "link.ply", "pipe.json", "folder", "earlier", "earlier/notes.txt"
-PATHS = ("", ".", "/", "..", "~", "x" * 5000, "a/" * 2000, "b\udcff\udcfe.json", "missing", "/dev/zero", "/dev/null", "/dev/full",
-         "/proc/self/mem", LINK, FIFO, FOLDER, seeds.OBJECT, "nul\0byte", scenes.SCENE, "ü.ply", EARLIER, "-", "--out")  # fmt: skip
+PATHS = (
+    "", ".", "/", "..", "~", "x" * 5000, "a/" * 2000, "b\udcff\udcfe.json", "missing", "/dev/zero",
+    "/dev/null", "/dev/full", "/proc/self/mem", LINK, FIFO, FOLDER, seeds.OBJECT, "nul\0byte", scenes.SCENE,
+    "ü.ply", EARLIER, "-", "--out",
+)  # fmt: skip
 
 
 class Begun(BaseException):
@@ -49,7 +67,11 @@ class Begun(BaseException):
 
 def make(draw: Draw) -> Case:
     """One command."""
-    kind = draw.one([_option] * 3 + [_wrong] * 4 + [_pair, _path, _path, _path, _scene, _scene, _small, _make_object, _environment])
+    kind = draw.one(
+        [_option] * 3
+        + [_wrong] * 4
+        + [_pair, _path, _path, _path, _scene, _scene, _small, _make_object, _environment]
+    )
     return kind(draw)
 
 
@@ -81,16 +103,20 @@ def _path(draw: Draw) -> Case:
     path = draw.one(PATHS)
     extra = draw.one([[], [], ["--overwrite"]])
     commands = (
-        _run(object_=path), _run(*extra, out=path), _run("--physgm", path), _run("--anchor", "mask", "--anchor-mask", path),
+        _run(object_=path), _run(*extra, out=path), _run("--physgm", path), _run("--anchor", "mask",
+        "--anchor-mask", path),
         ["simulate", path, "--out", "out"], ["simulate", scenes.SCENE, "--out", path],
-        ["simulate", scenes.SCENE, "--object", path, "--out", "out"], ["make", "jelly", "--out", path], ["report", path],
+        ["simulate", scenes.SCENE, "--object", path, "--out", "out"], ["make", "jelly", "--out", path],
+        ["report", path],
         ["import-physgaussian", path, "--object", seeds.OBJECT, "--out", "out.json"],
         ["import-physgaussian", "physgaussian.json", "--object", path, "--out", "out.json"],
         ["import-physgaussian", "physgaussian.json", "--object", seeds.OBJECT, "--out", path],
         _run(prompt=path),
     )  # fmt: skip
     arguments = draw.one(commands)
-    mine = [path] if path in ("missing", "ü.ply") else []  # names at which nothing is yet: to write there is right
+    mine = (
+        [path] if path in ("missing", "ü.ply") else []
+    )  # names at which nothing is yet: to write there is right
     if arguments == ["report", path] and path in ("", "."):
         mine.append("report.html")  # a folder that holds a scene is a run
     return _case(arguments, own=(*mine, "ü.card.json", "missing.card.json"))
@@ -106,12 +132,15 @@ def _scene(draw: Draw) -> Case:
 
 
 def _small(draw: Draw) -> Case:
-    words = ("materials", "schema", "report", "simulate", "run", "make", "import-physgaussian", "--help", "-h", "--json", "--debugg",
+    words = ("materials", "schema", "report", "simulate", "run", "make", "import-physgaussian", "--help", "-h",
+    "--json", "--debugg",
              "steel", "scene", "force-field", "--out", "x", "", "--", "-", "--seed", "1", *TEXTS[:12])  # fmt: skip
     if draw.chance(0.5):
         arguments = [draw.one(words) for _ in range(draw.randint(0, 4))]
     else:
-        arguments = draw.one([["materials"], ["schema"]]) + [draw.one([*TEXTS, "steel", "stele", "sceen", "manifest"])]
+        arguments = draw.one([["materials"], ["schema"]]) + [
+            draw.one([*TEXTS, "steel", "stele", "sceen", "manifest"])
+        ]
     return _case(arguments, own=("x", "x.card.json"))
 
 
@@ -144,14 +173,19 @@ def _case(
 ) -> Case:
     shown = " ".join(a if len(a) < 60 else f"{a[:20]}...({len(a)})" for a in arguments)
     laid = {
-        **scenes.files(), scenes.SCENE: encoded(_usual_scene()), "good-physgm.json": b'{"E": 1e6, "nu": 0.3, "material": "Wood"}',
+        **scenes.files(), scenes.SCENE: encoded(_usual_scene()),
+        "good-physgm.json": b'{"E": 1e6, "nu": 0.3, "material": "Wood"}',
         "physgaussian.json": b'{"n_grid": 20, "grid_lim": 2.0, "frame_num": 3, "g": [0, 0, -9.8], "material": "jelly"}',
-        "taken.card.json": b'{"name": "somebody else\'s"}', NOTES: b"precious", f"{EARLIER}/manifest.json": b'{"name": "of something else"}',
+        "taken.card.json": b'{"name": "somebody else\'s"}', NOTES: b"precious",
+        f"{EARLIER}/manifest.json": b'{"name": "of something else"}',
         f"{FOLDER}/inside": b"x", **(files or {}),
     }  # fmt: skip
-    shown = f"physagent {shown}{'; ' + what if what else ''}{' with ' + repr(environment) if environment else ''}"
+    shown = (
+        f"physagent {shown}{'; ' + what if what else ''}{' with ' + repr(environment) if environment else ''}"
+    )
     return Case(
-        shown, lambda folder: _main(arguments, folder, environment or {}), laid, prepare=_specials, own=("out", "out.json", *own),
+        shown, lambda folder: _main(arguments, folder, environment or {}), laid, prepare=_specials, own=("out",
+        "out.json", *own),
         refusals=(Refused,), must_refuse=must_refuse, seconds=SECONDS,
     )  # fmt: skip
 
@@ -163,7 +197,13 @@ def _specials(folder: Path) -> None:
 
 def _usual_scene() -> dict:
     document = scenes.scene(Draw("the usual scene"))
-    return document | {"forces": [], "constraints": [], "material": {}, "boundaries": [{"kind": "domain_box"}], "anchor": {}}
+    return document | {
+        "forces": [],
+        "constraints": [],
+        "material": {},
+        "boundaries": [{"kind": "domain_box"}],
+        "anchor": {},
+    }
 
 
 class Refused(Exception):
@@ -174,7 +214,9 @@ def _main(arguments: list[str], folder: Path, environment: dict[str, str]) -> An
     from physagent_jax.cli import main
 
     out = io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True)
-    err = io.TextIOWrapper(io.BytesIO(), "utf-8", "backslashreplace", write_through=True)  # as Python's own is
+    err = io.TextIOWrapper(
+        io.BytesIO(), "utf-8", "backslashreplace", write_through=True
+    )  # as Python's own is
     reached: list[Any] = []
     variables = {"PHYSAGENT_COMPILE_CACHE": "off", **environment}
     try:
@@ -185,7 +227,7 @@ def _main(arguments: list[str], folder: Path, environment: dict[str, str]) -> An
                 code = leaving.code
     except Begun:
         return reached[0].model, reached[0].state, reached[0].camera
-    text = err.buffer.getvalue().decode("utf-8", "replace")  # type: ignore[attr-defined]
+    text = err.buffer.getvalue().decode("utf-8", "replace")
     return judged(code, text)
 
 
@@ -230,7 +272,7 @@ def _variables(changes: dict[str, str]) -> Iterator[None]:
     import jax
 
     before = {name: os.environ.get(name) for name in changes}
-    cache = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
+    cache = jax.config.jax_compilation_cache_dir
     os.environ.update(changes)
     try:
         yield

@@ -20,8 +20,14 @@ FRAMES, FRAME_DT = 9, 0.04
 
 def make(draw: Draw) -> Case:
     """One force field."""
-    actions = [{**draw.one(ACTIONS), "region": draw.one(REGIONS), "object": None} for _ in range(draw.one([1, 1, 2]))]
-    good = {"default_drop": False, "actions": actions, "constraints": [draw.one(HELD)] if draw.chance(0.5) else []}
+    actions = [
+        {**draw.one(ACTIONS), "region": draw.one(REGIONS), "object": None} for _ in range(draw.one([1, 1, 2]))
+    ]
+    good = {
+        "default_drop": False,
+        "actions": actions,
+        "constraints": [draw.one(HELD)] if draw.chance(0.5) else [],
+    }
     match draw.one(["altered"] * 4 + ["damaged", "schema", "schema"]):
         case "altered":
             what, content = altered(draw, good)
@@ -30,7 +36,12 @@ def make(draw: Draw) -> Case:
         case _:
             what, content = "of the schema", encoded(draw.example(of_schema(ForceField.model_json_schema())))
     body = draw.one(["usual", "usual", "usual", "one particle", "a line", "a point"])
-    return Case(f"{what}; {body}", lambda f: _compiled(f, body), {NAME: content}, refusals=(UserError, ValidationError))
+    return Case(
+        f"{what}; {body}",
+        lambda f: _compiled(f, body),
+        {NAME: content},
+        refusals=(UserError, ValidationError),
+    )
 
 
 def _compiled(folder: Path, body: str):
@@ -42,7 +53,9 @@ def _compiled(folder: Path, body: str):
         rest[:, 1:] = 1.0
     elif body == "a point":
         rest[:] = 1.0
-    scaling = closed_form_scaling(extent=1.0, youngs_modulus=1e5, density=200.0, duration=(FRAMES - 1) * FRAME_DT)
+    scaling = closed_form_scaling(
+        extent=1.0, youngs_modulus=1e5, density=200.0, duration=(FRAMES - 1) * FRAME_DT
+    )
     volume = np.full(len(rest), 1e-3, np.float32)
     again = ForceField.model_validate_json(field.model_dump_json())
     return field, compile_force_field(again, scaling, rest, volume, frame_dt=FRAME_DT, frame_count=FRAMES)

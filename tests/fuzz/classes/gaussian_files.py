@@ -15,9 +15,22 @@ from tests.fuzz.contract import Case
 from tests.fuzz.drawing import NUMBERS, Draw, damaged
 
 COUNTS = ("0", "-1", "1", "61", "59", "4294967296", "9" * 19, "9" * 30, "1e3", "0x10", "", "999999999999")
-TYPES = ("float", "double", "int", "uchar", "short", "uint", "list uchar int", "list double float", "float16", "")
-NAMES = (*"xyz", *(f"f_dc_{i}" for i in range(3)), "opacity", *(f"scale_{i}" for i in range(3)),
-         *(f"rot_{i}" for i in range(4)))  # fmt: skip
+TYPES = (
+    "float",
+    "double",
+    "int",
+    "uchar",
+    "short",
+    "uint",
+    "list uchar int",
+    "list double float",
+    "float16",
+    "",
+)
+NAMES = (
+    *"xyz", *(f"f_dc_{i}" for i in range(3)), "opacity", *(f"scale_{i}" for i in range(3)),
+    *(f"rot_{i}" for i in range(4)),
+)  # fmt: skip
 
 
 def make(draw: Draw) -> Case:
@@ -69,7 +82,9 @@ def _header(draw: Draw) -> tuple[str, bytes]:
     elif change == "long":
         lines.insert(1, "comment " + "x" * draw.one([1000, 100_000, 3_000_000]))
     elif change == "word":
-        lines[index] = draw.one(["format ascii 1.0", "format binary_big_endian 1.0", "format x 9", "obj_info", ""])
+        lines[index] = draw.one(
+            ["format ascii 1.0", "format binary_big_endian 1.0", "format x 9", "obj_info", ""]
+        )
     else:
         lines[index] += "\x00\x7f"
     return f"header line {index}: {change} {words[0]}", "\n".join(lines).encode() + b"\n" + content[end:]

@@ -20,7 +20,9 @@ def make(draw: Draw) -> Case:
     good = np.arange(COUNT) % 3 == 0
     what, content = draw.one([_damaged, _damaged, _arrays])(draw, good)
     exact = draw.chance(0.5)
-    return Case(f"{what}; {'exact' if exact else 'covering'} length", lambda f: _held(f, exact), {NAME: content})
+    return Case(
+        f"{what}; {'exact' if exact else 'covering'} length", lambda f: _held(f, exact), {NAME: content}
+    )
 
 
 def _held(folder: Path, exact: bool):

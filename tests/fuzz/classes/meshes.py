@@ -14,9 +14,10 @@ from tests.fuzz.contract import Case
 from tests.fuzz.drawing import Draw, altered, damaged
 
 OBJ_LINES = (
-    "v 1", "v 1 2", "v nan 0 0", "v 1e39 0 0", "v 1e400 0 0", "v 1 2 3 4 5 6 7 8", "v a b c", "f 1 2", "f 1 2 99", "f 0 0 0",
-    "f 1 1 1", "f -9 1 2", "f 1 2 3 4 5", "f 1/ 2/ 3/", "f 1/9/9 2/9/9 3/9/9", "f 1.5 2 3", "vt nan", "vn 0 0 0", "mtllib ../x",
-    "usemtl \u00e9", "l 1 2", "p 1", "o", "#" * 5000, "f " + "1 " * 3000, "v 9e37 9e37 9e37",
+    "v 1", "v 1 2", "v nan 0 0", "v 1e39 0 0", "v 1e400 0 0", "v 1 2 3 4 5 6 7 8", "v a b c", "f 1 2",
+    "f 1 2 99", "f 0 0 0", "f 1 1 1", "f -9 1 2", "f 1 2 3 4 5", "f 1/ 2/ 3/", "f 1/9/9 2/9/9 3/9/9",
+    "f 1.5 2 3", "vt nan", "vn 0 0 0", "mtllib ../x", "usemtl \u00e9", "l 1 2", "p 1", "o", "#" * 5000,
+    "f " + "1 " * 3000, "v 9e37 9e37 9e37",
 )  # fmt: skip
 
 
@@ -26,7 +27,9 @@ def make(draw: Draw) -> Case:
     what, name, content = kind(draw)
     if draw.chance(0.3):
         place = draw.one([0.0, 1.0]), draw.one([1e-30, 1e-3, 0.3, 0.3, 0.3, 1.0, 30.0, 1e6, 1e30])
-        return Case(f"{name}: {what}; as an obstacle {place}", lambda f: _obstacle(f / name, *place), {name: content})
+        return Case(
+            f"{name}: {what}; as an obstacle {place}", lambda f: _obstacle(f / name, *place), {name: content}
+        )
     return Case(f"{name}: {what}", lambda folder: _object(folder, name), {name: content})
 
 

@@ -22,13 +22,25 @@ def _read(path):
     motion = read_motion(path)
     frames, particles = motion.x.shape[:2] if motion.x.ndim == 3 else (-1, -1)
     if motion.F.shape != (frames, particles, 3, 3) or motion.times.shape != (frames,):
-        raise Breach(Fault.SILENT, f"shapes disagree: x {motion.x.shape}, F {motion.F.shape}, t {motion.times.shape}")
+        raise Breach(
+            Fault.SILENT, f"shapes disagree: x {motion.x.shape}, F {motion.F.shape}, t {motion.times.shape}"
+        )
     count = len(motion.cloud_means) if motion.cloud_means.ndim else -1
-    rows = (motion.cloud_quats, motion.cloud_scales, motion.cloud_opacities, motion.cloud_sh, motion.binding_indices)
+    rows = (
+        motion.cloud_quats,
+        motion.cloud_scales,
+        motion.cloud_opacities,
+        motion.cloud_sh,
+        motion.binding_indices,
+    )
     if any(part.shape[:1] != (count,) for part in rows):
         raise Breach(Fault.SILENT, "the Gaussians' arrays have different lengths")
     followed = motion.binding_indices
-    if followed.dtype.kind not in "iu" or followed.size and not 0 <= followed.min() <= followed.max() < particles:
+    if (
+        followed.dtype.kind not in "iu"
+        or followed.size
+        and not 0 <= followed.min() <= followed.max() < particles
+    ):
         raise Breach(Fault.SILENT, "a Gaussian follows a particle that there is not")
     return motion
 
@@ -71,7 +83,13 @@ def _changed(draw: Draw, array: np.ndarray):
                 except (TypeError, ValueError):
                     return "as text", array.astype("U8")
             case "shape":
-                shapes = [array.ravel(), array[None], array[:0] if array.ndim else array, array.T, np.repeat(array[None], 2, 0)]
+                shapes = [
+                    array.ravel(),
+                    array[None],
+                    array[:0] if array.ndim else array,
+                    array.T,
+                    np.repeat(array[None], 2, 0),
+                ]
                 new = draw.one(shapes)
                 return f"of shape {new.shape}", new
             case "object":

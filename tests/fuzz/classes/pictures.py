@@ -23,7 +23,11 @@ def make(draw: Draw) -> Case:
         return _scene_camera(draw)
     eye = [0.0, -3.0, 0.5] if draw.chance(0.5) else [draw.one(PLACES) for _ in range(3)]
     target = [0.0, 0.0, 0.0] if draw.chance(0.6) else draw.one([eye, [draw.one(PLACES) for _ in range(3)]])
-    up = [0.0, 0.0, 1.0] if draw.chance(0.6) else draw.one([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], eye, [1e30, 0.0, 0.0], [0, 1e-30, 1e-30]])
+    up = (
+        [0.0, 0.0, 1.0]
+        if draw.chance(0.6)
+        else draw.one([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], eye, [1e30, 0.0, 0.0], [0, 1e-30, 1e-30]])
+    )
     fov = 40.0 if draw.chance(0.6) else draw.one(ANGLES)
     splats, changed = _splats(draw)
     what = f"eye {eye}, target {target}, up {up}, fov {fov}; {changed}"
@@ -51,7 +55,9 @@ def _splats(draw: Draw) -> tuple[Splats, str]:
         arrays[name][slice(None) if whole else draw.randrange(COUNT)] = value
         done.append(f"{name} = {value:g}{'' if whole else ' of one'}")
     with np.errstate(over="ignore"):
-        return Splats(**{name: array.astype(np.float32) for name, array in arrays.items()}), ", ".join(done) or "usual"
+        return Splats(**{name: array.astype(np.float32) for name, array in arrays.items()}), ", ".join(
+            done
+        ) or "usual"
 
 
 def _scene_camera(draw: Draw) -> Case:

@@ -16,29 +16,68 @@ from tests.agents.sentences import SENTENCES
 from tests.fuzz.contract import Breach, Case, Fault
 from tests.fuzz.drawing import TEXTS, Draw
 
-THINGS = ("it", "the robot", "the plant", "the red part", "the top", "its left half", "the upper third", "everything", "")
-VERBS = ("push", "kick", "drop", "twist", "spin", "stretch", "squeeze", "squash", "bend", "sway", "shake", "lift", "throw up", "pull",
-         "hit", "blow", "rotate", "bounce", "hold", "let go of", "tear apart", "hang", "tap", "nudge", "swing", "freeze")  # fmt: skip
-HOW = ("gently", "hard", "very slowly", "twice", "three times", "a bit", "not", "suddenly", "as hard as possible", "like a whisper",
-       "by 90 degrees", "2 meters", "with 5 N", "17 times", "a thousand times", "over and over", "with 1e999 force")  # fmt: skip
-WHERE = ("to the left", "right", "up", "down", "towards us", "away", "backwards", "to the left and up", "sideways", "from below",
-         "diagonally", "clockwise", "north", "along its height", "in all directions", "from left to right")  # fmt: skip
-WHEN = ("", "for half a second", "from t = 0.5 s to t = 1.5 s", "after 1 s", "at the end", "for 1e9 seconds", "for -3 s", "for 0 s",
-        "for 1e400 s", "halfway", "until it stops", "in frame 3", "during the second half", "for 99999999999999999999 minutes")  # fmt: skip
-JOIN = (", then ", " and ", "; ", ". ", " while ", " but ", ", ", " before ", " after ", "\n", " or ", " without ")
+THINGS = (
+    "it",
+    "the robot",
+    "the plant",
+    "the red part",
+    "the top",
+    "its left half",
+    "the upper third",
+    "everything",
+    "",
+)
+VERBS = (
+    "push", "kick", "drop", "twist", "spin", "stretch", "squeeze", "squash", "bend", "sway", "shake",
+    "lift", "throw up", "pull", "hit", "blow", "rotate", "bounce", "hold", "let go of", "tear apart",
+    "hang", "tap", "nudge", "swing", "freeze",
+)  # fmt: skip
+HOW = (
+    "gently", "hard", "very slowly", "twice", "three times", "a bit", "not", "suddenly",
+    "as hard as possible", "like a whisper", "by 90 degrees", "2 meters", "with 5 N", "17 times",
+    "a thousand times", "over and over", "with 1e999 force",
+)  # fmt: skip
+WHERE = (
+    "to the left", "right", "up", "down", "towards us", "away", "backwards", "to the left and up",
+    "sideways", "from below", "diagonally", "clockwise", "north", "along its height", "in all directions",
+    "from left to right",
+)  # fmt: skip
+WHEN = (
+    "", "for half a second", "from t = 0.5 s to t = 1.5 s", "after 1 s", "at the end", "for 1e9 seconds",
+    "for -3 s", "for 0 s", "for 1e400 s", "halfway", "until it stops", "in frame 3",
+    "during the second half", "for 99999999999999999999 minutes",
+)  # fmt: skip
+JOIN = (
+    ", then ",
+    " and ",
+    "; ",
+    ". ",
+    " while ",
+    " but ",
+    ", ",
+    " before ",
+    " after ",
+    "\n",
+    " or ",
+    " without ",
+)
 OTHER = (
-    "schiebe den Roboter sanft nach links und lass ihn dann fallen", "pousse le robot vers la gauche", "把机器人推到左边",
-    "ロボットを左に押す", "ادفع الروبوت إلى اليسار", "толкни робота влево", "PUSH IT LEFT!!!", "puuuush it to the leeeeft", "push it lfet",
-    "push it to the left" + "!" * 500, "left " * 400, "and " * 300, "push it then " * 120, "<script>alert(1)</script> push it left",
-    "push it {left} %s %d", "push\tit\u00a0to\u2003the\u200bleft", "p\u0301ush it left", "\ufeffpush it left", "push it left\0",
-    "1e400", "9" * 6000, "push it " + "9" * 6000 + " times", "push it for " + "1" * 400 + " seconds", "½ push ¼ left ² times ③ up",
-    "twist it by ٣٠ degrees", "wait " * 50 + "push it left", "(" * 500, "'" * 500, "a" * 20_000, "push " * 5_000,
+    "schiebe den Roboter sanft nach links und lass ihn dann fallen", "pousse le robot vers la gauche",
+    "把机器人推到左边", "ロボットを左に押す", "ادفع الروبوت إلى اليسار", "толкни робота влево",
+    "PUSH IT LEFT!!!", "puuuush it to the leeeeft", "push it lfet", "push it to the left" + "!" * 500,
+    "left " * 400, "and " * 300, "push it then " * 120, "<script>alert(1)</script> push it left",
+    "push it {left} %s %d", "push\tit\u00a0to\u2003the\u200bleft", "p\u0301ush it left",
+    "\ufeffpush it left", "push it left\0", "1e400", "9" * 6000, "push it " + "9" * 6000 + " times",
+    "push it for " + "1" * 400 + " seconds", "½ push ¼ left ² times ③ up", "twist it by ٣٠ degrees",
+    "wait " * 50 + "push it left", "(" * 500, "'" * 500, "a" * 20_000, "push " * 5_000,
 )  # fmt: skip
 
 
 def make(draw: Draw) -> Case:
     """One sentence in one scene."""
-    prompt = draw.one([_sentence] * 4 + [_known, _text, _words, lambda d: d.one(OTHER), lambda d: d.one(OTHER)])(draw)
+    prompt = draw.one(
+        [_sentence] * 4 + [_known, _text, _words, lambda d: d.one(OTHER), lambda d: d.one(OTHER)]
+    )(draw)
     frames = draw.one([49, 49, 49, 2, 3, 5, 200])
     scene = brief(
         frame_count=frames,
@@ -53,7 +92,13 @@ def make(draw: Draw) -> Case:
 
 def _sentence(draw: Draw) -> str:
     def clause() -> str:
-        parts = [draw.one(VERBS), draw.one(THINGS), *draw.sample(HOW, draw.one([0, 0, 1, 2])), draw.one(WHERE), draw.one(WHEN)]
+        parts = [
+            draw.one(VERBS),
+            draw.one(THINGS),
+            *draw.sample(HOW, draw.one([0, 0, 1, 2])),
+            draw.one(WHERE),
+            draw.one(WHEN),
+        ]
         if draw.chance(0.2):
             draw.shuffle(parts)
         if draw.chance(0.1):
@@ -94,8 +139,16 @@ def _motion(draw: Draw) -> dict:
     nothing: dict = {}
     unseen = {key: None for key in ("displacement", "path_length", "peak_displacement", "peak_frame", "rotation_axis",
                                     "rotation_degrees", "stretch", "volume_ratio")}  # fmt: skip
-    wild = {"displacement": (draw.uniform(-3, 3), draw.uniform(-3, 3), draw.uniform(-3, 3)), "path_length": draw.uniform(0, 9)}
-    extreme = {"displacement": (1e30, -1e30, 0.0), "rotation_axis": (0.0, 0.0, 1.0), "rotation_degrees": 1e30, "volume_ratio": 0.0}
+    wild = {
+        "displacement": (draw.uniform(-3, 3), draw.uniform(-3, 3), draw.uniform(-3, 3)),
+        "path_length": draw.uniform(0, 9),
+    }
+    extreme = {
+        "displacement": (1e30, -1e30, 0.0),
+        "rotation_axis": (0.0, 0.0, 1.0),
+        "rotation_degrees": 1e30,
+        "volume_ratio": 0.0,
+    }
     turned = {"rotation_axis": (0.0, 0.6, 0.8), "rotation_degrees": draw.uniform(0, 400), "stretch": IDENTITY}
     return draw.one([nothing, unseen, wild, wild, extreme, turned])
 
@@ -126,10 +179,17 @@ def _valid(field: ForceField, scene: SceneBrief):
             raise Breach(Fault.SILENT, f"a window of frames {window} in a clip of {scene.frame_count}")
     axis = np.linspace(0.5, 1.5, 12, dtype=np.float32)
     rest = np.stack(np.meshgrid(axis, axis, axis), -1).reshape(-1, 3)  # fills its box to the corners
-    scaling = closed_form_scaling(extent=1.0, youngs_modulus=1e5, density=200.0, duration=last * scene.frame_dt)
+    scaling = closed_form_scaling(
+        extent=1.0, youngs_modulus=1e5, density=200.0, duration=last * scene.frame_dt
+    )
     try:
         return compile_force_field(
-            again, scaling, rest, np.full(len(rest), 1e-3, np.float32), frame_dt=scene.frame_dt, frame_count=scene.frame_count
+            again,
+            scaling,
+            rest,
+            np.full(len(rest), 1e-3, np.float32),
+            frame_dt=scene.frame_dt,
+            frame_count=scene.frame_count,
         )
     except UserError as error:
         raise Breach(Fault.SILENT, f"the agents' own force field is refused: {error}") from error

@@ -10,8 +10,8 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from physagent_jax.report.html import write_report
+from physagent_jax.run.store import RunStore
 from physagent_jax.run_folder import Manifest
-from physagent_jax.run_store import RunStore
 from tests.fuzz.contract import Breach, Case, Fault
 from tests.fuzz.drawing import Draw, altered, damaged, encoded, of_schema
 from tests.report.fake_run import build_run
@@ -54,12 +54,10 @@ def _shown(folder: Path):
 
 def _opened(folder: Path):
     manifest = Manifest.model_validate_json(_good()["manifest.json"])
-    store = RunStore.open(folder / RUN, manifest)
-    read = []
-    for name in _good():
-        if name.endswith(".json"):
-            read.append(store.read(name, _models()[name.rsplit("/", 1)[-1]]))
-    return store.completed_iterations(), store.manifest, read
+    with RunStore.open(folder / RUN, manifest) as store:
+        models = {name: _models()[name.rsplit("/", 1)[-1]] for name in _good() if name.endswith(".json")}
+        read = [store.read(name, model) for name, model in models.items()]
+        return store.completed_iterations(), store.manifest, read
 
 
 @functools.cache

@@ -26,24 +26,50 @@ MATERIALS = [
     {"model": "plasticine", "yield_stress": 2e3, "softening_modulus": 10.0},
     {"model": "drucker_prager", "friction_angle": 35.0, "cohesion": 10.0},
     {"model": "viscoplastic", "yield_stress": 1e3, "plastic_viscosity": 5.0},
-    {"model": "snow", "hardening_coefficient": 8.0}, {"model": "fluid", "bulk_modulus": 1e4, "tension": True},
-    {"model": "rigid"}, {"model": "stationary"},
+    {"model": "snow", "hardening_coefficient": 8.0},
+    {"model": "fluid", "bulk_modulus": 1e4, "tension": True}, {"model": "rigid"}, {"model": "stationary"},
 ]  # fmt: skip
 BOUNDARIES = [
     {"kind": "domain_box", "padding": 3},
-    {"kind": "half_space", "point": [1, 1, 0.4], "normal": [0, 0, 1], "friction": 0.3, "surface": "separate"},
-    {"kind": "sphere", "point": [1, 1, 0.2], "radius": 0.2, "velocity": [0, 0.1, 0], "start": 0.0, "end": 1.0},
-    {"kind": "box", "point": [1, 1, 1], "half_size": [0.9, 0.9, 0.9], "container": True, "surface": "sticky"},
-    {"kind": "mesh", "path": SOLID, "scale": 0.3, "position": [1, 1, 0.2], "rotation_degrees": [30], "rotation_axes": [2]},
-    {"kind": "cuboid", "point": [1, 1, 0.2], "half_size": [0.1, 0.1, 0.1], "velocity": [0, 0, 0.5], "start": 0, "end": 1},
-]
+    {
+        "kind": "half_space", "point": [1, 1, 0.4], "normal": [0, 0, 1], "friction": 0.3,
+        "surface": "separate",
+    },
+    {
+        "kind": "sphere", "point": [1, 1, 0.2], "radius": 0.2, "velocity": [0, 0.1, 0], "start": 0.0,
+        "end": 1.0,
+    },
+    {
+        "kind": "box", "point": [1, 1, 1], "half_size": [0.9, 0.9, 0.9], "container": True,
+        "surface": "sticky",
+    },
+    {
+        "kind": "mesh", "path": SOLID, "scale": 0.3, "position": [1, 1, 0.2], "rotation_degrees": [30],
+        "rotation_axes": [2],
+    },
+    {
+        "kind": "cuboid", "point": [1, 1, 0.2], "half_size": [0.1, 0.1, 0.1], "velocity": [0, 0, 0.5],
+        "start": 0, "end": 1,
+    },
+]  # fmt: skip
 CONSTRAINTS = [
-    {"kind": "particle_translation", "point": CENTRE, "half_size": HALF, "velocity": [0, 0, 0.1], "end": 0.1},
-    {"kind": "particle_rotation", "point": CENTRE, "normal": [0, 0, 1], "half_height": 0.6, "radius": 0.6,
-     "angular_velocity": 1.0, "axial_velocity": 0.1, "start": 0.01, "end": 0.05},
-    {"kind": "particle_impulse", "point": CENTRE, "half_size": HALF, "delta_velocity": [1, 0, 0], "start": 0.0, "duration": 0.01},
+    {
+        "kind": "particle_translation", "point": CENTRE, "half_size": HALF, "velocity": [0, 0, 0.1],
+        "end": 0.1,
+    },
+    {
+        "kind": "particle_rotation", "point": CENTRE, "normal": [0, 0, 1], "half_height": 0.6,
+        "radius": 0.6, "angular_velocity": 1.0, "axial_velocity": 0.1, "start": 0.01, "end": 0.05,
+    },
+    {
+        "kind": "particle_impulse", "point": CENTRE, "half_size": HALF, "delta_velocity": [1, 0, 0],
+        "start": 0.0, "duration": 0.01,
+    },
     {"kind": "particle_impulse", "point": CENTRE, "half_size": HALF, "force": [1, 0, 0], "duration": 0.01},
-    {"kind": "particle_release", "normal": [0, 0, 1], "start_position": 0.5, "end_position": 1.0, "layers": 4, "end": 0.08},
+    {
+        "kind": "particle_release", "normal": [0, 0, 1], "start_position": 0.5, "end_position": 1.0,
+        "layers": 4, "end": 0.08,
+    },
 ]  # fmt: skip
 REGIONS = [
     None,
@@ -52,14 +78,20 @@ REGIONS = [
     {"kind": "sphere", "center": [0.5, 0.5, 0.5], "radius": 0.4},
 ]
 ENVELOPES = [
-    {"kind": "constant", "start": 0.0, "end": 0.1}, {"kind": "ramp", "rise": 0.01, "fall": 0.01, "end": 0.08},
-    {"kind": "pulse", "start": 0.0, "end": 0.05}, {"kind": "sine", "frequency": 2.0, "phase": 0.5},
+    {"kind": "constant", "start": 0.0, "end": 0.1},
+    {"kind": "ramp", "rise": 0.01, "fall": 0.01, "end": 0.08}, {"kind": "pulse", "start": 0.0, "end": 0.05},
+    {"kind": "sine", "frequency": 2.0, "phase": 0.5},
 ]  # fmt: skip
 FORCES = [
-    {"kind": "wind", "direction": [1, 0, 0], "speed": 3.0, "linear_drag": 1.0, "quadratic_drag": 0.1,
-     "center": CENTRE, "radius": 0.5},
+    {
+        "kind": "wind", "direction": [1, 0, 0], "speed": 3.0, "linear_drag": 1.0, "quadratic_drag": 0.1,
+        "center": CENTRE, "radius": 0.5,
+    },
     {"kind": "attractor", "point": CENTRE, "strength": 1.0, "power": 2.0, "softening": 0.1},
-    {"kind": "vortex", "point": CENTRE, "axis": [0, 0, 1], "swirl": 1.0, "inward": 0.1, "axial": 0.1, "core": 0.2, "power": 1.0},
+    {
+        "kind": "vortex", "point": CENTRE, "axis": [0, 0, 1], "swirl": 1.0, "inward": 0.1, "axial": 0.1,
+        "core": 0.2, "power": 1.0,
+    },
     {"kind": "turbulence", "strength": 1.0, "length_scale": 0.3, "time_scale": 0.2, "seed": 3, "modes": 8},
     {"kind": "uniform", "acceleration": [0, 1, 0]},
 ]  # fmt: skip
@@ -68,7 +100,12 @@ ACTIONS = [
     for kind in ("translation", "scale", "impulse", "torque")
 ]
 HELD = [
-    {"constraint_type": "enforce_particle_translation", "vector": [0, 0, 1], "magnitude": 0.5, "active_time": [0, 2]},
+    {
+        "constraint_type": "enforce_particle_translation",
+        "vector": [0, 0, 1],
+        "magnitude": 0.5,
+        "active_time": [0, 2],
+    },
     {"constraint_type": "particle_impulse", "vector": [1, 0, 0], "magnitude": -0.5, "active_time": [0, 1]},
 ]
 ANCHORS = [
@@ -158,7 +195,9 @@ def _reaching(draw: Draw, document: dict) -> tuple[str, bytes]:
     """Names of files that lead elsewhere, or nowhere."""
     paths = [p for p in places(document) if p and p[-1] in ("path", "mask_path")]
     path = draw.one(paths)
-    new = draw.one([*TEXTS, "/dev/zero", "/dev/null", "/dev/stdin", "/proc/self/mem", "missing.ply", SCENE, "x" * 70_000])
+    new = draw.one(
+        [*TEXTS, "/dev/zero", "/dev/null", "/dev/stdin", "/proc/self/mem", "missing.ply", SCENE, "x" * 70_000]
+    )
     at(document, path[:-1])[path[-1]] = new
     return f"{'.'.join(map(str, path))} = {new[:40]!r}", encoded(document, RAW[:0])
 

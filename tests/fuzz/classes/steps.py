@@ -1,6 +1,7 @@
 """Models and states for the simulator: values at the edges, operands of other types and shapes.
 
-With values, `simulate` gives finite frames or refuses. With types and shapes, the CPU kernels and the reference give the
+With values, `simulate` gives finite frames or refuses. With types and shapes,
+    the CPU kernels and the reference give the
 same numbers, or both refuse. All cases have the same particles, so that few programs are compiled.
 """
 
@@ -22,15 +23,34 @@ from tests.mpm.blocks import block
 
 COUNT, CELLS, SIZE, DT = 8, 12, 1.0, 1e-4
 FIELDS = ("x", "v", "C", "F", "mass", "volume", "mu", "lam", "gravity", "dt")
-EXTREMES = (0.0, -1.0, 1e-6, 1e-7, 1e-20, 1e-38, 1e-45, 3.0, 94.0, 3400.0, 1e6, 1e12, 1e20, 3e38, -1e30, np.nan, np.inf)
+EXTREMES = (
+    0.0,
+    -1.0,
+    1e-6,
+    1e-7,
+    1e-20,
+    1e-38,
+    1e-45,
+    3.0,
+    94.0,
+    3400.0,
+    1e6,
+    1e12,
+    1e20,
+    3e38,
+    -1e30,
+    np.nan,
+    np.inf,
+)
 # What `rollout` may be given beside float32: which operands, and of what type or shape.
 OTHER_TYPES = (
-    ("mass", "float64"), ("volume", "int32"), ("mu", "float64"), ("gravity", "float64"), ("gravity", "int32"), ("dt", "float64"),
-    ("v", "float64"), ("F", "float64"), ("x", "float64"), ("mass", "float16"), ("mu", "int32"), ("force", "float64"),
+    ("mass", "float64"), ("volume", "int32"), ("mu", "float64"), ("gravity", "float64"),
+    ("gravity", "int32"), ("dt", "float64"), ("v", "float64"), ("F", "float64"), ("x", "float64"),
+    ("mass", "float16"), ("mu", "int32"), ("force", "float64"),
 )  # fmt: skip
 OTHER_SHAPES = (
-    ("mass", "one"), ("mass", "column"), ("volume", "short"), ("mu", "one"), ("gravity", "column"), ("v", "transposed"), ("F", "flat"),
-    ("dt", "column"), ("C", "short"), ("mass", "scalar"),
+    ("mass", "one"), ("mass", "column"), ("volume", "short"), ("mu", "one"), ("gravity", "column"),
+    ("v", "transposed"), ("F", "flat"), ("dt", "column"), ("C", "short"), ("mass", "scalar"),
 )  # fmt: skip
 
 
@@ -41,7 +61,11 @@ def make(draw: Draw) -> Case:
         return Case(f"rollout with {changes}", lambda _: _agree(changes), refusals=(UserError,), seconds=60.0)
     if draw.chance(0.15):
         shape = draw.one(OTHER_SHAPES)
-        refusals = (UserError, TypeError, ValueError)  # JAX's own words for shapes that do not fit are refusals too
+        refusals = (
+            UserError,
+            TypeError,
+            ValueError,
+        )  # JAX's own words for shapes that do not fit are refusals too
         return Case(f"rollout with {shape}", lambda _: _agree([shape]), refusals=refusals, seconds=60.0)
     law = draw.one([NeoHookean, NeoHookean, VonMises])
     kernels = draw.one(["auto", "auto", "reference"])
@@ -49,7 +73,9 @@ def make(draw: Draw) -> Case:
     for _ in range(draw.one([1, 1, 2])):
         changes.append((draw.one(FIELDS), draw.one(EXTREMES), draw.chance(0.5)))
     what = ", ".join(f"{name} = {value:g}{'' if whole else ' once'}" for name, value, whole in changes)
-    return Case(f"{law.__name__}, {kernels}: {what}", lambda _: _simulated(law, kernels, changes), seconds=60.0)
+    return Case(
+        f"{law.__name__}, {kernels}: {what}", lambda _: _simulated(law, kernels, changes), seconds=60.0
+    )
 
 
 def _usual(law=NeoHookean, kernels="auto") -> tuple[Model, State]:
@@ -93,7 +119,9 @@ def _simulated(law, kernels: str, changes):
             if not whole and array.ndim:
                 array.flat[0] = value
         model, state = _set(model, state, name, jax.device_put(array))
-    return [dataclasses.replace(f, order=None) for f in simulate(model, state, frame_count=2, frame_dt=20 * DT)]
+    return [
+        dataclasses.replace(f, order=None) for f in simulate(model, state, frame_count=2, frame_dt=20 * DT)
+    ]
 
 
 def _agree(changes):
@@ -103,7 +131,9 @@ def _agree(changes):
     refused = [answer for answer in answers if isinstance(answer, Exception)]
     if len(refused) == 1:
         which = "reference" if refused[0] is answers[0] else "kernels"
-        raise Breach(Fault.SILENT, f"only the {which} refused: {type(refused[0]).__name__}: {refused[0]}"[:300])
+        raise Breach(
+            Fault.SILENT, f"only the {which} refused: {type(refused[0]).__name__}: {refused[0]}"[:300]
+        )
     if refused:
         raise refused[-1]
     one, other = answers
@@ -112,7 +142,9 @@ def _agree(changes):
         scale = np.abs(expected).max()
         if not np.allclose(got, expected, rtol=0, atol=1e-4 * max(scale, 1e-6), equal_nan=True):
             worst = np.nanmax(np.abs(got - expected)) if np.isfinite(got).any() else np.nan
-            raise Breach(Fault.SILENT, f"kernels and reference differ in {name} by {worst:.3g} of {scale:.3g}")
+            raise Breach(
+                Fault.SILENT, f"kernels and reference differ in {name} by {worst:.3g} of {scale:.3g}"
+            )
     return other.x, other.v, other.F
 
 
@@ -121,7 +153,9 @@ def _answer(kernels: str, changes):
     try:
         for name, change in changes:
             if name == "force":
-                push = UniformAcceleration(*(jnp.asarray(part, change) for part in ((1.0, 2.0, 3.0), 0.0, 1.0)))
+                push = UniformAcceleration(
+                    *(jnp.asarray(part, change) for part in ((1.0, 2.0, 3.0), 0.0, 1.0))
+                )
                 model = model.replace(forces=(push,))
                 continue
             array = np.asarray(_get(model, state, name))

@@ -1,0 +1,32 @@
+"""A folder in which runs are made by processes, with warm caches and a run that nothing happened to."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+from pathlib import Path
+
+import pytest
+
+from tests.fuzz import seeds
+from tests.fuzz.contract import BYSTANDER
+from tests.fuzz.processes import run
+
+
+@pytest.fixture(scope="session")
+def base(tmp_path_factory) -> Path:
+    """The folder; made once for all processes of pytest."""
+    root = tmp_path_factory.getbasetemp()
+    if os.environ.get("PYTEST_XDIST_WORKER"):
+        root = root.parent
+    root = root / "interruption"
+    root.mkdir(exist_ok=True)
+    with open(root.with_suffix(".lock"), "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not (root / "ready").is_file():
+            (root / seeds.OBJECT).write_bytes(seeds.gaussians())
+            (root / BYSTANDER).write_bytes(b"not yours\n")
+            code, errors = run(root, root / "undisturbed")
+            assert code == 0, errors
+            (root / "ready").touch()
+    return root
