@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from physagent_jax.scene.config import load_json
+from physagent_jax.core.reading import read_json
 from physagent_jax.scene.physgaussian import import_physgaussian
 from tests.fuzz.contract import Case
 from tests.fuzz.drawing import ANY_JSON, Draw, altered, damaged, encoded
@@ -82,4 +82,4 @@ def make(draw: Draw) -> Case:
 
 
 def _imported(folder: Path, units: float | None):
-    return import_physgaussian(load_json(folder / NAME), object_path="x.ply", file_units_per_metre=units)
+    return import_physgaussian(read_json(folder / NAME), object_path="x.ply", file_units_per_metre=units)

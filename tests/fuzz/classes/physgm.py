@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from physagent_jax.scene.config import load_json
+from physagent_jax.core.reading import read_json
 from physagent_jax.scene.physgm import CLASSES, import_physgm
 from tests.fuzz.contract import Case
 from tests.fuzz.drawing import ANY_JSON, Draw, altered, damaged, encoded
@@ -36,4 +36,4 @@ def make(draw: Draw) -> Case:
 
 
 def _imported(folder: Path):
-    return import_physgm(load_json(folder / NAME))
+    return import_physgm(read_json(folder / NAME))
