@@ -9,6 +9,7 @@ import jax
 import numpy as np
 
 from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.core.strict import LARGEST
 
 
 @register_dataclass
@@ -57,15 +58,21 @@ def look_at(eye, target, up, *, fov_degrees: float, width: int, height: int) -> 
         height: Image height [px].
 
     Raises:
-        ValueError: ``eye`` equals ``target``, or ``up`` is parallel to the view.
+        ValueError: Something is not finite or too large, ``eye`` equals ``target``, ``up`` is parallel to the view, or
+            the field of view is not in (0, 180).
     """
     eye, target, up = (np.asarray(a, np.float64) for a in (eye, target, up))
+    for name, vector in (("eye", eye), ("target", target), ("up", up)):
+        if not (np.abs(vector) <= LARGEST).all():
+            raise ValueError(f"`{name}` must be finite, at most {LARGEST:g} (got {vector.tolist()})")
+    if not 0 < fov_degrees < 180:
+        raise ValueError(f"`fov_degrees` must lie between 0 and 180 (got {fov_degrees})")
     forward = target - eye
     if np.linalg.norm(forward) < 1e-12:
         raise ValueError(f"`eye` and `target` coincide (got {eye.tolist()}); move one of them")
     forward = forward / np.linalg.norm(forward)
     right = np.cross(forward, up)
-    if np.linalg.norm(right) < 1e-9:
+    if np.linalg.norm(right) <= 1e-9 * np.linalg.norm(up):
         raise ValueError(
             f"`up` is parallel to the viewing direction (got {up.tolist()}); choose another `up`"
         )

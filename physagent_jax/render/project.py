@@ -95,11 +95,18 @@ def _without_nans(splats: Splats) -> tuple[Splats, jax.Array]:
 
     Without this, products with a weight of zero would carry a NaN into pixels and gradients.
     """
-    finite = jnp.isfinite(jnp.sum(splats.means, axis=-1) + jnp.sum(splats.covariances, axis=-1))
+    finite = jnp.isfinite(
+        jnp.sum(splats.means, axis=-1)
+        + jnp.sum(splats.covariances, axis=-1)
+        + splats.opacities
+        + jnp.sum(splats.sh, axis=(-2, -1))
+    )
     clean = dataclasses.replace(
         splats,
         means=jnp.where(finite[:, None], splats.means, 0),
         covariances=jnp.where(finite[:, None], splats.covariances, 0),
+        opacities=jnp.where(finite, splats.opacities, 0),
+        sh=jnp.where(finite[:, None, None], splats.sh, 0),
         rotations=jnp.where(finite[:, None, None], splats.rotations, 0),
     )
     return clean, finite

@@ -171,12 +171,14 @@ def test_tile_lists_hold_exactly_the_pairs_that_reach_a_pixel():
 def test_gaussians_that_are_not_finite_or_behind_are_ignored():
     """A simulation that blows up for one particle must not blank the image."""
     splats, cam = random_splats(100, degree=3, scale=0.1, dtype=np.float32), camera()
-    good = dataclasses.replace(splats, opacities=splats.opacities.at[:4].set(0))
+    good = dataclasses.replace(splats, opacities=splats.opacities.at[:7].set(0))
     bad = dataclasses.replace(
         splats,
         means=splats.means.at[0].set(jnp.nan).at[1].set(jnp.inf).at[2].set(-10 * cam.forward),
         covariances=splats.covariances.at[3].set(jnp.nan),
         rotations=splats.rotations.at[3].set(jnp.nan),
+        sh=splats.sh.at[4, 0].set(jnp.inf).at[5, 3].set(jnp.nan),
+        opacities=splats.opacities.at[6].set(jnp.inf),
     )
     assert_same(render(bad, cam), render(good, cam), 1e-6)
     gradients = jax.jit(jax.grad(lambda s: loss(rasterize(s, cam, BACKGROUND, capacity=4096)[0])))(bad)
