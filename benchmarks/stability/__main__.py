@@ -34,10 +34,10 @@ from benchmarks.stability.dt_crit import CONFIGURATIONS, FORMS, SUBJECTS, measur
 from benchmarks.stability.markdown import PARTS, document
 from benchmarks.stability.scenario import Scenario
 from physagent_jax.core.files import write_text
+from physagent_jax.kernels import programs
 
 Part = Literal["critical", "matrix", "pairwise", "stiffness", "degenerate"]
 _QUICK = {"critical": 2, "matrix": 12, "pairwise": 6, "stiffness": 3, "degenerate": 8}  # rows of a quick look
-PROGRAMS_KEPT = 50  # rows; programs that nobody needs again fill up the mappings that a process may have
 console = Console(stderr=True)
 
 

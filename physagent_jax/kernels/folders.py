@@ -25,10 +25,13 @@ def private_folder(*parts: str, base: Path | None = None) -> Path:
     Where that is impossible, or would not be private, one in the folder for temporary files serves, and if that is
     somebody else's too, a new one that nobody finds again.
     """
-    for place in (base or _users(), _temporary()):
-        folder = place.joinpath(*parts)
-        if usable(folder):
-            return folder
+    folder = (base or _users()).joinpath(*parts)
+    if usable(folder):
+        return folder
+    user = os.geteuid() if hasattr(os, "geteuid") else "user"
+    shared = Path(tempfile.gettempdir()) / f"physagent_jax-{user}"  # anybody may have made it before us
+    if usable(shared) and usable(shared.joinpath(*parts)):
+        return shared.joinpath(*parts)
     return Path(tempfile.mkdtemp(prefix="physagent-"))
 
 
@@ -49,17 +52,8 @@ def usable(folder: Path) -> bool:
 
 
 def _users() -> Path:
-    try:
-        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "physagent_jax"
-    except RuntimeError:  # no home
-        return _temporary()
-
-
-def _temporary() -> Path:
-    """A folder of our own among those of all users, whose names are no secret."""
-    user = os.geteuid() if hasattr(os, "geteuid") else "user"
-    folder = Path(tempfile.gettempdir()) / f"physagent_jax-{user}"
-    return folder if usable(folder) else Path(tempfile.mkdtemp(prefix="physagent-"))
+    base = os.environ.get("XDG_CACHE_HOME")
+    return Path(base or os.path.expanduser("~/.cache")) / "physagent_jax"
 
 
 @cache

@@ -1,0 +1,128 @@
+"""Compiled programs: read from disk if they are whole and made for this machine, and let go before there are too many."""
+
+import logging
+import os
+import re
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from physagent_jax.kernels import programs
+from physagent_jax.mpm import Grid, Model, NeoHookean, State, simulate
+from tests.kernels.processes import ran
+
+MISMATCH = (
+    "E1122 15:57:54.644995 15662 cpu_aot_loader.cc:195] Loading XLA:CPU AOT result. Target machine feature +{} is not  "
+    "supported on the host machine. This could lead to execution errors such as SIGILL.\n"
+)
+
+
+def play(count):
+    """A tiny simulation whose arrays have a shape of their own."""
+    x = np.random.default_rng(count).uniform(0.4, 0.6, (count, 3)).astype(np.float32)
+    one = np.ones(count, np.float32)
+    model = Model(Grid.whole(1.0, 16), np.float32(1e-3), None, one, 1e-3 * one, (NeoHookean(4e3 * one, 6e3 * one),))
+    *_, last = simulate(model, State.at_rest(jnp.asarray(x)), frame_count=2, frame_dt=1e-3)
+    return np.asarray(last.state.x)
+
+
+needs_maps = pytest.mark.skipif(not programs.mapped(), reason="the system does not count mappings")
+
+
+@needs_maps
+def test_programs_are_let_go_when_they_take_too_many_mappings():
+    """And what was let go is compiled again, with the same results."""
+    before = play(60)
+    held = programs.mapped()
+    assert not programs.bound(held + 1000)
+    assert programs.bound(held - 1)
+    assert programs.mapped() < held
+    assert np.array_equal(play(60), before)
+
+
+@needs_maps
+def test_a_simulation_begins_by_looking_whether_there_are_too_many(monkeypatch):
+    play(61)
+    held = programs.mapped()
+    monkeypatch.setattr(programs, "_granted", lambda: (held - 1) / programs.SHARE)
+    monkeypatch.setattr(programs, "_compiled", programs._looked_at + programs._LOOK)
+    play(61)
+    assert programs.mapped() < held
+
+
+def test_nothing_is_let_go_while_something_is_traced():
+    let_go = []
+    jax.jit(lambda x: let_go.append(programs.bound(-1)) or x)(1.0)
+    assert let_go == [False]
+
+
+@needs_maps
+@pytest.mark.slow
+def test_many_different_runs_stay_within_their_mappings(monkeypatch):
+    """150 runs of different shapes in one process."""
+    limit = programs.mapped() + 6000
+    monkeypatch.setattr(programs, "_granted", lambda: limit / programs.SHARE)
+    most = 0
+    for count in range(62, 212):
+        play(count)
+        most = max(most, programs.mapped())
+    assert most < limit + 2500  # those of one look to the next
+
+
+@pytest.mark.parametrize("feature, foreign", [("prefer-no-gather", []), ("avx512f", ["avx512f"])])
+def test_of_what_xla_writes_only_differences_in_tuning_are_left_out(capfd, feature, foreign):
+    """A feature that the processor lacks is told, so that the program is not used."""
+    with programs._machine_compared() as found:
+        os.write(2, f"one\n{MISMATCH.format(feature)}two\n".encode())
+    assert found == foreign
+    assert capfd.readouterr().err == "one\ntwo\n"
+
+
+COMPUTE = """
+import logging; logging.basicConfig(format="%(message)s")
+import jax, jax.numpy as jnp
+from pathlib import Path
+from physagent_jax.kernels import programs
+programs.keep_on_disk(Path("{folder}"))
+jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+print(float(jax.jit(lambda x: jnp.cumsum(jnp.sin(x) @ x.T, 0).sum())(jnp.ones((50, 60)))))
+"""
+
+
+def test_what_is_read_from_disk_is_whole_and_says_nothing(tmp_path):
+    """The second process reads all; the third finds every file damaged, says so, and leaves them whole."""
+    script = COMPUTE.format(folder=tmp_path)
+    code, value, err = ran(script)
+    assert code == 0 and not err
+    kept = {path: path.read_bytes() for path in tmp_path.glob("*-cache")}
+    assert len(kept) >= 2
+    assert ran(script) == (0, value, "")
+    damages = [b"", b"random", *(content[: len(content) // 2] for content in kept.values())]
+    for path, damage in zip(kept, damages):
+        path.write_bytes(damage)
+    code, again, err = ran(script)
+    lines = err.splitlines()
+    assert code == 0 and again == value
+    assert len(lines) == min(len(kept), len(damages)) and all("compiled again" in line for line in lines)
+    assert ran(script) == (0, value, "")
+
+
+def test_a_program_for_another_processor_is_compiled_again(tmp_path, monkeypatch, caplog):
+    """As XLA would say on loading, if the folder had come from another machine."""
+    reads = []
+
+    def read(key, *arguments):
+        reads.append(key)
+        os.write(2, MISMATCH.format("avx9").encode())
+        return "program", 1
+
+    monkeypatch.setattr(programs.compilation_cache, "get_executable_and_time", read)
+    monkeypatch.setattr(programs.jax.config, "update", lambda *_: None)
+    programs.keep_on_disk(tmp_path)
+    (tmp_path / "key-cache").write_bytes(b"")
+    with caplog.at_level(logging.WARNING):
+        assert programs.compilation_cache.get_executable_and_time("key", None) == (None, None)
+    assert re.search("processor with avx9", caplog.text) and reads == ["key"]
+    assert not (tmp_path / "key-cache").exists()
