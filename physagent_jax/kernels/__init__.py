@@ -19,6 +19,7 @@ from functools import cache
 from typing import Any, Literal
 
 import jax
+from jax.core import Tracer
 
 from physagent_jax.core.errors import UserError
 
@@ -40,7 +41,7 @@ def using(choice: Kernels) -> Iterator[None]:
 @contextmanager
 def beside(array: Any) -> Iterator[None]:
     """Lets what is computed within be made for the device on which ``array`` lies; JAX's own choice if it is traced."""
-    known = isinstance(array, jax.Array) and not isinstance(array, jax.core.Tracer)
+    known = isinstance(array, jax.Array) and not isinstance(array, Tracer)
     device = next(iter(array.devices())) if known else None
     with nullcontext() if device is None or device.platform == platform() else jax.default_device(device):
         yield

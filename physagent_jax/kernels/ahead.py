@@ -1,8 +1,8 @@
 """Kernels compiled ahead: the first time on a machine, in processes of their own.
 
 Numba compiles for ten seconds or two, on one core, and only once; while an object is loaded and XLA compiles the rest,
-the other cores can do it. One process imports what all kernels need and forks into one per kernel. They are a session of
-their own, which a Ctrl-C in the terminal does not reach, and end with the process that began them, however it ends.
+the other cores can do it. One process imports what all kernels need and forks into one per kernel. They are a session
+of their own, which a Ctrl-C in the terminal does not reach, and end with the process that began them, however it ends.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Parallel loops of Numba that XLA's threads may start.
 
 Around every parallel loop Numba takes Python's global lock and gives it up again, for loops that may call Python.
-Ours do not, and must not wait for it: Python ends a thread that asks for its lock once the interpreter shuts down. It is
-one of XLA's threads, which never answers again, and the process hangs as XLA waits for it.
+Ours do not, and must not ask for it: Python ends a thread that does so once the interpreter shuts down. It is one of
+XLA's threads, which never answers again, and the process hangs as XLA waits for it.
 """
 
 from __future__ import annotations

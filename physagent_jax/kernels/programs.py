@@ -67,7 +67,8 @@ def _granted() -> int:
         return _ALLOWED
 
 
-def _count(event: str, seconds: float, **_) -> None:
+def _count(event: str, duration_secs: float, **_) -> None:
+    del duration_secs
     global _compiled
     _compiled += event == "/jax/core/compile/backend_compile_duration"
 

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax.core import Tracer
 
 from physagent_jax.core.arrays import on_device
 from physagent_jax.core.errors import UserError
@@ -165,14 +166,14 @@ def _cast(value: Any, dtype: np.dtype) -> Any:
     """``value`` itself if that is its precision. What is known is converted by NumPy (see `on_device`)."""
     if jax.dtypes.canonicalize_dtype(value.dtype) == dtype:
         return value
-    return value.astype(dtype) if isinstance(value, jax.core.Tracer) else on_device(value, dtype)
+    return value.astype(dtype) if isinstance(value, Tracer) else on_device(value, dtype)
 
 
 def _per_particle(name: str, part: _Part, count: int, dtype: np.dtype) -> _Part:
     """A material, or what it remembers, with arrays of one number per particle, or one for all."""
 
     def convert(path, leaf):
-        if isinstance(leaf, float | int) or getattr(leaf, "dtype", None) == bool:
+        if isinstance(leaf, float | int) or jnp.issubdtype(getattr(leaf, "dtype", float), jnp.bool_):
             return leaf
         leaf = _numbers(name + jax.tree_util.keystr(path), leaf)
         if leaf.ndim == 1 and len(leaf) != count:

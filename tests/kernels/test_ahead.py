@@ -4,6 +4,8 @@ import io
 import os
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 import pytest
 
@@ -39,9 +41,10 @@ def begun(tmp_path, monkeypatch):
     return scripts
 
 
-def test_one_process_compiles_what_is_missing(begun):
+def test_one_process_compiles_what_is_missing(begun, tmp_path):
     """What is there is left alone, and what is being compiled is not begun twice."""
-    store.note(G2P)
+    (tmp_path / G2P).mkdir()
+    store._seal(tmp_path / G2P)
     ahead.begin()
     ahead.begin()
     (script,) = begun
@@ -83,6 +86,44 @@ def test_every_target_ahead_is_one_that_a_handler_makes(tmp_path):
     script = f'{nonsense}; ahead.compile_all(["nonsense", "{BLEND}"])'
     assert in_a_process(script, tmp_path) == [BLEND]
     assert in_a_process(f'print(store.has("{BLEND}"), store.has("nonsense"))', tmp_path) == ["True", "False"]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="one process only")
+@pytest.mark.parametrize("ending", ["os._exit(0)", "os.kill(os.getpid(), signal.SIGKILL)", "sys.exit(1)"])
+def test_helpers_end_with_the_process_that_began_them(tmp_path, ending):
+    """However it ends. They compile for ever here, and are a session of their own, which Ctrl-C does not reach."""
+    slow = "import os, time; from physagent_jax.kernels import ahead\n"
+    slow += "ahead._compile = lambda name: (print(os.getpid(), flush=True), time.sleep(1000))\n"
+    slow += f"print(os.getpid(), flush=True); ahead.compile_all(['{P2G}', '{BLEND}'], parent=0)"
+    script = f"""
+import os, signal, subprocess, sys
+from physagent_jax.kernels import ahead
+helper = ahead.subprocess.Popen
+def popen(command, **options):
+    return helper([*command[:-1], {slow!r}], **options)
+ahead.subprocess.Popen = popen
+ahead.begin()
+process = next(iter(ahead._running.values()))
+print(*(process.stdout.readline().strip() for _ in range(2)), flush=True)
+assert os.getsid(process.pid) == process.pid != os.getsid(0)
+{ending}"""
+    command = [sys.executable, "-c", script]
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    helpers = subprocess.run(command, env=environment, capture_output=True, text=True).stdout.split()
+    assert len(helpers) == 2
+    end = time.monotonic() + 30
+    while any(alive(int(helper)) for helper in helpers) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert not any(alive(int(helper)) for helper in helpers)
+
+
+def alive(pid):
+    """Whether a process is at work; one that has ended may wait for somebody to ask."""
+    try:
+        os.kill(pid, 0)
+        return "\nState:\tZ" not in Path(f"/proc/{pid}/status").read_text()
+    except OSError:
+        return False
 
 
 def test_nothing_here_needs_numba():

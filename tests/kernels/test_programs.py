@@ -1,4 +1,4 @@
-"""Compiled programs: read from disk if they are whole and made for this machine, and let go before there are too many."""
+"""Compiled programs: read from disk if they are whole and made for this machine, let go before they are too many."""
 
 import logging
 import os
@@ -23,7 +23,9 @@ def play(count):
     """A tiny simulation whose arrays have a shape of their own."""
     x = np.random.default_rng(count).uniform(0.4, 0.6, (count, 3)).astype(np.float32)
     one = np.ones(count, np.float32)
-    model = Model(Grid.whole(1.0, 16), np.float32(1e-3), None, one, 1e-3 * one, (NeoHookean(4e3 * one, 6e3 * one),))
+    model = Model(
+        Grid.whole(1.0, 16), np.float32(1e-3), None, one, 1e-3 * one, (NeoHookean(4e3 * one, 6e3 * one),)
+    )
     *_, last = simulate(model, State.at_rest(jnp.asarray(x)), frame_count=2, frame_dt=1e-3)
     return np.asarray(last.state.x)
 

@@ -206,3 +206,32 @@ def test_the_choice_holds_for_what_is_traced_within():
         assert not kernels.use_cpu()
     assert kernels.use_cpu()
     assert kernels.chosen("auto").startswith("cpu (")
+
+
+def test_where_the_arrays_lie_decides_on_a_machine_with_a_gpu(monkeypatch):
+    """The default backend is a GPU: what lies on the CPU, by itself or by JAX's default device, takes the kernels."""
+    cpu_device = jax.devices("cpu")[0]
+    here = jax.device_put(np.ones(3), cpu_device)
+    monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
+    assert not kernels.use_cpu()
+    for device in (cpu_device, "cpu"):
+        with jax.default_device(device):
+            assert kernels.use_cpu()
+    with kernels.beside(here):
+        assert kernels.use_cpu()
+    with kernels.beside(np.ones(3)):  # lies nowhere yet
+        assert not kernels.use_cpu()
+
+
+def test_rollouts_and_frames_take_the_kernels_for_arrays_on_the_cpu(monkeypatch):
+    """Seen by what they ask for as they are traced."""
+    asked = []
+    use_cpu = choice.use_cpu
+    monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
+    monkeypatch.setattr(kernels, "use_cpu", lambda *names: asked.append(use_cpu(*names)) or asked[-1])
+    model, state = block((1, 1, 1), grid_cells=11)
+    rollout(model, state, frame_count=1, substeps=1)
+    assert asked and all(asked)
+    asked.clear()
+    *_, _ = simulate(model, state, frame_count=2, frame_dt=1e-4)
+    assert asked and all(asked)

@@ -5,7 +5,7 @@ import pytest
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.mpm import FixedCorotated, NeoHookean, simulate
+from physagent_jax.mpm import FixedCorotated, NeoHookean, rollout, simulate, stable_dt
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.camera import framing, reference_camera, viewer_directions
@@ -225,3 +225,16 @@ def test_the_paper_preset_has_the_papers_figures():
 def test_sparse_matter_is_warned_about(source):
     with pytest.warns(UserWarning, match="particles per grid cell"):
         make_body(source, c.Filling(max_particles=300), c.Domain(size=4.0, cells=96), ".")
+
+
+def test_a_compiled_model_works_in_rollout_as_it_stands(source, body):
+    """Dropped, it falls by g t^2 / 2; the window in `simulate` is a small part of the domain all the same."""
+    made = scene(source, body, force_field=ForceField(default_drop=True, actions=[]))
+    end, path = rollout(made.model, made.state, frame_count=2, substeps=made.substeps)
+    time = 2 * made.config.timing.frame_dt
+    assert float(end.time) == pytest.approx(time, rel=1e-5)
+    fall = np.asarray(end.x - made.state.x).mean(0)
+    np.testing.assert_allclose(fall, [0, 0, -9.8 * time**2 / 2], rtol=0.1, atol=1e-5)
+    assert np.isfinite(path.x).all()
+    assert float(made.model.dt) <= float(stable_dt(made.model, made.state))
+    assert made.windowed.grid.shape == (8, 8, 8) and made.model.grid.shape == (49, 49, 49)
