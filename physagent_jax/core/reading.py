@@ -6,13 +6,14 @@ system cannot take and a file that is far too large are each refused in one line
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import os
 import re
 import stat
 from pathlib import Path
-from typing import Any, BinaryIO, TypeVar, get_args, get_origin
+from typing import Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -45,7 +46,7 @@ _MARKS = {
 # --- files ---------------------------------------------------------------------------------------------
 
 
-def open_regular(path: str | Path, *, most: int, what: str = "the file") -> BinaryIO:
+def open_regular(path: str | Path, *, most: int, what: str = "the file") -> io.BufferedReader:
     """Opens a regular file of at most ``most`` bytes for reading; links are followed.
 
     Args:
@@ -137,9 +138,11 @@ def decode_json(data: bytes, origin: str) -> Any:
     """Decodes JSON; ``origin`` names it in messages.
 
     Raises:
-        UserError: It is not JSON in UTF-8, is nested more than `JSON_DEPTH` deep, or holds a number that is not
-            finite, is an integer beyond 64 bits or has more than `JSON_DIGITS` digits.
+        UserError: It is not JSON in UTF-8, has more than `JSON_BYTES`, is nested more than `JSON_DEPTH` deep, or
+            holds a number that is not finite, is an integer beyond 64 bits or has more than `JSON_DIGITS` digits.
     """
+    if len(data) > JSON_BYTES:
+        raise _too_large("the JSON of", origin, len(data), JSON_BYTES)
     for mark, name in _MARKS.items():
         if data.startswith(mark):
             raise UserError(

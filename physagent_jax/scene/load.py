@@ -12,8 +12,8 @@ from physagent_jax.gaussians.ply import read_ply
 from physagent_jax.gaussians.ply_header import MOST_BYTES, read_ply_header
 from physagent_jax.scene.config import Source
 from physagent_jax.scene.mesh import gaussians_from_mesh
+from physagent_jax.scene.mesh_files import MESH_SUFFIXES
 
-MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".stl", ".off")
 # Formats of splat viewers that are not read here.
 _OTHER_SPLATS = {
     ".spz": "Niantic SPZ",

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.config import SignedAxis
+from physagent_jax.scene.mesh_files import read_mesh
 from physagent_jax.scene.placement import up_rotation
 from physagent_jax.scene.surfels import baked_light, even_points, surfels, value_noise
 
@@ -30,7 +30,7 @@ def gaussians_from_mesh(
     low-frequency patches, because tracking and flow need texture. Light is baked in from the normals.
 
     Args:
-        path: .obj, .ply with faces, .glb, .stl or anything else that trimesh reads.
+        path: .obj, .ply with faces, .glb, .gltf, .stl or .off.
         count: Number of Gaussians.
         seed: Seed of the sampling and the painting.
         up: The file's up axis: light comes from above.
@@ -42,7 +42,7 @@ def gaussians_from_mesh(
     Raises:
         UserError: The file cannot be read, holds no faces, or its faces have no area.
     """
-    mesh = load_mesh(path)
+    mesh = read_mesh(path)
     points, faces = trimesh.sample.sample_surface(mesh, OVERSAMPLING * count, seed=seed)[:2]
     keep = even_points(np.asarray(points), count)
     points, faces = np.asarray(points)[keep], np.asarray(faces)[keep]
@@ -60,30 +60,6 @@ def gaussians_from_mesh(
     rgb = rgb * baked_light(shading @ up_rotation(up).T)[:, None]
     radius = DISC_RADIUS * np.sqrt(mesh.area / count)
     return surfels(points, face_normals, radius, rgb)
-
-
-def load_mesh(path: str | Path) -> trimesh.Trimesh:
-    """Reads a file as one triangle mesh.
-
-    Raises:
-        UserError: The file cannot be read, holds no faces, or its faces have no area.
-    """
-    path = Path(path)
-    try:
-        mesh = trimesh.load(path, force="mesh", process=True)
-    except OSError as error:
-        raise UserError(f"cannot read the mesh {path}", got=error.strerror, do="Check the path") from None
-    except Exception as error:  # trimesh's loaders raise whatever their parsers meet
-        raise UserError(
-            f"cannot read the mesh {path}",
-            got=f"{type(error).__name__}: {error}",
-            do="Export it again as .obj or .glb",
-        ) from None
-    if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
-        raise UserError(f"{path} holds no faces", do="Give a mesh with triangles, or a 3DGS .ply")
-    if not np.isfinite(mesh.vertices).all() or not mesh.area > 0:
-        raise UserError(f"the faces of {path} have no finite area", got=mesh.area, do="Mend the mesh")
-    return mesh
 
 
 def _colours(mesh: trimesh.Trimesh, faces: np.ndarray, bary: np.ndarray) -> np.ndarray | None:

@@ -15,7 +15,7 @@ import trimesh
 from scipy.spatial import KDTree
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.scene.mesh import load_mesh
+from physagent_jax.scene.mesh_files import read_mesh
 
 MARGIN = 3  # cells around the mesh
 BAND = 2.5  # cells to either side of the surface within which distances are exact
@@ -30,7 +30,7 @@ def load_solid(path: str | Path, place: str) -> np.ndarray:
     """Reads a mesh that bounds a solid.
 
     Args:
-        path: Anything that trimesh reads.
+        path: .obj, .ply with faces, .glb, .gltf, .stl or .off.
         place: The field that names it, for messages.
 
     Returns:
@@ -40,7 +40,7 @@ def load_solid(path: str | Path, place: str) -> np.ndarray:
         UserError: The file cannot be read, or its surface is not closed and oriented.
     """
     try:
-        mesh = load_mesh(path)
+        mesh = read_mesh(path)
     except UserError as error:
         raise UserError(f"`{place}`: {error.what}", got=error.got, do=error.do) from None
     # Seams of a texture split vertices; a solid has one vertex at a place.

@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import check_regular
 from physagent_jax.mpm import Contact, boundaries
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile.select import leaf
+from physagent_jax.scene.mesh_files import MOST_BYTES
 from physagent_jax.scene.placement import extra_rotation
 from physagent_jax.scene.signed_distance import load_solid, sample
 
@@ -82,8 +84,10 @@ def _contact(obstacle: c.HalfSpace | c.Sphere | c.Box | c.Mesh) -> dict[str, Any
 def _sampled(mesh: c.Mesh, domain: c.Domain, place: str, base_dir: str | Path):
     """A mesh on a grid like the simulation's: all of it if it moves, else what lies in the domain."""
     path = Path(base_dir) / mesh.path
-    if not path.is_file():
-        raise UserError(f"`{place}.path`: there is no mesh file {path}", do="Check the path")
+    try:
+        check_regular(path, most=MOST_BYTES, what="the mesh file")
+    except UserError as error:
+        raise UserError(f"`{place}.path`: {error.what}", got=error.got, do=error.do) from None
     reach = (-np.inf, np.inf) if any(mesh.velocity) else (0.0, domain.size)
     placed = mesh.scale, mesh.position, mesh.rotation_degrees, mesh.rotation_axes
     return _sample_once(path.resolve(), path.stat().st_mtime_ns, place, placed, domain.dx, *reach)
