@@ -27,8 +27,8 @@ from physagent_jax.core.strict import Strict, Vector
 FORMAT = 2
 """Of the run folder's layout; 2 added the list of files."""
 
-Rounds = Annotated[int, Field(ge=0, le=1000)]
-"""As many as `physagent run` allows."""
+MOST_ROUNDS = 1000
+Rounds = Annotated[int, Field(ge=0, le=MOST_ROUNDS)]
 
 
 class TrueMotion(Strict):

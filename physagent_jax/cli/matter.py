@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import difflib
 from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.names import nearest
 from physagent_jax.core.reading import read_json
 from physagent_jax.scene.config import Material, MaterialModel
+from physagent_jax.scene.config.material import WITHOUT_STRESS
 from physagent_jax.scene.materials import LIBRARY, find_material, softened, stable_step, substeps
 from physagent_jax.scene.materials.soften import softening_for
 from physagent_jax.scene.physgm import import_physgm
@@ -45,10 +46,6 @@ def chosen_material(command: Run, kind: str, preset: Preset, warnings: list[str]
 
 def _base(command: Run, kind: str, warnings: list[str]) -> Material:
     if command.physgm is not None:
-        if command.material is not None:
-            raise UserError(
-                "`--physgm` and `--material` both say what the object is made of", do="Pass one of them"
-            )
         material, notes = import_physgm(
             read_json(command.physgm, what="PhysGM's prediction"), warn_of_cost=False
         )
@@ -62,7 +59,7 @@ def _base(command: Run, kind: str, warnings: list[str]) -> Material:
     except UserError as error:
         if command.material in models:
             return _of_model(MaterialModel(command.material), material_for(kind))
-        model = difflib.get_close_matches(command.material, [m for m in models if m not in LIBRARY], n=1)
+        model = nearest(command.material, [m for m in models if m not in LIBRARY], count=1)
         hint = f"Or the constitutive model {model[0]}? " if model else ""
         raise UserError(f"`--material`: {error.what}", got=error.got, do=f"{hint}{error.do}") from None
 
@@ -88,6 +85,13 @@ def _with_options(command: Run, material: Material) -> Material:
     given = {key: value for key, value in options.items() if value is not None}
     if not given:
         return material
+    idle = [key for key in given if key != "density" and material.model in WITHOUT_STRESS]
+    if idle:
+        options = ", ".join(f"`--{key.replace('_', '-')}`" for key in idle)
+        raise UserError(
+            f"{options}: a {material.model} body has no stiffness",
+            do="Leave it out, or choose another material",
+        )
     reason = f"{', '.join(given)} from the command line, the rest: {material.reason}"
     return material.changed(**given, reason=reason)
 

@@ -13,15 +13,19 @@ from physagent_jax.agents.rule_planner import RulePlanner
 from physagent_jax.agents.rule_semantic import RuleSemanticAgent
 from physagent_jax.cli.matter import chosen_material
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import validation_message
+from physagent_jax.core.reading import check_regular, validation_message
+from physagent_jax.core.strict import Strict
 from physagent_jax.provenance import make_manifest, settings_hash
+from physagent_jax.run_folder import MOST_ROUNDS
+from physagent_jax.scene.anchor import MASK_BYTES
 from physagent_jax.scene.card import load_card
 from physagent_jax.scene.config import Anchor, CameraConfig, Source
+from physagent_jax.scene.config.common import Friction
 from physagent_jax.scene.cost import Limits
 from physagent_jax.scene.fuse import Ingredients
 from physagent_jax.scene.load import file_sha256
 from physagent_jax.scene.presets import PRESETS, Preset
-from physagent_jax.scene.priors import anchor_for, damping_for, guess_kind
+from physagent_jax.scene.priors import anchor_for, damping_for, find_kind, guess_kind
 from physagent_jax.synthesis import Agents, Request
 
 if TYPE_CHECKING:
@@ -44,12 +48,13 @@ def make_request(command: Run, command_line: str) -> Request:
         UserError: The object file is missing or an option is out of range.
     """
     path = command.object
-    if not path.is_file():
-        raise UserError(f"there is no object file {path}", do="Check --object")
+    check_options(command)
     sha256 = file_sha256(path)
     card = load_card(path)
     name = card.name or path.stem.replace("_", " ")
-    kind = command.kind or card.kind or guess_kind(name)
+    kind = card.kind or guess_kind(name)
+    if command.kind is not None:
+        kind = find_kind(command.kind, "`--kind`")
     warnings: list[str] = []
     try:
         preset = preset_of(command)
@@ -69,7 +74,7 @@ def make_request(command: Run, command_line: str) -> Request:
             material=chosen_material(command, kind, preset, warnings),
             anchor=_anchor(command, kind),
             camera=_camera(command, card.azimuth_degrees),
-            friction=command.friction,
+            friction=_Ground(friction=command.friction).friction,
             damping_rate=damping_for(kind),
             ledger=command.ledger,
         )
@@ -100,18 +105,51 @@ def make_request(command: Run, command_line: str) -> Request:
     )
 
 
+class _Ground(Strict):
+    """What is said about the ground, which only a scene with one has a schema for."""
+
+    friction: Friction
+
+
+def check_options(command: Run) -> None:
+    """Refuses options that exclude each other, or that mean nothing without another.
+
+    Raises:
+        UserError: There is such a pair.
+    """
+    if not 1 <= command.max_iterations <= MOST_ROUNDS:
+        rounds = f"must be at least 1 and at most {MOST_ROUNDS}"
+        raise UserError(f"`--max-iterations` {rounds}", got=command.max_iterations)
+    for kind in ("box", "mask"):
+        given = getattr(command, f"anchor_{kind}") is not None
+        if given and command.anchor != kind:
+            raise UserError(
+                f"`--anchor-{kind}` means nothing without `--anchor {kind}`",
+                got=f"--anchor {command.anchor}",
+                do=f"Pass `--anchor {kind}`, or leave `--anchor-{kind}` out",
+            )
+    if command.anchor == "box" and command.anchor_box is None:
+        raise UserError("`--anchor box` needs a box", do="Pass --anchor-box x y z hx hy hz")
+    if command.anchor == "mask":
+        if command.anchor_mask is None:
+            raise UserError("`--anchor mask` needs a mask", do="Pass --anchor-mask mask.npy")
+        check_regular(command.anchor_mask, most=MASK_BYTES, what="the anchor mask")
+    if command.physgm is not None and command.material is not None:
+        raise UserError(
+            "`--physgm` and `--material` both say what the object is made of", do="Pass one of them"
+        )
+
+
 def _anchor(command: Run, kind: str, asked: Held = None, words: str = "") -> Anchor:
     if command.anchor == "auto":
         return anchor_for(kind, asked, words)
     reason = "set on the command line"
     if command.anchor == "box":
-        if command.anchor_box is None:
-            raise UserError("`--anchor box` needs a box", do="Pass --anchor-box x y z hx hy hz")
+        assert command.anchor_box is not None  # `check_options`
         x, y, z, hx, hy, hz = command.anchor_box
         return Anchor(kind="box", point=(x, y, z), half_size=(hx, hy, hz), reason=reason)
     if command.anchor == "mask":
-        if command.anchor_mask is None:
-            raise UserError("`--anchor mask` needs a mask", do="Pass --anchor-mask mask.npy")
+        assert command.anchor_mask is not None
         return Anchor(kind="mask", mask_path=str(command.anchor_mask.resolve()), reason=reason)
     return anchor_for(kind, command.anchor).model_copy(update=dict(reason=reason))
 

@@ -13,7 +13,6 @@ from typing import Annotated, Literal
 import tyro
 
 from physagent_jax.cli.console import ConsoleObserver, stderr, warn
-from physagent_jax.core.errors import UserError
 from physagent_jax.scene.config import SignedAxis
 from physagent_jax.scene.presets import PresetName
 
@@ -101,8 +100,6 @@ class Run:
         from physagent_jax.report.html import write_report
         from physagent_jax.synthesis import synthesize
 
-        if self.max_iterations < 1:
-            raise UserError("`--max-iterations` must be at least 1", got=self.max_iterations)
         begun = time.perf_counter()
         request = make_request(self, " ".join(map(shlex.quote, sys.argv)))
         for text in request.manifest.warnings:  # now, while the run can still be stopped

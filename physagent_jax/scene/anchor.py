@@ -11,7 +11,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.npy import read_npy
 from physagent_jax.scene.config import Anchor
 
-_MOST_BYTES = 256 * 2**20  # one per Gaussian
+MASK_BYTES = 256 * 2**20  # one per Gaussian
 
 
 def anchored_particles(
@@ -66,7 +66,7 @@ def _box(point: np.ndarray, half_size: np.ndarray, x_rest: np.ndarray) -> np.nda
 
 
 def _mask(path: Path, x_rest: np.ndarray, index: np.ndarray, gaussian_count: int | None) -> np.ndarray:
-    mask = read_npy(path, most=_MOST_BYTES, what="the anchor mask")
+    mask = read_npy(path, most=MASK_BYTES, what="the anchor mask")
     needed = int(index.max()) + 1 if gaussian_count is None else gaussian_count
     fits = mask.ndim == 1 and (len(mask) == needed if gaussian_count is not None else len(mask) >= needed)
     if mask.dtype != np.bool_ or not fits:

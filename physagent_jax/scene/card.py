@@ -9,9 +9,10 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from physagent_jax.core.reading import read_model
+from physagent_jax.core.reading import read_model, shortened
 from physagent_jax.core.strict import Strict
 from physagent_jax.scene.config.common import Degrees, SignedAxis
+from physagent_jax.scene.priors import find_kind
 
 
 class ObjectCard(Strict):
@@ -36,10 +37,13 @@ def load_card(object_path: str | Path) -> ObjectCard:
     """The card beside an object file; an empty one if there is none.
 
     Raises:
-        UserError: The card is not valid.
+        UserError: The card is not valid, or names a kind that is not known.
     """
     path = Path(object_path)
     path = path.with_name(path.name.removesuffix(path.suffix) + ".card.json")
     if not os.path.lexists(path):
         return ObjectCard()
-    return read_model(path, ObjectCard, what="the object card")
+    card = read_model(path, ObjectCard, what="the object card")
+    if card.kind is None:
+        return card
+    return card.model_copy(update=dict(kind=find_kind(card.kind, f"`kind` of {shortened(path)}")))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 from scipy import ndimage
@@ -20,6 +21,8 @@ WALL_DEPTH = 2.0  # cells from outside up to which cells are outer ones
 INSIDE_JITTER = 0.35  # half width of the random offset, in strata
 WALL_JITTER = 0.15  # less near the surface, so that particles do not stick out
 MAX_CELLS = 512  # along the longest side
+MOST_CELLS = 64_000_000  # in all: about 4 GB
+MOST_PLACES = 100_000_000  # about 2 GB
 
 
 @dataclasses.dataclass(frozen=True)
@@ -82,10 +85,11 @@ def fill(cloud: GaussianCloud, config: Filling, *, dx: float) -> Particles:
         The particles. Same input and seed, same bytes.
 
     Raises:
-        UserError: There are no Gaussians, or centres that are not finite, or all coincide.
+        UserError: There are no Gaussians, or centres that are not finite, or all coincide; or the grid is too large.
     """
     means = np.asarray(cloud.means, np.float64)
     grid = CellGrid.around(means, _spacing(means, config, dx))
+    _check_cells(grid, config)
     cells = grid.cells(means)
     wall, search = _walls(cloud, config, grid, cells)
     inside = np.zeros_like(wall)
@@ -120,6 +124,21 @@ def _spacing(means: np.ndarray, config: Filling, dx: float) -> float:
     return float(np.clip(0.5 * dx, longest / MAX_CELLS, longest / 4))
 
 
+def _check_cells(grid: CellGrid, config: Filling) -> None:
+    """Refuses a grid that takes too much memory, before any is taken.
+
+    Raises:
+        UserError: There are too many cells, or places for particles in them.
+    """
+    cells = math.prod(grid.shape)
+    fewer = "Use fewer `filling.cells`" if config.cells is not None else "Set `filling.cells`, e.g. to 128"
+    if cells > MOST_CELLS:
+        shape = " x ".join(map(str, grid.shape))
+        raise UserError(
+            "filling the object takes too many cells", got=f"{shape}, at most {MOST_CELLS:,} in all", do=fewer
+        )
+
+
 def _walls(cloud, config: Filling, grid: CellGrid, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Cells that hold matter, and cells that stop a search ray."""
     density = overlap_density(cloud, grid)
@@ -139,6 +158,12 @@ def _added_points(grid: CellGrid, depth, present, config: Filling) -> np.ndarray
     lack = np.where(depth > 0, np.maximum(wanted - present, 0), 0)
     cells = np.argwhere(lack > 0)
     strata = int(np.ceil(wanted ** (1 / 3) - 1e-9))
+    if len(cells) * strata**3 > MOST_PLACES:
+        raise UserError(
+            "filling the object takes too many places for particles",
+            got=f"{len(cells):,} cells of {strata**3}, at most {MOST_PLACES:,} in all",
+            do="Use fewer `filling.particles_per_cell` or `filling.cells`",
+        )
     # Each cell's first ``lack`` strata in a random order of its own.
     order = np.argsort(rng.random((len(cells), strata**3)), axis=1, kind="stable")
     taken = np.arange(strata**3) < lack[tuple(cells.T)][:, None]

@@ -17,6 +17,7 @@ import re
 from collections.abc import Mapping
 from typing import Literal
 
+from physagent_jax.core.names import unknown_name
 from physagent_jax.scene.config import Anchor, Material, MaterialModel
 
 UNKNOWN = "object"
@@ -177,6 +178,26 @@ PRIORS: dict[str, Prior] = {
         "nothing is known of the object: PhysGaussian's default density, a stiffness chosen for visible motion",
     ),
 }  # fmt: skip
+
+
+def find_kind(name: str, what: str = "the kind") -> str:
+    """The kind of that name, or the one that it is a word of ("ficus" -> "plant"); case does not matter.
+
+    Args:
+        name: A key of `PRIORS`, or one of their words.
+        what: Who says so, for the message.
+
+    Raises:
+        UserError: There is none; names those that come close.
+    """
+    key = name.strip().lower()
+    by_word = {word: kind for kind, prior in PRIORS.items() for word in (*prior.words, kind)} | {
+        kind: kind for kind in PRIORS
+    }
+    for word in (key, key.removesuffix("s"), key.removesuffix("es")):
+        if word in by_word:
+            return by_word[word]
+    raise unknown_name(what, name, by_word, do=f"Kinds: {', '.join(PRIORS)}")
 
 
 def guess_kind(name: str) -> str:

@@ -8,6 +8,7 @@ solid the distance is that to its inner faces.
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,11 @@ from physagent_jax.scene.mesh_files import read_mesh
 
 MARGIN = 3  # cells around the mesh
 BAND = 2.5  # cells to either side of the surface within which distances are exact
-_MOST_SAMPLES = 50_000_000
+# What a mesh may cost, about a minute and 4 GB each.
+_MOST_SAMPLES = 20_000_000
+_MOST_PIECES = 20_000_000
+_MOST_PAIRS = 1_000_000_000  # of lines or samples and the triangles near them
+_FARTHEST = 1e9  # cells from the origin: float64 still places the surface to 1e-6 of a cell
 _PAIRS = 2_000_000  # of points and triangles at once
 # Vertical lines pass a little beside the samples, so as to miss vertices and edges that lie on them. The shift
 # is far less than the distance at which a node counts as in contact.
@@ -79,28 +84,64 @@ def sample(
         UserError: No part of the surface lies there, or it takes too many samples.
     """
     corners = triangles.reshape(-1, 3)
-    first = np.floor(np.maximum(corners.min(0), low) / spacing).astype(int) - MARGIN
-    last = np.ceil(np.minimum(corners.max(0), high) / spacing).astype(int) + MARGIN
-    shape = last - first + 1
-    span = f"{corners.min(0).round(3).tolist()} to {corners.max(0).round(3).tolist()} m"
-    if (shape > 0).all() and shape.astype(float).prod() > _MOST_SAMPLES:
-        raise UserError(
-            f"`{place}`: the mesh spans too many grid cells to be sampled",
-            got=f"{' x '.join(map(str, shape))} cells, from {span}",
-            do="Reduce its `scale`, or use fewer `domain.cells`",
-        )
-    pieces = _split(triangles, spacing, spacing * first, spacing * last)
+    least, greatest = corners.min(0), corners.max(0)
+    span = f"{_rounded(least)} to {_rounded(greatest)} m"
+    first = np.floor(np.maximum(least, low) / spacing) - MARGIN  # floats: they may be beyond any integer
+    last = np.ceil(np.minimum(greatest, high) / spacing) + MARGIN
+    pieces = np.zeros((0, 3, 3))
+    if (last >= first).all():
+        _check_cost(triangles, spacing, first, last, place, span)
+        first, last = first.astype(int), last.astype(int)
+        pieces = _split(triangles, spacing, spacing * first, spacing * last)
     if len(pieces) == 0:
         raise UserError(
             f"`{place}`: no part of the mesh's surface is in the domain",
             got=f"it spans {span}",
             do="Check its `scale` and `position`",
         )
+    shape = last - first + 1
     axes = [spacing * np.arange(a, b + 1) for a, b in zip(first, last)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    distance = _distance(points.reshape(-1, 3), pieces, spacing).reshape(shape)
+    distance = _distance(points.reshape(-1, 3), pieces, spacing, place).reshape(shape)
     inside = winding_number(triangles, axes) != 0
+    if not inside.any():
+        warnings.warn(f"`{place}`: no grid node lies in the mesh, which stops nothing there", stacklevel=2)
     return np.where(inside, -distance, distance), spacing * first
+
+
+def _check_cost(
+    triangles: np.ndarray, spacing: float, first: np.ndarray, last: np.ndarray, place: str, span: str
+) -> None:
+    """Refuses what takes too many samples, pieces or crossings, or lies too far away, before any are made.
+
+    Raises:
+        UserError: It does; tells how many there would be.
+    """
+    with np.errstate(over="ignore"):  # what overflows is too many
+        shape = last - first + 1
+        box = spacing * np.stack([first, last])
+        low, high = (np.clip(corner, *box) for corner in (triangles.min(1), triangles.max(1)))
+        reaches = ((triangles.max(1) >= box[0]) & (triangles.min(1) <= box[1])).all(1)
+        sides = np.sort((high - low)[reaches] / spacing, axis=1)
+        areas = trimesh.triangles.area(triangles[reaches]) / spacing**2
+        # Pieces have legs of half a cell to a cell, and lie in the box.
+        counted = {
+            "cells": (shape.prod(), _MOST_SAMPLES),
+            "pieces of surface": ((1 + 8 * np.minimum(areas, sides[:, 1] * sides[:, 2])).sum(), _MOST_PIECES),
+            "crossings": (((high - low)[reaches, :2] / spacing + 1).prod(1).sum(), _MOST_PAIRS),
+            "cells from the origin": (np.abs(triangles).max() / spacing, _FARTHEST),
+        }
+    for what, (count, most) in counted.items():
+        if not count <= most:
+            raise UserError(
+                f"`{place}`: the mesh spans too many grid cells to be sampled",
+                got=f"{count:,.4g} {what}, at most {most:,.4g}; it reaches from {span}",
+                do="Reduce its `scale`, or use fewer `domain.cells`",
+            )
+
+
+def _rounded(point: np.ndarray) -> str:
+    return "[" + ", ".join(f"{c:.4g}" for c in point) + "]"
 
 
 def winding_number(triangles: np.ndarray, axes: list[np.ndarray]) -> np.ndarray:
@@ -146,7 +187,7 @@ def _area(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
 
 
-def _distance(points: np.ndarray, pieces: np.ndarray, spacing: float) -> np.ndarray:
+def _distance(points: np.ndarray, pieces: np.ndarray, spacing: float, place: str) -> np.ndarray:
     """Distances to small triangles [m], shape (n,), exact where they are below `BAND`."""
     centres = pieces.mean(1)
     radius = float(np.linalg.norm(pieces - centres[:, None], axis=2).max())
@@ -161,6 +202,12 @@ def _distance(points: np.ndarray, pieces: np.ndarray, spacing: float) -> np.ndar
     counts = tree.query_ball_point(
         points[near], to_centre[near] + radius + 1e-9 * spacing, return_length=True
     )
+    if (pairs := int(np.sum(counts))) > _MOST_PAIRS:
+        raise UserError(
+            f"`{place}`: the mesh is too fine for the grid",
+            got=f"{len(pieces):,} pieces of surface, {pairs:,} distances",
+            do="Simplify the mesh, or enlarge its `scale`",
+        )
     for part in _chunks(np.asarray(counts)):
         at = near[part]
         lists = tree.query_ball_point(points[at], to_centre[at] + radius + 1e-9 * spacing)

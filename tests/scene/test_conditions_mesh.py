@@ -199,3 +199,51 @@ def test_a_mesh_is_sampled_once_until_its_file_changes(ball_path, monkeypatch):
     monkeypatch.undo()
     trimesh.creation.box((1, 1, 1)).export(ball_path)
     assert compiled(ball_path, scale=0.2, position=[0.5, 0.5, 0.5]).values.shape != first.values.shape
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"scale": 1e9}, "no part|too many"),
+        ({"scale": 1e9, "velocity": [1, 0, 0]}, "cells, at most"),
+        ({"scale": 1e9, "position": [1e6, 1e6, 1e6]}, "cells from the origin"),
+        ({"scale": 1e7, "position": [0.5, 0.5, 1e6]}, "no part|too many"),
+        ({"scale": 1e30}, "scale"),
+        ({"scale": 1e-300}, "scale"),
+    ],
+)
+def test_absurd_scales_are_refused_before_any_work(options, message, tmp_path):
+    """One large triangle through the domain; the pieces that it would be cut into are counted, not made."""
+    trimesh.creation.box((2, 2, 2)).export(tmp_path / "box.obj")
+    with pytest.raises(UserError, match=message):
+        compiled(tmp_path / "box.obj", **options)
+
+
+def test_a_ground_as_large_as_a_country_costs_what_the_domain_holds(tmp_path):
+    trimesh.creation.box((2, 2, 2)).export(tmp_path / "box.obj")
+    obstacle = compiled(tmp_path / "box.obj", scale=5e5, position=[0, 0, 0.3 - 5e5], cells=16)
+    points, phi = samples(obstacle)
+    near = ((points >= 0) & (points <= 1)).all(1) & (np.abs(points[:, 2] - 0.3) < BAND / 16)
+    np.testing.assert_allclose(phi[near], points[near, 2] - 0.3, atol=1e-6)
+
+
+def test_a_mesh_between_the_nodes_is_said_to_do_nothing(ball_path):
+    with pytest.warns(UserWarning, match=r"boundaries\[0\].*stops nothing"):
+        compiled(ball_path, scale=0.01, position=[0.515, 0.515, 0.515])
+
+
+def test_many_large_faces_are_counted_before_they_are_cut(monkeypatch):
+    shells = [np.asarray(trimesh.creation.box([9.0 + k] * 3).triangles) for k in range(3)]
+    monkeypatch.setattr("physagent_jax.scene.signed_distance._split", None)  # would fail if called
+    flat = np.concatenate(shells) * [1, 1, 1e-3] + 0.5
+    with pytest.raises(UserError, match="pieces of surface, at most"):
+        sample(np.repeat(flat, 20, axis=0), 1 / 256, 0.0, 1.0, "mesh")
+
+
+def test_a_mesh_of_coordinates_beyond_any_integer_is_refused():
+    triangles = np.asarray(trimesh.creation.box((1, 1, 1)).triangles)
+    for scale in (1e21, 1e100, 1e300):
+        with pytest.raises(UserError, match="too many|no part"):
+            sample(triangles * scale, 0.05, 0.0, 1.0, "mesh")
+        with pytest.raises(UserError, match="too many|no part"):
+            sample(triangles * scale, 0.05, -np.inf, np.inf, "mesh")

@@ -280,3 +280,15 @@ def encloses(triangles, points):
         height = u * a[:, 2] + v * b[:, 2] + (1 - u - v) * c[:, 2]
         crossed = (u > 0) & (v > 0) & (u + v < 1) & (height > p[:, 2])
     return np.bincount(point, crossed, len(points)) % 2 == 1
+
+
+def test_grids_beyond_memory_are_refused_before_they_are_made(monkeypatch):
+    monkeypatch.setattr("physagent_jax.scene.filling.overlap_density", None)  # would fail if called
+    with pytest.raises(UserError, match="too many cells.*517 x 517 x 517.*filling.cells"):
+        fill(cloud_of(np.array([[0.0, 0, 0], [1, 1, 1]])), Filling(cells=512), dx=0.1)
+
+
+def test_places_for_particles_are_counted_before_they_are_made(monkeypatch):
+    monkeypatch.setattr("physagent_jax.scene.filling.MOST_PLACES", 1000)
+    with pytest.raises(UserError, match="particles_per_cell"):
+        fill(box_shell((1, 1, 1), 2000), Filling(cells=24, particles_per_cell=64), dx=0.1)

@@ -60,11 +60,8 @@ MODEL_PARAMETERS: Mapping[MaterialModel, Mapping[str, Any]] = {
     MaterialModel.STATIONARY: {},
 }
 OPTIONAL_PARAMETERS = tuple(dict.fromkeys(name for each in MODEL_PARAMETERS.values() for name in each))
-ELASTIC_MODELS = frozenset(MaterialModel) - {
-    MaterialModel.FLUID,
-    MaterialModel.RIGID,
-    MaterialModel.STATIONARY,
-}
+WITHOUT_STRESS = frozenset({MaterialModel.RIGID, MaterialModel.STATIONARY})
+ELASTIC_MODELS = frozenset(MaterialModel) - {MaterialModel.FLUID} - WITHOUT_STRESS
 """Models whose stress depends on E and nu."""
 
 _GENERAL_DEFAULTS = {

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.names import nearest
 from physagent_jax.scene.materials.entry import NamedMaterial
 from physagent_jax.scene.materials.granular import GRANULAR
 from physagent_jax.scene.materials.hard import HARD
@@ -26,11 +26,11 @@ def find_material(name: str) -> NamedMaterial:
     found = LIBRARY.get(key) or _BY_ALIAS.get(key)
     if found is not None:
         return found
-    close = difflib.get_close_matches(key, [*LIBRARY, *_BY_ALIAS], n=4, cutoff=0.5)
+    close = nearest(key, [*LIBRARY, *_BY_ALIAS], count=4)
     close += [known for known in (*LIBRARY, *_BY_ALIAS) if key and key in known and known not in close]
     hint = f"Close: {', '.join(close[:6])}. " if close else ""
     raise UserError(
         "there is no such material in the library",
-        got=repr(name),
+        got=repr(name)[:80],
         do=f"{hint}`physagent materials` lists them",
     )

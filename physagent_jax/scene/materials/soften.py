@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.scene.config.material import Material, MaterialModel
+from physagent_jax.scene.config.material import WITHOUT_STRESS, Material, MaterialModel
 from physagent_jax.scene.materials.cost import stiffness, substeps
 
 _SCALED = ("yield_stress", "hardening_modulus", "softening_modulus", "plastic_viscosity", "bulk_modulus")
@@ -34,6 +34,10 @@ def softened(material: Material, factor: float) -> Material:
         )
     if factor == 1:
         return material
+    if material.model in WITHOUT_STRESS:
+        raise UserError(
+            f"a {material.model} body has no stiffness that could be softened", do="Choose another material"
+        )
     soft = _scaled(material, 1 / factor)
     return soft.changed(
         reason=f"{_join(material.reason)}{factor:g} times as soft, with the same strains at yield"
