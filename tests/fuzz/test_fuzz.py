@@ -27,7 +27,7 @@ def test_there_are_enough_cases():
     assert sum(each.usual for each in CLASSES.values()) >= 3000
 
 
-@pytest.mark.parametrize(("name", "indices"), _chunks())
+@pytest.mark.parametrize(("name", "indices"), list(_chunks()))
 def test_accepted_and_finite_or_refused_in_one_line(name, indices):
     results = [(index, *examine(name, SEED, index)) for index in indices]
     failed = [

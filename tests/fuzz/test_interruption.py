@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import sys
 import time
 
 import pytest
@@ -22,7 +21,6 @@ from tests.fuzz.processes import (
     RUN,
     children_of_session,
     ended,
-    environment,
     run,
     said,
     same,
@@ -213,26 +211,33 @@ def test_files_that_may_not_grow_are_told_in_one_line(base, tmp_path):
     whole(tmp_path / "run")
 
 
+@pytest.fixture
+def writable_again(tmp_path):
+    """Gives back what "readonly" has taken, when it is called with the folder."""
+    taken = tmp_path / "taken"
+    taken.mkdir()
+    if os.geteuid() == 0:
+        if subprocess.run(["mount", "--bind", taken, taken], capture_output=True).returncode:
+            pytest.skip("no right to mount a file system")
+        subprocess.run(["umount", taken], check=True)
+
+    def mend():
+        if os.geteuid() == 0:
+            subprocess.run(["umount", taken], capture_output=True)
+        for folder, _, _ in os.walk(taken):
+            os.chmod(folder, 0o700)
+
+    yield taken, mend
+    mend()
+
+
 @pytest.mark.slow
-def test_permissions_lost_on_the_way_are_told_in_one_line(base, tmp_path):
-    out = tmp_path / "shared" / "run"
-    out.parent.mkdir()
-    options = {}
-    if os.geteuid() == 0:  # whom no permission holds
-        for folder in (out.parent, *out.parents[:4]):
-            os.chmod(folder, 0o777)
-        subprocess.run(["chmod", "-R", "a+rwX", str(base)], check=True)
-        options = {"user": 65534, "group": 65534, "extra_groups": []}
-        reachable = subprocess.run(
-            [sys.executable, "-c", "import physagent_jax"], cwd=base, env=environment(base), **options
-        )
-        if reachable.returncode:
-            pytest.skip("another user cannot read this checkout")
-    code, errors = run(base, out, what="readonly", at=2, **options)
+def test_permissions_lost_on_the_way_are_told_in_one_line(base, writable_again):
+    out, mend = writable_again
+    code, errors = run(base, out, what="readonly", at=3)
     assert code == 2, errors
     assert len(said(errors)) == 1
-    for folder, _, _ in os.walk(out):
-        os.chmod(folder, 0o777)
-    code, errors = run(base, out, **options)
+    mend()
+    code, errors = run(base, out)
     assert code == 0, errors
     same(out, base / "undisturbed")

@@ -55,10 +55,12 @@ FINE = (
 )  # fmt: skip
 LINK, FIFO, FOLDER, EARLIER, NOTES = "link.ply", "pipe.json", "folder", "earlier", "earlier/notes.txt"
 PATHS = (
-    "", ".", "/", "..", "~", "x" * 5000, "a/" * 2000, "b\udcff\udcfe.json", "missing", "/dev/zero",
+    "", ".", "/", "..", "~", "x" * 5000, "a/" * 2000, "b\udcff\udcfe.ply", "missing", "/dev/zero",
     "/dev/null", "/dev/full", "/proc/self/mem", LINK, FIFO, FOLDER, seeds.OBJECT, "nul\0byte", scenes.SCENE,
     "ü.ply", EARLIER, "-", "--out",
 )  # fmt: skip
+# Where nothing is yet: to write there is right.
+NEW = ("missing", "ü.ply", "b\udcff\udcfe.ply", "-", "~", "--out")
 
 
 class Begun(BaseException):
@@ -114,12 +116,10 @@ def _path(draw: Draw) -> Case:
         _run(prompt=path),
     )  # fmt: skip
     arguments = draw.one(commands)
-    mine = (
-        [path] if path in ("missing", "ü.ply") else []
-    )  # names at which nothing is yet: to write there is right
+    mine = [path, str(Path(path).with_suffix(".card.json"))] if path in NEW else []
     if arguments == ["report", path] and path in ("", "."):
         mine.append("report.html")  # a folder that holds a scene is a run
-    return _case(arguments, own=(*mine, "ü.card.json", "missing.card.json"))
+    return _case(arguments, own=tuple(mine))
 
 
 def _scene(draw: Draw) -> Case:
