@@ -13,6 +13,7 @@ from pathlib import Path
 from physagent_jax.core.errors import UserError
 
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+_MOST_FOLDERS = 64
 _MARK = "[0-9a-f]{8}"  # tells temporary names from those of users
 
 
@@ -30,7 +31,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     path = Path(path)
     temporary = path.with_name(f".{path.stem}.{uuid.uuid4().hex[:8]}{path.suffix}")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folders(path.parent)
         yield temporary
         os.replace(temporary, path)
     except OSError as error:
@@ -38,6 +39,27 @@ def replacing(path: str | Path) -> Iterator[Path]:
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
+
+
+def make_folders(folder: Path) -> list[Path]:
+    """Makes a folder and its parents; returns those that were not there, outermost first.
+
+    Raises:
+        UserError: They are more than `_MOST_FOLDERS`: a mistake, which would be hard to clear away.
+        OSError: The system refuses.
+    """
+    missing, place = [], folder
+    while not place.exists():
+        missing.insert(0, place)
+        place = place.parent
+        if len(missing) > _MOST_FOLDERS:
+            raise UserError(
+                f"cannot write to {folder.as_posix()[:80]}...: more than {_MOST_FOLDERS} folders would have to be made",
+                do="Choose a shorter path",
+            )
+    for place in missing:
+        place.mkdir(exist_ok=True)
+    return missing
 
 
 def cannot_write(path: str | Path, error: OSError) -> UserError:

@@ -166,6 +166,8 @@ class _Bound:
         inside, axis = self._mask, np.asarray(self._timed.vector)
         height, volume = self._rest[inside] @ axis, self._volume[inside].astype(np.float64)
         extent = np.ptp(self._rest, axis=0).max()
+        if extent == 0:  # all particles in one place
+            return 1.0
         side = np.sign(height - np.average(height, weights=volume))
         pull = volume * (side - np.average(side, weights=volume))
         stress = []

@@ -8,7 +8,7 @@ import warnings
 from pathlib import Path
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.files import cannot_write, check_writable
+from physagent_jax.core.files import cannot_write, check_writable, make_folders
 
 try:
     import fcntl
@@ -50,12 +50,10 @@ class FolderLock:
 
 def _make(folder: Path) -> list[Path]:
     """Makes a folder and its parents; returns those that were not there, outermost first."""
-    missing = [place for place in (folder, *folder.parents) if not place.exists()]
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        return make_folders(folder)
     except OSError as error:
         raise cannot_write(folder, error) from error
-    return missing[::-1]
 
 
 def _hold(folder: Path) -> int | None:

@@ -255,3 +255,11 @@ def test_new_files_are_all_written_or_none(tmp_path):
     assert (ply.read_bytes(), card.read_bytes()) == (b"ply", b"card")
     with pytest.raises(UserError, match="it is a folder"):
         write_new({tmp_path: b""}, overwrite=True)
+
+
+def test_a_path_of_thousands_of_folders_is_refused(tmp_path):
+    path = tmp_path.joinpath(*["a"] * 1500)
+    for write in (lambda: write_text(path / "x.json", ""), lambda: make(path, "one")):
+        with pytest.raises(UserError, match="more than 64 folders"):
+            write()
+    assert not list(tmp_path.iterdir())
