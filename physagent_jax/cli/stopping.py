@@ -54,7 +54,7 @@ def _ask(number: int, _) -> None:
     global _asked
     if _asked is None:
         _asked = signal.Signals(number)
-        os.write(2, b"physagent: stopping at the next frame; once more to stop at once\n")
+        os.write(2, b"stopping at the next frame; once more to stop at once\n")
     else:
         signal.signal(number, signal.SIG_DFL)
         os.kill(os.getpid(), number)
