@@ -69,7 +69,7 @@ def _check_particles(model: Model, state: State) -> None:
     extreme = (J < 1 / EXTREME) | (J > EXTREME)
     if extreme.any():
         warnings.warn(
-            f"{extreme.sum()} of {len(J)} particles start with more than {EXTREME:g} times their volume, or less than its inverse "
+            f"{extreme.sum()} of {len(J)} particles start with a volume changed by more than {EXTREME:g} times "
             f"(det F from {J.min():.3g} to {J.max():.3g}): is `state.F` meant so?",
             UserWarning,
             stacklevel=4,
