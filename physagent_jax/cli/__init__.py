@@ -7,6 +7,7 @@ import sys
 from contextlib import nullcontext
 
 from physagent_jax.cli.stopping import Stopped, stoppable
+from physagent_jax.cli.text import accept_text
 from physagent_jax.core.errors import UserError
 
 _LONGEST = 4096  # bytes of an argument: as long as a path may be on Linux, and more than a sentence needs
@@ -39,6 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _execute(arguments: list[str], simulates: bool) -> int:
+    accept_text(arguments)
     _check(arguments)
     if _computes(arguments):
         from physagent_jax.cli import environment

@@ -43,6 +43,8 @@ class Make:
             raise UserError(
                 "`--out` must name a .ply file", got=f"{str(self.out)!r}", do="Pass --out object.ply"
             )
+        if not 0 <= self.seed < 2**32:
+            raise UserError("`--seed` must be at least 0 and below 2^32", got=self.seed)
         ply = io.BytesIO()
         write_ply(ply, PROCEDURAL[self.what](self.seed))
         card = ObjectCard(name=self.what, kind=guess_kind(self.what), up="+z")

@@ -32,7 +32,7 @@ class Materials:
         chosen = list(LIBRARY.values()) if self.name is None else [find_material(self.name)]
         if self.json_line:
             entries = [_as_json(each) for each in chosen]
-            print(json.dumps(entries if self.name is None else entries[0], indent=2, ensure_ascii=False))
+            print(json.dumps(entries if self.name is None else entries[0], indent=2))
         elif self.name is None:
             _print_table(chosen)
         else:

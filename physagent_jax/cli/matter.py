@@ -46,6 +46,10 @@ def chosen_material(command: Run, kind: str, preset: Preset, warnings: list[str]
 
 def _base(command: Run, kind: str, warnings: list[str]) -> Material:
     if command.physgm is not None:
+        if command.material is not None:
+            raise UserError(
+                "`--physgm` and `--material` both say what the object is made of", do="Pass one of them"
+            )
         material, notes = import_physgm(
             read_json(command.physgm, what="PhysGM's prediction"), warn_of_cost=False
         )

@@ -79,7 +79,9 @@ def make_request(command: Run, command_line: str) -> Request:
             ledger=command.ledger,
         )
     except ValidationError as error:
-        raise validation_message(error, "command line") from None
+        raise validation_message(
+            error, "command line", do="`physagent run --help` lists the options"
+        ) from None
     inputs = {"object": sha256, "settings": settings_hash(_settings(command, ingredients))}
     manifest = make_manifest(command=command_line, prompt=command.prompt, seed=command.seed, inputs=inputs)
     if command.up is None and card.up is None:
@@ -134,10 +136,6 @@ def check_options(command: Run) -> None:
         if command.anchor_mask is None:
             raise UserError("`--anchor mask` needs a mask", do="Pass --anchor-mask mask.npy")
         check_regular(command.anchor_mask, most=MASK_BYTES, what="the anchor mask")
-    if command.physgm is not None and command.material is not None:
-        raise UserError(
-            "`--physgm` and `--material` both say what the object is made of", do="Pass one of them"
-        )
 
 
 def _anchor(command: Run, kind: str, asked: Held = None, words: str = "") -> Anchor:
@@ -200,4 +198,6 @@ def _validated(model, changes: dict):
     try:
         return type(model).model_validate({**model.model_dump(), **changes})
     except ValidationError as error:
-        raise validation_message(error, "command line") from None
+        raise validation_message(
+            error, "command line", do="`physagent run --help` lists the options"
+        ) from None

@@ -138,8 +138,11 @@ def read_scene(path: Path, object_path: Path | None):
     """
     from physagent_jax.core.reading import read_json
     from physagent_jax.scene.config import parse_scene
+    from physagent_jax.scene.load import check_object
     from physagent_jax.scene.physgaussian import is_physgaussian
 
+    if object_path is not None:
+        check_object(object_path)
     data = read_json(path, what="the scene file")
     if not isinstance(data, dict) or not is_physgaussian(data):
         scene = parse_scene(data, origin=str(path))

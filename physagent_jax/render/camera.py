@@ -8,6 +8,7 @@ import math
 import jax
 import numpy as np
 
+from physagent_jax.core.errors import UserError
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.core.strict import LARGEST
 
@@ -58,23 +59,24 @@ def look_at(eye, target, up, *, fov_degrees: float, width: int, height: int) -> 
         height: Image height [px].
 
     Raises:
-        ValueError: Something is not finite or too large, ``eye`` equals ``target``, ``up`` is parallel to the view, or
-            the field of view is not in (0, 180).
+        UserError: Something is not three finite numbers of some size, ``eye`` equals ``target``, ``up`` is parallel to
+            the view, or the field of view is not in (0, 180).
     """
     eye, target, up = (np.asarray(a, np.float64) for a in (eye, target, up))
-    for name, vector in (("eye", eye), ("target", target), ("up", up)):
-        if not (np.abs(vector) <= LARGEST).all():
-            raise ValueError(f"`{name}` must be finite, at most {LARGEST:g} (got {vector.tolist()})")
+    for name, value in (("eye", eye), ("target", target), ("up", up)):
+        if value.shape != (3,) or not (np.abs(value) <= LARGEST).all():
+            what = f"the camera's `{name}` must be three finite numbers of at most {LARGEST:g}"
+            raise UserError(what, got=value.tolist())
     if not 0 < fov_degrees < 180:
-        raise ValueError(f"`fov_degrees` must lie between 0 and 180 (got {fov_degrees})")
+        raise UserError("the camera's `fov_degrees` must lie between 0 and 180", got=fov_degrees)
     forward = target - eye
     if np.linalg.norm(forward) < 1e-12:
-        raise ValueError(f"`eye` and `target` coincide (got {eye.tolist()}); move one of them")
+        raise UserError("the camera's `eye` and `target` coincide", got=eye.tolist(), do="Move one of them")
     forward = forward / np.linalg.norm(forward)
     right = np.cross(forward, up)
     if np.linalg.norm(right) <= 1e-9 * np.linalg.norm(up):
-        raise ValueError(
-            f"`up` is parallel to the viewing direction (got {up.tolist()}); choose another `up`"
+        raise UserError(
+            "the camera's `up` is parallel to the viewing direction", got=up.tolist(), do="Choose another"
         )
     right = right / np.linalg.norm(right)
     down = np.cross(forward, right)

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import parse_model, read_json
+from physagent_jax.core.reading import parse_model, read_json, shortened
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.run.store import PROBE
@@ -102,6 +102,8 @@ def load_run(folder: str | Path) -> Run:
         UserError: The folder does not exist or holds nothing of a run.
     """
     folder = Path(folder)
+    if not os.path.isdir(folder):  # False too where the system cannot take the name
+        raise UserError(f"{shortened(folder)} is not a run folder", got="no folder", do="Check the path")
     reader = _Reader(folder)
     manifest = reader.model("manifest.json", Manifest)
     semantic = reader.model("semantic.json", SemanticReply)

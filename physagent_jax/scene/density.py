@@ -80,7 +80,7 @@ def overlap_density(cloud: GaussianCloud, grid: CellGrid) -> np.ndarray:
             counts = (q <= REACH**2) & ((cells >= 0) & (cells < grid.shape)).all(axis=-1)
             weight = (opacities[part][:, None] * np.exp(-0.5 * q))[counts]
             flat = np.ravel_multi_index(tuple(cells[counts].T), grid.shape)
-            if len(flat) < len(density) // 8:  # few Gaussians have this footprint: leave the grid alone
+            if flat.size < density.size // 8:  # few Gaussians have this footprint: leave the grid alone
                 np.add.at(density, flat, weight)
             else:
                 density += np.bincount(flat, weight, len(density))

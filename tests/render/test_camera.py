@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from physagent_jax.core.errors import UserError
 from physagent_jax.render import look_at
 
 USUAL = dict(eye=(0.0, -3.0, 0.5), target=(0.0, 0.0, 0.0), up=(0.0, 0.0, 1.0), fov_degrees=40.0)
@@ -25,7 +26,7 @@ USUAL = dict(eye=(0.0, -3.0, 0.5), target=(0.0, 0.0, 0.0), up=(0.0, 0.0, 1.0), f
     ],
 )
 def test_cameras_without_a_picture(changes, fragment):
-    with pytest.raises(ValueError, match=fragment):
+    with pytest.raises(UserError, match=fragment):
         look_at(**{**USUAL, **changes}, width=32, height=32)
 
 

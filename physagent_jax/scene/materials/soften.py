@@ -9,7 +9,10 @@ from __future__ import annotations
 
 import math
 
+from pydantic import ValidationError
+
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import validation_message
 from physagent_jax.scene.config.material import WITHOUT_STRESS, Material, MaterialModel
 from physagent_jax.scene.materials.cost import stiffness, substeps
 
@@ -26,7 +29,7 @@ def softened(material: Material, factor: float) -> Material:
     weight, not over stiffness.
 
     Raises:
-        UserError: ``factor`` is below 1 or not finite.
+        UserError: ``factor`` is below 1, not finite or beyond sense, or there is nothing to soften.
     """
     if not (math.isfinite(factor) and factor >= 1):
         raise UserError(
@@ -38,7 +41,10 @@ def softened(material: Material, factor: float) -> Material:
         raise UserError(
             f"a {material.model} body has no stiffness that could be softened", do="Choose another material"
         )
-    soft = _scaled(material, 1 / factor)
+    try:
+        soft = _scaled(material, 1 / factor)
+    except ValidationError as error:
+        raise validation_message(error, "the softened material", do="Soften it less") from None
     return soft.changed(
         reason=f"{_join(material.reason)}{factor:g} times as soft, with the same strains at yield"
     )

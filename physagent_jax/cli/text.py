@@ -1,0 +1,63 @@
+"""Text in and out of the terminal, whatever its encoding."""
+
+from __future__ import annotations
+
+import codecs
+import io
+import sys
+import unicodedata
+from collections.abc import Sequence
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import shortened
+
+_HANDLER = "physagent.stand_in"  # how Python calls what replaces characters that an encoding lacks
+_STAND_INS = {
+    "·": "-", "✓": "+", "✗": "x", "…": "...", "×": "x", "–": "-", "—": "-", "‘": "'", "’": "'", "“": '"', "”": '"',
+    "°": " degrees", "²": "^2", "³": "^3", "µ": "u", "ν": "nu", "ρ": "rho", "→": "->", "≤": "<=", "≥": ">=", "•": "*",
+    "─": "-", "━": "-", "│": "|", "┃": "|",
+}  # fmt: skip
+
+
+def accept_text(arguments: Sequence[str]) -> None:
+    """Makes standard output and error take any character, and refuses arguments that are no text.
+
+    A terminal in plain ASCII gets stand-ins: `x` for a cross, `^3` for a cube, an escape for what has none.
+
+    Args:
+        arguments: The command line.
+
+    Raises:
+        UserError: An argument holds bytes that are no text in the terminal's encoding.
+    """
+    codecs.register_error(_HANDLER, _stand_in)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors=_HANDLER)
+    for argument in arguments:
+        try:
+            argument.encode("utf-8")
+        except UnicodeEncodeError:  # Python keeps such bytes as halves of characters
+            raise UserError(
+                "the command line holds bytes that are no text in this terminal's encoding",
+                got=shortened(ascii(argument), 80),
+                do="Type it anew, use other file names, or set a UTF-8 locale (`export LC_ALL=C.UTF-8`)",
+            ) from None
+
+
+def _stand_in(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    lacking = error.object[error.start : error.end]
+    return "".join(map(_ascii, lacking)), error.end
+
+
+def _ascii(character: str) -> str:
+    if character in _STAND_INS:
+        return _STAND_INS[character]
+    if unicodedata.name(character, "").startswith("BOX DRAWINGS"):
+        return "+"
+    plain = (
+        unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
+    )  # an e for an accented one
+    return plain or ascii(character)[1:-1]
