@@ -14,6 +14,7 @@ import threading
 import time
 import traceback
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -104,7 +105,9 @@ def again(name: str, seed: int, index: int) -> str:
 
 def examine(name: str, seed: int, index: int) -> tuple[str, Result]:
     """Makes a case and runs it in a folder of its own; what it is, and what became of it."""
-    case = named(name).case(seed, index)
+    each = named(name)
+    each.warm_up()
+    case = each.case(seed, index)
     with tempfile.TemporaryDirectory(prefix="fuzz-", ignore_cleanup_errors=True) as folder:
         return case.what, check(case, Path(folder))
 
@@ -167,11 +170,9 @@ def run(names: list[str], cases: int, seed: int, jobs: int) -> Tally:
         if worker is not None:
             worker.end()
 
-    threads = [threading.Thread(target=serve) for _ in range(jobs)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
+    with ThreadPoolExecutor(jobs) as pool:
+        for served in [pool.submit(serve) for _ in range(jobs)]:
+            served.result()
     tally.failures.sort(key=lambda failure: (failure["class"], failure["index"]))
     return tally
 

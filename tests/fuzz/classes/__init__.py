@@ -9,6 +9,8 @@ from collections.abc import Callable
 from tests.fuzz.contract import Case
 from tests.fuzz.drawing import Draw
 
+_warm: set[str] = set()
+
 
 @dataclasses.dataclass(frozen=True)
 class FuzzClass:
@@ -24,8 +26,17 @@ class FuzzClass:
 
     def case(self, seed: int, index: int) -> Case:
         """The case of that number: the same for the same seed."""
-        make: Callable[[Draw], Case] = importlib.import_module(f"{__name__}.{self.name}").make
+        make: Callable[[Draw], Case] = self._module().make
         return make(Draw(seed, self.name, index))
+
+    def warm_up(self) -> None:
+        """Once per process: what would otherwise be compiled on the time of the first case."""
+        if self.name not in _warm:
+            _warm.add(self.name)
+            getattr(self._module(), "warm_up", lambda: None)()
+
+    def _module(self):
+        return importlib.import_module(f"{__name__}.{self.name}")
 
 
 CLASSES = {

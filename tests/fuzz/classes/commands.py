@@ -40,6 +40,7 @@ WRONG = {
     "--up": ("z", "+w", ""), "--opacity-threshold": ("-0.1", "1.5", "nan"),
     "--max-iterations": ("0", "-1", "x"), "--preset": ("slow", ""), "--anchor": ("foot", ""),
     "--physgm": ("missing.json", "/dev/zero", ""), "--anchor-mask": ("missing.npy",),
+    "--max-minutes": ("0", "-1", "nan", "inf"), "--max-memory": ("0", "-1", "nan", "inf"),
 }  # fmt: skip
 # Two options that say the same thing, or of which one has no meaning without the other.
 PAIRS = (
@@ -76,6 +77,8 @@ def make(draw: Draw) -> Case:
     )
     return kind(draw)
 
+
+warm_up = scenes.warm_up
 
 # --- kinds of commands ---------------------------------------------------------------------------------
 
@@ -173,7 +176,7 @@ def _case(
 ) -> Case:
     shown = " ".join(a if len(a) < 60 else f"{a[:20]}...({len(a)})" for a in arguments)
     laid = {
-        **scenes.files(), scenes.SCENE: encoded(_usual_scene()),
+        **scenes.files(), scenes.SCENE: encoded(scenes.usual_scene()),
         "good-physgm.json": b'{"E": 1e6, "nu": 0.3, "material": "Wood"}',
         "physgaussian.json": b'{"n_grid": 20, "grid_lim": 2.0, "frame_num": 3, "g": [0, 0, -9.8], "material": "jelly"}',
         "taken.card.json": b'{"name": "somebody else\'s"}', NOTES: b"precious",
@@ -193,17 +196,6 @@ def _case(
 def _specials(folder: Path) -> None:
     os.symlink("nowhere", folder / LINK)
     os.mkfifo(folder / FIFO)
-
-
-def _usual_scene() -> dict:
-    document = scenes.scene(Draw("the usual scene"))
-    return document | {
-        "forces": [],
-        "constraints": [],
-        "material": {},
-        "boundaries": [{"kind": "domain_box"}],
-        "anchor": {},
-    }
 
 
 class Refused(Exception):

@@ -10,10 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
+from physagent_jax.kernels import use_cpu
+from physagent_jax.mpm import kernels
 from physagent_jax.mpm.checks import check_start
 from physagent_jax.scene.body import Body, body_of
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import SceneConfig, load_scene
+from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
 from tests.fuzz import seeds
 from tests.fuzz.contract import Case
 from tests.fuzz.drawing import RAW, TEXTS, Draw, altered, at, damaged, encoded, of_schema, places
@@ -145,6 +148,23 @@ def files() -> dict[str, bytes]:
     }
 
 
+def warm_up() -> None:
+    """The kernels, and the first scene."""
+    if use_cpu():
+        kernels.compiled()
+    with tempfile.TemporaryDirectory() as folder:
+        for name, content in {SCENE: encoded(usual_scene()), **files()}.items():
+            Path(folder, name).write_bytes(content)
+        compiled(Path(folder))
+
+
+def usual_scene() -> dict:
+    """A scene without anything special."""
+    document = scene(Draw("the usual scene"))
+    plain = {"forces": [], "constraints": [], "material": {}, "material_regions": [], "anchor": {}}
+    return document | plain | {"boundaries": [{"kind": "domain_box"}]}
+
+
 def scene(draw: Draw) -> dict:
     """A valid scene with a choice of everything that a scene may have."""
     forces = [
@@ -205,7 +225,9 @@ def _reaching(draw: Draw, document: dict) -> tuple[str, bytes]:
 def compiled(folder: Path):
     """What a scene file becomes: its model, its state, its camera, as the simulator would begin with them."""
     config = load_scene(folder / SCENE)
-    scene = compile_scene(config, _body(config, folder), folder)
+    body = _body(config, folder)
+    check_cost(estimate_cost(config, body), Limits())
+    scene = compile_scene(config, body, folder)
     timing = config.timing
     check_start(
         scene.model,

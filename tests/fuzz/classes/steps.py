@@ -78,6 +78,11 @@ def make(draw: Draw) -> Case:
     )
 
 
+def warm_up() -> None:
+    """The programs of the usual case."""
+    _simulated(NeoHookean, "auto", [])
+
+
 def _usual(law=NeoHookean, kernels="auto") -> tuple[Model, State]:
     """Eight particles in the middle of the domain that fly a little and are sheared a little."""
 
