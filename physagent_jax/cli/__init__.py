@@ -7,10 +7,8 @@ import sys
 from contextlib import nullcontext
 
 from physagent_jax.cli.stopping import Stopped, stoppable
-from physagent_jax.cli.text import accept_text
+from physagent_jax.cli.text import accept_any_character, check_arguments
 from physagent_jax.core.errors import UserError
-
-_LONGEST = 4096  # bytes of an argument: as long as a path may be on Linux, and more than a sentence needs
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -40,8 +38,8 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _execute(arguments: list[str], simulates: bool) -> int:
-    accept_text(arguments)
-    _check(arguments)
+    accept_any_character()
+    check_arguments(arguments)
     if _computes(arguments):
         from physagent_jax.cli import environment
 
@@ -79,20 +77,6 @@ def _computes(arguments: list[str]) -> bool:
     """Whether a command needs devices and caches; help texts and schemas come whatever state those are in."""
     helped = not arguments or bool({"-h", "--help"} & set(arguments))
     return not helped and arguments[0] not in ("schema", "report")
-
-
-def _check(arguments: list[str]) -> None:
-    """Refuses arguments that no option could mean, and no file could be called (`UserError`)."""
-    for argument in arguments:
-        shown = repr(argument[:40])
-        if not argument or (argument.startswith("--") and argument.endswith("=")):
-            raise UserError("an argument is empty", got=shown, do="Leave the option out, or give it a value")
-        if "\0" in argument:
-            raise UserError("an argument holds a zero byte", got=shown, do="Take it out")
-        if len(os.fsencode(argument)) > _LONGEST:
-            raise UserError(
-                f"an argument is longer than {_LONGEST:,} bytes", got=f"{shown}...", do="Shorten it"
-            )
 
 
 def _as_user_error(error: UserError | OSError | MemoryError) -> UserError:

@@ -1,4 +1,4 @@
-"""Text in and out of the terminal, whatever its encoding."""
+"""Text in and out of the terminal, whatever its encoding, and arguments that no option could mean."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shortened
 
+_LONGEST = 4096  # bytes of an argument: as long as a path may be on Linux, and more than a sentence needs
 _HANDLER = "physagent.stand_in"  # how Python calls what replaces characters that an encoding lacks
 _STAND_INS = {
     "·": "-", "✓": "+", "✗": "x", "…": "...", "×": "x", "–": "-", "—": "-", "‘": "'", "’": "'", "“": '"', "”": '"',
@@ -19,22 +20,31 @@ _STAND_INS = {
 }  # fmt: skip
 
 
-def accept_text(arguments: Sequence[str]) -> None:
-    """Makes standard output and error take any character, and refuses arguments that are no text.
+def accept_any_character() -> None:
+    """Makes standard output and error take any character.
 
     A terminal in plain ASCII gets stand-ins: `x` for a cross, `^3` for a cube, an escape for what has none.
-
-    Args:
-        arguments: The command line.
-
-    Raises:
-        UserError: An argument holds bytes that are no text in the terminal's encoding.
     """
     codecs.register_error(_HANDLER, _stand_in)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors=_HANDLER)
+
+
+def check_arguments(arguments: Sequence[str]) -> None:
+    """Refuses arguments that no option could mean, and no file could be called.
+
+    Raises:
+        UserError: One is empty, too long, holds a zero byte, or bytes that are no text in the terminal's encoding.
+    """
     for argument in arguments:
+        shown = shortened(repr(argument), 60)
+        if not argument or (argument.startswith("--") and argument.endswith("=")):
+            raise UserError("an argument is empty", got=shown, do="Leave the option out, or give it a value")
+        if "\0" in argument:
+            raise UserError("an argument holds a zero byte", got=shown, do="Take it out")
+        if len(argument.encode("utf-8", "surrogateescape")) > _LONGEST:
+            raise UserError(f"an argument is longer than {_LONGEST:,} bytes", got=shown, do="Shorten it")
         try:
             argument.encode("utf-8")
         except UnicodeEncodeError:  # Python keeps such bytes as halves of characters
