@@ -58,6 +58,8 @@ def enable_compile_cache() -> None:
         UserError: ``PHYSAGENT_COMPILE_CACHE`` is no folder to write to.
     """
     setting = os.environ.get(CACHE_VARIABLE, "")
+    if not setting.isprintable():
+        raise UserError(f"`{CACHE_VARIABLE}` is no text", got=ascii(setting), do='Name a folder, or "off"')
     if setting.lower() in _OFF:
         return
     import jax

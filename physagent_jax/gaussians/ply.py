@@ -68,10 +68,11 @@ def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) ->
 
     # Copies, because plyfile maps the file into memory, and a mapped file must not be overwritten.
     def columns(names: Iterable[str]) -> np.ndarray:
-        return np.stack([np.asarray(vertex[name], np.float64) for name in names], axis=-1)
+        with np.errstate(invalid="ignore"):  # a signalling NaN, which is dropped with the others
+            return np.stack([np.asarray(vertex[name], np.float64) for name in names], axis=-1)
 
     means, log_scales, quats = columns(_POSITION), columns(_SCALE), columns(_ROTATION)
-    logits = np.array(vertex["opacity"], np.float64)
+    logits = columns(["opacity"])[:, 0]
     sh = columns(_DC)[:, None, :]
     if rest_names:
         rest = columns(rest_names).reshape(len(means), 3, -1)

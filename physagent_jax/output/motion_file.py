@@ -102,7 +102,7 @@ def write_motion(path: str | Path, motion: Motion) -> Path:
 
     Raises:
         UserError: The file cannot be written.
-        ValueError: Shapes disagree, or positions or deformation gradients are not finite.
+        ValueError: Shapes disagree, or something is not finite or beyond what the file's precision holds.
     """
     _check(motion)
     x = np.asarray(motion.x, np.float64)
@@ -117,7 +117,11 @@ def write_motion(path: str | Path, motion: Motion) -> Path:
             np.float16
         ),
     }
-    arrays |= {key: np.asarray(getattr(motion, key), dtype) for key, dtype in _PLAIN_KEYS.items()}
+    with np.errstate(over="ignore"):  # what is beyond a half's range is found by the check just below
+        arrays |= {key: np.asarray(getattr(motion, key), dtype) for key, dtype in _PLAIN_KEYS.items()}
+    for key, array in arrays.items():
+        if not np.isfinite(array).all():
+            raise ValueError(f"`{key}` holds values beyond the range of {array.dtype}")
     with replacing(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         for key, array in arrays.items():
             content = io.BytesIO()
@@ -151,9 +155,10 @@ def read_motion(path: str | Path) -> Motion:
         for key in _PLAIN_KEYS
     }
     try:
-        x = arrays["x_low"] + arrays["x_step"] * arrays["x_quantised"]
+        with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused just below
+            x = (arrays["x_low"] + arrays["x_step"] * arrays["x_quantised"]).astype(np.float32)
         F = arrays["F_minus_identity"].astype(np.float32) + np.eye(3, dtype=np.float32)
-        motion = Motion(x=x.astype(np.float32), F=F, **plain)
+        motion = Motion(x=x, F=F, **plain)
         _check(motion)
     except ValueError as error:
         raise UserError(f"the motion file {path} is damaged", got=error, do="Simulate again") from None
@@ -182,9 +187,9 @@ def _check(motion: Motion) -> None:
     for key in ("binding_indices", "binding_offsets", "cloud_sh"):
         if len(getattr(motion, key)) != gaussians:
             raise ValueError(f"`{key}` must have {gaussians} rows (got {len(getattr(motion, key))})")
-    for key in ("x", "F"):
+    for key in (field.name for field in dataclasses.fields(motion)):
         if not np.isfinite(getattr(motion, key)).all():
-            raise ValueError(f"`{key}` holds values that are not finite: this rollout must not be stored")
+            raise ValueError(f"`{key}` holds values that are not finite")
     if np.size(motion.binding_indices) and not (
         np.min(motion.binding_indices) >= 0 and np.max(motion.binding_indices) < particles
     ):

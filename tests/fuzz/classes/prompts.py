@@ -144,9 +144,9 @@ def _motion(draw: Draw) -> dict:
         "path_length": draw.uniform(0, 9),
     }
     extreme = {
-        "displacement": (1e30, -1e30, 0.0),
+        "displacement": (1e15, -1e15, 0.0),
         "rotation_axis": (0.0, 0.0, 1.0),
-        "rotation_degrees": 1e30,
+        "rotation_degrees": 1e15,
         "volume_ratio": 0.0,
     }
     turned = {"rotation_axis": (0.0, 0.6, 0.8), "rotation_degrees": draw.uniform(0, 400), "stretch": IDENTITY}
