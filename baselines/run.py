@@ -63,6 +63,8 @@ def solve(command: Command) -> RunStore:
     """Optimises, prints every iteration, and plays the solution into a run folder."""
     if command.iterations < 1:
         raise UserError("`--iterations` must be at least 1", got=command.iterations)
+    if not 0 < command.learning_rate <= 100:
+        raise UserError("`--learning-rate` must be above 0 and at most 100", got=command.learning_rate)
     out = command.out or Path("runs") / f"{command.method}_{command.task}"
     settings: dict = {"method": command.method, "task": command.task, "lr": command.learning_rate}
     settings.update(iterations=command.iterations, frames=command.frames, particles=command.particles)

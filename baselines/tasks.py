@@ -13,8 +13,10 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 import numpy as np
+from pydantic import ValidationError
 
 from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.core.reading import validation_message
 from physagent_jax.forces.schema import MAGNITUDE_MAX, MAGNITUDE_MIN, Action, ActionType, ForceField
 from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.gaussians.ply import write_ply
@@ -175,8 +177,14 @@ def make_task(spec: TaskSpec, folder: Path, *, frame_count: int = 26, particles:
         folder: Where the object file goes.
         frame_count: Frames of the clip; fewer make a faster task.
         particles: Particles at most.
+
+    Raises:
+        UserError: ``frame_count`` or ``particles`` is out of range.
     """
-    preset = _preset(frame_count, particles)
+    try:
+        preset = _preset(frame_count, particles)
+    except ValidationError as error:
+        raise validation_message(error, "the task", do="Choose another --frames or --particles") from None
     path = folder / "object.ply"
     folder.mkdir(parents=True, exist_ok=True)
     write_ply(path, make_jelly(0, count=2500))

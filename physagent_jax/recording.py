@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 
 import jax
@@ -158,6 +159,7 @@ def _record(scene: Scene, entries: Sequence[Entry], gaussians: np.ndarray) -> Si
     budgets = [entry.budget for entry in entries]
     exchanges = [entry.exchange for entry in entries if entry.exchange is not None]
     series = {name: np.stack([budget[name] for budget in budgets]) for name in budgets[0]}
+    bound = float(stable_dt(scene.model, scene.state))
     series["gravitational_energy"] -= series["gravitational_energy"][0]
     return SimulationRecord(
         particle_count=scene.body.particles.count,
@@ -166,7 +168,7 @@ def _record(scene: Scene, entries: Sequence[Entry], gaussians: np.ndarray) -> Si
         dx=scene.model.grid.dx,
         substeps=sum(f.substeps for f in done),
         substep_dt=tuple(f.dt for f in done),
-        stable_dt=float(stable_dt(scene.model, scene.state)),
+        stable_dt=bound if math.isfinite(bound) else None,
         redone_frames={f.index: "; ".join(f.retries) for f in done if f.retries},
         stopped_particles=entries[-1].stopped,
         min_volume_ratio=tuple(f.min_J for f in frames),

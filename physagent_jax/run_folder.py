@@ -79,7 +79,7 @@ class SimulationRecord(Strict):
         dx: [m].
         substeps: Total substeps that count (redone frames once).
         substep_dt: Per frame interval, the substep used [s].
-        stable_dt: The closed-form bound at the start [s].
+        stable_dt: The closed-form bound at the start [s]; None = there is none, as where nothing has stress.
         redone_frames: Frames that were redone with a smaller step, with the reason.
         stopped_particles: Particle-steps at which a particle was stopped at the domain's wall.
         kinetic_energy, elastic_energy: Per frame [J].
@@ -97,7 +97,7 @@ class SimulationRecord(Strict):
     dx: float
     substeps: int
     substep_dt: tuple[float, ...]
-    stable_dt: float
+    stable_dt: float | None
     redone_frames: dict[int, str] = {}
     stopped_particles: int = 0
     kinetic_energy: tuple[float, ...]

@@ -250,6 +250,16 @@ def test_a_scene_that_cannot_be_simulated_leaves_nothing(tmp_path, robot_path, c
     assert not out.exists()
 
 
+def test_matter_that_never_moves_has_no_bound_and_plays(scene_file, tmp_path, capsys):
+    """The stable step of what has no stress is infinite, which no JSON can say."""
+    out = tmp_path / "out"
+    assert (
+        main(["simulate", str(edited(scene_file, material={"model": "stationary"})), "--out", str(out)]) == 0
+    )
+    record = json.loads((out / "simulation.json").read_text())
+    assert record["stable_dt"] is None and record["kinetic_energy"] == [0, 0, 0]
+
+
 # --- files of others ---------------------------------------------------------------------------------
 
 

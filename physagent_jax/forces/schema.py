@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from physagent_jax.core.strict import Direction, Strict
+from physagent_jax.core.strict import Direction, Positive, Strict
 
 MAGNITUDE_MIN = 0.4
 MAGNITUDE_MAX = 1.6
@@ -20,8 +20,6 @@ MAGNITUDE_MAX = 1.6
 _Fraction = Annotated[float, Field(ge=-1e6, le=1e6)]
 _Place = tuple[_Fraction, _Fraction, _Fraction]  # in bounding-box fractions
 _Frame = Annotated[float, Field(ge=0, le=1e5)]
-# Accelerations and velocities from the closed forms, over all ranges of extent, matter and clip.
-_Scale = Annotated[float, Field(ge=1e-30, le=1e30)]
 
 
 class ActionType(enum.StrEnum):
@@ -160,11 +158,11 @@ class SkillScaling(Strict):
         reason: How they were found.
     """
 
-    translation: _Scale
-    scale: _Scale
-    impulse: _Scale
-    torque: _Scale
-    velocity: _Scale
+    translation: Positive
+    scale: Positive
+    impulse: Positive
+    torque: Positive
+    velocity: Positive
     reason: str = ""
 
 

@@ -22,9 +22,11 @@ import math
 
 import jax.numpy as jnp
 import numpy as np
+from pydantic import ValidationError
 
 from physagent_jax.core.arrays import on_device
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import validation_message
 from physagent_jax.forces.regions import region_mask
 from physagent_jax.forces.schema import (
     Action,
@@ -55,16 +57,26 @@ def closed_form_scaling(
         youngs_modulus: Mean E [Pa].
         density: Mean rho [kg/m^3].
         duration: The clip's duration T [s].
+
+    Raises:
+        UserError: These values give accelerations beyond what float32 can compute with.
     """
-    return SkillScaling(
-        translation=2 * extent / duration**2,
-        scale=4 * youngs_modulus * STATIC_STRAIN / (density * extent),
-        impulse=extent / duration,
-        torque=math.pi / duration**2,
-        velocity=0.5 * extent / duration,
-        reason=f"closed form for L = {extent:.3g} m, E = {youngs_modulus:.3g} Pa, "
-        f"rho = {density:.3g} kg/m^3, T = {duration:.3g} s",
+    reason = (
+        f"closed form for L = {extent:.3g} m, E = {youngs_modulus:.3g} Pa, "
+        f"rho = {density:.3g} kg/m^3, T = {duration:.3g} s"
     )
+    try:
+        return SkillScaling(
+            translation=2 * extent / duration**2,
+            scale=4 * youngs_modulus * STATIC_STRAIN / (density * extent),
+            impulse=extent / duration,
+            torque=math.pi / duration**2,
+            velocity=0.5 * extent / duration,
+            reason=reason,
+        )
+    except ValidationError as error:
+        do = "Use a longer clip or a softer, denser material"
+        raise validation_message(error, f"forces in {reason}", do=do) from None
 
 
 def compile_force_field(

@@ -63,12 +63,12 @@ def render(
             to be had.
     """
     key = _key(splats, camera)
-    if key not in _capacities:
-        _capacities[key] = pair_capacity(splats, camera)
-    rendering, total = rasterize(splats, camera, background, capacity=_capacities[key], kernels=kernels)
-    if int(total) > _capacities[key]:
-        _capacities[key] = _roomy(int(total))
-        rendering, _ = rasterize(splats, camera, background, capacity=_capacities[key], kernels=kernels)
+    capacity = _capacities.get(key) or pair_capacity(splats, camera)
+    rendering, total = rasterize(splats, camera, background, capacity=capacity, kernels=kernels)
+    if int(total) > capacity:  # not what is noted by now: another thread may have noted more since
+        capacity = _roomy(int(total))
+        rendering, _ = rasterize(splats, camera, background, capacity=capacity, kernels=kernels)
+    _capacities[key] = max(capacity, _capacities.get(key, 0))
     return rendering
 
 

@@ -183,11 +183,13 @@ def _ledger(record: SimulationRecord):
 
 
 def _substep(record: SimulationRecord):
-    factor, letter = prefix(max((record.stable_dt, *record.substep_dt)))
+    bound = record.stable_dt
+    factor, letter = prefix(max((bound or 0.0, *record.substep_dt)))
     # The k-th interval leads to frame k + 1.
     ends = [k + 1 for k in range(len(record.substep_dt))]
     series = [Series("substep", [dt * factor for dt in record.substep_dt], 0, xs=ends, shape="step")]
-    options = {"level": (record.stable_dt * factor, "bound at the start"), "marks": record.redone_frames}
+    level = None if bound is None else (bound * factor, "bound at the start")
+    options = {"level": level, "marks": record.redone_frames}
     return "Time step", f"{letter}s", series, options
 
 

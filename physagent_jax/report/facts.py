@@ -75,7 +75,7 @@ def simulation_facts(iteration: Iteration) -> Markup:
     if smallest != largest:
         used = f"{used} to {quantity(largest, 's')}"
     share = (
-        "" if largest is None or record.stable_dt <= 0 else f" ({percent(largest / record.stable_dt)} of it)"
+        "" if largest is None or not record.stable_dt else f" ({percent(largest / record.stable_dt)} of it)"
     )
     return join(
         facts(
@@ -85,7 +85,10 @@ def simulation_facts(iteration: Iteration) -> Markup:
                     f"{count(record.substeps)} over {plural(len(record.substep_dt), 'frame interval')}",
                 ),
                 ("grid window", " \u00d7 ".join(count(nodes) for nodes in record.grid_shape) + " nodes"),
-                ("stable bound at the start", quantity(record.stable_dt, "s")),
+                (
+                    "stable bound at the start",
+                    "none" if record.stable_dt is None else quantity(record.stable_dt, "s"),
+                ),
                 ("substep used", used + share),
                 ("particles stopped at the wall", _stopped(record.stopped_particles)),
                 ("redone frames", "none" if not record.redone_frames else str(len(record.redone_frames))),

@@ -84,3 +84,17 @@ def test_a_run_folder_is_left(tmp_path, capsys):
 def test_bad_options_are_refused(tmp_path, capsys):
     assert main(["--task", "push", "--iterations", "0", "--out", str(tmp_path / "x")]) == 2
     assert "--iterations" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--frames", "1"], "frame_count"),
+        (["--frames", "1000000"], "frame_count"),
+        (["--particles", "-5"], "max_particles"),
+        (["--learning-rate", "nan"], "--learning-rate"),
+    ],
+)
+def test_options_out_of_range_are_refused_in_one_line(options, message, tmp_path, capsys):
+    assert main(["--task", "push", *options, "--out", str(tmp_path / "x")]) == 2
+    assert message in capsys.readouterr().err

@@ -205,3 +205,12 @@ def test_a_thin_neck_is_strained_no_more_than_a_bar(x64):
     np.testing.assert_allclose(bar, scaling.scale, rtol=0.15)  # a section is a tenth thick
     # Beyond the middle: a head of 3 x 4 x 4 and a neck of 2 x 2 x 2 cells, over 2 x 2; the bar: 5 cells.
     np.testing.assert_allclose(strength(rest, volume) / bar, 5 / ((48 + 8) / 4), rtol=0.15)
+
+
+@pytest.mark.parametrize(
+    "change", [{"duration": 1e-9}, {"density": 1e-9, "youngs_modulus": 1e13}, {"extent": 1e-20, "duration": 1e3}]
+)
+def test_accelerations_beyond_float32_are_refused_in_words(change):
+    values = {"extent": 1.0, "youngs_modulus": 1e5, "density": 200.0, "duration": 2.0} | change
+    with pytest.raises(UserError, match="closed form for L = "):
+        closed_form_scaling(**values)

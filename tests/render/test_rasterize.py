@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.render import pair_capacity, rasterize, render, renderer
+from physagent_jax.render import look_at, pair_capacity, rasterize, render, renderer
 from physagent_jax.render.project import project
 from physagent_jax.render.reference import render_reference
 from physagent_jax.render.tiles import build_tile_lists, count_pairs, sort_pairs, tile_rectangles
@@ -183,3 +183,34 @@ def test_gaussians_that_are_not_finite_or_behind_are_ignored():
     assert_same(render(bad, cam), render(good, cam), 1e-6)
     gradients = jax.jit(jax.grad(lambda s: loss(rasterize(s, cam, BACKGROUND, capacity=4096)[0])))(bad)
     assert all(jnp.isfinite(g).all() for g in jax.tree.leaves(gradients))
+
+
+def test_a_picture_that_needs_more_room_gets_it_whatever_another_thread_has_noted(monkeypatch):
+    """Between a picture that lacks room and the second attempt, another thread notes enough for both."""
+    splats, view = random_splats(200, scale=0.3, dtype=np.float32), camera()
+    key = (200, view.width, view.height)
+    monkeypatch.setattr(renderer, "_capacities", {key: 64})
+    first = renderer.rasterize
+
+    def and_another_thread(*arguments, **options):
+        result = first(*arguments, **options)
+        renderer._capacities[key] = 1 << 16
+        return result
+
+    monkeypatch.setattr(renderer, "rasterize", and_another_thread)
+    assert np.isfinite(np.asarray(render(splats, view).rgb)).all()
+    assert renderer._capacities[key] == 1 << 16
+
+
+@pytest.mark.parametrize(
+    ("eye", "target", "up", "message"),
+    [
+        ([1, 2, 3], [1, 2, 3], [0, 0, 1], "coincide"),
+        ([0, 0, 3], [0, 0, 0], [0, 0, 1], "parallel"),
+        ([0, 0, np.nan], [0, 0, 0], [0, 0, 1], "`eye` must be three finite"),
+        ([0, 1, 0], [0, 0, 0], [0, np.inf, 1], "`up` must be three finite"),
+    ],
+)
+def test_cameras_that_look_nowhere_are_refused(eye, target, up, message):
+    with pytest.raises(UserError, match=message):
+        look_at(eye, target, up, fov_degrees=40, width=16, height=16)
