@@ -57,7 +57,7 @@ def read_npz(path: str | Path, keys: Iterable[str], *, most: int, what: str) -> 
             raise
         # RuntimeError and NotImplementedError: encrypted, or packed in another way than NumPy does.
         except (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError, ValueError) as error:
-            raise UserError(f"cannot read {place}", got=error, do="Write it again") from None
+            raise UserError(f"cannot read {place}", got=shortened(error), do="Write it again") from None
 
 
 def _member(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, place: str) -> np.ndarray:

@@ -102,3 +102,15 @@ def test_a_damaged_archive_is_refused(damage, tmp_path):
         data[data.index(b"PK\x01\x02") + 8] |= 1
     path.write_bytes(data)
     refused(lambda: read_npz(path, ["one"], most=10_000, what="the motion"), "a.npz")
+
+
+def test_messages_about_damaged_archives_are_short(tmp_path):
+    """zipfile quotes names of entries in full."""
+    path = tmp_path / "a.npz"
+    np.savez(path, one=np.zeros(3))
+    data = bytearray(path.read_bytes())
+    at = data.index(b"one.npy")
+    data[at + 4 :] = data[at + 4 :].replace(b"one.npy", b"two.npy")  # in the directory, not before the data
+    data[26:28] = (60_000).to_bytes(2, "little")  # length of the first name
+    path.write_bytes(data + b"x" * 70_000)
+    refused(lambda: read_npz(path, ["two", "one"], most=10_000, what="the motion"), "a.npz")

@@ -208,7 +208,8 @@ def test_a_thin_neck_is_strained_no_more_than_a_bar(x64):
 
 
 @pytest.mark.parametrize(
-    "change", [{"duration": 1e-9}, {"density": 1e-9, "youngs_modulus": 1e13}, {"extent": 1e-20, "duration": 1e3}]
+    "change",
+    [{"duration": 1e-9}, {"density": 1e-9, "youngs_modulus": 1e13}, {"extent": 1e-20, "duration": 1e3}],
 )
 def test_accelerations_beyond_float32_are_refused_in_words(change):
     values = {"extent": 1.0, "youngs_modulus": 1e5, "density": 200.0, "duration": 2.0} | change
