@@ -89,7 +89,7 @@ class Case:
     own: tuple[str, ...] = ()
     refusals: tuple[type[BaseException], ...] = (UserError,)
     must_refuse: str = ""
-    seconds: float = 10.0
+    seconds: float = 20.0  # many times what is usual: machines are busy
 
 
 @dataclasses.dataclass(frozen=True)
