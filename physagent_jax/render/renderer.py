@@ -14,7 +14,7 @@ import numpy as np
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.gaussians.cloud import Splats
-from physagent_jax.kernels import Kernels, threads, use_cpu
+from physagent_jax.kernels import Kernels, platform, threads, use_cpu
 from physagent_jax.render.camera import Camera
 from physagent_jax.render.layout import Layout
 from physagent_jax.render.project import Projected, project
@@ -91,7 +91,7 @@ def render_all(
 
 def frames_at_once() -> int:
     """Frames that are best rendered at the same time: on CPU one per core, if the kernels allow it."""
-    if jax.default_backend() != "cpu":
+    if platform() != "cpu":
         return 1
     return threads.callers() if use_cpu() else threads.cores()
 
@@ -135,7 +135,7 @@ def rasterize(
     """
     if lanes is None:
         tiles = int(np.prod(tile_grid(camera.width, camera.height, tile_size)))
-        lanes = 1 if jax.default_backend() == "cpu" else tiles
+        lanes = 1 if platform() == "cpu" else tiles
     layout = Layout(camera.width, camera.height, tile_size, lanes)
     projected = _project(splats, camera)
     background = _in_precision(background, splats.means.dtype)
