@@ -6,6 +6,7 @@ import contextlib
 import errno
 import os
 import re
+import stat
 import uuid
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -26,9 +27,10 @@ def replacing(path: str | Path) -> Iterator[Path]:
     process is killed, the temporary file stays until `remove_leftovers`.
 
     Raises:
-        UserError: The folder cannot be made or written to.
+        UserError: The folder cannot be made or written to, or ``path`` is a folder, a device or a pipe.
     """
     path = Path(path)
+    _check_replaceable(path)
     temporary = path.with_name(f".{path.stem}.{uuid.uuid4().hex[:8]}{path.suffix}")
     try:
         make_folders(path.parent)
@@ -39,6 +41,16 @@ def replacing(path: str | Path) -> Iterator[Path]:
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
+
+
+def _check_replaceable(path: Path) -> None:
+    """Refuses what a rename would take the place of and no file can stand for; root may even rename over /dev/null."""
+    try:
+        mode = path.lstat().st_mode
+    except OSError:
+        return  # nothing is there, or whoever writes is told why not
+    if not (stat.S_ISREG(mode) or stat.S_ISLNK(mode)):
+        raise UserError(f"cannot write {path}", got="a folder, a device or a pipe", do="Name a regular file")
 
 
 def make_folders(folder: Path) -> list[Path]:
@@ -99,8 +111,7 @@ def write_new(contents: Mapping[Path, bytes], *, overwrite: bool) -> None:
         UserError: There is such a file, or one cannot be written.
     """
     for path, content in contents.items():
-        if path.is_dir():
-            raise UserError(f"cannot write {path}", got="it is a folder", do="Name a file")
+        _check_replaceable(path)
         if not overwrite and os.path.lexists(path) and not _holds(path, content):
             raise UserError(
                 f"{path} exists and holds something else",

@@ -253,8 +253,18 @@ def test_new_files_are_all_written_or_none(tmp_path):
     write_new({ply: b"ply", card: b"precious"}, overwrite=False)  # the same again is fine
     write_new({ply: b"ply", card: b"card"}, overwrite=True)
     assert (ply.read_bytes(), card.read_bytes()) == (b"ply", b"card")
-    with pytest.raises(UserError, match="it is a folder"):
-        write_new({tmp_path: b""}, overwrite=True)
+
+
+def test_devices_pipes_and_folders_are_not_replaced(tmp_path):
+    """A rename by root would make a plain file of /dev/null, for all programs of the machine."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    for path in (tmp_path, pipe):
+        before = path.lstat()
+        for write in (lambda: write_new({path: b""}, overwrite=True), lambda: write_text(path, "")):
+            with pytest.raises(UserError, match="a folder, a device or a pipe"):
+                write()
+        assert path.lstat().st_ino == before.st_ino
 
 
 def test_a_path_of_thousands_of_folders_is_refused(tmp_path):
