@@ -27,7 +27,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
     process is killed, the temporary file stays until `remove_leftovers`.
 
     Raises:
-        UserError: The folder cannot be made or written to, or ``path`` is a folder, a device or a pipe.
+        UserError: The folder cannot be made or written to, or ``path`` is a link, a folder, a device or a pipe.
     """
     path = Path(path)
     _check_replaceable(path)
@@ -49,8 +49,9 @@ def _check_replaceable(path: Path) -> None:
         mode = path.lstat().st_mode
     except OSError:
         return  # nothing is there, or whoever writes is told why not
-    if not (stat.S_ISREG(mode) or stat.S_ISLNK(mode)):
-        raise UserError(f"cannot write {path}", got="a folder, a device or a pipe", do="Name a regular file")
+    if not stat.S_ISREG(mode):
+        kind = "a link" if stat.S_ISLNK(mode) else "a folder, a device or a pipe"
+        raise UserError(f"cannot write {path}", got=kind, do="Name a regular file")
 
 
 def make_folders(folder: Path) -> list[Path]:

@@ -134,7 +134,7 @@ class RunStore:
             return
         new = sorted(set(names) - set(self._manifest.files))
         for name in new:
-            if (self.path / name).exists():
+            if os.path.lexists(self.path / name):
                 raise UserError(
                     f"{self.path / name} is not this run's, and would be written over",
                     do="Move it out of the run folder, or choose another --out",

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -257,12 +258,13 @@ def test_new_files_are_all_written_or_none(tmp_path):
 
 def test_devices_pipes_and_folders_are_not_replaced(tmp_path):
     """A rename by root would make a plain file of /dev/null, for all programs of the machine."""
-    pipe = tmp_path / "pipe"
+    pipe, link = tmp_path / "pipe", tmp_path / "link"
     os.mkfifo(pipe)
-    for path in (tmp_path, pipe):
+    link.symlink_to("nowhere")
+    for path in (tmp_path, pipe, link):
         before = path.lstat()
-        for write in (lambda: write_new({path: b""}, overwrite=True), lambda: write_text(path, "")):
-            with pytest.raises(UserError, match="a folder, a device or a pipe"):
+        for write in (partial(write_new, {path: b""}, overwrite=True), partial(write_text, path, "")):
+            with pytest.raises(UserError, match="a folder, a device or a pipe|a link"):
                 write()
         assert path.lstat().st_ino == before.st_ino
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import stat
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -54,7 +55,14 @@ FINE = (
     "--material steel --soften auto", "--frames 2", "--ledger", "--physgm good-physgm.json",
     "--max-iterations 1", "--particles 50",
 )  # fmt: skip
-LINK, FIFO, FOLDER, EARLIER, NOTES = "link.ply", "pipe.json", "folder", "earlier", "earlier/notes.txt"
+LINK, FIFO, DEVICE, FOLDER, EARLIER, NOTES = (
+    "link.ply",
+    "pipe.json",
+    "device.ply",
+    "folder",
+    "earlier",
+    "earlier/notes.txt",
+)
 PATHS = (
     "", ".", "/", "..", "~", "x" * 5000, "a/" * 2000, "b\udcff\udcfe.ply", "missing", "/dev/zero",
     "/dev/null", "/dev/full", "/proc/self/mem", LINK, FIFO, FOLDER, seeds.OBJECT, "nul\0byte", scenes.SCENE,
@@ -107,15 +115,16 @@ def _path(draw: Draw) -> Case:
     """A path that is none, where a file or folder is to be read or written; what is there already must stay."""
     path = draw.one(PATHS)
     extra = draw.one([[], [], ["--overwrite"]])
+    out = DEVICE if path.startswith(("/dev", "/proc")) else path  # the machine's own are not put at risk
     commands = (
-        _run(object_=path), _run(*extra, out=path), _run("--physgm", path), _run("--anchor", "mask",
+        _run(object_=path), _run(*extra, out=out), _run("--physgm", path), _run("--anchor", "mask",
         "--anchor-mask", path),
-        ["simulate", path, "--out", "out"], ["simulate", scenes.SCENE, "--out", path],
-        ["simulate", scenes.SCENE, "--object", path, "--out", "out"], ["make", "jelly", "--out", path],
+        ["simulate", path, "--out", "out"], ["simulate", scenes.SCENE, *extra, "--out", out],
+        ["simulate", scenes.SCENE, "--object", path, "--out", "out"], ["make", "jelly", *extra, "--out", out],
         ["report", path],
         ["import-physgaussian", path, "--object", seeds.OBJECT, "--out", "out.json"],
         ["import-physgaussian", "physgaussian.json", "--object", path, "--out", "out.json"],
-        ["import-physgaussian", "physgaussian.json", "--object", seeds.OBJECT, "--out", path],
+        ["import-physgaussian", "physgaussian.json", *extra, "--object", seeds.OBJECT, "--out", out],
         _run(prompt=path),
     )  # fmt: skip
     arguments = draw.one(commands)
@@ -196,6 +205,10 @@ def _case(
 def _specials(folder: Path) -> None:
     os.symlink("nowhere", folder / LINK)
     os.mkfifo(folder / FIFO)
+    try:
+        os.mknod(folder / DEVICE, stat.S_IFCHR | 0o666, os.makedev(1, 3))  # another /dev/null
+    except PermissionError:  # for root only
+        os.mkfifo(folder / DEVICE)
 
 
 class Refused(Exception):
