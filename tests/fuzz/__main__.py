@@ -23,6 +23,7 @@ from tests.fuzz.classes import CLASSES, PLANTED
 
 def main() -> int:
     """Parses the line; returns the exit code."""
+    sys.stdout.reconfigure(errors="backslashreplace")  # inputs hold what no terminal shows
     parser = argparse.ArgumentParser(
         prog="python -m tests.fuzz", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -44,9 +45,9 @@ def main() -> int:
     if arguments.cases < 1 or arguments.jobs < 1:
         parser.error("--cases and --jobs must be at least 1")
     tally = campaign.run(names, arguments.cases, arguments.seed, arguments.jobs)
-    print(tally.table())
     if arguments.json:
         arguments.json.write_text(tally.json(), encoding="utf-8")
+    print(tally.table())
     return 1 if tally.failures else 0
 
 

@@ -6,6 +6,7 @@ import functools
 import json
 import os
 import tempfile
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -152,7 +153,7 @@ def warm_up() -> None:
     """The kernels, and the first scene."""
     if use_cpu():
         kernels.compiled()
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(action="ignore"):
         for name, content in {SCENE: encoded(usual_scene()), **files()}.items():
             Path(folder, name).write_bytes(content)
         compiled(Path(folder))
