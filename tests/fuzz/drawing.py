@@ -12,9 +12,6 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
-import hypothesis
-from hypothesis import strategies as st
-
 T = TypeVar("T")
 
 NUMBERS = (
@@ -47,6 +44,11 @@ RAW = (
     "1e", "0x10", "[" * 2000 + "]" * 2000, "[" * 100_000, '{"a":' * 3000 + "1" + "}" * 3000, '"\\ud800"', "tru", "",
 )  # fmt: skip
 _TOKEN = "%raw{}%"
+_CHARACTERS = (
+    (0x20, 0x7E), (0x20, 0x7E), (0x61, 0x7A), (0x00, 0x1F), (0x7F, 0xFF), (0x300, 0x36F), (0x400, 0x4FF),
+    (0x590, 0x6FF),
+    (0x2000, 0x206F), (0x4E00, 0x4FFF), (0xD800, 0xDFFF), (0xFE00, 0xFFFF), (0x1F300, 0x1F6FF),
+)  # fmt: skip
 
 
 class Draw(random.Random):
@@ -74,24 +76,9 @@ class Draw(random.Random):
         """Any JSON value at some edge."""
         return self.one([self.number, self.number, lambda: self.one(TEXTS), lambda: self.one(OTHERS)])()
 
-    def example(self, strategy: st.SearchStrategy[T]) -> T:
-        """A value of a hypothesis strategy: the last of a few, since the first is always the simplest."""
-        found: list[T] = []
-
-        @hypothesis.seed(self.getrandbits(64))
-        @hypothesis.settings(
-            max_examples=3,
-            database=None,
-            deadline=None,
-            phases=[hypothesis.Phase.generate],
-            suppress_health_check=list(hypothesis.HealthCheck),
-        )
-        @hypothesis.given(strategy)
-        def collect(value):
-            found.append(value)
-
-        collect()
-        return found[-1]
+    def text(self, most: int = 12) -> str:
+        """Any characters: letters of several scripts, signs, controls, halves of pairs."""
+        return "".join(chr(self.randint(*self.one(_CHARACTERS))) for _ in range(self.randint(0, most)))
 
 
 # --- bytes ---------------------------------------------------------------------------------------------
@@ -292,84 +279,69 @@ def _brief(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:50]}... ({len(text)} characters)"
 
 
-# --- schemas -------------------------------------------------------------------------------------------
-
-_SAFE = st.one_of(
-    st.floats(min_value=-2, max_value=2), st.sampled_from([float(n) for n in NUMBERS if abs(n) < 1e308])
-)
-_LEAVES = st.one_of(st.none(), st.booleans(), st.integers(), _SAFE, st.text(max_size=8))
-ANY_JSON = st.recursive(
-    _LEAVES,
-    lambda inner: st.one_of(
-        st.lists(inner, max_size=4), st.dictionaries(st.text(max_size=6), inner, max_size=4)
-    ),
-    max_leaves=12,
-)
+# --- whole documents -----------------------------------------------------------------------------------
 
 
-def of_schema(schema: dict) -> st.SearchStrategy[Any]:
-    """Data that a JSON Schema (pydantic's) allows: right in form, at the edges in content."""
-    definitions = {name: part for name, part in schema.get("$defs", {}).items()}
-    made: dict[str, st.SearchStrategy] = {}
-
-    def build(node: dict) -> st.SearchStrategy[Any]:
-        if "$ref" in node:
-            name = node["$ref"].split("/")[-1]
-            if name not in made:
-                made[name] = st.deferred(lambda: build(definitions[name]))
-            return made[name]
-        if "const" in node:
-            return st.just(node["const"])
-        if "enum" in node:
-            return st.sampled_from(node["enum"])
-        for key in ("anyOf", "oneOf"):
-            if key in node:
-                return st.one_of([build(option) for option in node[key]])
-        if "allOf" in node:
-            return build(node["allOf"][0])
-        return _of_type(node, build)
-
-    return build(schema)
+def any_json(draw: Draw, depth: int = 3) -> Any:
+    """Any value that JSON has."""
+    kind = draw.one(["number", "number", "text", "other", "list", "object"])
+    if kind in ("list", "object") and depth:
+        parts = [any_json(draw, depth - 1) for _ in range(draw.randint(0, 4))]
+        return parts if kind == "list" else {draw.text(6): part for part in parts}
+    return {"number": draw.number, "text": draw.text}.get(kind, lambda: draw.one(OTHERS))()
 
 
-def _of_type(node: dict, build: Callable[[dict], st.SearchStrategy]) -> st.SearchStrategy[Any]:
+def of_schema(draw: Draw, schema: dict) -> Any:
+    """A value that a JSON Schema (pydantic's) allows: right in form, at the edges in content."""
+    return _of_node(draw, schema, schema.get("$defs", {}))
+
+
+def _of_node(draw: Draw, node: dict, definitions: dict) -> Any:
+    if "$ref" in node:
+        return _of_node(draw, definitions[node["$ref"].split("/")[-1]], definitions)
+    if "const" in node:
+        return node["const"]
+    for key in ("enum", "anyOf", "oneOf", "allOf"):
+        if key in node:
+            chosen = draw.one(node[key])
+            return chosen if key == "enum" else _of_node(draw, chosen, definitions)
     match node.get("type"):
         case "object":
-            return _of_object(node, build)
+            return _of_object(draw, node, definitions)
         case "array" if "prefixItems" in node:
-            return st.tuples(*map(build, node["prefixItems"])).map(list)
+            return [_of_node(draw, item, definitions) for item in node["prefixItems"]]
         case "array":
-            least, most = node.get("minItems", 0), node.get("maxItems", 3)
-            return st.lists(build(node.get("items", {})), min_size=least, max_size=max(least, min(most, 3)))
+            least = node.get("minItems", 0)
+            count = draw.randint(least, max(least, min(node.get("maxItems", 3), 3)))
+            return [_of_node(draw, node.get("items", {}), definitions) for _ in range(count)]
         case "integer" | "number" as kind:
-            return _of_range(node, kind == "integer")
+            return _of_range(draw, node, kind == "integer")
         case "string":
-            return st.one_of(st.text(max_size=12), st.sampled_from(TEXTS[:26]))
+            return draw.one([draw.text(), draw.one(TEXTS[:26])])
         case "boolean":
-            return st.booleans()
+            return draw.chance(0.5)
         case "null":
-            return st.none()
-    return ANY_JSON
+            return None
+    return any_json(draw, 1)
 
 
-def _of_object(node: dict, build: Callable[[dict], st.SearchStrategy]) -> st.SearchStrategy[Any]:
+def _of_object(draw: Draw, node: dict, definitions: dict) -> dict:
     if "properties" not in node:
-        return st.dictionaries(st.text(max_size=6), build(node.get("additionalProperties") or {}), max_size=3)
-    parts = {name: build(part) for name, part in node["properties"].items()}
-    needed = set(node.get("required", ())) | ({"kind"} & parts.keys())
-    return st.fixed_dictionaries(
-        {name: part for name, part in parts.items() if name in needed},
-        optional={name: part for name, part in parts.items() if name not in needed},
-    )
+        values = node.get("additionalProperties") or {}
+        return {draw.text(6): _of_node(draw, values, definitions) for _ in range(draw.randint(0, 3))}
+    needed, often = {"kind", *node.get("required", ())}, draw.random()
+    return {
+        name: _of_node(draw, part, definitions)
+        for name, part in node["properties"].items()
+        if name in needed or draw.chance(often)
+    }
 
 
-def _of_range(node: dict, whole: bool) -> st.SearchStrategy[Any]:
+def _of_range(draw: Draw, node: dict, whole: bool) -> Any:
     low = node.get("minimum", node.get("exclusiveMinimum", -math.inf))
     high = node.get("maximum", node.get("exclusiveMaximum", math.inf))
     edges = [n for n in (*NUMBERS, low, high) if low <= n <= high and abs(n) < 1e308]
     if whole:
-        return st.sampled_from([int(n) for n in edges if n == int(n)] or [0])
-    return st.one_of(
-        st.sampled_from([float(n) for n in edges] or [0.0]),
-        st.floats(max(low, -2.0), min(high, max(low, 0) + 2.0)),
-    )
+        return int(draw.one([n for n in edges if n == int(n)] or [0]))
+    near = draw.uniform(max(low, -2.0), min(high, max(low, 0) + 2.0))
+    return near if draw.chance(0.5) else float(draw.one(edges or [0.0]))

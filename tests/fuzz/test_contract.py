@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +14,7 @@ import numpy as np
 import pytest
 
 from tests.fuzz.campaign import examine
-from tests.fuzz.classes import shares
+from tests.fuzz.classes import CLASSES, shares
 from tests.fuzz.classes.planted import DEADLY, PLANTED
 from tests.fuzz.contract import Fault, Outcome, not_finite
 from tests.fuzz.drawing import Draw, altered, damaged, of_schema
@@ -81,6 +84,25 @@ def test_a_hang_that_no_signal_ends_ends_the_process_with_its_traceback():
     assert done.returncode == 1 and "planted.py" in done.stderr and "Timeout" in done.stderr
 
 
+def test_another_process_makes_the_same_cases():
+    """Whatever it has imported, drawn or hashed before."""
+    code = (
+        "import hashlib\nfrom tests.fuzz.classes import CLASSES\n"
+        "for name, each in reversed(CLASSES.items()):\n"
+        "    cases = [each.case(3, index) for index in range(25)]\n"
+        "    files = [sorted(case.files.items()) for case in cases]\n"
+        "    text = repr([case.what for case in cases] + files)\n"
+        "    print(name, hashlib.sha256(text.encode('utf-8', 'backslashreplace')).hexdigest())\n"
+    )
+    one, other = (run("-c", code, env={**os.environ, "PYTHONHASHSEED": seed}) for seed in ("1", "2"))
+    assert one.returncode == 0, one.stderr
+    assert one.stdout == other.stdout and one.stdout.count("\n") == len(CLASSES)
+    here = io.StringIO()
+    with contextlib.redirect_stdout(here):
+        exec(compile(code, "cases", "exec"), {})
+    assert here.getvalue() == one.stdout
+
+
 def test_cases_are_shared_out_as_in_the_default_run():
     assert sum(shares(10_000, ["scenes", "prompts"]).values()) == 10_000
     assert all(count >= 1 for count in shares(1, ["scenes", "prompts"]).values())
@@ -99,7 +121,7 @@ def test_draws_depend_on_the_key_alone():
         return (
             damaged(draw, b"x 12 y" * 9),
             altered(draw, {"a": [1, {"b": 2.0}]}),
-            draw.example(of_schema(schema)),
+            of_schema(draw, schema),
         )
 
     assert repr(everything("k")) == repr(everything("k"))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from physagent_jax.scene.card import ObjectCard, load_card
 from tests.fuzz.contract import Case
-from tests.fuzz.drawing import ANY_JSON, Draw, altered, damaged, encoded, of_schema
+from tests.fuzz.drawing import Draw, altered, any_json, damaged, encoded, of_schema
 
 GOOD = {"name": "loaf", "kind": "food", "up": "+z", "azimuth_degrees": 30.0, "credit": "made by hand"}
 NAMES = ("object", "a b", "ü", "x.y", "-", "機器人")
@@ -21,9 +21,9 @@ def make(draw: Draw) -> Case:
         case "damaged":
             what, content = damaged(draw, encoded(GOOD))
         case "schema":
-            what, content = "of the schema", encoded(draw.example(of_schema(ObjectCard.model_json_schema())))
+            what, content = "of the schema", encoded(of_schema(draw, ObjectCard.model_json_schema()))
         case _:
-            what, content = "any JSON", encoded(draw.example(ANY_JSON))
+            what, content = "any JSON", encoded(any_json(draw))
     return Case(what, lambda folder: _load(folder, name), {f"{name}.card.json": content})
 
 

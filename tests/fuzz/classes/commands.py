@@ -70,6 +70,8 @@ PATHS = (
 )  # fmt: skip
 # Where nothing is yet: to write there is right.
 NEW = ("missing", "ü.ply", "b\udcff\udcfe.ply", "-", "~", "--out")
+# What can be an argument: bytes that are no text come as halves of pairs, and only so.
+WORDS = tuple(text.replace("\ud800", "\udcff") for text in TEXTS)
 
 
 class Begun(BaseException):
@@ -146,12 +148,12 @@ def _scene(draw: Draw) -> Case:
 def _small(draw: Draw) -> Case:
     words = ("materials", "schema", "report", "simulate", "run", "make", "import-physgaussian", "--help", "-h",
     "--json", "--debugg",
-             "steel", "scene", "force-field", "--out", "x", "", "--", "-", "--seed", "1", *TEXTS[:12])  # fmt: skip
+             "steel", "scene", "force-field", "--out", "x", "", "--", "-", "--seed", "1", *WORDS[:12])  # fmt: skip
     if draw.chance(0.5):
         arguments = [draw.one(words) for _ in range(draw.randint(0, 4))]
     else:
         arguments = draw.one([["materials"], ["schema"]]) + [
-            draw.one([*TEXTS, "steel", "stele", "sceen", "manifest"])
+            draw.one([*WORDS, "steel", "stele", "sceen", "manifest"])
         ]
     return _case(arguments, own=("x", "x.card.json"))
 

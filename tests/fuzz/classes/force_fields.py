@@ -33,7 +33,7 @@ def make(draw: Draw) -> Case:
         case "damaged":
             what, content = damaged(draw, encoded(good))
         case _:
-            what, content = "of the schema", encoded(draw.example(of_schema(ForceField.model_json_schema())))
+            what, content = "of the schema", encoded(of_schema(draw, ForceField.model_json_schema()))
     body = draw.one(["usual", "usual", "usual", "one particle", "a line", "a point"])
     return Case(f"{what}; {body}", lambda f: _compiled(f, body), {NAME: content})
 

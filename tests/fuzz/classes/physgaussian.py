@@ -8,7 +8,7 @@ from pathlib import Path
 from physagent_jax.core.reading import read_json
 from physagent_jax.scene.physgaussian import import_physgaussian
 from tests.fuzz.contract import Case
-from tests.fuzz.drawing import ANY_JSON, Draw, altered, damaged, encoded
+from tests.fuzz.drawing import Draw, altered, any_json, damaged, encoded
 
 NAME = "config.json"
 GOOD = {
@@ -76,7 +76,7 @@ def make(draw: Draw) -> Case:
             what, content = damaged(draw, encoded(document))
         case _:
             keys = draw.sample(sorted(GOOD), 3)
-            document |= {key: draw.example(ANY_JSON) for key in keys}
+            document |= {key: any_json(draw) for key in keys}
             what, content = f"any JSON for {keys}", encoded(document)
     return Case(what, lambda folder: _imported(folder, units), {NAME: content})
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from physagent_jax.core.reading import read_json
 from physagent_jax.scene.physgm import CLASSES, import_physgm
 from tests.fuzz.contract import Case
-from tests.fuzz.drawing import ANY_JSON, Draw, altered, damaged, encoded
+from tests.fuzz.drawing import Draw, altered, any_json, damaged, encoded
 
 NAME = "predicted_phys.json"
 
@@ -31,7 +31,7 @@ def make(draw: Draw) -> Case:
         case "damaged":
             what, content = damaged(draw, encoded(good))
         case _:
-            what, content = "any JSON", encoded(draw.example(ANY_JSON))
+            what, content = "any JSON", encoded(any_json(draw))
     return Case(what, _imported, {NAME: content})
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import strategies as st
 
 from physagent_jax.agents.rule_executor import RuleExecutor
 from physagent_jax.agents.rule_planner import RulePlanner
@@ -87,7 +86,7 @@ def make(draw: Draw) -> Case:
     )
     shown = prompt if len(prompt) < 120 else f"{prompt[:100]}... ({len(prompt)} characters)"
     motion = _motion(draw)
-    return Case(f"{shown!r}, {frames} frames", lambda _: _looped(prompt, scene, motion))
+    return Case(f"{shown!r}, {frames} frames", lambda _: looped(prompt, scene, motion))
 
 
 def _sentence(draw: Draw) -> str:
@@ -126,7 +125,7 @@ def _known(draw: Draw) -> str:
 
 
 def _text(draw: Draw) -> str:
-    return draw.example(st.text(max_size=60)) + draw.one(["", " push it left", " drop"])
+    return draw.text(60) + draw.one(["", " push it left", " drop"])
 
 
 def _words(draw: Draw) -> str:
@@ -153,7 +152,7 @@ def _motion(draw: Draw) -> dict:
     return draw.one([nothing, unseen, wild, wild, extreme, turned])
 
 
-def _looped(prompt: str, scene: SceneBrief, motion: dict):
+def looped(prompt: str, scene: SceneBrief, motion: dict):
     reply = read(prompt, scene)
     report = seen_in(reply.expectations, scene.frame_count, **motion)
     planner, executor, history = RulePlanner(), RuleExecutor(), []

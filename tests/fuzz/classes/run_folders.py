@@ -32,7 +32,7 @@ def make(draw: Draw) -> Case:
             del files[name]
         elif draw.chance(0.25):
             schema = _schemas()[name.rsplit("/", 1)[-1]]
-            what, files[name] = "of the schema", encoded(draw.example(of_schema(schema)))
+            what, files[name] = "of the schema", encoded(of_schema(draw, schema))
         else:
             try:
                 what, files[name] = altered(draw, json.loads(files[name]))

@@ -131,7 +131,7 @@ def make(draw: Draw) -> Case:
         case "reach":
             what, content = _reaching(draw, document)
         case _:
-            drawn = draw.example(_schema())
+            drawn = of_schema(draw, _schema())
             keep = draw.sample(sorted(drawn), min(len(drawn), draw.one([1, 1, 2, 3])))
             document |= {key: drawn[key] for key in keep if key != "source"}
             what, content = f"{', '.join(keep)} of the schema", encoded(document)
@@ -198,8 +198,8 @@ def scene(draw: Draw) -> dict:
 
 
 @functools.cache
-def _schema():
-    return of_schema(SceneConfig.model_json_schema())
+def _schema() -> dict:
+    return SceneConfig.model_json_schema()
 
 
 def _altered_part(draw: Draw, document: dict) -> tuple[str, bytes]:
