@@ -43,7 +43,7 @@ def check_arguments(arguments: Sequence[str]) -> None:
             raise UserError("an argument is empty", got=shown, do="Leave the option out, or give it a value")
         if "\0" in argument:
             raise UserError("an argument holds a zero byte", got=shown, do="Take it out")
-        if len(argument.encode("utf-8", "surrogateescape")) > _LONGEST:
+        if len(argument.encode("utf-8", "surrogatepass")) > _LONGEST:
             raise UserError(f"an argument is longer than {_LONGEST:,} bytes", got=shown, do="Shorten it")
         try:
             argument.encode("utf-8")
