@@ -1,7 +1,10 @@
-"""Shared fixtures: a small elastic block, double precision on request."""
+"""Shared fixtures, and compiled programs that the processes of one test run share."""
 
 from __future__ import annotations
 
+import os
+import shutil
+import tempfile
 from pathlib import Path
 
 import jax
@@ -11,6 +14,17 @@ from physagent_jax.kernels import programs
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 ROBOT = REPOSITORY / "examples" / "assets" / "robot.ply"
+
+
+_SHARED = "PHYSAGENT_TEST_PROGRAMS"  # the folder, for the workers and for what they start
+
+
+def pytest_configure(config):
+    """What one process of this run compiles, the others read: most of the suite's time goes into compiling."""
+    if _SHARED not in os.environ:
+        os.environ[_SHARED] = folder = tempfile.mkdtemp(prefix="physagent-tests-")
+        config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+    programs.keep_on_disk(Path(os.environ[_SHARED]))
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -80,7 +80,7 @@ def test_options_beyond_sense_or_without_meaning_are_refused(options, fragments,
         ("push it to the left " * 60_000, "longer than"),
         ("push \x07 it", "no text"),
         ("push \udcff it", "no text"),
-        ("\x00", "no text"),
+        ("\x00", "a zero byte"),
     ],
 )
 def test_prompts_that_are_no_sentence_are_refused_at_once(prompt, fragment, run):

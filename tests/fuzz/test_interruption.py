@@ -51,7 +51,7 @@ def test_killed_three_times_on_the_way_the_run_finishes_as_if_nothing_had_been(b
 
 @pytest.mark.slow
 @pytest.mark.parametrize("what", ["before", "after"])
-@pytest.mark.parametrize("at", range(1, 24))
+@pytest.mark.parametrize("at", range(1, 31))
 def test_killed_at_any_file_the_run_finishes_as_if_nothing_had_been(at, what, base, tmp_path):
     """Including the report, and rewrites of the manifest."""
     out = tmp_path / "run"
