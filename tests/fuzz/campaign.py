@@ -1,4 +1,4 @@
-"""Many cases: in this process (the test run), or in processes that may die without harm (on demand)."""
+"""Many cases, in processes that may die without harm."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tests.fuzz.contract import Fault, Outcome, Result, check
 COLUMNS = ("accepted", "refused", *(str(fault) for fault in Fault))
 CHUNK = 40  # cases that a worker is handed at a time
 RENEWED = 1500  # cases after which a worker is replaced: compiled programs add up
-MERCY = 90.0  # [s] beyond a case's own limit until its process is killed
+MERCY = 60.0  # [s] beyond a case's own limit until its process is killed
 
 
 @dataclasses.dataclass
@@ -147,28 +147,20 @@ def run(names: list[str], cases: int, seed: int, jobs: int) -> Tally:
 
     def serve() -> None:
         nonlocal done
-        worker = None
-        while True:
-            with lock:
-                if not chunks:
-                    break
-                name, indices = chunks.popleft()
-            for index in indices:
-                if worker is None or worker.served >= RENEWED:
-                    if worker is not None:
-                        worker.end()
-                    worker = _Worker()
-                what, result = worker.examine(name, seed, index)
-                if worker.dead:
-                    worker = None
+        with Examiner() as examiner:
+            while True:
                 with lock:
-                    tally.add(name, index, what, result)
-                    done += 1
-                    if done % 200 == 0:
-                        so_far = f"{done} of {total} cases, {len(tally.failures)} failed"
-                        print(f"{so_far}, {time.monotonic() - begun:.0f} s", file=sys.stderr, flush=True)
-        if worker is not None:
-            worker.end()
+                    if not chunks:
+                        return
+                    name, indices = chunks.popleft()
+                for index in indices:
+                    what, result = examiner.examine(name, seed, index)
+                    with lock:
+                        tally.add(name, index, what, result)
+                        done += 1
+                        if done % 200 == 0:
+                            so_far = f"{done} of {total} cases, {len(tally.failures)} failed"
+                            print(f"{so_far}, {time.monotonic() - begun:.0f} s", file=sys.stderr, flush=True)
 
     with ThreadPoolExecutor(jobs) as pool:
         for served in [pool.submit(serve) for _ in range(jobs)]:
@@ -181,6 +173,31 @@ def _chunks(wanted: dict[str, int]) -> Iterator[tuple[str, range]]:
     for name, count in wanted.items():
         for start in range(0, count, CHUNK):
             yield name, range(start, min(start + CHUNK, count))
+
+
+class Examiner:
+    """Examines cases in a process of its own, and in another one where that has been its end."""
+
+    def __init__(self):
+        self._worker: _Worker | None = None
+
+    def __enter__(self) -> Examiner:
+        return self
+
+    def __exit__(self, *_) -> None:
+        if self._worker is not None:
+            self._worker.end()
+
+    def examine(self, name: str, seed: int, index: int) -> tuple[str, Result]:
+        """What a case is and what became of it, whatever became of the process."""
+        if self._worker is not None and self._worker.served >= RENEWED:
+            self._worker.end()
+            self._worker = None
+        self._worker = self._worker or _Worker()
+        what, result = self._worker.examine(name, seed, index)
+        if self._worker.dead:
+            self._worker = None
+        return what, result
 
 
 class _Worker:

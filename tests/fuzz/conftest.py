@@ -1,4 +1,4 @@
-"""A folder in which runs are made by processes, with warm caches and a run that nothing happened to."""
+"""Processes that cases may end, and a folder with warm caches and a run that nothing happened to."""
 
 from __future__ import annotations
 
@@ -9,8 +9,16 @@ from pathlib import Path
 import pytest
 
 from tests.fuzz import seeds
+from tests.fuzz.campaign import Examiner
 from tests.fuzz.contract import BYSTANDER
 from tests.fuzz.processes import run
+
+
+@pytest.fixture(scope="session")
+def examiner():
+    """One process for all cases, until one of them is its end."""
+    with Examiner() as examiner:
+        yield examiner
 
 
 @pytest.fixture(scope="session")

@@ -29,7 +29,7 @@ from physagent_jax.core.errors import UserError
 
 MEMORY = 4 * 2**30  # [bytes] of address space that one case may take, in arrays, stacks and mappings
 RESIDENT = 1.5 * 2**30  # [bytes] by which one case may raise the process's peak
-PATIENCE = 60.0  # [s] beyond a case's limit until code that no signal stops ends the process
+PATIENCE = 20.0  # [s] beyond a case's limit until code that no signal stops ends the process
 BYSTANDER = "somebody-elses.txt"
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.fuzz.campaign import again, examine
+from tests.fuzz.campaign import again
 from tests.fuzz.classes import CLASSES
 from tests.fuzz.contract import Outcome
 
@@ -28,8 +28,8 @@ def test_there_are_enough_cases():
 
 
 @pytest.mark.parametrize(("name", "indices"), list(_chunks()))
-def test_accepted_and_finite_or_refused_in_one_line(name, indices):
-    results = [(index, *examine(name, SEED, index)) for index in indices]
+def test_accepted_and_finite_or_refused_in_one_line(name, indices, examiner):
+    results = [(index, *examiner.examine(name, SEED, index)) for index in indices]
     failed = [
         f"{result.fault}: {what[:200]}\n    {result.detail[:300]}\n    at {result.place or '-'}\n"
         f"    {again(name, SEED, index)}"
