@@ -70,6 +70,7 @@ def synthesize(request: Request, agents: Agents, observer: Observer | None = Non
         ingredients = loop.with_anchor(reply)
         check_cost(estimate_cost(fuse(ingredients, body, reply.force_field), body), request.limits)
         store.begin()
+        loop.save_costs()
         try:
             store.write("semantic.json", reply)
             force_field = reply.force_field
@@ -151,7 +152,7 @@ class _Loop:
         if not attempts:
             return reply.force_field
         best = _best(attempts)
-        self._save_costs(probe_iterations=len(attempts), probe_best=best)
+        self.save_costs(probe_iterations=len(attempts), probe_best=best)
         return attempts[best].scene.force_field
 
     def _coarse(self, ingredients: Ingredients, body: Body) -> _Series:
@@ -220,7 +221,7 @@ class _Loop:
         )
         with self._watch("write"):
             write_verdict(series.store, index, recording.rgb, seen, judgement)
-        self._save_costs()
+        self.save_costs()
         return Attempt(config, seen.report, judgement)
 
     def recall(self, series: _Series, index: int) -> Attempt | None:
@@ -266,7 +267,7 @@ class _Loop:
                 save_frames=self._request.save_frames,
                 save_splats=self._request.save_splats,
             )
-        self._save_costs(
+        self.save_costs(
             iterations=len(attempts),
             best_iteration=best,
             verdict=attempts[best].judgement.verdict.value,
@@ -287,7 +288,8 @@ class _Loop:
         )
         return answer
 
-    def _save_costs(self, **changes) -> None:
+    def save_costs(self, **changes) -> None:
+        """Writes what the run has cost so far into the manifest, with ``changes`` to it."""
         costs = dict(stages=self._watch.stages(), agents=tuple(self._costs.values()))
         self._store.update(**costs, reused_frames=self._reused, **changes)
 

@@ -84,14 +84,20 @@ def cannot_write(path: str | Path, error: OSError) -> UserError:
     return UserError(f"cannot write {path}", got=error.strerror or error, do=remedy)
 
 
-def remove_leftovers(path: str | Path) -> None:
-    """Removes what `replacing` left beside ``path`` when a process was killed; nobody may be writing it."""
+def leftovers(path: str | Path) -> list[Path]:
+    """What `replacing` left beside ``path`` when a process was killed, if nobody is writing it now."""
     path = Path(path)
     pattern = re.compile(re.escape(f".{path.stem}.") + _MARK + re.escape(path.suffix))
-    with contextlib.suppress(FileNotFoundError, NotADirectoryError):
-        for name in os.listdir(path.parent):
-            if pattern.fullmatch(name):
-                (path.parent / name).unlink(missing_ok=True)
+    try:
+        return [path.parent / name for name in os.listdir(path.parent) if pattern.fullmatch(name)]
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+
+
+def remove_leftovers(path: str | Path) -> None:
+    """Removes `leftovers`."""
+    for leftover in leftovers(path):
+        leftover.unlink(missing_ok=True)
 
 
 def write_text(path: str | Path, text: str) -> None:

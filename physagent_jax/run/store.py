@@ -15,7 +15,7 @@ from typing import TypeVar
 from pydantic import BaseModel
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.files import remove_leftovers, write_text
+from physagent_jax.core.files import leftovers, remove_leftovers, write_text
 from physagent_jax.core.reading import read_model
 from physagent_jax.run import previous
 from physagent_jax.run.lock import FolderLock
@@ -69,8 +69,10 @@ class RunStore:
             if earlier and overwrite and not earlier.complete and earlier.inputs != manifest.inputs:
                 earlier = _give_way(path, earlier)
             if earlier is None:
-                if any(path.iterdir()):
+                begun = leftovers(path / "manifest.json")  # by a process that was killed before it had one
+                if set(path.iterdir()) - set(begun):
                     raise UserError(f"{path} exists and is not a run folder", do="Choose another --out")
+                remove_leftovers(path / "manifest.json")
                 return RunStore(path, manifest, lock)
             if earlier.inputs == manifest.inputs and not (overwrite and earlier.complete):
                 return RunStore(path, earlier, lock)

@@ -176,6 +176,14 @@ def test_leftovers_of_a_killed_process_go_and_other_hidden_files_stay(tmp_path):
     remove_leftovers(tmp_path / "absent" / "x.json")
 
 
+def test_a_process_killed_before_it_had_a_manifest_has_begun_nothing(tmp_path):
+    path = tmp_path / "run"
+    path.mkdir()
+    (path / ".manifest.0123abcd.json").write_text("{")
+    make(path, "one")
+    assert contents(path) == of("one")
+
+
 def test_the_second_process_in_a_folder_is_told_so(tmp_path):
     path = tmp_path / "run"
     program = (
