@@ -55,9 +55,9 @@ much too far; the gradient form (`transfer.stress_form = "gradient"` in a scene)
 _LIMITS = """
 ## Known limits
 
-- Soft matter under strong forces is refused: with E = 1e3 Pa and forces fifty times the skills' own, most runs of every
-  law end with "matter is crushed to nothing", because no step keeps a cell's matter from being pressed to no volume. Weaker
-  forces or stiffer matter are the remedy; of the elastic laws, neo-Hookean resists most.
+- Soft matter under strong forces is refused: with E = 1e3 Pa and forces fifty times the skills' own, most runs of
+  every law end with "matter is crushed to nothing", because no step keeps a cell's matter from being pressed to no
+  volume. Weaker forces or stiffer matter are the remedy; of the elastic laws, neo-Hookean resists most.
 - Sand at rest at F = I sits on the edge of its yield surface: the derivatives of a push and of a pull differ, and
   automatic differentiation gives a value between the two.
 - Friction on a plane oblique to the grid begins with a drift (the row "incline-rests" above), then holds.
