@@ -203,10 +203,10 @@ def at(data: Any, path: Sequence) -> Any:
 
 def altered(draw: Draw, data: Any) -> tuple[str, bytes]:
     """``data`` as JSON text with one to three values, keys or literals changed, and what was done."""
-    data = json.loads(json.dumps(data))  # a copy
     raw: list[str] = []
     done = []
     for _ in range(draw.one([1, 1, 1, 1, 2, 3])):
+        data = json.loads(json.dumps(data))  # a copy, in which no part is there twice
         paths = [path for path in places(data) if path]
         if not paths:
             break
