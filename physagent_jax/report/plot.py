@@ -71,6 +71,9 @@ class Plot:
     clip: str = ""
 
 
+_LARGEST = 1e300  # that an axis reaches
+
+
 def nice_step(low: float, high: float, most: int = 7) -> float:
     """1, 2 or 5 times a power of ten, so that [low, high] holds at most ``most`` steps."""
     rough = (high - low) / most
@@ -144,6 +147,8 @@ def _y_range(plot: Plot) -> tuple[float, float]:
     if plot.level is not None:
         values.append(plot.level[0])
     low, high = (min(values), max(values)) if values else (0.0, 1.0)
+    # Only a damaged record holds more; the difference of two such numbers would be infinite.
+    low, high = max(low, -_LARGEST), min(high, _LARGEST)
     span_ = max(high - low, plot.least_span, 1e-9, 1e-6 * max(abs(low), abs(high)))
     # Quantities that are never negative (energies, time steps) keep their zero at the bottom.
     middle, half = (low + high) / 2, 0.54 * span_
