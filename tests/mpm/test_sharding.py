@@ -14,7 +14,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.mpm import PrescribedMotion, rollout, rollout_sharded, simulate, step
 from physagent_jax.mpm.sharding import Layout
-from tests.conftest import REPOSITORY
+from tests.conftest import QUICK_TO_COMPILE, REPOSITORY
 from tests.mpm.blocks import block
 
 
@@ -25,7 +25,7 @@ def computed(which, file):
         JAX_PLATFORMS="cpu",
         JAX_ENABLE_X64="1",
         JAX_DISABLE_MOST_OPTIMIZATIONS="1",  # compiling takes longer than running
-        XLA_FLAGS=os.environ.get("XLA_FLAGS", "") + " --xla_force_host_platform_device_count=4",
+        XLA_FLAGS=f"--xla_force_host_platform_device_count=4 {QUICK_TO_COMPILE}",
     )
     command = [sys.executable, "-m", "tests.mpm.sharded_runs", which, str(file)]
     done = subprocess.run(command, cwd=REPOSITORY, env=variables, capture_output=True, text=True)
