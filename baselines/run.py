@@ -16,13 +16,14 @@ from physagent_jax.cli.console import FrameBar
 from physagent_jax.cli.environment import enable_compile_cache
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
-from physagent_jax.output.run_files import write_best, write_rollout
-from physagent_jax.provenance import make_manifest, settings_hash
 from physagent_jax.report.html import write_report
+from physagent_jax.run.artifacts import write_best, write_rollout
+from physagent_jax.run.manifest import Stages
+from physagent_jax.run.provenance import make_manifest, settings_hash
 from physagent_jax.run.store import RunStore
 from physagent_jax.scene.compile import compile_scene
-from physagent_jax.simulation import play
-from physagent_jax.stopwatch import Stopwatch
+from physagent_jax.simulation.simulate import simulate_scene
+from physagent_jax.simulation.stopwatch import Stopwatch
 
 
 @dataclasses.dataclass(frozen=True)
@@ -116,7 +117,7 @@ def _write(
     scene = compile_scene(config, task.body, store.path)
     bar = FrameBar("playing the solution")
     try:
-        recording = play(scene, watch, bar)
+        recording = simulate_scene(scene, watch=watch, progress=bar)
     finally:
         bar.close()
     with watch("write"):
@@ -124,7 +125,7 @@ def _write(
         write_best(store, 0, task.body, save_frames=False, save_splats=False)
         steps = [dataclasses.asdict(step) for step in history]
         write_text(store.claimed("optimisation.json"), json.dumps(steps, indent=2) + "\n")
-    store.finish(stages=watch.stages(), iterations=1, best_iteration=0)
+    store.finish(stages=Stages(**watch.seconds()), iterations=1, best_iteration=0)
 
 
 if __name__ == "__main__":

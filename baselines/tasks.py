@@ -19,11 +19,11 @@ from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.core.reading import validation_message
 from physagent_jax.forces.schema import MAGNITUDE_MAX, MAGNITUDE_MIN, Action, ActionType, ForceField
 from physagent_jax.forces.terms import UniformAcceleration
-from physagent_jax.gaussians.ply import write_ply
+from physagent_jax.gaussians.formats.ply import write_ply
 from physagent_jax.mpm import Grid, rollout, stable_dt
 from physagent_jax.mpm.timestep import substeps_for
 from physagent_jax.scene.body import Body, make_body
-from physagent_jax.scene.compile import Scene, compile_scene
+from physagent_jax.scene.compile import CompiledScene, compile_scene
 from physagent_jax.scene.config import (
     Anchor,
     CameraConfig,
@@ -141,7 +141,7 @@ class Task:
     spec: TaskSpec
     ingredients: Ingredients
     body: Body
-    scene: Scene
+    scene: CompiledScene
     substeps: int
     target: jax.Array
 
@@ -218,7 +218,7 @@ def _preset(frame_count: int, particles: int) -> Preset:
 _SAFETY = 0.5  # of the bound at rest; a static step must also bear the squeeze on landing
 
 
-def _with_static_grid(scene: Scene) -> tuple[Scene, int]:
+def _with_static_grid(scene: CompiledScene) -> tuple[CompiledScene, int]:
     """A rollout under differentiation cannot move its window or change its step: both are fixed here."""
     domain, timing = scene.config.domain, scene.config.timing
     substeps = substeps_for(timing.frame_dt, _SAFETY * float(stable_dt(scene.model, scene.state)))
@@ -227,7 +227,7 @@ def _with_static_grid(scene: Scene) -> tuple[Scene, int]:
     return dataclasses.replace(scene, model=model), substeps
 
 
-def _path(spec: TaskSpec, scene: Scene, substeps: int, parameters: Parameters) -> jax.Array:
+def _path(spec: TaskSpec, scene: CompiledScene, substeps: int, parameters: Parameters) -> jax.Array:
     model = scene.model
     _, states = rollout(
         model.replace(forces=(*model.forces, _force(spec, scene, parameters))),
@@ -238,7 +238,7 @@ def _path(spec: TaskSpec, scene: Scene, substeps: int, parameters: Parameters) -
     return (states.x * model.mass[:, None]).sum(1) / model.mass.sum()
 
 
-def _force(spec: TaskSpec, scene: Scene, parameters: Parameters) -> UniformAcceleration:
+def _force(spec: TaskSpec, scene: CompiledScene, parameters: Parameters) -> UniformAcceleration:
     """The sought action, as `forces.skills` would compile it, but with differentiable parameters."""
     scaling, timing = scene.config.scaling, scene.config.timing
     assert scaling is not None

@@ -21,7 +21,8 @@ from physagent_jax.agents.schema import Judgement
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.motion import compare
 from physagent_jax.perception.schema import MotionReport
-from physagent_jax.run_folder import Manifest, SimulationRecord
+from physagent_jax.run.manifest import Manifest
+from physagent_jax.simulation.record import SimulationRecord
 
 ASSETS = Path(__file__).resolve().parents[1] / "examples" / "assets"
 

@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from physagent_jax.provenance import git_revision, platform_words, versions
+from physagent_jax.run.provenance import git_revision, platform_words, versions
 
 
 def circumstances() -> dict[str, object]:

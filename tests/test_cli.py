@@ -5,8 +5,8 @@ import json
 import pytest
 
 from physagent_jax.cli import main
+from physagent_jax.run.manifest import Manifest
 from physagent_jax.run.store import RunStore
-from physagent_jax.run_folder import Manifest
 from physagent_jax.scene.config import Filling, SceneConfig, Source, Timing, dump_scene
 
 PROMPT = "push the robot to the left"

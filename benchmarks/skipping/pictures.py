@@ -16,15 +16,15 @@ from benchmarks.skipping.scene import SIZE, cube
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.gaussians import Binding, GaussianCloud, deform
 from physagent_jax.output.motion_file import write_motion
-from physagent_jax.output.run_files import motion_of
 from physagent_jax.output.splats import write_splat_frames
 from physagent_jax.output.video import write_frames, write_video
 from physagent_jax.render import Camera, Projected, look_at, project
+from physagent_jax.run.artifacts import motion_of
 from physagent_jax.scene.body import body_of
-from physagent_jax.scene.compile import Scene, compile_scene
+from physagent_jax.scene.compile import CompiledScene, compile_scene
 from physagent_jax.scene.config import Domain, Filling, Rendering, SceneConfig, Source, Timing
-from physagent_jax.simulation import Recording, play
-from physagent_jax.stopwatch import Stopwatch
+from physagent_jax.simulation.recording import Recording
+from physagent_jax.simulation.simulate import simulate_scene
 
 ROBOT = Path(__file__).resolve().parents[2] / "examples" / "assets" / "robot.ply"
 _COEFFICIENTS = 16  # of degree 3
@@ -90,7 +90,7 @@ def _projection(projected: Projected) -> Answer:
 
 
 @cache
-def _clip(particles: int, frames: int, pixels: int) -> tuple[Scene, Recording]:
+def _clip(particles: int, frames: int, pixels: int) -> tuple[CompiledScene, Recording]:
     """The bundled robot, dropped."""
     config = SceneConfig(
         source=Source(path=str(ROBOT), name="robot", kind="robot", up="-y"),
@@ -101,7 +101,7 @@ def _clip(particles: int, frames: int, pixels: int) -> tuple[Scene, Recording]:
         rendering=Rendering(width=pixels, height=pixels),
     )
     scene = compile_scene(config, body_of(config, ROBOT.parent))
-    return scene, play(scene, Stopwatch())
+    return scene, simulate_scene(scene)
 
 
 def _files(sizes: Sizes) -> Pair:

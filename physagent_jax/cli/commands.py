@@ -34,7 +34,7 @@ class Make:
     def __call__(self) -> int:
         """Runs the command; returns the exit code."""
         from physagent_jax.core.files import write_new
-        from physagent_jax.gaussians.ply import write_ply
+        from physagent_jax.gaussians.formats.ply import write_ply
         from physagent_jax.scene.card import ObjectCard
         from physagent_jax.scene.priors import guess_kind
         from physagent_jax.scene.procedural import PROCEDURAL
@@ -78,8 +78,9 @@ class Schema:
         from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
         from physagent_jax.forces.schema import ForceField
         from physagent_jax.perception.schema import MotionReport
-        from physagent_jax.run_folder import Manifest, SimulationRecord
+        from physagent_jax.run.manifest import Manifest
         from physagent_jax.scene.config import SceneConfig
+        from physagent_jax.simulation.record import SimulationRecord
 
         formats = {
             "scene": SceneConfig,

@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING, Literal
 
 from pydantic import ValidationError
 
-from physagent_jax.agents.rule_executor import RuleExecutor
-from physagent_jax.agents.rule_planner import RulePlanner
-from physagent_jax.agents.rule_semantic import RuleSemanticAgent
+from physagent_jax.agents.rules.executor import RuleExecutor
+from physagent_jax.agents.rules.planner import RulePlanner
+from physagent_jax.agents.rules.semantic import RuleSemanticAgent
 from physagent_jax.cli.matter import chosen_material
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import check_regular, validation_message
 from physagent_jax.core.strict import Strict
-from physagent_jax.provenance import make_manifest, settings_hash
-from physagent_jax.run_folder import MOST_ROUNDS
+from physagent_jax.run.loop import Agents, Request
+from physagent_jax.run.manifest import MOST_ROUNDS
+from physagent_jax.run.provenance import make_manifest, settings_hash
 from physagent_jax.scene.anchor import MASK_BYTES
 from physagent_jax.scene.card import load_card
 from physagent_jax.scene.config import Anchor, CameraConfig, Source
@@ -26,7 +27,6 @@ from physagent_jax.scene.fuse import Ingredients
 from physagent_jax.scene.load import file_sha256
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import anchor_for, damping_for, find_kind, guess_kind
-from physagent_jax.synthesis import Agents, Request
 
 if TYPE_CHECKING:
     from physagent_jax.cli.run import Run

@@ -98,7 +98,7 @@ class Run:
         # Imported here, so that --help does not wait for JAX.
         from physagent_jax.cli.request import make_request, offline_agents
         from physagent_jax.report.html import write_report
-        from physagent_jax.synthesis import synthesize
+        from physagent_jax.run.loop import synthesize
 
         begun = time.perf_counter()
         request = make_request(self, " ".join(map(shlex.quote, sys.argv)))
@@ -124,7 +124,7 @@ class Run:
 
 def summarise(store, seconds: float) -> dict:
     """The line that ``--json`` prints."""
-    from physagent_jax.run_folder import SimulationRecord
+    from physagent_jax.simulation.record import SimulationRecord
 
     manifest = store.manifest
     records = [

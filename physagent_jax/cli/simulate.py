@@ -46,7 +46,7 @@ class Simulate:
 
     def __call__(self) -> int:
         """Runs the command; returns the exit code."""
-        from physagent_jax.cli.playing import play_scene
+        from physagent_jax.run.replay import replay_scene
         from physagent_jax.scene.cost import Limits
 
         begun = time.perf_counter()
@@ -56,7 +56,7 @@ class Simulate:
         config = self._adjusted(config)
         bar = FrameBar("simulating and rendering")
         try:
-            record, stages = play_scene(
+            record, stages = replay_scene(
                 config,
                 self.scene,
                 self.out,
@@ -66,6 +66,7 @@ class Simulate:
                 save_splats=self.save_splats,
                 limits=Limits(self.max_minutes, self.max_memory),
                 overwrite=self.overwrite,
+                warn=warn,
             )
         finally:
             bar.close()

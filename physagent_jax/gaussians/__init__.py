@@ -11,7 +11,7 @@ from physagent_jax.gaussians.covariance import (
     transform_covariances,
 )
 from physagent_jax.gaussians.export import splats_to_cloud
-from physagent_jax.gaussians.ply import read_ply, write_ply
+from physagent_jax.gaussians.formats.ply import read_ply, write_ply
 from physagent_jax.gaussians.polar import polar_rotation
 from physagent_jax.gaussians.sh import eval_sh, rotate_sh, sh_basis
 

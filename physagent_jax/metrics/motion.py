@@ -7,12 +7,32 @@ from __future__ import annotations
 
 import numpy as np
 
-from physagent_jax.perception import fit
+from physagent_jax.core.rotations import polar, unwrapped
+from physagent_jax.core.strict import Strict, Vector
 from physagent_jax.perception.schema import MotionReport
-from physagent_jax.run_folder import TrueMotion
 
 _TAIL = 0.5
 """Particles beyond this percentile on either side of an axis do not count for a box [%]."""
+
+
+class TrueMotion(Strict):
+    """Motion of the particles themselves, in the same measures as the motion report.
+
+    For the report's honesty only: no agent ever sees it.
+
+    Attributes:
+        object_size: Longest extent of the rest particles [m].
+        centroid: Per frame displacement of the Gaussians' centroid from frame 0 [body lengths].
+        rotation_degrees: Per frame, angle of the best rigid fit [deg].
+        volume_ratio: Per frame, bounding-box volume over frame 0's.
+        stretch: Per frame, extents (standard deviations) along world x, y, z over frame 0's.
+    """
+
+    object_size: float
+    centroid: tuple[Vector, ...]
+    rotation_degrees: tuple[float, ...]
+    volume_ratio: tuple[float, ...]
+    stretch: tuple[Vector, ...]
 
 
 def true_motion(positions: np.ndarray) -> TrueMotion:
@@ -31,7 +51,7 @@ def true_motion(positions: np.ndarray) -> TrueMotion:
     size = float(np.ptp(x[0], axis=0).max()) or 1.0
     spread = x.std(axis=1)
     rest = x[0] - x[0].mean(axis=0)
-    turns = fit.unwrapped([_rotation(rest, frame - frame.mean(axis=0)) for frame in x])
+    turns = unwrapped([_rotation(rest, frame - frame.mean(axis=0)) for frame in x])
     floor = 1e-6 * size
     return TrueMotion(
         object_size=size,
@@ -89,7 +109,7 @@ def _rotation(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Rotation in the least-squares linear map a -> b of centred particles, shape (3, 3)."""
     cov = a.T @ a
     cov += (1e-9 * np.trace(cov) + 1e-30) * np.eye(3)  # particles in a plane, on a line, or only one
-    return fit.polar(b.T @ a @ np.linalg.inv(cov))[0]
+    return polar(b.T @ a @ np.linalg.inv(cov))[0]
 
 
 def _stretch_error(report: MotionReport, truth: TrueMotion) -> float | None:

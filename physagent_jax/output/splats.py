@@ -13,7 +13,7 @@ from physagent_jax.gaussians.binding import deform
 from physagent_jax.gaussians.cloud import GaussianCloud, Splats
 from physagent_jax.gaussians.covariance import transform_covariances
 from physagent_jax.gaussians.export import splats_to_cloud
-from physagent_jax.gaussians.ply import write_ply
+from physagent_jax.gaussians.formats.ply import write_ply
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.placement import Placement
 

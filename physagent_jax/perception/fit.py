@@ -8,6 +8,8 @@ import warnings
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from physagent_jax.core.rotations import polar
+
 
 @dataclasses.dataclass(frozen=True)
 class Affine:
@@ -103,45 +105,8 @@ def rigid_rotation(x: np.ndarray, y: np.ndarray, weights: np.ndarray) -> np.ndar
         return Rotation.align_vectors(y, x, weights=weights)[0].as_matrix()
 
 
-def polar(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Splits ``matrix`` = R S into a rotation and a symmetric stretch, both (3, 3)."""
-    u, s, vt = np.linalg.svd(matrix)
-    flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
-    return u @ flip @ vt, vt.T @ np.diag(s) @ flip @ vt
-
-
 def hidden_spread(points: np.ndarray, direction: np.ndarray) -> float:
     """Standard deviation of points along ``direction`` that the other two directions do not explain [m]."""
     cov = np.cov(points.T)
     cov += (1e-12 * np.trace(cov) + 1e-30) * np.eye(3)
     return float(1 / np.sqrt(direction @ np.linalg.inv(cov) @ direction))
-
-
-def unwrapped(rotations: list[np.ndarray | None]) -> list[np.ndarray | None]:
-    """Rotation vectors of a sequence of rotation matrices, whose angle may grow beyond 180 degrees.
-
-    Of all vectors that stand for the same rotation, the one nearest to the previous frame's is taken.
-
-    Args:
-        rotations: Rotation matrices (3, 3), or None where unknown.
-
-    Returns:
-        Rotation vectors [rad], shape (3,), None where unknown.
-    """
-    previous, vectors = np.zeros(3), []
-    for matrix in rotations:
-        if matrix is None:
-            vectors.append(None)
-            continue
-        vector = Rotation.from_matrix(matrix).as_rotvec()
-        angle = float(np.linalg.norm(vector))
-        axis = vector / angle if angle > 1e-9 else _unit(previous)
-        turns = np.round((previous @ axis - angle) / (2 * np.pi))
-        previous = (angle + 2 * np.pi * turns) * axis
-        vectors.append(previous)
-    return vectors
-
-
-def _unit(vector: np.ndarray) -> np.ndarray:
-    length = np.linalg.norm(vector)
-    return vector / length if length > 1e-9 else np.array([0.0, 0.0, 1.0])

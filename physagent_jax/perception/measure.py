@@ -10,11 +10,12 @@ import numpy as np
 from physagent_jax.core.errors import UserError
 from physagent_jax.perception import lift, timing
 from physagent_jax.perception.assemble import GONE, assemble, in_view, touches_border
+from physagent_jax.perception.backends.colour import ColorSegmenter
+from physagent_jax.perception.backends.depth_sensor import DepthSensor
+from physagent_jax.perception.backends.flow import FlowTracker
 from physagent_jax.perception.follow import follow
-from physagent_jax.perception.protocols import DepthEstimator, DepthSensor, Segmenter, Tracker
+from physagent_jax.perception.protocols import DepthEstimator, Segmenter, Tracker
 from physagent_jax.perception.schema import MotionReport, Quality
-from physagent_jax.perception.segment import ColorSegmenter
-from physagent_jax.perception.track import FlowTracker
 from physagent_jax.perception.windows import Frames, measure_window
 from physagent_jax.perception.words import ViewerWords, tell
 from physagent_jax.render.camera import Camera

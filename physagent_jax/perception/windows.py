@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from physagent_jax.perception import fit
+from physagent_jax.core.rotations import polar, unwrapped
 from physagent_jax.perception.fit import Affine
 from physagent_jax.perception.schema import WindowMotion
 
@@ -44,7 +44,7 @@ class Frames:
 
     def rotation_from(self, first: int, last: int) -> list[np.ndarray | None]:
         """Unwrapped rotation vectors of frames first..last relative to ``first`` [rad]."""
-        return fit.unwrapped([self._turn(first, t) for t in range(first, last + 1)])
+        return unwrapped([self._turn(first, t) for t in range(first, last + 1)])
 
     def _turn(self, first: int, t: int) -> np.ndarray | None:
         a, b = self.poses[first], self.poses[t]
@@ -138,7 +138,7 @@ def _stretch(frames: Frames, first: int, last: int):
         return None
     if np.linalg.cond(a.matrix) > 100:
         return None
-    S = fit.polar(b.matrix @ np.linalg.inv(a.matrix))[1]
+    S = polar(b.matrix @ np.linalg.inv(a.matrix))[1]
     return (tuple(map(tuple, S.tolist())),)
 
 

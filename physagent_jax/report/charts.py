@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.metrics.motion import TrueMotion
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.report.directions import viewer_directions, world_axis_labels
 from physagent_jax.report.formats import prefix
 from physagent_jax.report.markup import Markup, div
 from physagent_jax.report.plot import Plot, Series, draw
 from physagent_jax.report.run_data import Iteration
-from physagent_jax.run_folder import SimulationRecord, TrueMotion
 from physagent_jax.scene.config import SceneConfig
+from physagent_jax.simulation.record import SimulationRecord
 
 AXIS_NAMES = ("x", "y", "z")
 

@@ -20,7 +20,7 @@ from physagent_jax.report.formats import (
 from physagent_jax.report.layout import facts, fold, missing, table
 from physagent_jax.report.markup import Child, Markup, div, join, span, tag
 from physagent_jax.report.run_data import Iteration
-from physagent_jax.run_folder import AgentCost, Manifest, SimulationRecord, Stages
+from physagent_jax.run.manifest import AgentCost, Manifest, Stages
 from physagent_jax.scene.config import (
     Anchor,
     Boundary,
@@ -33,6 +33,7 @@ from physagent_jax.scene.config import (
     Sphere,
 )
 from physagent_jax.scene.materials import describe
+from physagent_jax.simulation.record import SimulationRecord
 
 STAGE_NAMES = {
     "prepare": "prepare the scene",

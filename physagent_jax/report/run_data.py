@@ -14,9 +14,10 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import parse_model, read_json, shortened
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.schema import MotionReport
+from physagent_jax.run.manifest import Manifest
 from physagent_jax.run.store import PROBE
-from physagent_jax.run_folder import Manifest, SimulationRecord
 from physagent_jax.scene.config import SceneConfig
+from physagent_jax.simulation.record import SimulationRecord
 
 Model = TypeVar("Model", bound=BaseModel)
 

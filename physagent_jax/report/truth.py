@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+from physagent_jax.metrics.motion import TrueMotion
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.report.formats import UNKNOWN, fixed
 from physagent_jax.report.layout import table
 from physagent_jax.report.markup import Markup, div, tag
-from physagent_jax.run_folder import TrueMotion
 
 NOTE = "The truth is for your eyes only; no agent saw it. Agents judge by the pictures alone."
 DECIMALS = 3

@@ -19,7 +19,7 @@ from physagent_jax.core.files import leftovers, remove_leftovers, write_text
 from physagent_jax.core.reading import read_model
 from physagent_jax.run import previous
 from physagent_jax.run.lock import FolderLock
-from physagent_jax.run_folder import FORMAT, Manifest
+from physagent_jax.run.manifest import FORMAT, Manifest
 
 Schema = TypeVar("Schema", bound=BaseModel)
 PROBE = "probe"  # folder of the coarse rounds

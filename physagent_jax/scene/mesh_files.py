@@ -16,7 +16,7 @@ from trimesh.resolvers import FilePathResolver
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import unknown_name
 from physagent_jax.core.reading import MIB, check_counts, read_bytes, shortened
-from physagent_jax.gaussians.ply_header import read_ply_header
+from physagent_jax.gaussians.formats.ply_header import read_ply_header
 from physagent_jax.scene.gltf_check import check_glb, check_gltf
 
 MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".stl", ".off")

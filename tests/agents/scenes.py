@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 
-from physagent_jax.agents.bands import expectation_windows
-from physagent_jax.agents.rule_semantic import RuleSemanticAgent
+from physagent_jax.agents.rules.bands import expectation_windows
+from physagent_jax.agents.rules.semantic import RuleSemanticAgent
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, SceneBrief, SemanticReply
 from physagent_jax.forces.schema import BoxRegion
 from physagent_jax.perception.schema import MotionReport, Quality, WindowMotion

@@ -3,8 +3,8 @@
 import pytest
 
 from physagent_jax.agents.hard_rules import apply_hard_rules
-from physagent_jax.agents.rule_executor import RuleExecutor
-from physagent_jax.agents.rule_planner import RulePlanner
+from physagent_jax.agents.rules.executor import RuleExecutor
+from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import Verdict
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField
 from tests.agents.scenes import brief, read, seen_in

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from physagent_jax.agents.bands import expectation_windows
-from physagent_jax.agents.checks import reversals
-from physagent_jax.agents.rule_planner import RulePlanner
+from physagent_jax.agents.rules.bands import expectation_windows
+from physagent_jax.agents.rules.checks import reversals
+from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, Verdict
 from physagent_jax.forces.schema import ForceField
 from tests.agents.scenes import brief, read, report, seen_in, window

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 
-from physagent_jax.agents.bands import expectation_windows
-from physagent_jax.agents.rule_executor import RuleExecutor
-from physagent_jax.agents.rule_planner import RulePlanner
+from physagent_jax.agents.rules.bands import expectation_windows
+from physagent_jax.agents.rules.executor import RuleExecutor
+from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, Verdict
 from physagent_jax.agents.vectors import add, norm, scaled
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, HalfSpaceRegion

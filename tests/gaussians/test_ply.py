@@ -10,7 +10,7 @@ from plyfile import PlyData, PlyElement
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians import GaussianCloud, read_ply, write_ply
-from physagent_jax.gaussians.ply_header import read_ply_header
+from physagent_jax.gaussians.formats.ply_header import read_ply_header
 
 BASE = ("x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2")
 ROTATION = ("rot_0", "rot_1", "rot_2", "rot_3")

@@ -131,7 +131,7 @@ def test_nothing_here_needs_numba():
     script = (
         "import sys; sys.modules['numba'] = None\n"
         "from physagent_jax.kernels import ahead\n"
-        "import physagent_jax.cli.playing, physagent_jax.synthesis\n"
+        "import physagent_jax.run.replay, physagent_jax.run.loop\n"
         "ahead.begin(); assert not ahead._running"
     )
     subprocess.run([sys.executable, "-c", script], check=True, capture_output=True)

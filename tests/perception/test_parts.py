@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from physagent_jax.core.rotations import unwrapped
 from physagent_jax.perception import fit, follow, lift, timing
+from physagent_jax.perception.backends.colour import ColorSegmenter
+from physagent_jax.perception.backends.depth_sensor import DepthSensor
+from physagent_jax.perception.backends.flow import FlowTracker
 from physagent_jax.perception.overlay import overlay
-from physagent_jax.perception.protocols import DepthSensor
-from physagent_jax.perception.segment import ColorSegmenter
-from physagent_jax.perception.track import FlowTracker
 from physagent_jax.perception.words import ViewerWords, world_axis
 from physagent_jax.render.camera import look_at
 from tests.perception import scenes
@@ -111,12 +112,12 @@ def test_angles_grow_beyond_half_a_turn():
     angles = np.radians(np.linspace(0, 500, 26))
     rotations = [Rotation.from_rotvec(a * axis).as_matrix() for a in angles]
     rotations[3] = None
-    vectors = fit.unwrapped(rotations)
+    vectors = unwrapped(rotations)
     assert vectors[3] is None
     assert [v @ axis for v in vectors if v is not None] == pytest.approx(
         np.delete(angles, 3).tolist(), abs=1e-6
     )
-    back = fit.unwrapped([Rotation.from_rotvec(a * axis).as_matrix() for a in (*angles, *angles[::-1])])
+    back = unwrapped([Rotation.from_rotvec(a * axis).as_matrix() for a in (*angles, *angles[::-1])])
     assert np.linalg.norm(back[-1]) == pytest.approx(0, abs=1e-6)
 
 

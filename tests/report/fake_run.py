@@ -29,10 +29,12 @@ from physagent_jax.forces.schema import (
     SkillScaling,
     VelocityConstraint,
 )
+from physagent_jax.metrics.motion import TrueMotion
 from physagent_jax.output.video import write_video
 from physagent_jax.perception.schema import MotionReport, Oscillation, Quality, WindowMotion
-from physagent_jax.run_folder import AgentCost, Manifest, SimulationRecord, Stages, TrueMotion
+from physagent_jax.run.manifest import AgentCost, Manifest, Stages
 from physagent_jax.scene import config
+from physagent_jax.simulation.record import SimulationRecord
 
 PROMPT = "A strong wind bends the plant to the left, then lets go zestfully"
 FRAMES, FRAME_DT = 50, 0.04

@@ -11,7 +11,7 @@ import pytest
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.report.html import write_report
-from physagent_jax.run_folder import SimulationRecord
+from physagent_jax.simulation.record import SimulationRecord
 from tests.report.fake_run import FRAMES, PROMPT, build_run, store
 
 VOID = {"br", "img", "link", "meta", "wbr"}

@@ -13,8 +13,8 @@ import pytest
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import remove_leftovers, write_new, write_text
+from physagent_jax.run.manifest import Manifest, Stages
 from physagent_jax.run.store import RunStore
-from physagent_jax.run_folder import Manifest, Stages
 
 FILES = ("semantic.json", "iterations/0/judgement.json", "iterations/0/video.mp4", "video.mp4")
 

@@ -12,8 +12,7 @@ from physagent_jax.render.renderer import _rasterize
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import buckets, compile_scene
-from physagent_jax.simulation import frames, play, splats_at
-from physagent_jax.stopwatch import Stopwatch
+from physagent_jax.simulation.simulate import scene_frames, simulate_scene, splats_at
 
 DOMAIN = c.Domain(size=4.0, cells=48)
 
@@ -73,7 +72,7 @@ def test_a_scene_moves_and_looks_as_without_copies(busy, monkeypatch):
     for bucket in (buckets.bucket, lambda count: count):
         monkeypatch.setattr(buckets, "bucket", bucket)
         scene = compile_scene(busy, body)
-        recording = play(scene, Stopwatch())
+        recording = simulate_scene(scene)
         found.append((scene, recording, recording.x[:, scene.back], recording.F[:, scene.back]))
     (filled, with_copies, x, F), (plain, without, expected_x, expected_F) = found
     count = body.particles.count
@@ -94,7 +93,7 @@ def test_a_scene_moves_and_looks_as_without_copies(busy, monkeypatch):
 
 def test_copies_stay_with_their_originals(busy):
     scene = compile_scene(busy, body_of(busy))
-    end = list(frames(scene))[-1].state
+    end = list(scene_frames(scene))[-1].state
     twice = np.flatnonzero(np.diff(scene.order) == 0)
     assert len(twice) > 0
     for leaf in jax.tree.leaves(dataclasses.replace(end, history=())):
@@ -144,7 +143,7 @@ def test_an_object_of_nearly_the_same_size_compiles_nothing_anew(robot_path, par
         scene = config(robot_path, particles, **parts)
         scene = compile_scene(scene, body_of(scene))
         assert scene.body.particles.count != len(scene.order)
-        play(scene, Stopwatch())
+        simulate_scene(scene)
         programs.append((advance._cache_size(), _rasterize._cache_size(), len(scene.order)))  # type: ignore[attr-defined]
     assert programs[0] == programs[1]
 
@@ -159,5 +158,5 @@ def test_bands_that_are_zero_are_not_drawn(robot_path):
         cut = dataclasses.replace(body.cloud, sh=sh).of_least_degree()
         assert cut.sh_degree == kept
         np.testing.assert_array_equal(cut.sh, sh[:, : (kept + 1) ** 2])
-    drawn = splats_at(compiled := compile_scene(scene, body), next(iter(frames(compiled))))
+    drawn = splats_at(compiled := compile_scene(scene, body), next(iter(scene_frames(compiled))))
     assert drawn.sh.shape[1] == (degree + 1) ** 2

@@ -36,7 +36,7 @@ from physagent_jax.scene.compile.select import DTYPE
 
 
 @dataclasses.dataclass(frozen=True)
-class Scene:
+class CompiledScene:
     """A compiled scene.
 
     Attributes:
@@ -81,7 +81,7 @@ class Scene:
         return buckets.fill_up(self.body.cloud.of_least_degree(), binding)
 
 
-def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".") -> Scene:
+def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".") -> CompiledScene:
     """Binds a scene's parts to its particles.
 
     Raises:
@@ -126,7 +126,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     substeps = _substeps(config, model, state)
     model = model.replace(dt=on_device(config.timing.frame_dt / substeps, DTYPE))
     camera = reference_camera(config.camera, config.rendering, config.domain)
-    return Scene(config, body, model, state, substeps, camera, order, int(held @ share + 0.5))
+    return CompiledScene(config, body, model, state, substeps, camera, order, int(held @ share + 0.5))
 
 
 def _substeps(config: c.SceneConfig, model: Model, state: State) -> int:

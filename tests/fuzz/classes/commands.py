@@ -294,13 +294,13 @@ def _variables(changes: dict[str, str]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _stopped_short(reached: list) -> Iterator[None]:
-    """`play` ends the command, wherever it has been imported; helpers that compile ahead of need are not started."""
-    import physagent_jax.cli.playing
-    import physagent_jax.synthesis  # noqa: F401
-    from physagent_jax import simulation
+    """`simulate_scene` ends the command, wherever it has been imported; nothing is compiled ahead."""
+    import physagent_jax.run.loop
+    import physagent_jax.run.replay  # noqa: F401
     from physagent_jax.kernels import ahead
+    from physagent_jax.simulation import simulate as simulation
 
-    def play(scene, *_, **__):
+    def simulate_scene(scene, *_, **__):
         reached.append(scene)
         raise Begun
 
@@ -308,7 +308,7 @@ def _stopped_short(reached: list) -> Iterator[None]:
         return None
 
     changed: list[tuple[Any, str, Callable]] = []
-    for original, new in ((simulation.play, play), (ahead.begin, begin)):
+    for original, new in ((simulation.simulate_scene, simulate_scene), (ahead.begin, begin)):
         for module in [m for name, m in sys.modules.items() if name.startswith("physagent_jax")]:
             for attribute, value in list(vars(module).items()):
                 if value is original:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from physagent_jax.agents.rule_executor import RuleExecutor
-from physagent_jax.agents.rule_planner import RulePlanner
+from physagent_jax.agents.rules.executor import RuleExecutor
+from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import MAGNITUDE_MAX, MAGNITUDE_MIN, ForceField

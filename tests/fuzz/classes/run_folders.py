@@ -10,8 +10,8 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from physagent_jax.report.html import write_report
+from physagent_jax.run.manifest import Manifest
 from physagent_jax.run.store import RunStore
-from physagent_jax.run_folder import Manifest
 from tests.fuzz.contract import Breach, Case, Fault
 from tests.fuzz.drawing import Draw, altered, damaged, encoded, of_schema
 from tests.report.fake_run import build_run
@@ -77,8 +77,8 @@ def _models() -> dict[str, type[BaseModel]]:
     from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
     from physagent_jax.forces.schema import ForceField
     from physagent_jax.perception.schema import MotionReport
-    from physagent_jax.run_folder import SimulationRecord
     from physagent_jax.scene.config import SceneConfig
+    from physagent_jax.simulation.record import SimulationRecord
 
     models = {
         "manifest": Manifest, "semantic": SemanticReply, "scene": SceneConfig, "force_field": ForceField,

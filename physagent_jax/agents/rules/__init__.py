@@ -1,0 +1,1 @@
+"""The offline agents: rules, no model, no network."""

@@ -1,0 +1,132 @@
+"""The reply in the making: actions with their evidence, expectations, notes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from physagent_jax.agents.rules.language.events import Event
+from physagent_jax.agents.rules.language.schedule import Window
+from physagent_jax.agents.schema import Evidence, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.agents.vectors import clamp
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.schema import (
+    MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
+    Action,
+    ActionType,
+    ForceField,
+    is_too_short,
+)
+
+MAX_ACTIONS = 60  # more would only slow the simulation; no sentence for a clip of a few seconds needs them
+
+
+@dataclass
+class Draft:
+    """What the events so far have led to.
+
+    Attributes:
+        brief, anchored: The scene.
+        gravity: What the sentence says about gravity in so many words; None = nothing.
+    """
+
+    brief: SceneBrief
+    anchored: bool
+    gravity: bool | None = None
+    default_drop: bool = False
+    actions: list[Action] = field(default_factory=list)
+    expectations: list[ExpectedMotion] = field(default_factory=list)
+    evidence: list[Evidence] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def last(self) -> float:
+        """Index of the clip's last frame."""
+        return float(self.brief.frame_count - 1)
+
+    def act(self, event: Event, kind: ActionType, vector: Vector, magnitude: float, window: Window) -> None:
+        """Adds an action with its evidence; windows are kept inside the clip."""
+        if len(self.actions) >= MAX_ACTIONS:
+            self.note(f"More than {MAX_ACTIONS} actions: the rest of the sentence is left out.")
+            return
+        size = clamp(abs(magnitude), MAGNITUDE_MIN, MAGNITUDE_MAX)
+        action = Action(
+            action_type=kind,
+            vector=vector,
+            magnitude=round(size if magnitude > 0 else -size, 3),
+            active_time=self.window(window),
+            region=event.region,
+        )
+        if action in self.actions:  # "squashed and flattened" says one thing twice
+            return
+        index = len(self.actions)
+        self.actions.append(action)
+        values = {
+            "action_type": kind.value,
+            "vector": _text(vector),
+            "magnitude": f"{self.actions[-1].magnitude:g}",
+            "active_time": _text(self.actions[-1].active_time),
+            "region": getattr(event.region, "kind", ""),
+        }
+        for name, source in event.sources.items():
+            if name in values:
+                self.evidence.append(
+                    Evidence(
+                        words=source.words,
+                        field=f"actions[{index}].{name}",
+                        value=values[name],
+                        why=source.why,
+                    )
+                )
+
+    def expect(
+        self, event: Event, kind: MotionKind, direction: Vector | None, window: Window, **more
+    ) -> None:
+        """Adds an expectation."""
+        strength = clamp(more.pop("strength", event.strength), MAGNITUDE_MIN, MAGNITUDE_MAX)
+        expected = ExpectedMotion(
+            kind=kind,
+            direction=direction,
+            strength=strength,
+            window=self.window(window) or (0.0, self.last),
+            partial=event.region is not None,
+            words=event.words[:200],
+            **more,
+        )
+        same = [
+            e
+            for e in self.expectations
+            if (e.kind, e.direction, e.window) == (kind, direction, expected.window)
+        ]
+        if len(self.expectations) < MAX_ACTIONS and not same:
+            self.expectations.append(expected)
+
+    def drop(self, words: str, why: str) -> None:
+        """Switches gravity on."""
+        if self.gravity is False:
+            return
+        if not self.default_drop:
+            self.evidence.append(Evidence(words=words, field="default_drop", value="true", why=why))
+        self.default_drop = True
+
+    def note(self, text: str) -> None:
+        """Adds an assumption once."""
+        if text not in self.notes:
+            self.notes.append(text)
+
+    def window(self, window: Window) -> Window | None:
+        """``window`` inside the clip, in whole frames if it keeps one; None (all) if the clip has one frame."""
+        if self.last < 1:
+            return None
+        first, end = (clamp(edge, 0.0, self.last) for edge in window)
+        if round(end) > round(first):
+            return (float(round(first)), float(round(end)))
+        return (self.last - 1.0, self.last) if is_too_short(first, end) else (first, end)
+
+    def force_field(self) -> ForceField:
+        """The result."""
+        return ForceField(default_drop=self.default_drop, actions=tuple(self.actions))
+
+
+def _text(values: Vector | Window | None) -> str:
+    return "whole clip" if values is None else "[" + ", ".join(f"{round(v, 3):g}" for v in values) + "]"

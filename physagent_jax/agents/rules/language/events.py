@@ -1,0 +1,356 @@
+"""What a clause does: its verb, direction, strength, place and time as values.
+
+Directions come from the brief's `DirectionTable` alone; several are added and normalised. A push moves
+the object where it is told, whoever pushes or pulls ("pull it to the left" goes left): the sign of
+the magnitude is kept for stretching (+) and squeezing (-).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from physagent_jax.agents.rules.language.clauses import Clause, places, repeats, verb_of
+from physagent_jax.agents.rules.language.marks import Kind, Mark
+from physagent_jax.agents.rules.language.modifiers import Join, Names, Place, Repeat
+from physagent_jax.agents.rules.language.timing import When
+from physagent_jax.agents.rules.language.verbs import PICTURE_PLANE_TURNS, VERBS, Doing, Verb
+from physagent_jax.agents.schema import SceneBrief
+from physagent_jax.agents.vectors import add, clamp, cosine, cross, dot, normalised, scaled
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.schema import (
+    MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
+    BoxRegion,
+    HalfSpaceRegion,
+    Region,
+)
+
+_WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+ASSUMED = "left"
+
+
+@dataclass(frozen=True)
+class Source:
+    """Which words led to a value of an event, and by which rule."""
+
+    words: str
+    why: str
+
+
+@dataclass(frozen=True)
+class Event:
+    """One thing that happens.
+
+    Attributes:
+        verb, phrase: What is done, and the lexicon's entry.
+        words: The clause's words.
+        join: Relation to the event before.
+        direction: Unit world direction, stretch axis or rotation axis; None if the verb needs none or
+            acts in all directions.
+        strength: Magnitude in [0.4, 1.6].
+        region: Part of the object; None = all of it.
+        repeat: Count and alternation.
+        when: Time that the sentence names.
+        wind: A wind does it.
+        sources: Where each value comes from.
+        notes: Assumptions.
+    """
+
+    verb: Verb
+    phrase: str
+    words: str
+    join: Join
+    direction: Vector | None
+    strength: float
+    region: Region | None = None
+    repeat: Repeat = Repeat()
+    when: When = When()
+    wind: bool = False
+    sources: dict[str, Source] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    @property
+    def doing(self) -> Doing:
+        """How it acts."""
+        return self.verb.doing
+
+
+def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
+    """The event that a clause with a verb or a cause describes; ``before`` gives "harder" its measure."""
+    verb, phrase = _effective_verb(clause)
+    if verb.doing is Doing.ROLL and clause.of(Kind.SENSE) and not clause.of(Kind.DIRECTION, Kind.FROM):
+        verb = replace(verb, doing=Doing.TURN, direction="toward")  # rolls on the spot
+    if (
+        clause.verb is None
+        and verb.wind
+        and not clause.of(Kind.DIRECTION, Kind.FROM)
+        and _sways_in_wind(brief)
+    ):
+        verb, phrase = replace(VERBS["sway"], strength=verb.strength), "sway"
+    words = _quote(clause)
+    strength, strength_source = _strength(clause, verb, before if clause.inherited else None)
+    place = next(iter(places(clause)), None)
+    direction, repeat, direction_source, notes = _direction(clause, verb, phrase, place, brief)
+    if verb.doing in (Doing.BURST, Doing.STRIKE, Doing.PUSH, Doing.SWAY, Doing.SCALE, Doing.SWELL):
+        verb = _by_direction(verb, clause, direction_source)
+        if verb.doing is Doing.SWELL:
+            direction = None
+        elif verb.doing is Doing.SCALE and direction is None:
+            direction = _vector(("right",), brief)
+    if notes and before is not None and before.doing is verb.doing:
+        direction, notes = before.direction, []  # "push it to the right, then push it harder"
+        direction_source = replace(direction_source, why="no direction given: as before")
+    if (
+        before is not None
+        and before.direction is not None
+        and any(m.phrase == "back" for m in clause.of(Kind.DIRECTION))
+    ):
+        direction = scaled(before.direction, -1.0)
+        direction_source = replace(direction_source, why="back where it came from")
+    region, place_note = region_of(place, brief) if place else (None, "")
+    notes = [*notes, *([place_note] if place_note else [])]
+    notes += (
+        [f"Of several parts only '{clause.of(Kind.PLACE)[0].words}' is used."]
+        if len(places(clause)) > 1
+        else []
+    )
+    sources = {
+        "action_type": Source(clause.words, f"'{phrase}' is a {verb.doing.value}"),
+        "magnitude": strength_source,
+    }
+    sources["vector"] = direction_source
+    if place:
+        sources["region"] = Source(clause.of(Kind.PLACE)[0].words, "a part of the object")
+    when, when_source = _when(clause, verb)
+    sources["active_time"] = when_source
+    return Event(
+        verb,
+        phrase,
+        words,
+        clause.join,
+        direction,
+        strength,
+        region,
+        repeat,
+        when,
+        any(verb_of(m).wind for m in (clause.cause, clause.verb) if m is not None),
+        sources,
+        tuple(notes),
+    )
+
+
+def _sways_in_wind(brief: SceneBrief) -> bool:
+    """What a bare wind does: what is held or grows sways, what is free is blown away."""
+    return brief.anchored is not None or brief.object_kind == "plant"
+
+
+def _effective_verb(clause: Clause) -> tuple[Verb, str]:
+    """The verb; a wind that "hits" pushes, a cause of generic motion ("sends it") gives its own kind."""
+    if clause.verb is None:
+        assert clause.cause is not None
+        return verb_of(clause.cause), clause.cause.phrase
+    verb, phrase = verb_of(clause.verb), clause.verb.phrase
+    if clause.cause is not None:
+        cause = verb_of(clause.cause)
+        if (verb.generic and verb.doing is Doing.PUSH) or (cause.wind and verb.doing is Doing.STRIKE):
+            return cause, clause.cause.phrase
+        return replace(verb, brief=verb.brief or cause.brief), phrase
+    return verb, phrase
+
+
+def _quote(clause: Clause) -> str:
+    """The clause's own words, in their order."""
+    marks = [m for m in clause.marks if m.words] or [m for m in (clause.verb, clause.cause) if m]
+    return " ".join(m.words for m in sorted(marks, key=lambda m: m.first))
+
+
+def _strength(clause: Clause, verb: Verb, before: Event | None) -> tuple[float, Source]:
+    """Base strength of verb and cause times the intensities; degrees widen the next one's distance from 1."""
+    value = verb.strength
+    if clause.cause is not None and clause.verb is not None and verb_of(clause.cause) is not verb:
+        value *= verb_of(clause.cause).strength if verb_of(clause.verb) is not verb_of(clause.cause) else 1.0
+    words, degree = [], 1.0
+    for mark in clause.of(Kind.DEGREE, Kind.INTENSITY, Kind.COMPARATIVE):
+        assert isinstance(mark.value, float)
+        words.append(mark.words)
+        if mark.kind is Kind.DEGREE:
+            degree = mark.value
+        elif mark.kind is Kind.INTENSITY:
+            value *= 1.0 + (mark.value - 1.0) * degree
+            degree = 1.0
+        else:
+            value = mark.value * (before.strength if before else value)
+    value = round(clamp(value, MAGNITUDE_MIN, MAGNITUDE_MAX), 3)
+    if words:
+        return value, Source(", ".join(words), "intensity words")
+    why = "the word's own strength" if value != 1.0 else "no intensity word: plain"
+    return value, Source(clause.words, why)
+
+
+def _vector(names: Names, brief: SceneBrief) -> Vector:
+    """Sum of named directions (not normalised)."""
+    return add(_WORLD_AXES.get(name) or getattr(brief.directions, name) for name in names)
+
+
+def _names(marks: list[Mark]) -> list[Names]:
+    return [mark.value for mark in marks if isinstance(mark.value, tuple)]
+
+
+def _direction(
+    clause: Clause, verb: Verb, phrase: str, place: Place | None, brief: SceneBrief
+) -> tuple[Vector | None, Repeat, Source, list[str]]:
+    """Direction (or axis), repetition, source and notes."""
+    repeat = _repeat(clause)
+    if verb.doing is Doing.TURN and clause.of(Kind.SENSE, Kind.AXIS, Kind.PLANE):
+        return *_turn_axis(clause, verb, phrase, brief, repeat), []
+    told = clause.of(Kind.DIRECTION, Kind.FROM)
+    lines = clause.of(Kind.AXIS, Kind.PLANE)
+    if told:
+        parts = []
+        for mark, names in zip(told, _names(told)):
+            sign = -1.0 if mark.kind is Kind.FROM and not verb.pulls else 1.0
+            parts.append(scaled(_vector(names, brief), sign))
+        total, words = normalised(add(parts)), " ".join(mark.words for mark in told)
+        if total is None:  # "to the left and to the right": an axis for stretching, to and fro for the rest
+            total, repeat = normalised(parts[0]), replace(repeat, alternate=verb.doing is not Doing.SCALE)
+        source = Source(
+            words, "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"
+        )
+    elif lines:
+        total, source = (
+            normalised(_vector(_names(lines)[0], brief)),
+            Source(lines[0].words, "an axis by name"),
+        )
+    elif repeat.names:
+        total = normalised(_vector(repeat.names, brief))
+        source = Source(clause.of(Kind.REPEAT)[0].words, "to and fro, this way first")
+        repeat = replace(repeat, alternate=verb.doing is not Doing.SCALE)
+    elif place and place.names and verb.doing is Doing.STRIKE:
+        total = normalised(scaled(_vector(place.names, brief), -1.0))
+        source = Source(clause.of(Kind.PLACE)[0].words, "a blow drives away from the side that it hits")
+    else:
+        return _assumed_direction(clause, verb, brief, repeat)
+    if verb.doing is Doing.TURN and told and total is not None:
+        total = _turn_towards(total, brief)
+        source = replace(source, why="the side that faces the viewer turns this way")
+    return total, repeat, source, []
+
+
+def _assumed_direction(
+    clause: Clause, verb: Verb, brief: SceneBrief, repeat: Repeat
+) -> tuple[Vector | None, Repeat, Source, list[str]]:
+    """The verb's own direction, else the assumed one with a note."""
+    words = clause.words
+    if verb.doing in (Doing.FALL, Doing.HOLD, Doing.RELEASE, Doing.STILL, Doing.SWELL, Doing.BURST):
+        return None, repeat, Source(words, "needs no direction"), []
+    name = verb.direction or ASSUMED
+    vector = normalised(_vector((name,), brief))
+    source = Source(words, f"no direction given: {name} by default")
+    if verb.direction:
+        return vector, repeat, source, []
+    return vector, repeat, source, [f"'{words}': no direction given, assumed {name}."]
+
+
+def _turn_axis(
+    clause: Clause, verb: Verb, phrase: str, brief: SceneBrief, repeat: Repeat
+) -> tuple[Vector | None, Repeat, Source]:
+    """Rotation axis from "about the vertical axis", "horizontally", "clockwise", "seen from above".
+
+    Counter-clockwise is right-handed about the axis that points at whoever looks: at the viewer for
+    turns in the picture plane, up (seen from above) for spinning and twisting.
+    """
+    planes: dict[Names, Names] = {
+        ("right",): ("up",),
+        ("up",): ("right",),
+    }  # turning horizontally is about the vertical
+    named = [(mark, names) for mark, names in zip(clause.of(Kind.AXIS), _names(clause.of(Kind.AXIS)))]
+    named += [
+        (mark, planes.get(names, names))
+        for mark, names in zip(clause.of(Kind.PLANE), _names(clause.of(Kind.PLANE)))
+    ]
+    views = clause.of(Kind.VIEW)
+    senses = clause.of(Kind.SENSE)
+    told = clause.of(Kind.DIRECTION)
+    if named:
+        axis = _vector(named[0][1], brief)
+    elif views:
+        axis = _vector(_names(views)[0], brief)
+    else:
+        axis = _vector(("toward",) if phrase in PICTURE_PLANE_TURNS else (verb.direction or "toward",), brief)
+    sign = 1.0
+    if senses:
+        assert isinstance(senses[0].value, int)
+        sign = float(senses[0].value)
+    elif told:
+        sign = 1.0 if dot(axis, _turn_towards(_vector(_names(told)[0], brief), brief)) >= 0 else -1.0
+    words = " ".join(mark.words for mark in [*senses, *(mark for mark, _ in named), *views, *told])
+    why = "counter-clockwise is right-handed about the axis towards whoever looks"
+    return normalised(scaled(axis, sign)), repeat, Source(words, why)
+
+
+def _turn_towards(direction: Vector, brief: SceneBrief) -> Vector:
+    """Axis about which the viewer's side (or, for toward and away, the top) moves along ``direction``."""
+    toward, up = brief.directions.toward, brief.directions.up
+    reference = up if abs(cosine(direction, toward)) > 0.7 else toward
+    return normalised(cross(reference, direction)) or up
+
+
+def lean_axis(direction: Vector, brief: SceneBrief) -> Vector:
+    """Axis about which the top moves along ``direction``."""
+    return normalised(cross(brief.directions.up, direction)) or brief.directions.toward
+
+
+def _by_direction(verb: Verb, clause: Clause, source: Source) -> Verb:
+    """Verbs whose kind depends on where they act: from both sides, outward, from one side."""
+    sides = clause.of(Kind.SIDES)
+    told = bool(clause.of(Kind.DIRECTION, Kind.FROM))
+    if verb.doing is Doing.BURST:
+        return replace(verb, doing=Doing.STRIKE) if told else verb
+    if not sides or verb.doing is Doing.SWAY:
+        return verb
+    isotropic = bool(sides[0].value)
+    if verb.doing in (Doing.PUSH, Doing.STRIKE):
+        outward = verb.pulls or "outward" in sides[0].words
+        verb = replace(verb, doing=Doing.SCALE, sign=1 if outward else -1)
+    return replace(verb, doing=Doing.SWELL) if isotropic else verb
+
+
+def _repeat(clause: Clause) -> Repeat:
+    """All counts of a clause as one: "left and right twice" alternates and counts."""
+    found = repeats(clause)
+    count = next((r.count for r in found if r.count is not None), None)
+    names = next((r.names for r in found if r.names), ())
+    return Repeat(count, any(r.alternate for r in found), names)
+
+
+def _when(clause: Clause, verb: Verb) -> tuple[When, Source]:
+    marks = clause.of(Kind.TIME)
+    when = When()
+    for mark in marks:
+        assert isinstance(mark.value, When)
+        when = When(mark.value.start or when.start, mark.value.length or when.length)
+    if marks:
+        return when, Source(", ".join(mark.words for mark in marks), "time as told")
+    return when, Source(clause.words, "its share of the sequence")
+
+
+def region_of(place: Place, brief: SceneBrief) -> tuple[Region | None, str]:
+    """A place as a region in bounding-box fractions: half-spaces, and a box for the middle band."""
+    if not place.names:
+        up = brief.directions.up
+        axis = max(range(3), key=lambda i: abs(up[i]))
+        if abs(up[axis]) < 0.999:
+            return None, "The middle is not a box here (world up is oblique): the whole object is used."
+        x, y, z = ((1 / 3, 2 / 3) if i == axis else (0.0, 1.0) for i in range(3))
+        return BoxRegion(low=(x[0], y[0], z[0]), high=(x[1], y[1], z[1])), ""
+    normal = normalised(_vector(place.names, brief))
+    if normal is None:
+        return None, "The part's directions cancel: the whole object is used."
+    return end_region(normal, place.start), ""
+
+
+def end_region(normal: Vector, start: float) -> HalfSpaceRegion:
+    """The part beyond fraction ``start`` of the unit cube's extent along ``normal``."""
+    reach = (start - 0.5) * sum(abs(c) for c in normal)
+    x, y, z = add([(0.5, 0.5, 0.5), scaled(normal, reach)])
+    return HalfSpaceRegion(point=(round(x, 6), round(y, 6), round(z, 6)), normal=normal)

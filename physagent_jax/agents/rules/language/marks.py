@@ -1,0 +1,270 @@
+"""Finds the lexicon's phrases in a sentence: a list of marks in the order of the words."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+from physagent_jax.agents.rules.language import modifiers as m
+from physagent_jax.agents.rules.language import verbs as v
+from physagent_jax.agents.rules.language.timing import match_time, moment, number
+from physagent_jax.agents.rules.language.words import tokenise
+
+GAP = "~"
+LONGEST_GAP = 4
+_DETERMINERS = frozenset(
+    {"the", "its", "his", "her", "their", "a", "an", "this", "that", "your", "my", "some"}
+)
+
+
+class Kind(enum.Enum):
+    """What a mark says; in brackets the type of its value."""
+
+    VERB = enum.auto()  # Verb
+    CAUSE = enum.auto()  # Verb
+    DIRECTION = enum.auto()  # names
+    FROM = enum.auto()  # names: where the cause comes from
+    AXIS = enum.auto()  # names
+    PLANE = enum.auto()  # names
+    SIDES = enum.auto()  # bool: all around
+    SENSE = enum.auto()  # int
+    VIEW = enum.auto()  # names
+    INTENSITY = enum.auto()  # float
+    DEGREE = enum.auto()  # float
+    COMPARATIVE = enum.auto()  # float
+    REPEAT = enum.auto()  # Repeat
+    PLACE = enum.auto()  # Place
+    TIME = enum.auto()  # When
+    GRAVITY = enum.auto()  # bool
+    ANCHOR = enum.auto()  # str
+    JOIN = enum.auto()  # Join
+    NOT = enum.auto()  # None
+    FUNCTION = enum.auto()  # None
+    UNKNOWN = enum.auto()  # None
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A phrase of the lexicon as it stands in the prompt.
+
+    Attributes:
+        kind, value: What it says.
+        words: The words in the prompt.
+        phrase: The entry of the lexicon.
+        first: Index of its first token.
+        form: The first token's text ("pushing"), to tell participles.
+    """
+
+    kind: Kind
+    value: object
+    words: str
+    phrase: str
+    first: int
+    form: str
+
+
+def _lexicon() -> dict[str, list[tuple[tuple[str, ...], Kind, object]]]:
+    """All phrases by their first word, longest first; at equal length the earlier table wins."""
+    tables: list[tuple[Kind, dict]] = [
+        (Kind.REPEAT, m.REPEATS),
+        (Kind.VERB, v.VERBS),
+        (Kind.CAUSE, v.CAUSES),
+        (Kind.GRAVITY, m.GRAVITY),
+        (Kind.ANCHOR, m.ANCHORS),
+        (Kind.SENSE, m.SENSES),
+        (Kind.VIEW, m.VIEWS),
+        (Kind.AXIS, m.AXES),
+        (Kind.PLANE, m.PLANES),
+        (Kind.SIDES, m.SIDES),
+        (Kind.PLACE, m.PLACES),
+        (Kind.DIRECTION, m.DIRECTIONS),
+        (Kind.COMPARATIVE, m.COMPARATIVES),
+        (Kind.INTENSITY, m.INTENSITIES),
+        (Kind.DEGREE, m.DEGREES),
+        (Kind.JOIN, m.JOINS),
+        (Kind.TIME, {phrase: moment(phrase) for phrase in m.MOMENTS}),
+        (Kind.NOT, dict.fromkeys(m.NEGATIONS)),
+        (Kind.FUNCTION, dict.fromkeys(m.FUNCTION_PHRASES)),
+    ]
+    by_first: dict[str, list[tuple[tuple[str, ...], Kind, object]]] = {}
+    for kind, table in tables:
+        for phrase, value in table.items():
+            words = tuple(phrase.split())
+            by_first.setdefault(words[0], []).append((words, kind, value))
+    for entries in by_first.values():
+        entries.sort(key=lambda entry: -len(entry[0]))
+    return by_first
+
+
+_LEXICON = _lexicon()
+
+
+class Reader:
+    """Reads one sentence into marks.
+
+    Attributes:
+        prompt: The sentence.
+        tokens: Its tokens.
+        marks: What was found, in order of the first words.
+    """
+
+    def __init__(self, prompt: str, object_words: frozenset[str]):
+        self.prompt, self.tokens = prompt, tokenise(prompt)
+        self._object_words, self._used = object_words, set()
+        self.marks: list[Mark] = []
+        for at in range(len(self.tokens)):
+            if at not in self._used:
+                self.marks.append(self._read(at))
+
+    def _read(self, at: int) -> Mark:
+        token = self.tokens[at]
+        if not token.is_word:
+            join = m.Join.COMMA if token.text in (",", ":") else m.Join.THEN
+            return self._mark(Kind.JOIN, join, token.text, [at])
+        if token.text in self._object_words and (token.lemma not in v.VERBS or self._after_determiner(at)):
+            return self._mark(Kind.FUNCTION, None, token.text, [at])
+        return self._place_or_end(at) or self._time_or_count(at) or self._phrase(at) or self._plain(at)
+
+    def _place_or_end(self, at: int) -> Mark | None:
+        """Places and directions that share words: "the left arm", "its upper half", "the top", "from the front"."""
+        for size in (2, 1):
+            phrase = " ".join(t.text for t in self.tokens[at : at + size])
+            names, part = m.PART_ADJECTIVES.get(phrase), self._text(at + size)
+            towards = self._preposition(at) in ("to", "toward", "towards", "from", "into")
+            if names and part in m.PARTS:
+                used = list(range(at, at + size + 1))
+                if towards:
+                    return self._directed(names, phrase, used)
+                return self._mark(Kind.PLACE, m.Place(names, m.PARTS[part]), f"{phrase} {part}", used)
+            if names is None or phrase not in m.ENDS or self._begins_longer_phrase(at):
+                continue
+            if towards:
+                return self._directed(names, phrase, [at])
+            if phrase == "back" and self._text(at + 1) in ("to", "toward", "towards"):
+                return self._mark(Kind.FUNCTION, None, phrase, [at])  # "back to the left"
+            if phrase != "back" or self._after_determiner(at):
+                return self._mark(Kind.PLACE, m.Place(names, 2 / 3), phrase, [at])
+            return self._mark(Kind.DIRECTION, names, phrase, [at])
+        return None
+
+    def _begins_longer_phrase(self, at: int) -> bool:
+        """Whether a fixed phrase begins here: "back and forth" is not the back."""
+        return any(
+            len(words) > 1 and self._match(words, at)
+            for words, _, _ in _LEXICON.get(self.tokens[at].text, ())
+        )
+
+    def _directed(self, names: m.Names, phrase: str, used: list[int]) -> Mark:
+        kind = Kind.FROM if self._preposition(used[0]) == "from" else Kind.DIRECTION
+        return self._mark(kind, names, phrase, used)
+
+    def _time_or_count(self, at: int) -> Mark | None:
+        found = match_time(self.tokens, at)
+        if found:
+            return self._mark(Kind.TIME, found[0], "time", list(range(at, found[1])))
+        counted = number(self.tokens, at)
+        if (
+            counted
+            and self._text(counted[1]) in ("times", "time")
+            and self.tokens[at].text not in ("a", "an")
+        ):
+            # A count beyond any clip's frames means nothing more than "very often".
+            repeat = m.Repeat(int(min(max(counted[0], 1), 1000)))
+            return self._mark(Kind.REPEAT, repeat, "times", list(range(at, counted[1] + 1)))
+        return None
+
+    def _phrase(self, at: int) -> Mark | None:
+        """The longest phrase of the lexicon that begins here."""
+        token = self.tokens[at]
+        entries = {id(e): e for word in (token.text, token.lemma) for e in _LEXICON.get(word, ())}
+        matches = [(e, used) for e in entries.values() if (used := self._match(e[0], at))]
+        matches = [(e, used) for e, used in matches if not self._is_noun(e, at)]
+        if not matches:
+            return None
+        (words, kind, value), used = max(matches, key=lambda match: len(match[0][0]))
+        if kind is Kind.DIRECTION and (self._preposition(at) == "from" or self._locates_cause(words)):
+            kind = Kind.FROM
+        elif kind is Kind.INTENSITY and self._describes_thing(at, len(used)):
+            kind, value = Kind.FUNCTION, None
+        return self._mark(kind, value, " ".join(words), used)
+
+    def _match(self, words: tuple[str, ...], at: int) -> list[int]:
+        """Indices of the tokens that make up ``words`` from ``at`` on; empty if they do not."""
+        used, position = [], at
+        for index, word in enumerate(words):
+            if word == GAP:
+                position = self._skip_gap(position, words[index + 1])
+                continue
+            if position >= len(self.tokens) or position in self._used:
+                return []
+            token = self.tokens[position]
+            if word not in (token.text, token.lemma):
+                return []
+            used.append(position)
+            position += 1
+        return used
+
+    def _skip_gap(self, position: int, until: str) -> int:
+        """The place of ``until`` at most `LONGEST_GAP` words on; past the end if it is not there."""
+        for reach in range(1, LONGEST_GAP + 1):
+            there = position + reach
+            if there >= len(self.tokens) or not self.tokens[there - 1].is_word:
+                break
+            if until in (self.tokens[there].text, self.tokens[there].lemma):
+                return there
+        return len(self.tokens)
+
+    def _is_noun(self, entry: tuple[tuple[str, ...], Kind, object], at: int) -> bool:
+        """Whether this reading is wrong because the word stands as a noun, or is the object or an agent."""
+        words, kind, _ = entry
+        before, text = self._text(at - 1), self.tokens[at].text
+        if kind is Kind.PLACE:
+            owned = before in ("the", "its", "his", "her", "their") or (
+                at > 0 and self.tokens[at - 1].possessive
+            )
+            return text in m.AGENT_NOUNS and not owned
+        phrase, behind = " ".join(words), at + len(words)
+        if phrase.endswith(" back") and (self._text(behind), self._text(behind + 1)) == ("and", "forth"):
+            return True  # "swings back and forth" does not swing back
+        if kind is not Kind.VERB or len(words) > 1:
+            return False
+        if text in v.CAUSES:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
+            return before in _DETERMINERS or before in m.INTENSITIES or self._text(at - 2) in ("a", "an")
+        return phrase in v.NOUNS_AFTER_THE and before in ("the", "its", "a")
+
+    def _locates_cause(self, words: tuple[str, ...]) -> bool:
+        """Whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
+        return words[0] in m.LOCATIONS and bool(self.marks) and self.marks[-1].kind is Kind.CAUSE
+
+    def _describes_thing(self, at: int, size: int) -> bool:
+        """Whether an adjective belongs to a thing ("the heavy robot") rather than to what happens ("a heavy blow")."""
+        after = self._text(at + size)
+        if not self._after_determiner(at) or not after.isalpha():
+            return False
+        known = after in _LEXICON or self.tokens[at + size].lemma in _LEXICON or after in m.FUNCTION_WORDS
+        return after in self._object_words or not known
+
+    def _plain(self, at: int) -> Mark:
+        kind = Kind.FUNCTION if self.tokens[at].text in m.FUNCTION_WORDS else Kind.UNKNOWN
+        return self._mark(kind, None, self.tokens[at].text, [at])
+
+    def _mark(self, kind: Kind, value: object, phrase: str, used: list[int]) -> Mark:
+        self._used.update(used)
+        words = self.prompt[self.tokens[used[0]].start : self.tokens[used[-1]].end]
+        return Mark(kind, value, words, phrase, used[0], self.tokens[used[0]].text)
+
+    def _text(self, at: int) -> str:
+        return self.tokens[at].text if 0 <= at < len(self.tokens) else ""
+
+    def _after_determiner(self, at: int) -> bool:
+        return self._text(at - 1) in _DETERMINERS
+
+    def _preposition(self, at: int) -> str:
+        """The word before, past a determiner."""
+        before = at - 2 if self._after_determiner(at) else at - 1
+        return self._text(before)
+
+
+def read_marks(prompt: str, object_words: frozenset[str]) -> list[Mark]:
+    """The marks of ``prompt``; ``object_words`` are names of the object and never verbs after "the"."""
+    return Reader(prompt, object_words).marks

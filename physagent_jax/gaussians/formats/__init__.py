@@ -1,0 +1,1 @@
+"""File formats of 3D Gaussians; one file each."""

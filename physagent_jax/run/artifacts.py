@@ -1,0 +1,95 @@
+"""What the loop leaves in the run folder besides JSON: videos, motion, overlays, splats."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+
+from physagent_jax.agents.schema import Judgement
+from physagent_jax.core.files import replacing, write_text
+from physagent_jax.output.motion_file import Motion, read_motion, write_motion
+from physagent_jax.output.splats import splat_names, write_splat_frames
+from physagent_jax.output.video import frame_names, write_frames, write_picture, write_video
+from physagent_jax.perception.measure import Perception
+from physagent_jax.perception.overlay import overlay
+from physagent_jax.run.store import RunStore
+from physagent_jax.scene.body import Body
+from physagent_jax.scene.compile import CompiledScene
+from physagent_jax.scene.config import dump_scene
+from physagent_jax.simulation.recording import Recording
+
+FILMSTRIP_FRAMES = 6
+
+
+def write_rollout(
+    store: RunStore,
+    index: int,
+    scene: CompiledScene,
+    recording: Recording,
+    *,
+    save_motion: bool = True,
+    save_frames: bool = False,
+) -> None:
+    """Leaves what was simulated in round ``index``: the motion too, and PNG frames on request (the video is lossy)."""
+    folder = f"iterations/{index}"
+    write_text(store.claimed(f"{folder}/scene.json"), dump_scene(scene.config))
+    store.write(f"{folder}/force_field.json", scene.config.force_field)
+    store.write(f"{folder}/simulation.json", recording.record)
+    write_video(store.claimed(f"{folder}/video.mp4"), recording.rgb, 1 / scene.config.timing.frame_dt)
+    if save_motion:
+        write_motion(store.claimed(f"{folder}/motion.npz"), motion_of(scene, recording))
+    if save_frames:
+        store.claim(*frame_names(f"{folder}/frames", len(recording.rgb)))
+        write_frames(store.path / folder / "frames", recording.rgb)
+
+
+def write_verdict(
+    store: RunStore, index: int, rgb: np.ndarray, seen: Perception, judgement: Judgement
+) -> None:
+    """Leaves what was seen and concluded in round ``index``; the judgement marks the round complete."""
+    store.write(f"iterations/{index}/motion_report.json", seen.report)
+    write_filmstrip(store.claimed(f"iterations/{index}/overlay.png"), rgb, seen)
+    store.write(f"iterations/{index}/judgement.json", judgement)
+
+
+def write_best(store: RunStore, index: int, body: Body, *, save_frames: bool, save_splats: bool) -> None:
+    """Copies round ``index`` to the top of the folder, and writes what was asked for on top."""
+    folder = store.iteration(index)
+    frames = sorted(path.name for path in (folder / "frames").glob("*.png")) if save_frames else []
+    copied = ["scene.json", "video.mp4", "motion.npz", *(f"frames/{name}" for name in frames)]
+    store.claim(*copied)
+    for name in copied:
+        with replacing(store.path / name) as temporary:
+            shutil.copyfile(folder / name, temporary)
+    if save_splats:
+        motion = read_motion(folder / "motion.npz")
+        store.claim(*splat_names("splats", len(motion.x)))
+        write_splat_frames(store.path / "splats", body, motion.x, motion.F)
+
+
+def motion_of(scene: CompiledScene, recording: Recording) -> Motion:
+    """The recording as a motion file's contents, particles in the body's order."""
+    body, cloud = scene.body, scene.body.cloud
+    return Motion(
+        times=np.arange(len(recording.x)) * scene.config.timing.frame_dt,
+        x=recording.x[:, scene.back],
+        F=recording.F[:, scene.back],
+        binding_indices=np.asarray(body.binding.indices),
+        binding_weights=np.asarray(body.binding.weights),
+        binding_offsets=np.asarray(body.binding.offsets),
+        cloud_means=np.asarray(cloud.means),
+        cloud_quats=np.asarray(cloud.quats),
+        cloud_scales=np.asarray(cloud.scales),
+        cloud_opacities=np.asarray(cloud.opacities),
+        cloud_sh=np.asarray(cloud.sh),
+        cloud_rotation=body.placement.rotation,
+    )
+
+
+def write_filmstrip(path: Path, rgb: np.ndarray, seen: Perception) -> None:
+    """A strip of evenly spaced frames with perception's mask and tracks drawn on them."""
+    chosen = np.linspace(0, len(rgb) - 1, min(FILMSTRIP_FRAMES, len(rgb))).round().astype(int).tolist()
+    strip = np.concatenate(overlay(rgb, seen.masks, seen.tracks, seen.visible, frames=chosen), axis=1)
+    write_picture(path, strip)

@@ -1,0 +1,317 @@
+"""The closed loop: a sentence and an object in, a simulated 4D video and its reasons out.
+
+    sentence -> semantic agent -> force field -> scene -> rollout -> pictures -> perception -> motion report
+                                      ^                                                          |
+                                      +----- executor <- suggestion <- planner (FAIL) <-----------+
+
+Thin host code; everything that computes lives in the layers below.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+import warnings
+from collections.abc import Callable, Iterator
+
+from physagent_jax.agents.rules.bands import expectation_windows
+from physagent_jax.agents.schema import DirectionTable, Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.kernels import ahead
+from physagent_jax.perception.measure import perceive
+from physagent_jax.perception.schema import MotionReport
+from physagent_jax.run.artifacts import write_best, write_rollout, write_verdict
+from physagent_jax.run.manifest import AgentCost, Stages
+from physagent_jax.run.request import Agents as Agents
+from physagent_jax.run.request import Observer as Observer
+from physagent_jax.run.request import Request as Request
+from physagent_jax.run.store import PROBE, RunStore
+from physagent_jax.scene.body import Body, make_body
+from physagent_jax.scene.camera import viewer_directions
+from physagent_jax.scene.coarse import coarser
+from physagent_jax.scene.compile import compile_scene
+from physagent_jax.scene.config import SceneConfig
+from physagent_jax.scene.cost import check_cost, estimate_cost
+from physagent_jax.scene.fuse import Ingredients, fuse
+from physagent_jax.simulation.recording import RestartCache
+from physagent_jax.simulation.simulate import simulate_scene
+from physagent_jax.simulation.stopwatch import Stopwatch
+
+
+@dataclasses.dataclass(frozen=True)
+class Attempt:
+    """One round of the loop, just made or read back."""
+
+    scene: SceneConfig
+    report: MotionReport
+    judgement: Judgement
+
+
+def synthesize(request: Request, agents: Agents, observer: Observer | None = None) -> RunStore:
+    """Runs the loop until the planner is satisfied or the rounds are used up; resumes a stopped run.
+
+    Returns:
+        The finished run folder. The report page is the caller's to write (`report.html.write_report`).
+
+    Raises:
+        UserError: Input that a person can mend; a run folder is only begun once object and sentence
+            are understood.
+    """
+    observer = observer or Observer()
+    overwrite = request.overwrite
+    with RunStore.open(request.out, request.manifest, overwrite=overwrite, needed=request.needed) as store:
+        if store.manifest.complete:
+            return store
+        ahead.begin()  # while the sentence is read and the object loaded
+        loop = _Loop(request, agents, observer, store)
+        reply = loop.read_sentence()
+        body = loop.load_object()
+        ingredients = loop.with_anchor(reply)
+        check_cost(estimate_cost(fuse(ingredients, body, reply.force_field), body), request.limits)
+        store.begin()
+        loop.save_costs()
+        try:
+            store.write("semantic.json", reply)
+            force_field = reply.force_field
+            if request.probe:
+                force_field = loop.probe(ingredients, body, reply)
+            series = _Series(store, ingredients, body, "round", observer.judged)
+            attempts = list(loop.rounds(series, force_field, reply))
+        except UserError:
+            store.discard_if_barren()
+            raise
+        loop.finish(attempts, body)
+        return store
+
+
+@dataclasses.dataclass(frozen=True)
+class _Series:
+    """Rounds on one version of the scene.
+
+    Attributes:
+        store: Where they are kept.
+        ingredients, body: What they have in common.
+        name: Of one of them.
+        judged: Told of every judgement.
+    """
+
+    store: RunStore
+    ingredients: Ingredients
+    body: Body
+    name: str
+    judged: Callable[[int, Judgement], None]
+
+
+class _Loop:
+    """The loop's steps, each timed, each leaving its files."""
+
+    def __init__(self, request: Request, agents: Agents, observer: Observer, store: RunStore):
+        self._request, self._agents, self._observer, self._store = request, agents, observer, store
+        self._watch = Stopwatch(store.manifest.stages.model_dump())
+        self._costs = {cost.agent: cost for cost in store.manifest.agents}
+        self._anchor = request.ingredients.anchor
+        self._restart_cache: RestartCache | None = None
+        self._reused = dict(store.manifest.reused_frames)
+
+    def read_sentence(self) -> SemanticReply:
+        """The semantic agent's reply, from the folder if it is there."""
+        reply = self._store.read("semantic.json", SemanticReply)
+        if reply is None:
+            self._observer.stage("reading the sentence")
+            reply = self._ask("semantic", "compile", self._request.prompt, self._brief())
+        return reply
+
+    def load_object(self) -> Body:
+        """The object at rest, filled and bound."""
+        self._observer.stage("loading and filling the object")
+        ingredients = self._request.ingredients
+        preset = ingredients.preset
+        with self._watch("prepare"), warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", UserWarning)
+            body = make_body(ingredients.source, preset.filling, preset.domain, self._request.base_dir)
+        self._warnings = tuple(dict.fromkeys(str(warning.message) for warning in caught))
+        return body
+
+    def with_anchor(self, reply: SemanticReply) -> Ingredients:
+        """The ingredients with what the sentence says about holding."""
+        self._anchor = self._request.choose_anchor(reply.anchor.kind, reply.anchor.words)
+        return dataclasses.replace(self._request.ingredients, anchor=self._anchor)
+
+    def probe(self, ingredients: Ingredients, body: Body, reply: SemanticReply) -> ForceField:
+        """The best force field of rounds on a coarse version of the scene; the sentence's if there is none."""
+        attempts: list[Attempt] = []
+        try:
+            with self._watch.all_to("probe"), warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)  # as they were heeded for the object in earnest
+                series = self._coarse(ingredients, body)
+                for attempt in self.rounds(series, reply.force_field, reply):
+                    attempts.append(attempt)  # one by one: those before an error count
+        except UserError as error:
+            self._warnings += (f"coarse rounds were left out: {error}",)
+        if not attempts:
+            return reply.force_field
+        best = _best(attempts)
+        self.save_costs(probe_iterations=len(attempts), probe_best=best)
+        return attempts[best].scene.force_field
+
+    def _coarse(self, ingredients: Ingredients, body: Body) -> _Series:
+        with self._watch("prepare"):
+            preset = coarser(ingredients.preset, body)
+            coarse = dataclasses.replace(ingredients, preset=preset)
+            base_dir = self._request.base_dir
+            small = make_body(ingredients.source, preset.filling, preset.domain, base_dir)
+        return _Series(self._store.part(PROBE), coarse, small, "coarse round", self._observer.probed)
+
+    def rounds(self, series: _Series, force_field: ForceField, reply: SemanticReply) -> Iterator[Attempt]:
+        """Tries ``force_field`` and what the executor makes of it, until the planner is satisfied."""
+        attempts: list[Attempt] = []
+        self._restart_cache = None
+        for index in range(self._request.max_iterations):
+            attempt = self.recall(series, index) or self.attempt(series, index, force_field, reply)
+            attempts.append(attempt)
+            series.judged(index, attempt.judgement)
+            yield attempt
+            if attempt.judgement.verdict is Verdict.SUCCESS or index + 1 == self._request.max_iterations:
+                break
+            # The camera of the first round stays, so that the rounds' pictures can be compared.
+            camera = attempts[0].scene.camera
+            series = dataclasses.replace(
+                series, ingredients=dataclasses.replace(series.ingredients, camera=camera)
+            )
+            rewrite = self.rewrite(series, index, attempts, reply)
+            if rewrite.force_field == force_field:
+                break  # the executor has nothing left to try; another round would only repeat this one
+            force_field = rewrite.force_field
+
+    def attempt(self, series: _Series, index: int, force_field: ForceField, reply: SemanticReply) -> Attempt:
+        """Simulates ``force_field``, looks at the pictures, judges them, and leaves the round's files."""
+        with self._watch("prepare"):
+            config = fuse(series.ingredients, series.body, force_field)
+            scene = compile_scene(config, series.body, self._request.base_dir)
+        name = f"{series.name} {index + 1}"
+        self._observer.stage(f"{name}: simulating and rendering")
+        recording = simulate_scene(
+            scene,
+            watch=self._watch,
+            progress=self._observer.frame,
+            restart_cache=self._restart_cache,
+        )
+        self._restart_cache = recording.restart_cache
+        if recording.reused_frames:
+            folder = series.store.iteration(index).relative_to(self._store.path).as_posix()
+            self._reused[folder] = recording.reused_frames
+        with self._watch("write"):
+            earnest = series.store is self._store
+            frames = self._request.save_frames and earnest
+            write_rollout(series.store, index, scene, recording, save_motion=earnest, save_frames=frames)
+        self._observer.stage(f"{name}: measuring the motion")
+        windows = expectation_windows(reply.expectations, config.timing.frame_count)
+        with self._watch("perceive"):
+            seen = perceive(
+                recording.rgb,
+                recording.depth,
+                scene.camera,
+                frame_dt=config.timing.frame_dt,
+                windows=windows,
+            )
+        judgement = self._ask(
+            "planner",
+            "judge",
+            self._request.prompt,
+            reply.expectations,
+            seen.report,
+            force_field,
+            self._brief(),
+        )
+        with self._watch("write"):
+            write_verdict(series.store, index, recording.rgb, seen, judgement)
+        self.save_costs()
+        return Attempt(config, seen.report, judgement)
+
+    def recall(self, series: _Series, index: int) -> Attempt | None:
+        """Round ``index`` from the folder, if it is complete."""
+        folder = f"iterations/{index}"
+        judgement = series.store.read(f"{folder}/judgement.json", Judgement)
+        scene = series.store.read(f"{folder}/scene.json", SceneConfig)
+        report = series.store.read(f"{folder}/motion_report.json", MotionReport)
+        if judgement is None or scene is None or report is None:
+            return None
+        return Attempt(scene, report, judgement)
+
+    def rewrite(self, series: _Series, index: int, attempts: list[Attempt], reply: SemanticReply) -> Rewrite:
+        """The executor's next force field, from the folder if it is there."""
+        name = f"iterations/{index}/rewrite.json"
+        rewrite = series.store.read(name, Rewrite)
+        if rewrite is None:
+            last = attempts[-1]
+            history = [(attempt.scene.force_field, attempt.judgement) for attempt in attempts[:-1]]
+            rewrite = self._ask(
+                "executor",
+                "rewrite",
+                self._request.prompt,
+                reply.expectations,
+                last.scene.force_field,
+                last.report,
+                last.judgement,
+                self._brief(),
+                history,
+            )
+            series.store.write(name, rewrite)
+        return rewrite
+
+    def finish(self, attempts: list[Attempt], body: Body) -> None:
+        """Puts the best round's files at the top of the folder and closes the manifest."""
+        best = _best(attempts)
+        self._observer.stage("writing the results")
+        with self._watch("write"):
+            write_best(
+                self._store,
+                best,
+                body,
+                save_frames=self._request.save_frames,
+                save_splats=self._request.save_splats,
+            )
+        self.save_costs(
+            iterations=len(attempts),
+            best_iteration=best,
+            verdict=attempts[best].judgement.verdict.value,
+            warnings=(*self._request.manifest.warnings, *self._warnings),
+        )
+        self._store.finish()
+
+    def _ask(self, role: str, method: str, *arguments):
+        """Calls an agent and notes what it cost."""
+        agent = getattr(self._agents, role)
+        begun = time.perf_counter()
+        with self._watch("agents"):
+            answer = getattr(agent, method)(*arguments)
+        seconds = time.perf_counter() - begun
+        cost = self._costs.get(role) or AgentCost(agent=role, implementation=type(agent).__name__)
+        self._costs[role] = cost.model_copy(
+            update=dict(calls=cost.calls + 1, seconds=round(cost.seconds + seconds, 4))
+        )
+        return answer
+
+    def save_costs(self, **changes) -> None:
+        """Writes what the run has cost so far into the manifest, with ``changes`` to it."""
+        costs = dict(stages=Stages(**self._watch.seconds()), agents=tuple(self._costs.values()))
+        self._store.update(**costs, reused_frames=self._reused, **changes)
+
+    def _brief(self) -> SceneBrief:
+        ingredients = self._request.ingredients
+        timing = ingredients.preset.timing
+        held = self._anchor
+        return SceneBrief(
+            object_name=ingredients.source.name,
+            object_kind=ingredients.source.kind,
+            anchored=None if held.kind == "none" else held.reason or held.kind,
+            frame_count=timing.frame_count,
+            frame_dt=timing.frame_dt,
+            directions=DirectionTable(**viewer_directions(ingredients.camera)),
+        )
+
+
+def _best(attempts: list[Attempt]) -> int:
+    """The attempt with the highest score, the first of equals."""
+    return max(range(len(attempts)), key=lambda index: (attempts[index].judgement.score, -index))

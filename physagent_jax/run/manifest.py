@@ -1,0 +1,116 @@
+"""The run folder: the files that a run leaves, and its manifest, which a resumed run trusts.
+
+run/manifest.json                      versions, seeds, hashes, timings, which iteration is best
+run/semantic.json                      the semantic agent's reply
+run/scene.json                         the best iteration's fused scene, replayable
+run/iterations/k/scene.json            fused scene of iteration k
+run/iterations/k/force_field.json      what was simulated
+run/iterations/k/motion_report.json    what perception saw
+run/iterations/k/judgement.json        what the planner concluded
+run/iterations/k/rewrite.json          what the executor changed for k + 1 (absent after the last)
+run/iterations/k/simulation.json       `SimulationRecord`
+run/iterations/k/video.mp4, motion.npz
+run/probe/iterations/k/...             the same but motion.npz, on a coarse version of the scene, if that was asked for
+run/video.mp4, motion.npz, frames/     the best iteration's
+run/report.html
+"""
+
+from __future__ import annotations
+
+from pathlib import PurePosixPath
+from typing import Annotated
+
+from pydantic import Field, field_validator
+
+from physagent_jax.core.strict import Strict
+
+FORMAT = 2
+"""Of the run folder's layout; 2 added the list of files."""
+
+MOST_ROUNDS = 1000
+Rounds = Annotated[int, Field(ge=0, le=MOST_ROUNDS)]
+
+
+class Stages(Strict):
+    """Seconds of wall time per stage, compilation apart where it can be told apart [s].
+
+    ``probe`` is all that the coarse rounds took, agents included, but for compilation.
+    """
+
+    prepare: float = 0.0
+    probe: float = 0.0
+    compile: float = 0.0
+    simulate: float = 0.0
+    render: float = 0.0
+    perceive: float = 0.0
+    agents: float = 0.0
+    write: float = 0.0
+
+
+class AgentCost(Strict):
+    """What the agents cost: calls, tokens (zero for the offline rules), seconds."""
+
+    agent: str
+    implementation: str
+    calls: int = 0
+    input_tokens: int = 0
+    output_tokens: int = 0
+    seconds: float = 0.0
+
+
+class Manifest(Strict):
+    """The run's passport.
+
+    Attributes:
+        format: Version of the folder's layout.
+        files: What the run has written or is about to, relative to its folder; it touches nothing else there.
+        command: How it was started.
+        prompt: The sentence.
+        versions: Of this package and of what it computes with.
+        git_revision: Of the working tree, if it is one.
+        platform: Machine, processor, device kind.
+        kernels: What the transfers were computed with (`kernels.chosen`).
+        seed: Master seed.
+        inputs: sha256 of each input file.
+        iterations: How many were made.
+        best_iteration: Which one the top-level files show.
+        verdict: The best iteration's verdict.
+        probe_iterations: How many coarse rounds came before.
+        probe_best: Which of them gave the force field of iteration 0; None = none, it is the sentence's.
+        stages: Wall time summed over iterations.
+        reused_frames: Frames, frame 0 among them, that an iteration's folder took over from the round before, which
+            had the same forces until then; other figures are of all frames alike.
+        agents: Cost per agent.
+        warnings: Everything the user should know.
+        complete: False while the run is under way (or was stopped).
+    """
+
+    format: int = FORMAT
+    files: tuple[str, ...] = ()
+    command: str
+    prompt: str
+    versions: dict[str, str]
+    git_revision: str | None = None
+    platform: str
+    kernels: str = "reference"
+    seed: int
+    inputs: dict[str, str]
+    iterations: Rounds = 0
+    best_iteration: Rounds | None = None
+    verdict: str | None = None
+    probe_iterations: Rounds = 0
+    probe_best: Rounds | None = None
+    stages: Stages = Stages()
+    reused_frames: dict[str, int] = {}
+    agents: tuple[AgentCost, ...] = ()
+    warnings: tuple[str, ...] = ()
+    complete: bool = False
+
+    @field_validator("files")
+    @classmethod
+    def _inside(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        for name in value:
+            path = PurePosixPath(name)
+            if path.is_absolute() or ".." in path.parts or not path.parts:
+                raise ValueError(f"`files` are relative to the run folder and inside it (got {name!r})")
+        return value

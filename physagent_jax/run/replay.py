@@ -1,0 +1,97 @@
+"""Playing one scene into a folder."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+from physagent_jax.core.files import write_text
+from physagent_jax.kernels import ahead
+from physagent_jax.output.motion_file import write_motion
+from physagent_jax.output.splats import splat_names, write_splat_frames
+from physagent_jax.output.video import frame_names, write_frames, write_video
+from physagent_jax.run.artifacts import motion_of
+from physagent_jax.run.manifest import Stages
+from physagent_jax.run.provenance import make_manifest, settings_hash
+from physagent_jax.run.store import RunStore
+from physagent_jax.scene.body import Body, body_of
+from physagent_jax.scene.compile import CompiledScene, compile_scene
+from physagent_jax.scene.config import SceneConfig, dump_scene
+from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
+from physagent_jax.scene.load import file_sha256
+from physagent_jax.simulation.record import SimulationRecord
+from physagent_jax.simulation.recording import Recording
+from physagent_jax.simulation.simulate import Progress, simulate_scene
+from physagent_jax.simulation.stopwatch import Stopwatch
+
+
+def replay_scene(
+    config: SceneConfig,
+    scene_file: Path,
+    out: Path,
+    progress: Progress,
+    *,
+    command: str,
+    save_frames: bool,
+    save_splats: bool,
+    limits: Limits,
+    overwrite: bool,
+    warn: Callable[[str], None],
+) -> tuple[SimulationRecord, Stages]:
+    """Simulates ``config``, read from ``scene_file``; writes scene.json, simulation.json, video and motion to ``out``.
+
+    A folder that holds this very result already is left as it is, unless ``overwrite`` is set.
+
+    Raises:
+        UserError: The scene cannot be simulated, or ``out`` cannot be written or holds something else.
+    """
+    base_dir = scene_file.parent
+    files = config.files(base_dir)
+    settings = config.model_dump(mode="json", exclude={"source": {"path"}})
+    inputs = {name: file_sha256(path) for name, path in files.items()}
+    inputs["settings"] = settings_hash((settings, save_frames, save_splats))
+    manifest = make_manifest(command=command, prompt=config.prompt, seed=config.filling.seed, inputs=inputs)
+    with RunStore.open(out, manifest, overwrite=overwrite, needed=[scene_file, *files.values()]) as store:
+        record = store.read("simulation.json", SimulationRecord)
+        if store.manifest.complete and record is not None:
+            return record, store.manifest.stages
+        ahead.begin()
+        watch = Stopwatch()
+        with watch("prepare"), warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", UserWarning)
+            body = body_of(config, base_dir)
+            check_cost(estimate_cost(config, body), limits)
+            scene = compile_scene(config, body, base_dir)
+        for warning in caught:
+            warn(str(warning.message))
+        recording = simulate_scene(scene, watch=watch, progress=progress)
+        store.begin()
+        with watch("write"):
+            _write(store, scene, body, recording, save_frames=save_frames, save_splats=save_splats)
+        stages = Stages(**watch.seconds())
+        store.finish(stages=stages, warnings=tuple(str(each.message) for each in caught))
+    return recording.record, stages
+
+
+def _write(
+    store: RunStore,
+    scene: CompiledScene,
+    body: Body,
+    recording: Recording,
+    *,
+    save_frames: bool,
+    save_splats: bool,
+) -> None:
+    write_text(store.claimed("scene.json"), dump_scene(scene.config))
+    store.write("simulation.json", recording.record)
+    write_video(store.claimed("video.mp4"), recording.rgb, 1 / scene.config.timing.frame_dt)
+    write_motion(store.claimed("motion.npz"), motion_of(scene, recording))
+    if save_frames:
+        store.claim(*frame_names("frames", len(recording.rgb)))
+        write_frames(store.path / "frames", recording.rgb)
+    if save_splats:
+        store.claim(*splat_names("splats", len(recording.rgb)))
+        write_splat_frames(
+            store.path / "splats", body, recording.x[:, scene.back], recording.F[:, scene.back]
+        )

@@ -1,0 +1,142 @@
+"""Simulating a compiled scene: every frame is computed, its Gaussians deformed and rendered, a few at a time.
+
+Frames that an earlier scene has in common are taken over from its recording (`shared_frames`). That works within one
+process: nothing of it is written down, so a run that was stopped and is taken up plays its next round from the start.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Callable, Iterator
+
+import jax
+import numpy as np
+
+from physagent_jax.gaussians.binding import deform
+from physagent_jax.gaussians.cloud import Splats
+from physagent_jax.mpm import Frame, simulate
+from physagent_jax.render import frames_at_once, render_all
+from physagent_jax.scene.compile import CompiledScene
+from physagent_jax.simulation.recording import (
+    FrameOutput,
+    FrameStatistics,
+    Recording,
+    RestartCache,
+    rest_centre,
+)
+from physagent_jax.simulation.shared_frames import clock_is_right, last_shared_frame, restart_frames
+from physagent_jax.simulation.stopwatch import Stopwatch
+
+RESTART_BYTES = 2**30  # of host memory for what a later scene may go on from
+
+Progress = Callable[[int, int], None]
+"""Called after every frame with (frames done, frames in all)."""
+
+
+def simulate_scene(
+    scene: CompiledScene,
+    *,
+    watch: Stopwatch | None = None,
+    progress: Progress | None = None,
+    restart_cache: RestartCache | None = None,
+) -> Recording:
+    """Simulates and renders all frames of ``scene``, except those that it shares with an earlier one.
+
+    Args:
+        scene: What to simulate.
+        watch: Charged with the time that simulating and rendering take.
+        progress: Called after every frame.
+        restart_cache: Of the earlier scene's `Recording`.
+
+    Raises:
+        UserError: The scene cannot be simulated (`mpm.simulate` says why).
+    """
+    watch = watch or Stopwatch()
+    begin = shared_restart(scene, restart_cache)
+    outputs, statistics, restarts = _shared(restart_cache, begin)
+    reused, total = len(outputs), scene.config.timing.frame_count
+    if progress and reused:
+        progress(reused, total)
+    wanted, centre = restart_frames(scene.config), rest_centre(scene)
+    for batch in _batches(watch.timed("simulate", scene_frames(scene, begin))):
+        with watch("render"):
+            outputs += _outputs(scene, batch)
+        with watch("simulate"):
+            for frame in batch:
+                statistics.append(FrameStatistics.of(scene, frame, centre))
+                if frame.index in wanted and _worth_keeping(scene, frame, outputs, restarts):
+                    restarts[frame.index] = dataclasses.replace(frame, state=jax.device_get(frame.state))
+        if progress:
+            for frame in batch:
+                progress(frame.index + 1, total)
+    cache = RestartCache.of(scene, outputs, statistics, restarts)
+    return Recording.of(scene, outputs, statistics, cache, reused)
+
+
+def _batches(frames: Iterator[Frame]) -> Iterator[list[Frame]]:
+    """As many frames as are rendered at the same time, again and again."""
+    while batch := list(itertools.islice(frames, frames_at_once())):
+        yield batch
+
+
+def _outputs(scene: CompiledScene, batch: list[Frame]) -> list[FrameOutput]:
+    splats = [splats_at(scene, frame) for frame in batch]
+    background = scene.config.rendering.background
+    pictures = render_all(splats, scene.camera, background=background, kernels=scene.model.kernels)
+    shown = [np.asarray(each.means)[: scene.body.cloud.count] for each in splats]
+    return [FrameOutput.of(*parts) for parts in zip(pictures, shown, batch)]
+
+
+def shared_restart(scene: CompiledScene, cache: RestartCache | None) -> Frame | None:
+    """The last frame in ``cache`` that ``scene`` can go on from, its state on the device; None = begin at rest."""
+    if cache is None or cache.body is not scene.body:
+        return None
+    shared = last_shared_frame(cache.config, scene.config)
+    fit = [index for index in cache.restarts if shared is not None and index <= shared]
+    if not fit:
+        return None
+    frame = cache.restarts[max(fit)]
+    return dataclasses.replace(frame, state=jax.device_put(frame.state))
+
+
+def _shared(
+    cache: RestartCache | None, begin: Frame | None
+) -> tuple[list[FrameOutput], list[FrameStatistics], dict[int, Frame]]:
+    """What is known of the frames up to ``begin``."""
+    if cache is None or begin is None:
+        return [], [], {}
+    count = begin.index + 1
+    restarts = {index: frame for index, frame in cache.restarts.items() if index < count}
+    return list(cache.outputs[:count]), list(cache.statistics[:count]), restarts
+
+
+def _worth_keeping(
+    scene: CompiledScene, frame: Frame, outputs: list[FrameOutput], restarts: dict[int, Frame]
+) -> bool:
+    """Whether a later scene may go on from ``frame``: memory allows it, and the clock is as `shared_frames` assumes."""
+    state_bytes = sum(leaf.nbytes for leaf in jax.tree.leaves(frame.state))
+    needed = len(outputs) * outputs[0].nbytes + (len(restarts) + 1) * state_bytes
+    timing = scene.config.timing
+    return needed <= RESTART_BYTES and clock_is_right(float(frame.state.time), frame.index, timing.frame_dt)
+
+
+def scene_frames(scene: CompiledScene, begin: Frame | None = None) -> Iterator[Frame]:
+    """The frames of ``scene`` after ``begin``, simulated one after another; from the rest pose on if None."""
+    timing = scene.config.timing
+    return simulate(
+        scene.windowed,
+        scene.state,
+        frame_count=timing.frame_count,
+        frame_dt=timing.frame_dt,
+        substep_dt=None if timing.substep_dt == "auto" else timing.substep_dt,
+        safety=timing.safety,
+        force_substep=timing.force_substep,
+        ledger=scene.config.ledger,
+        begin=begin,
+    )
+
+
+def splats_at(scene: CompiledScene, frame: Frame) -> Splats:
+    """The Gaussians of one frame; after those of the body, invisible ones (`CompiledScene.gaussians`)."""
+    return deform(*scene.gaussians, frame.state.x, frame.state.F, scene.body.placement.rotation)

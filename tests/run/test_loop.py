@@ -1,0 +1,196 @@
+"""The closed loop on the bundled object, small and coarse: files, determinism, resuming, keeping the best."""
+
+import json
+
+import numpy as np
+import pytest
+
+from physagent_jax.agents.schema import Check, Judgement, Rewrite, Verdict
+from physagent_jax.cli import main
+from physagent_jax.cli.request import make_request, offline_agents
+from physagent_jax.cli.run import Run
+from physagent_jax.forces.schema import Action, ForceField
+from physagent_jax.output.motion_file import read_motion
+from physagent_jax.output.video import read_video
+from physagent_jax.run.loop import Agents, synthesize
+from physagent_jax.run.manifest import Manifest
+from physagent_jax.simulation.record import SimulationRecord
+
+FRAMES = 10
+
+
+def command(robot_path, out, prompt="a strong wind pushes the robot to the left", **options):
+    small = dict(frames=FRAMES, particles=600, resolution=96)
+    return Run(object=robot_path, prompt=prompt, out=out, **{**small, **options})
+
+
+def request(*arguments, **options):
+    return make_request(command(*arguments, **options), "test")
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory, robot_path):
+    out = tmp_path_factory.mktemp("loop") / "run"
+    line = [
+        "run",
+        "--object",
+        robot_path,
+        "--prompt",
+        "a strong wind pushes the robot to the left",
+        "--out",
+        out,
+    ]
+    options = [
+        "--frames",
+        FRAMES,
+        "--particles",
+        600,
+        "--resolution",
+        96,
+        "--save-splats",
+        "--save-frames",
+        "--json",
+    ]
+    assert main([str(part) for part in (*line, *options)]) == 0
+    return out
+
+
+def test_a_run_leaves_every_file(finished):
+    names = {path.name for path in finished.iterdir()}
+    assert {"manifest.json", "semantic.json", "scene.json", "video.mp4", "motion.npz", "report.html"} <= names
+    first = {path.name for path in (finished / "iterations" / "0").iterdir()}
+    assert {
+        "scene.json",
+        "force_field.json",
+        "motion_report.json",
+        "judgement.json",
+        "simulation.json",
+    } <= first
+    assert len(read_video(finished / "video.mp4")) == FRAMES
+    assert len(list((finished / "frames").iterdir())) == FRAMES
+    assert len(list((finished / "splats").glob("*.ply"))) == FRAMES
+
+
+def test_the_object_moves_the_way_the_sentence_says(finished):
+    record = SimulationRecord.model_validate_json(
+        (finished / "iterations" / "0" / "simulation.json").read_bytes()
+    )
+    x, y, z = record.truth.centroid[-1]
+    assert x < -0.3 and abs(y) < 0.01 and abs(z) < 0.01
+
+
+def test_perception_agrees_with_the_particles(finished):
+    report = json.loads((finished / "iterations" / "0" / "motion_report.json").read_text())
+    record = json.loads((finished / "iterations" / "0" / "simulation.json").read_text())
+    np.testing.assert_allclose(report["centroid"][-1], record["truth"]["centroid"][-1], atol=0.06)
+
+
+def test_frame_zero_of_the_exported_splats_is_the_object_itself(finished, robot_path):
+    from physagent_jax.gaussians.formats.ply import read_ply
+
+    exported, original = (
+        read_ply(finished / "splats" / "0000.ply"),
+        read_ply(robot_path, opacity_threshold=0.02),
+    )
+    np.testing.assert_allclose(exported.means, original.means, atol=2e-5)
+    np.testing.assert_allclose(exported.sh, original.sh, atol=2e-3)
+    np.testing.assert_allclose(exported.opacities, original.opacities, atol=1e-3)
+    assert np.sort(exported.scales, 1) == pytest.approx(np.sort(original.scales, 1), rel=0.02, abs=1e-4)
+
+
+def test_the_motion_file_reproduces_the_particles(finished):
+    motion = read_motion(finished / "motion.npz")
+    assert motion.x.shape[0] == FRAMES and motion.x.shape[1] >= 500
+    assert float(np.abs(motion.F[0] - np.eye(3)).max()) == 0
+
+
+def test_the_same_command_gives_the_same_scene_bytes(finished, tmp_path, robot_path):
+    store = synthesize(request(robot_path, tmp_path / "again"), offline_agents())
+    assert (store.path / "scene.json").read_bytes() == (finished / "scene.json").read_bytes()
+
+
+def test_a_finished_run_is_not_made_again(finished, capsys, robot_path):
+    stamp = (finished / "video.mp4").stat().st_mtime_ns
+    store = synthesize(request(robot_path, finished, save_splats=True, save_frames=True), offline_agents())
+    assert store.manifest.complete and (finished / "video.mp4").stat().st_mtime_ns == stamp
+
+
+def test_another_prompt_needs_another_folder(finished, robot_path):
+    with pytest.raises(ValueError, match="holds another run"):
+        synthesize(request(robot_path, finished, prompt="drop the robot"), offline_agents())
+
+
+# --- several rounds, with scripted judges ---------------------------------------------------------------
+
+
+class ScriptedPlanner:
+    """Gives the scores of a script."""
+
+    def __init__(self, scores):
+        self.scores = list(scores)
+
+    def judge(self, prompt, expectations, report, force_field, brief):
+        score = self.scores.pop(0)
+        check = Check(expectation=0, question="?", expected="", observed="", passed=score == 1, score=score)
+        verdict = Verdict.SUCCESS if score == 1 else Verdict.FAIL
+        return Judgement(
+            verdict=verdict, score=score, checks=(check,), suggestion="" if score == 1 else "again"
+        )
+
+
+class ScriptedExecutor:
+    """Pushes along another direction each time; may be told to stop the run instead."""
+
+    def __init__(self, interrupt=False):
+        self.interrupt = interrupt
+
+    def rewrite(self, prompt, expectations, force_field, report, judgement, brief, history=()):
+        if self.interrupt:
+            raise KeyboardInterrupt
+        action = Action(action_type="translation", vector=(0, 0, 1.0), magnitude=1.0 - 0.1 * len(history))
+        return Rewrite(force_field=ForceField(actions=(action,)), changes=("scripted",))
+
+
+def scripted(scores, interrupt=False):
+    return Agents(offline_agents().semantic, ScriptedPlanner(scores), ScriptedExecutor(interrupt))
+
+
+def test_the_best_round_is_kept(tmp_path, robot_path):
+    store = synthesize(request(robot_path, tmp_path / "run"), scripted([0.2, 0.7, 0.4]))
+    assert (store.manifest.iterations, store.manifest.best_iteration, store.manifest.verdict) == (
+        3,
+        1,
+        "FAIL",
+    )
+    assert (store.path / "scene.json").read_bytes() == (store.iteration(1) / "scene.json").read_bytes()
+    fields = [
+        json.loads((store.iteration(k) / "force_field.json").read_text())["actions"][0] for k in range(3)
+    ]
+    assert [f["magnitude"] for f in fields[1:]] == [1.0, 0.9]
+    cameras = {
+        json.dumps(json.loads((store.iteration(k) / "scene.json").read_text())["camera"]) for k in range(3)
+    }
+    assert len(cameras) == 1
+
+
+def test_success_stops_the_loop(tmp_path, robot_path):
+    store = synthesize(request(robot_path, tmp_path / "run"), scripted([0.2, 1.0, 0.4]))
+    assert (store.manifest.iterations, store.manifest.best_iteration, store.manifest.verdict) == (
+        2,
+        1,
+        "SUCCESS",
+    )
+
+
+def test_a_stopped_run_goes_on_where_it_stopped(tmp_path, robot_path):
+    asked = request(robot_path, tmp_path / "run")
+    with pytest.raises(KeyboardInterrupt):
+        synthesize(asked, scripted([0.2], interrupt=True))
+    manifest = Manifest.model_validate_json((tmp_path / "run" / "manifest.json").read_bytes())
+    assert not manifest.complete
+    video = tmp_path / "run" / "iterations" / "0" / "video.mp4"
+    stamp, spent = video.stat().st_mtime_ns, manifest.stages.simulate
+    store = synthesize(asked, scripted([1.0]))  # one score only: round 0 must not be judged again
+    assert store.manifest.complete and store.manifest.best_iteration == 1
+    assert video.stat().st_mtime_ns == stamp
+    assert store.manifest.stages.simulate > spent
