@@ -36,7 +36,7 @@ from physagent_jax.scene.config import (
     Timing,
     Transfer,
 )
-from physagent_jax.scene.fuse import Ingredients, fuse
+from physagent_jax.scene.fuse import SceneTemplate, fuse
 from physagent_jax.scene.presets import Preset
 from physagent_jax.scene.procedural import make_jelly
 
@@ -139,7 +139,7 @@ class Task:
     """
 
     spec: TaskSpec
-    ingredients: Ingredients
+    ingredients: SceneTemplate
     body: Body
     scene: CompiledScene
     substeps: int
@@ -188,7 +188,7 @@ def make_task(spec: TaskSpec, folder: Path, *, frame_count: int = 26, particles:
     path = folder / "object.ply"
     folder.mkdir(parents=True, exist_ok=True)
     write_ply(path, make_jelly(0, count=2500))
-    ingredients = Ingredients(
+    ingredients = SceneTemplate(
         prompt=spec.prompt,
         preset_name="baseline",
         preset=preset,

@@ -5,9 +5,9 @@ import json
 import pytest
 
 from physagent_jax.cli import main
-from physagent_jax.cli.matter import AFFORDABLE, chosen_material
-from physagent_jax.cli.run import Run
 from physagent_jax.core.errors import UserError
+from physagent_jax.run.material import AFFORDABLE, resolve_material
+from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.config import MaterialModel
 from physagent_jax.scene.materials import LIBRARY, substeps
 from physagent_jax.scene.presets import PRESETS, PresetName
@@ -59,68 +59,63 @@ def test_an_unknown_name_is_answered_with_close_ones(capsys):
 # --- in a run -----------------------------------------------------------------------------------------
 
 
-def chosen(tmp_path, kind="robot", **options):
-    warnings: list[str] = []
-    command = Run(object=tmp_path / "x.ply", prompt="push it", out=tmp_path / "out", **options)
-    return chosen_material(command, kind, FAST, warnings), warnings
+def chosen(kind="robot", **choice):
+    return resolve_material(MaterialChoice(**choice), kind, FAST)
 
 
-def test_without_options_the_kind_decides(tmp_path):
-    assert chosen(tmp_path, "sand") == (material_for("sand"), [])
+def test_without_options_the_kind_decides():
+    assert chosen("sand") == (material_for("sand"), ())
 
 
-def test_a_named_material_is_taken_whole(tmp_path):
-    material, warnings = chosen(tmp_path, material="natural rubber")
-    assert material == LIBRARY["natural_rubber"].material and warnings == []
+def test_a_named_material_is_taken_whole():
+    material, warnings = chosen(name="natural rubber")
+    assert material == LIBRARY["natural_rubber"].material and warnings == ()
 
 
-def test_a_model_keeps_the_kinds_values(tmp_path):
-    material, _ = chosen(tmp_path, material="fixed_corotated")
+def test_a_model_keeps_the_kinds_values():
+    material, _ = chosen(name="fixed_corotated")
     prior = material_for("robot")
     assert material.model is MaterialModel.FIXED_COROTATED
     assert (material.youngs_modulus, material.density) == (prior.youngs_modulus, prior.density)
-    assert chosen(tmp_path, "sand", material="hencky")[0].friction_angle is None
+    assert chosen("sand", name="hencky")[0].friction_angle is None
     with pytest.raises(UserError, match="`von_mises` needs `yield_stress`.*physagent materials"):
-        chosen(tmp_path, material="von_mises")
+        chosen(name="von_mises")
 
 
-def test_options_overrule_single_values(tmp_path):
-    material, _ = chosen(tmp_path, material="muscle", youngs_modulus=5e4, density=900.0)
+def test_options_overrule_single_values():
+    material, _ = chosen(name="muscle", youngs_modulus=5e4, density=900.0)
     muscle = LIBRARY["muscle"].material
     assert (material.youngs_modulus, material.density) == (5e4, 900.0)
     assert material.poissons_ratio == muscle.poissons_ratio
-    assert (
-        "youngs_modulus, density from the command line" in material.reason
-        and muscle.reason in material.reason
-    )
+    assert "youngs_modulus, density chosen" in material.reason and muscle.reason in material.reason
 
 
-def test_a_stiff_material_is_warned_about_with_a_remedy_that_works(tmp_path):
-    _, (warning,) = chosen(tmp_path, material="steel")
+def test_a_stiff_material_is_warned_about_with_a_remedy_that_works():
+    _, (warning,) = chosen(name="steel")
     assert "substeps" in warning
-    factor = float(warning.split("--soften ")[1].split()[0])
-    material, warnings = chosen(tmp_path, material="steel", soften=factor)
-    assert warnings == [] and substeps(material, FAST.domain.dx, 1.96) <= AFFORDABLE
+    factor = float(warning.split("`material.soften` ")[1].split()[0])
+    material, warnings = chosen(name="steel", soften=factor)
+    assert warnings == () and substeps(material, FAST.domain.dx, 1.96) <= AFFORDABLE
     steel = LIBRARY["steel"].material
     assert material.yield_stress / material.youngs_modulus == pytest.approx(
         steel.yield_stress / steel.youngs_modulus
     )
-    assert chosen(tmp_path, material="steel", soften="auto")[0] == material
+    assert chosen(name="steel", soften="auto")[0] == material
 
 
-def test_auto_softening_leaves_affordable_materials_alone(tmp_path):
-    assert chosen(tmp_path, material="gelatine", soften="auto")[0] == LIBRARY["gelatine"].material
+def test_auto_softening_leaves_affordable_materials_alone():
+    assert chosen(name="gelatine", soften="auto")[0] == LIBRARY["gelatine"].material
 
 
 def test_a_prediction_replaces_the_kinds_prior(tmp_path):
     path = tmp_path / "predicted_phys.json"
     path.write_text(json.dumps({"E": 3.0e5, "nu": 0.6, "material": "Foam"}))
-    material, warnings = chosen(tmp_path, physgm=path)
+    material, warnings = chosen(physgm=str(path))
     assert (material.youngs_modulus, material.poissons_ratio) == (3.0e5, 0.49)
     assert material.density == LIBRARY["pu_foam"].material.density
     assert len(warnings) == 1 and "nu = 0.6" in warnings[0]
-    with pytest.raises(UserError, match="`--physgm` and `--material`"):
-        chosen(tmp_path, physgm=path, material="steel")
+    with pytest.raises(ValueError, match="`physgm` and `name`"):
+        chosen(physgm=str(path), name="steel")
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from typing import Protocol
 
@@ -52,3 +53,12 @@ class ExecutorAgent(Protocol):
     ) -> Rewrite:
         """Returns the next force field; ``history`` holds the earlier attempts, oldest first."""
         ...
+
+
+@dataclasses.dataclass(frozen=True)
+class Agents:
+    """The three agents of a loop."""
+
+    semantic: SemanticAgent
+    planner: PlannerAgent
+    executor: ExecutorAgent

@@ -61,6 +61,7 @@ class Schema:
 
     what: tyro.conf.Positional[
         Literal[
+            "run",
             "scene",
             "force-field",
             "semantic",
@@ -79,10 +80,12 @@ class Schema:
         from physagent_jax.forces.schema import ForceField
         from physagent_jax.perception.schema import MotionReport
         from physagent_jax.run.manifest import Manifest
+        from physagent_jax.run.spec import RunSpec
         from physagent_jax.scene.config import SceneConfig
         from physagent_jax.simulation.record import SimulationRecord
 
         formats = {
+            "run": RunSpec,
             "scene": SceneConfig,
             "force-field": ForceField,
             "semantic": SemanticReply,

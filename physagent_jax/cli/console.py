@@ -7,7 +7,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from physagent_jax.agents.schema import Judgement, Verdict
 from physagent_jax.cli import stopping
-from physagent_jax.run.loop import Observer
+from physagent_jax.run.observer import Observer
 
 stderr = Console(stderr=True, highlight=False, soft_wrap=True)
 

@@ -13,6 +13,7 @@ from typing import Annotated, Literal
 import tyro
 
 from physagent_jax.cli.console import ConsoleObserver, stderr, warn
+from physagent_jax.cli.options import in_options, in_words, read_whole_spec, to_spec
 from physagent_jax.scene.config import SignedAxis
 from physagent_jax.scene.presets import PresetName
 
@@ -28,12 +29,14 @@ class Run:
     when the same command is given again.
     """
 
-    object: Path
-    """3DGS PLY or mesh (.obj, .glb, .stl, .ply)."""
-    prompt: str
-    """What should happen, in everyday English."""
     out: Path
     """Run folder to make."""
+    object: Path | None = None
+    """3DGS PLY or mesh (.obj, .glb, .stl, .ply)."""
+    prompt: str | None = None
+    """What should happen, in everyday English."""
+    spec: Path | None = None
+    """JSON or YAML that says all of the run, in place of the options that do (`physagent schema run`)."""
     preset: PresetName = PresetName.FAST
     """fast: a laptop's processor; paper: the paper's resolution."""
     up: SignedAxis | None = None
@@ -74,6 +77,12 @@ class Run:
     """Width and height of the pictures; default: the preset's."""
     max_iterations: int = 3
     """Rounds at most."""
+    semantic: str = "rules"
+    """Who reads the sentence."""
+    planner: str = "rules"
+    """Who judges the motion."""
+    executor: str = "rules"
+    """Who rewrites the force field."""
     probe: bool = False
     """First try force fields on a coarse version of the scene; the rounds then begin with the best of them."""
     seed: int = 0
@@ -96,22 +105,31 @@ class Run:
     def __call__(self) -> int:
         """Runs the command; returns the exit code."""
         # Imported here, so that --help does not wait for JAX.
-        from physagent_jax.cli.request import make_request, offline_agents
         from physagent_jax.report.html import write_report
-        from physagent_jax.run.loop import synthesize
+        from physagent_jax.run.loop import run_loop
+        from physagent_jax.run.resolve import resolve
+        from physagent_jax.scene.cost import Limits
 
         begun = time.perf_counter()
-        request = make_request(self, " ".join(map(shlex.quote, sys.argv)))
-        for text in request.manifest.warnings:  # now, while the run can still be stopped
-            warn(text)
+        limits = Limits(self.max_minutes, self.max_memory)
+        if self.spec is None:
+            with in_options():
+                run = resolve(to_spec(self), origin="command line")
+        else:
+            run = resolve(read_whole_spec(self), self.spec.parent, origin=str(self.spec))
+        for text in run.warnings:  # now, while the run can still be stopped
+            warn(in_words(text) if self.spec is None else text)
         observer = ConsoleObserver()
+        command = " ".join(map(shlex.quote, sys.argv))
         try:
-            store = synthesize(request, offline_agents(), observer)
+            store = run_loop(
+                run, self.out, observer=observer, limits=limits, overwrite=self.overwrite, command=command
+            )
         finally:
             observer.close()
         report = write_report(store.path)
         for text in store.manifest.warnings:
-            if text not in request.manifest.warnings:
+            if text not in run.warnings:
                 warn(text)
         summary = summarise(store, time.perf_counter() - begun)
         if self.json_line:

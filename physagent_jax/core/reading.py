@@ -25,6 +25,8 @@ Schema = TypeVar("Schema", bound=BaseModel)
 MIB = 2**20
 JSON_BYTES = 32 * MIB  # a record of 10,000 frames has 10 MiB
 JSON_DEPTH = 64
+YAML_BYTES = 2**16  # its reader is slow, and nobody writes more by hand
+YAML_SUFFIXES = (".yaml", ".yml")
 JSON_DIGITS = 400  # of one number; the largest float written out has 309
 _MISSPELT = ("extra_forbidden", "enum", "literal_error", "union_tag_invalid")  # as pydantic calls them
 _SHOWN = 80  # characters of a name or value in a message
@@ -187,6 +189,30 @@ def decode_json(data: bytes, origin: str) -> Any:
     if "\\ud" in text.lower():
         _check_text(decoded, origin)
     return decoded
+
+
+def read_yaml(path: str | Path, *, what: str = "the file") -> Any:
+    """Decodes a YAML file of plain values; what JSON cannot hold (dates, binary, references) is refused.
+
+    Raises:
+        UserError: As `open_regular` and `decode_json`, or it is not YAML.
+    """
+    import yaml
+
+    data, origin = read_bytes(path, most=YAML_BYTES, what=what), shortened(path)
+    try:
+        text = data.decode("utf-8")
+        # A reference may stand for itself, or for a thousand others: a document of a few lines could fill the memory.
+        references = any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text, yaml.SafeLoader))
+        decoded = None if references else yaml.safe_load(text)
+        plain = json.dumps(decoded)
+    except RecursionError:
+        raise _too_deep(origin) from None
+    except (yaml.YAMLError, ValueError, TypeError, OverflowError) as error:
+        raise UserError(f"{origin} is not YAML of plain values", got=shortened(error), do="Mend it") from None
+    if references:
+        raise UserError(f"{origin} holds references (*name)", do="Write out what they stand for")
+    return decode_json(plain.encode(), origin)
 
 
 def _check_text(decoded: Any, origin: str) -> None:

@@ -13,7 +13,10 @@ import dataclasses
 import time
 import warnings
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
+from physagent_jax.agents import registry
+from physagent_jax.agents.protocols import Agents
 from physagent_jax.agents.rules.bands import expectation_windows
 from physagent_jax.agents.schema import DirectionTable, Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
 from physagent_jax.core.errors import UserError
@@ -23,17 +26,18 @@ from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.run.artifacts import write_best, write_rollout, write_verdict
 from physagent_jax.run.manifest import AgentCost, Stages
-from physagent_jax.run.request import Agents as Agents
-from physagent_jax.run.request import Observer as Observer
-from physagent_jax.run.request import Request as Request
+from physagent_jax.run.observer import Observer
+from physagent_jax.run.provenance import make_manifest
+from physagent_jax.run.resolve import ResolvedRun
+from physagent_jax.run.spec import AgentChoice
 from physagent_jax.run.store import PROBE, RunStore
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.camera import viewer_directions
 from physagent_jax.scene.coarse import coarser
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import SceneConfig
-from physagent_jax.scene.cost import check_cost, estimate_cost
-from physagent_jax.scene.fuse import Ingredients, fuse
+from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
+from physagent_jax.scene.fuse import SceneTemplate, fuse
 from physagent_jax.simulation.recording import RestartCache
 from physagent_jax.simulation.simulate import simulate_scene
 from physagent_jax.simulation.stopwatch import Stopwatch
@@ -48,8 +52,39 @@ class Attempt:
     judgement: Judgement
 
 
-def synthesize(request: Request, agents: Agents, observer: Observer | None = None) -> RunStore:
+def make_agents(choice: AgentChoice) -> Agents:
+    """The agents of a run.
+
+    Raises:
+        UserError: One of them needs what is not installed, or does not take its options.
+    """
+    return Agents(
+        semantic=registry.SEMANTIC.make(choice.semantic.name, choice.semantic.options),
+        planner=registry.PLANNER.make(choice.planner.name, choice.planner.options),
+        executor=registry.EXECUTOR.make(choice.executor.name, choice.executor.options),
+    )
+
+
+def run_loop(
+    run: ResolvedRun,
+    out: str | Path,
+    *,
+    agents: Agents | None = None,
+    observer: Observer | None = None,
+    limits: Limits | None = None,
+    overwrite: bool = False,
+    command: str = "",
+) -> RunStore:
     """Runs the loop until the planner is satisfied or the rounds are used up; resumes a stopped run.
+
+    Args:
+        run: What to make.
+        out: Run folder.
+        agents: Instead of those that the spec names.
+        observer: Told of the progress.
+        limits: What a round may take.
+        overwrite: Replace another run in ``out``.
+        command: How the run was started, for the record.
 
     Returns:
         The finished run folder. The report page is the caller's to write (`report.html.write_report`).
@@ -58,25 +93,27 @@ def synthesize(request: Request, agents: Agents, observer: Observer | None = Non
         UserError: Input that a person can mend; a run folder is only begun once object and sentence
             are understood.
     """
-    observer = observer or Observer()
-    overwrite = request.overwrite
-    with RunStore.open(request.out, request.manifest, overwrite=overwrite, needed=request.needed) as store:
+    manifest = make_manifest(command=command, prompt=run.spec.prompt, seed=run.spec.seed, inputs=run.inputs)
+    manifest = manifest.model_copy(update=dict(warnings=run.warnings))
+    agents = agents or make_agents(run.spec.agents)
+    with RunStore.open(out, manifest, overwrite=overwrite, needed=run.files) as store:
         if store.manifest.complete:
             return store
         ahead.begin()  # while the sentence is read and the object loaded
-        loop = _Loop(request, agents, observer, store)
+        loop = _Loop(run, agents, observer or Observer(), store)
         reply = loop.read_sentence()
         body = loop.load_object()
-        ingredients = loop.with_anchor(reply)
-        check_cost(estimate_cost(fuse(ingredients, body, reply.force_field), body), request.limits)
+        template = loop.with_anchor(reply)
+        check_cost(estimate_cost(fuse(template, body, reply.force_field), body), limits or Limits())
         store.begin()
         loop.save_costs()
         try:
+            store.write("run.json", run.spec.located(run.base_dir))
             store.write("semantic.json", reply)
             force_field = reply.force_field
-            if request.probe:
-                force_field = loop.probe(ingredients, body, reply)
-            series = _Series(store, ingredients, body, "round", observer.judged)
+            if run.spec.probe:
+                force_field = loop.probe(template, body, reply)
+            series = _Series(store, template, body, "round", loop.observer.judged)
             attempts = list(loop.rounds(series, force_field, reply))
         except UserError:
             store.discard_if_barren()
@@ -91,13 +128,13 @@ class _Series:
 
     Attributes:
         store: Where they are kept.
-        ingredients, body: What they have in common.
+        template, body: What they have in common.
         name: Of one of them.
         judged: Told of every judgement.
     """
 
     store: RunStore
-    ingredients: Ingredients
+    template: SceneTemplate
     body: Body
     name: str
     judged: Callable[[int, Judgement], None]
@@ -106,11 +143,11 @@ class _Series:
 class _Loop:
     """The loop's steps, each timed, each leaving its files."""
 
-    def __init__(self, request: Request, agents: Agents, observer: Observer, store: RunStore):
-        self._request, self._agents, self._observer, self._store = request, agents, observer, store
+    def __init__(self, run: ResolvedRun, agents: Agents, observer: Observer, store: RunStore):
+        self._run, self._agents, self.observer, self._store = run, agents, observer, store
         self._watch = Stopwatch(store.manifest.stages.model_dump())
         self._costs = {cost.agent: cost for cost in store.manifest.agents}
-        self._anchor = request.ingredients.anchor
+        self._anchor = run.template.anchor
         self._restart_cache: RestartCache | None = None
         self._reused = dict(store.manifest.reused_frames)
 
@@ -118,33 +155,34 @@ class _Loop:
         """The semantic agent's reply, from the folder if it is there."""
         reply = self._store.read("semantic.json", SemanticReply)
         if reply is None:
-            self._observer.stage("reading the sentence")
-            reply = self._ask("semantic", "compile", self._request.prompt, self._brief())
+            self.observer.stage("reading the sentence")
+            reply = self._ask("semantic", "compile", self._run.spec.prompt, self._brief())
         return reply
 
     def load_object(self) -> Body:
         """The object at rest, filled and bound."""
-        self._observer.stage("loading and filling the object")
-        ingredients = self._request.ingredients
-        preset = ingredients.preset
+        self.observer.stage("loading and filling the object")
+        template = self._run.template
+        preset = template.preset
         with self._watch("prepare"), warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", UserWarning)
-            body = make_body(ingredients.source, preset.filling, preset.domain, self._request.base_dir)
+            body = make_body(template.source, preset.filling, preset.domain, self._run.base_dir)
         self._warnings = tuple(dict.fromkeys(str(warning.message) for warning in caught))
         return body
 
-    def with_anchor(self, reply: SemanticReply) -> Ingredients:
-        """The ingredients with what the sentence says about holding."""
-        self._anchor = self._request.choose_anchor(reply.anchor.kind, reply.anchor.words)
-        return dataclasses.replace(self._request.ingredients, anchor=self._anchor)
+    def with_anchor(self, reply: SemanticReply) -> SceneTemplate:
+        """The scene template with what the sentence says about holding."""
+        template = self._run.held(reply.anchor)
+        self._anchor = template.anchor
+        return template
 
-    def probe(self, ingredients: Ingredients, body: Body, reply: SemanticReply) -> ForceField:
+    def probe(self, template: SceneTemplate, body: Body, reply: SemanticReply) -> ForceField:
         """The best force field of rounds on a coarse version of the scene; the sentence's if there is none."""
         attempts: list[Attempt] = []
         try:
             with self._watch.all_to("probe"), warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)  # as they were heeded for the object in earnest
-                series = self._coarse(ingredients, body)
+                series = self._coarse(template, body)
                 for attempt in self.rounds(series, reply.force_field, reply):
                     attempts.append(attempt)  # one by one: those before an error count
         except UserError as error:
@@ -155,30 +193,28 @@ class _Loop:
         self.save_costs(probe_iterations=len(attempts), probe_best=best)
         return attempts[best].scene.force_field
 
-    def _coarse(self, ingredients: Ingredients, body: Body) -> _Series:
+    def _coarse(self, template: SceneTemplate, body: Body) -> _Series:
         with self._watch("prepare"):
-            preset = coarser(ingredients.preset, body)
-            coarse = dataclasses.replace(ingredients, preset=preset)
-            base_dir = self._request.base_dir
-            small = make_body(ingredients.source, preset.filling, preset.domain, base_dir)
-        return _Series(self._store.part(PROBE), coarse, small, "coarse round", self._observer.probed)
+            preset = coarser(template.preset, body)
+            coarse = dataclasses.replace(template, preset=preset)
+            base_dir = self._run.base_dir
+            small = make_body(template.source, preset.filling, preset.domain, base_dir)
+        return _Series(self._store.part(PROBE), coarse, small, "coarse round", self.observer.probed)
 
     def rounds(self, series: _Series, force_field: ForceField, reply: SemanticReply) -> Iterator[Attempt]:
         """Tries ``force_field`` and what the executor makes of it, until the planner is satisfied."""
         attempts: list[Attempt] = []
         self._restart_cache = None
-        for index in range(self._request.max_iterations):
+        for index in range(self._run.spec.rounds):
             attempt = self.recall(series, index) or self.attempt(series, index, force_field, reply)
             attempts.append(attempt)
             series.judged(index, attempt.judgement)
             yield attempt
-            if attempt.judgement.verdict is Verdict.SUCCESS or index + 1 == self._request.max_iterations:
+            if attempt.judgement.verdict is Verdict.SUCCESS or index + 1 == self._run.spec.rounds:
                 break
             # The camera of the first round stays, so that the rounds' pictures can be compared.
             camera = attempts[0].scene.camera
-            series = dataclasses.replace(
-                series, ingredients=dataclasses.replace(series.ingredients, camera=camera)
-            )
+            series = dataclasses.replace(series, template=dataclasses.replace(series.template, camera=camera))
             rewrite = self.rewrite(series, index, attempts, reply)
             if rewrite.force_field == force_field:
                 break  # the executor has nothing left to try; another round would only repeat this one
@@ -187,14 +223,14 @@ class _Loop:
     def attempt(self, series: _Series, index: int, force_field: ForceField, reply: SemanticReply) -> Attempt:
         """Simulates ``force_field``, looks at the pictures, judges them, and leaves the round's files."""
         with self._watch("prepare"):
-            config = fuse(series.ingredients, series.body, force_field)
-            scene = compile_scene(config, series.body, self._request.base_dir)
+            config = fuse(series.template, series.body, force_field)
+            scene = compile_scene(config, series.body, self._run.base_dir)
         name = f"{series.name} {index + 1}"
-        self._observer.stage(f"{name}: simulating and rendering")
+        self.observer.stage(f"{name}: simulating and rendering")
         recording = simulate_scene(
             scene,
             watch=self._watch,
-            progress=self._observer.frame,
+            progress=self.observer.frame,
             restart_cache=self._restart_cache,
         )
         self._restart_cache = recording.restart_cache
@@ -203,9 +239,9 @@ class _Loop:
             self._reused[folder] = recording.reused_frames
         with self._watch("write"):
             earnest = series.store is self._store
-            frames = self._request.save_frames and earnest
+            frames = self._run.spec.save.frames and earnest
             write_rollout(series.store, index, scene, recording, save_motion=earnest, save_frames=frames)
-        self._observer.stage(f"{name}: measuring the motion")
+        self.observer.stage(f"{name}: measuring the motion")
         windows = expectation_windows(reply.expectations, config.timing.frame_count)
         with self._watch("perceive"):
             seen = perceive(
@@ -218,7 +254,7 @@ class _Loop:
         judgement = self._ask(
             "planner",
             "judge",
-            self._request.prompt,
+            self._run.spec.prompt,
             reply.expectations,
             seen.report,
             force_field,
@@ -249,7 +285,7 @@ class _Loop:
             rewrite = self._ask(
                 "executor",
                 "rewrite",
-                self._request.prompt,
+                self._run.spec.prompt,
                 reply.expectations,
                 last.scene.force_field,
                 last.report,
@@ -263,20 +299,20 @@ class _Loop:
     def finish(self, attempts: list[Attempt], body: Body) -> None:
         """Puts the best round's files at the top of the folder and closes the manifest."""
         best = _best(attempts)
-        self._observer.stage("writing the results")
+        self.observer.stage("writing the results")
         with self._watch("write"):
             write_best(
                 self._store,
                 best,
                 body,
-                save_frames=self._request.save_frames,
-                save_splats=self._request.save_splats,
+                save_frames=self._run.spec.save.frames,
+                save_splats=self._run.spec.save.splats,
             )
         self.save_costs(
             iterations=len(attempts),
             best_iteration=best,
             verdict=attempts[best].judgement.verdict.value,
-            warnings=(*self._request.manifest.warnings, *self._warnings),
+            warnings=(*self._run.warnings, *self._warnings),
         )
         self._store.finish()
 
@@ -299,16 +335,16 @@ class _Loop:
         self._store.update(**costs, reused_frames=self._reused, **changes)
 
     def _brief(self) -> SceneBrief:
-        ingredients = self._request.ingredients
-        timing = ingredients.preset.timing
+        template = self._run.template
+        timing = template.preset.timing
         held = self._anchor
         return SceneBrief(
-            object_name=ingredients.source.name,
-            object_kind=ingredients.source.kind,
+            object_name=template.source.name,
+            object_kind=template.source.kind,
             anchored=None if held.kind == "none" else held.reason or held.kind,
             frame_count=timing.frame_count,
             frame_dt=timing.frame_dt,
-            directions=DirectionTable(**viewer_directions(ingredients.camera)),
+            directions=DirectionTable(**viewer_directions(template.camera)),
         )
 
 

@@ -29,7 +29,7 @@ ANCHORED_SWEEP = 0.35  # the same for what is held somewhere
 
 
 @dataclasses.dataclass(frozen=True)
-class Ingredients:
+class SceneTemplate:
     """What is fused with a force field; the same for all iterations of a run.
 
     Attributes:
@@ -56,7 +56,7 @@ class Ingredients:
     ledger: bool = False
 
 
-def fuse(ingredients: Ingredients, body: Body, force_field: ForceField) -> SceneConfig:
+def fuse(ingredients: SceneTemplate, body: Body, force_field: ForceField) -> SceneConfig:
     """The scene that simulates ``force_field``; the same input gives the same bytes."""
     preset, material = ingredients.preset, ingredients.material
     scaling = closed_form_scaling(
@@ -93,7 +93,7 @@ def fuse(ingredients: Ingredients, body: Body, force_field: ForceField) -> Scene
     return config.model_copy(update=dict(camera=framing(points, config.camera, config.rendering)))
 
 
-def _reference_time(ingredients: Ingredients) -> float:
+def _reference_time(ingredients: SceneTemplate) -> float:
     """T of the skill table [s]: the clip for a free object, which should cross the picture once and no more.
 
     What is held somewhere cannot leave, and needs a force that bends it: four tenths of gravity.

@@ -7,25 +7,14 @@ import pytest
 
 from physagent_jax.agents.schema import Check, Judgement, Rewrite, Verdict
 from physagent_jax.cli import main
-from physagent_jax.cli.request import make_request, offline_agents
-from physagent_jax.cli.run import Run
 from physagent_jax.forces.schema import Action, ForceField
 from physagent_jax.output.motion_file import read_motion
 from physagent_jax.output.video import read_video
-from physagent_jax.run.loop import Agents, synthesize
 from physagent_jax.run.manifest import Manifest
 from physagent_jax.simulation.record import SimulationRecord
+from tests.run.specs import made, small, with_rules
 
 FRAMES = 10
-
-
-def command(robot_path, out, prompt="a strong wind pushes the robot to the left", **options):
-    small = dict(frames=FRAMES, particles=600, resolution=96)
-    return Run(object=robot_path, prompt=prompt, out=out, **{**small, **options})
-
-
-def request(*arguments, **options):
-    return make_request(command(*arguments, **options), "test")
 
 
 @pytest.fixture(scope="module")
@@ -105,19 +94,19 @@ def test_the_motion_file_reproduces_the_particles(finished):
 
 
 def test_the_same_command_gives_the_same_scene_bytes(finished, tmp_path, robot_path):
-    store = synthesize(request(robot_path, tmp_path / "again"), offline_agents())
+    store = made(small(robot_path), tmp_path / "again")
     assert (store.path / "scene.json").read_bytes() == (finished / "scene.json").read_bytes()
 
 
 def test_a_finished_run_is_not_made_again(finished, capsys, robot_path):
     stamp = (finished / "video.mp4").stat().st_mtime_ns
-    store = synthesize(request(robot_path, finished, save_splats=True, save_frames=True), offline_agents())
+    store = made(small(robot_path, save=dict(splats=True, frames=True)), finished)
     assert store.manifest.complete and (finished / "video.mp4").stat().st_mtime_ns == stamp
 
 
 def test_another_prompt_needs_another_folder(finished, robot_path):
     with pytest.raises(ValueError, match="holds another run"):
-        synthesize(request(robot_path, finished, prompt="drop the robot"), offline_agents())
+        made(small(robot_path, "drop the robot"), finished)
 
 
 # --- several rounds, with scripted judges ---------------------------------------------------------------
@@ -152,11 +141,11 @@ class ScriptedExecutor:
 
 
 def scripted(scores, interrupt=False):
-    return Agents(offline_agents().semantic, ScriptedPlanner(scores), ScriptedExecutor(interrupt))
+    return with_rules(ScriptedPlanner(scores), ScriptedExecutor(interrupt))
 
 
 def test_the_best_round_is_kept(tmp_path, robot_path):
-    store = synthesize(request(robot_path, tmp_path / "run"), scripted([0.2, 0.7, 0.4]))
+    store = made(small(robot_path), tmp_path / "run", scripted([0.2, 0.7, 0.4]))
     assert (store.manifest.iterations, store.manifest.best_iteration, store.manifest.verdict) == (
         3,
         1,
@@ -174,7 +163,7 @@ def test_the_best_round_is_kept(tmp_path, robot_path):
 
 
 def test_success_stops_the_loop(tmp_path, robot_path):
-    store = synthesize(request(robot_path, tmp_path / "run"), scripted([0.2, 1.0, 0.4]))
+    store = made(small(robot_path), tmp_path / "run", scripted([0.2, 1.0, 0.4]))
     assert (store.manifest.iterations, store.manifest.best_iteration, store.manifest.verdict) == (
         2,
         1,
@@ -183,14 +172,14 @@ def test_success_stops_the_loop(tmp_path, robot_path):
 
 
 def test_a_stopped_run_goes_on_where_it_stopped(tmp_path, robot_path):
-    asked = request(robot_path, tmp_path / "run")
+    asked, out = small(robot_path), tmp_path / "run"
     with pytest.raises(KeyboardInterrupt):
-        synthesize(asked, scripted([0.2], interrupt=True))
+        made(asked, out, scripted([0.2], interrupt=True))
     manifest = Manifest.model_validate_json((tmp_path / "run" / "manifest.json").read_bytes())
     assert not manifest.complete
     video = tmp_path / "run" / "iterations" / "0" / "video.mp4"
     stamp, spent = video.stat().st_mtime_ns, manifest.stages.simulate
-    store = synthesize(asked, scripted([1.0]))  # one score only: round 0 must not be judged again
+    store = made(asked, out, scripted([1.0]))  # one score only: round 0 must not be judged again
     assert store.manifest.complete and store.manifest.best_iteration == 1
     assert video.stat().st_mtime_ns == stamp
     assert store.manifest.stages.simulate > spent

@@ -5,17 +5,16 @@ from types import SimpleNamespace
 import pytest
 
 from physagent_jax.agents.schema import Rewrite
-from physagent_jax.cli.request import make_request, offline_agents
-from physagent_jax.cli.run import Run
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import Action, ForceField, SphereRegion
 from physagent_jax.report.html import write_report
-from physagent_jax.run.loop import Agents, synthesize
 from physagent_jax.run.manifest import Manifest
+from physagent_jax.run.resolve import resolve
 from physagent_jax.scene.coarse import coarser
 from physagent_jax.scene.config import SceneConfig
 from physagent_jax.scene.presets import PRESETS, PresetName
 from physagent_jax.simulation.record import SimulationRecord
+from tests.run.specs import made, small, with_rules
 from tests.run.test_loop import ScriptedPlanner
 
 
@@ -62,9 +61,8 @@ class CountingExecutor:
 
 def run_loop(robot_path, out, scores, interrupt=False, region=None, **options):
     options = {**dict(frames=6, particles=1800, resolution=64, probe=True), **options}
-    command = Run(object=robot_path, prompt="push the robot to the left", out=out, **options)
-    agents = Agents(offline_agents().semantic, ScriptedPlanner(scores), CountingExecutor(interrupt, region))
-    return synthesize(make_request(command, "test"), agents)
+    spec = small(robot_path, "push the robot to the left", **options)
+    return made(spec, out, with_rules(ScriptedPlanner(scores), CountingExecutor(interrupt, region)))
 
 
 def push_of(folder):
@@ -117,7 +115,5 @@ def test_coarse_rounds_are_left_out_with_a_warning_if_the_object_is_too_coarse(r
 
 
 def test_asking_for_coarse_rounds_makes_it_another_run(robot_path, tmp_path):
-    options = dict(object=robot_path, prompt="push it", out=tmp_path)
-    with_probe, without = (make_request(Run(**options, probe=probe), "test") for probe in (True, False))
-    assert with_probe.probe and not without.probe
-    assert with_probe.manifest.inputs != without.manifest.inputs
+    with_probe, without = (resolve(small(robot_path, probe=probe)) for probe in (True, False))
+    assert with_probe.inputs != without.inputs

@@ -10,7 +10,7 @@ from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.camera import framing, reference_camera, viewer_directions
 from physagent_jax.scene.compile import compile_scene
-from physagent_jax.scene.fuse import Ingredients, fuse
+from physagent_jax.scene.fuse import SceneTemplate, fuse
 from physagent_jax.scene.presets import PRESETS, PresetName
 
 
@@ -174,7 +174,7 @@ def test_framing_shows_every_point_and_not_much_more():
 
 
 def ingredients(source, **changes):
-    return Ingredients(
+    return SceneTemplate(
         **{
             "prompt": "x",
             "preset_name": "fast",

@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 
 from physagent_jax.agents.schema import Rewrite
-from physagent_jax.cli.request import make_request, offline_agents
-from physagent_jax.cli.run import Run
 from physagent_jax.forces.schema import (
     Action,
     ForceField,
@@ -17,8 +15,8 @@ from physagent_jax.forces.schema import (
     VelocityConstraint,
 )
 from physagent_jax.report.html import write_report
-from physagent_jax.run.loop import Agents, synthesize
 from physagent_jax.run.manifest import Manifest
+from physagent_jax.run.resolve import resolve
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import compile_scene
@@ -27,6 +25,7 @@ from physagent_jax.scene.materials import LIBRARY
 from physagent_jax.simulation import simulate as driver
 from physagent_jax.simulation.shared_frames import clock_is_right, last_shared_frame, restart_frames
 from physagent_jax.simulation.simulate import shared_restart, simulate_scene
+from tests.run.specs import made, small, with_rules
 from tests.run.test_loop import ScriptedPlanner
 
 UP = HalfSpaceRegion(point=(0.5, 0.5, 0.5), normal=(0, 0, 1))
@@ -140,23 +139,22 @@ FRAMES = 14
 LEFT, RISE = act("translation", 0, 5, 1.4), (0.0, 0.0, 1.0)
 
 
-def ingredients_and_body(robot_path, **options):
-    small = dict(frames=FRAMES, particles=600, resolution=64, ledger=True)
-    command = Run(object=robot_path, prompt="push it", out="unused", **{**small, **options})
-    ingredients = make_request(command, "test").ingredients
-    preset = ingredients.preset
-    return ingredients, make_body(ingredients.source, preset.filling, preset.domain, ".")
+def template_and_body(robot_path):
+    spec = small(robot_path, "push it", frames=FRAMES, resolution=64, ledger=True)
+    template = resolve(spec).template
+    preset = template.preset
+    return template, make_body(template.source, preset.filling, preset.domain, ".")
 
 
 @pytest.fixture(scope="module")
 def robot(robot_path):
-    return ingredients_and_body(robot_path)
+    return template_and_body(robot_path)
 
 
 def compiled(robot, *items, material=None):
-    ingredients, body = robot
-    config = fuse(ingredients, body, field(*items))
-    camera = fuse(ingredients, body, field(LEFT)).camera  # the loop keeps its first one too
+    template, body = robot
+    config = fuse(template, body, field(*items))
+    camera = fuse(template, body, field(LEFT)).camera  # the loop keeps its first one too
     config = config.model_copy(update=dict(camera=camera, material=material or config.material))
     return compile_scene(config, body)
 
@@ -262,7 +260,7 @@ def test_only_states_that_memory_allows_are_kept(robot, monkeypatch):
 
 def test_another_body_shares_nothing(robot, robot_path):
     item = LATER["stronger blow"][0]
-    one, other = (compiled(r, LEFT, item) for r in (robot, ingredients_and_body(robot_path)))
+    one, other = (compiled(r, LEFT, item) for r in (robot, template_and_body(robot_path)))
     cache = simulate_scene(one).restart_cache
     assert shared_restart(one, cache).index == 8
     assert shared_restart(other, cache) is None
@@ -285,10 +283,8 @@ class LaterAndLater:
 
 
 def run_loop(robot_path, out, scores, interrupt=False):
-    options = dict(frames=FRAMES, particles=600, resolution=64)
-    command = Run(object=robot_path, prompt="push the robot to the left", out=out, **options)
-    agents = Agents(offline_agents().semantic, ScriptedPlanner(scores), LaterAndLater(interrupt))
-    return synthesize(make_request(command, "test"), agents)
+    spec = small(robot_path, "push the robot to the left", frames=FRAMES, resolution=64)
+    return made(spec, out, with_rules(ScriptedPlanner(scores), LaterAndLater(interrupt)))
 
 
 def reused(folder):

@@ -1,0 +1,160 @@
+"""The options of `physagent run` as a `RunSpec`."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import validation_message
+
+if TYPE_CHECKING:
+    from physagent_jax.cli.run import Run
+    from physagent_jax.run.spec import RunSpec
+
+OPTIONS = {
+    "object.path": "--object",
+    "object.up": "--up",
+    "object.kind": "--kind",
+    "object.opacity_threshold": "--opacity-threshold",
+    "prompt": "--prompt",
+    "preset": "--preset",
+    "overrides.frame_count": "--frames",
+    "overrides.max_particles": "--particles",
+    "overrides.width": "--resolution",
+    "material.name": "--material",
+    "material.physgm": "--physgm",
+    "material.soften": "--soften",
+    "material.youngs_modulus": "--youngs-modulus",
+    "material.poissons_ratio": "--poissons-ratio",
+    "material.density": "--density",
+    "anchor.kind": "--anchor",
+    "anchor.mask_path": "--anchor-mask",
+    "camera.azimuth_degrees": "--azimuth",
+    "camera.elevation_degrees": "--elevation",
+    "friction": "--friction",
+    "agents.semantic.name": "--semantic",
+    "agents.planner.name": "--planner",
+    "agents.executor.name": "--executor",
+    "rounds": "--max-iterations",
+    "probe": "--probe",
+    "seed": "--seed",
+    "ledger": "--ledger",
+    "save.frames": "--save-frames",
+    "save.splats": "--save-splats",
+}
+"""The option that sets each field of the spec; the box of an anchor and the pictures' height have theirs below."""
+
+_BESIDE = {"out", "spec", "max_minutes", "max_memory", "overwrite", "json_line"}  # not what a run is
+
+
+def to_spec(command: Run) -> RunSpec:
+    """What the options say.
+
+    Raises:
+        UserError: An option is missing, out of range, excluded by another or meaningless without it.
+    """
+    from physagent_jax.run.spec import RunSpec
+
+    missing = [f"--{name}" for name in ("object", "prompt") if getattr(command, name) is None]
+    if missing:
+        raise UserError(f"{' and '.join(missing)} must be given", do="Give them, or --spec file.json")
+    _check_pairs(command)
+    values = {field: _plain(getattr(command, _attribute(option))) for field, option in OPTIONS.items()}
+    values["overrides.height"] = values["overrides.width"]
+    if command.anchor_box is not None:
+        values["anchor.point"], values["anchor.half_size"] = command.anchor_box[:3], command.anchor_box[3:]
+    try:
+        return RunSpec.model_validate(_nested(values))
+    except ValidationError as error:
+        raise validation_message(
+            error, "command line", do="`physagent run --help` lists the options"
+        ) from None
+
+
+def read_whole_spec(command: Run) -> RunSpec:
+    """The spec in the file of ``--spec``.
+
+    Raises:
+        UserError: The file is no spec, or an option says what the file says.
+    """
+    from physagent_jax.run.spec import read_spec
+
+    assert command.spec is not None
+    fields = [field for field in dataclasses.fields(command) if field.name not in _BESIDE]
+    given = [_option(field.name) for field in fields if getattr(command, field.name) != field.default]
+    if given:
+        raise UserError(
+            "`--spec` says all of the run, and so do other options",
+            got=", ".join(given),
+            do="Leave them out, or write them into the file",
+        )
+    return read_spec(command.spec)
+
+
+@contextmanager
+def in_options() -> Iterator[None]:
+    """Errors within name fields of the spec by the options that set them."""
+    try:
+        yield
+    except UserError as error:
+        raise UserError(in_words(error.what), got=error.got, do=in_words(error.do)) from None
+
+
+def in_words(text: str) -> str:
+    """``text`` with the options' names for the spec's fields."""
+    for field, option in OPTIONS.items():
+        text = text.replace(f"field `{field}`", f"`{option}`")
+        if "." in field:  # a single word may mean something else
+            text = text.replace(f"`{field}`", f"`{option}`")
+    return text
+
+
+def _check_pairs(command: Run) -> None:
+    """Refuses options that exclude each other, or that mean nothing without another."""
+    if command.physgm is not None and command.material is not None:
+        raise UserError(
+            "`--physgm` and `--material` both say what the object is made of", do="Pass one of them"
+        )
+    for kind in ("box", "mask"):
+        option, given = f"--anchor-{kind}", getattr(command, f"anchor_{kind}") is not None
+        if given and command.anchor != kind:
+            raise UserError(
+                f"`{option}` means nothing without `--anchor {kind}`",
+                got=f"--anchor {command.anchor}",
+                do=f"Pass `--anchor {kind}`, or leave `{option}` out",
+            )
+        if command.anchor == kind and not given:
+            example = "x y z hx hy hz" if kind == "box" else "mask.npy"
+            raise UserError(f"`--anchor {kind}` needs a {kind}", do=f"Pass {option} {example}")
+
+
+def _nested(values: dict[str, Any]) -> dict[str, Any]:
+    """Values by dotted names as a tree; what is None is left out, for the spec's own default."""
+    tree: dict[str, Any] = {}
+    for name, value in values.items():
+        *branches, leaf = name.split(".")
+        if value is None:
+            continue
+        branch = tree
+        for each in branches:
+            branch = branch.setdefault(each, {})
+        branch[leaf] = value
+    return tree
+
+
+def _plain(value: Any) -> Any:
+    """A path as text, all else as it is."""
+    return str(value) if hasattr(value, "__fspath__") else value
+
+
+def _attribute(option: str) -> str:
+    return option.removeprefix("--").replace("-", "_")
+
+
+def _option(attribute: str) -> str:
+    return "--" + attribute.replace("_", "-")

@@ -1,0 +1,109 @@
+"""What a run makes the object of: the kind's prior, a named material, or PhysGM's prediction."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.names import nearest
+from physagent_jax.core.reading import read_json
+from physagent_jax.run.spec import MaterialChoice
+from physagent_jax.scene.config import Material, MaterialModel
+from physagent_jax.scene.config.material import WITHOUT_STRESS
+from physagent_jax.scene.materials import LIBRARY, find_material, softened, stable_step, substeps
+from physagent_jax.scene.materials.soften import softening_for
+from physagent_jax.scene.physgm import import_physgm
+from physagent_jax.scene.presets import Preset
+from physagent_jax.scene.priors import material_for
+
+AFFORDABLE = 10_000  # substeps of a clip that `--soften auto` aims at
+EXPENSIVE = 100_000  # substeps of a clip beyond which a warning is due; usual runs take some thousands
+
+
+def resolve_material(
+    choice: MaterialChoice, kind: str, preset: Preset, *, base_dir: str | Path = "."
+) -> tuple[Material, tuple[str, ...]]:
+    """The material that is chosen for an object of ``kind``, and what the user should know of it.
+
+    Raises:
+        UserError: An unknown name, an unreadable prediction, or a stiffness for what has none.
+        pydantic.ValidationError: A value is out of range.
+    """
+    warnings: list[str] = []
+    material = _with_values(choice, _base(choice, kind, Path(base_dir), warnings))
+    dx = preset.domain.dx
+    duration = (preset.timing.frame_count - 1) * preset.timing.frame_dt
+    if choice.soften == "auto":
+        factor = softening_for(material, dx=dx, duration=duration, at_most=AFFORDABLE)
+        material = softened(material, factor)
+    elif choice.soften is not None:
+        material = softened(material, choice.soften)
+    if preset.timing.substep_dt == "auto":
+        _warn_of_cost(material, dx, duration, warnings)
+    return material, tuple(warnings)
+
+
+def _base(choice: MaterialChoice, kind: str, base_dir: Path, warnings: list[str]) -> Material:
+    if choice.physgm is not None:
+        prediction = read_json(base_dir / choice.physgm, what="PhysGM's prediction")
+        material, notes = import_physgm(prediction, warn_of_cost=False)
+        warnings += notes
+        return material
+    if choice.name is None:
+        return material_for(kind)
+    models = [model.value for model in MaterialModel]
+    try:
+        return find_material(choice.name).material
+    except UserError as error:
+        if choice.name in models:
+            return _of_model(MaterialModel(choice.name), material_for(kind))
+        model = nearest(choice.name, [m for m in models if m not in LIBRARY], count=1)
+        hint = f"Or the constitutive model {model[0]}? " if model else ""
+        raise UserError(f"`material.name`: {error.what}", got=error.got, do=f"{hint}{error.do}") from None
+
+
+def _of_model(model: MaterialModel, prior: Material) -> Material:
+    """A kind's values under another law."""
+    try:
+        return prior.changed(model=model, reason=f"{model} was chosen, the rest: {prior.reason}")
+    except ValidationError as error:
+        missing = error.errors()[0]["msg"].removeprefix("Value error, ")
+        raise UserError(
+            f"`material.name` {model}: {missing}, which a kind does not tell",
+            do="Give a named material of that model (`physagent materials`), or write it into a scene file",
+        ) from None
+
+
+def _with_values(choice: MaterialChoice, material: Material) -> Material:
+    """The material with the values that are chosen one by one."""
+    values = {name: getattr(choice, name) for name in ("youngs_modulus", "poissons_ratio", "density")}
+    given = {name: value for name, value in values.items() if value is not None}
+    if not given:
+        return material
+    idle = [name for name in given if name != "density" and material.model in WITHOUT_STRESS]
+    if idle:
+        raise UserError(
+            f"{', '.join(f'`material.{name}`' for name in idle)}: a {material.model} body has no stiffness",
+            do="Leave it out, or choose another material",
+        )
+    reason = f"{', '.join(given)} chosen, the rest: {material.reason}"
+    return material.changed(**given, reason=reason)
+
+
+def _warn_of_cost(material: Material, dx: float, duration: float, warnings: list[str]) -> None:
+    many = substeps(material, dx, duration)
+    if many <= EXPENSIVE:
+        return
+    try:
+        remedy = (
+            f"`material.soften` {softening_for(material, dx=dx, duration=duration, at_most=AFFORDABLE):g}"
+        )
+        remedy += f" brings it to {AFFORDABLE:,}, with the same strains at yield"
+    except UserError as error:
+        remedy = str(error)
+    warnings.append(
+        f"this material allows substeps of {stable_step(material, dx):.2g} s, so that a round takes at least "
+        f"{many:,} of them: {remedy}"
+    )

@@ -1,0 +1,21 @@
+"""Who looks on while a run is made."""
+
+from __future__ import annotations
+
+from physagent_jax.agents.schema import Judgement
+
+
+class Observer:
+    """What a user sees while it runs; override what is of interest."""
+
+    def stage(self, text: str) -> None:
+        """A new stage begins."""
+
+    def frame(self, done: int, total: int) -> None:
+        """``done`` of ``total`` frames are simulated and rendered."""
+
+    def judged(self, index: int, judgement: Judgement) -> None:
+        """Round ``index``, counted from 0, was judged."""
+
+    def probed(self, index: int, judgement: Judgement) -> None:
+        """Round ``index`` on the coarse version of the scene was judged."""

@@ -1,0 +1,175 @@
+"""From a `RunSpec` to what the loop works with: files read and hashed, names looked up, defaults filled in."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from physagent_jax.agents.schema import AnchorRequest
+from physagent_jax.core.reading import check_regular, validation_message
+from physagent_jax.run.material import resolve_material
+from physagent_jax.run.provenance import settings_hash
+from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
+from physagent_jax.scene.anchor import MASK_BYTES
+from physagent_jax.scene.card import ObjectCard, load_card
+from physagent_jax.scene.config import Anchor, CameraConfig, Source
+from physagent_jax.scene.fuse import SceneTemplate
+from physagent_jax.scene.load import file_sha256
+from physagent_jax.scene.presets import PRESETS, Preset
+from physagent_jax.scene.priors import anchor_for, damping_for, find_kind, guess_kind
+
+_PRESET_PARTS = ("domain", "filling", "timing", "transfer", "rendering")
+
+
+@dataclasses.dataclass(frozen=True)
+class ResolvedRun:
+    """A run that is ready to begin.
+
+    Attributes:
+        spec: What was asked for.
+        base_dir: Folder that its relative paths start from.
+        template: All of the scene but the force field; its anchor is what the object's kind asks for.
+        inputs: sha256 of what makes two runs the same.
+        warnings: What the user should know before it begins.
+    """
+
+    spec: RunSpec
+    base_dir: Path
+    template: SceneTemplate
+    inputs: dict[str, str]
+    warnings: tuple[str, ...]
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """What the run reads."""
+        return tuple(self.spec.files(self.base_dir).values())
+
+    def held(self, said: AnchorRequest) -> SceneTemplate:
+        """The template with what the sentence says about holding."""
+        kind = self.template.source.kind
+        anchor = resolve_anchor(self.spec.anchor, kind, said, base_dir=self.base_dir)
+        return dataclasses.replace(self.template, anchor=anchor)
+
+
+def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run's spec") -> ResolvedRun:
+    """Reads what ``spec`` names and fills in what it leaves open.
+
+    Args:
+        spec: The run.
+        base_dir: Folder that its relative paths start from.
+        origin: Where the spec is from, for messages.
+
+    Raises:
+        UserError: A file is missing or not what it should be, a name is not known, a value is out of range.
+    """
+    base_dir = Path(base_dir).resolve()
+    path = base_dir / spec.object.path
+    sha256 = file_sha256(path)
+    if spec.anchor.mask_path is not None:
+        check_regular(base_dir / spec.anchor.mask_path, most=MASK_BYTES, what="the anchor mask")
+    card = load_card(path)
+    try:
+        preset = resolve_preset(spec)
+        source = _source(spec, card, path, sha256)
+        material, warnings = resolve_material(spec.material, source.kind, preset, base_dir=base_dir)
+        template = SceneTemplate(
+            prompt=spec.prompt,
+            preset_name=spec.preset.value,
+            preset=preset,
+            source=source,
+            material=material,
+            anchor=resolve_anchor(spec.anchor, source.kind, base_dir=base_dir),
+            camera=_camera(spec.camera, card),
+            friction=spec.friction,
+            damping_rate=damping_for(source.kind),
+            ledger=spec.ledger,
+        )
+    except ValidationError as error:
+        raise validation_message(error, origin, do="`physagent schema scene` prints the ranges") from None
+    if spec.object.up is None and card.up is None:
+        warnings += (
+            "the file's up axis is not known: +z assumed; pass --up if the object lies or stands on its head",
+        )
+    inputs = {what: file_sha256(file) for what, file in spec.files(base_dir).items()}
+    inputs["settings"] = settings_hash([spec.identity(), _resolved_identity(template)])
+    return ResolvedRun(spec, base_dir, template, inputs, warnings)
+
+
+def resolve_preset(spec: RunSpec) -> Preset:
+    """The preset with the spec's overrides and seed.
+
+    Raises:
+        pydantic.ValidationError: A value is out of range.
+    """
+    preset, changed = PRESETS[spec.preset], spec.overrides
+    changes = {
+        "timing": {"frame_count": changed.frame_count},
+        "filling": {"max_particles": changed.max_particles, "seed": spec.seed},
+        "rendering": {"width": changed.width, "height": changed.height},
+    }
+    parts = {}
+    for part, values in changes.items():
+        given = {key: value for key, value in values.items() if value is not None}
+        old = getattr(preset, part)
+        parts[part] = type(old).model_validate({**old.model_dump(), **given})
+    return dataclasses.replace(preset, **parts)
+
+
+def resolve_anchor(
+    choice: AnchorChoice, kind: str, said: AnchorRequest | None = None, *, base_dir: str | Path = "."
+) -> Anchor:
+    """What is held.
+
+    Args:
+        choice: Of the spec.
+        kind: The object's.
+        said: What the sentence says about holding, which "auto" goes by; None = it has not been read.
+        base_dir: Folder that a relative path starts from.
+    """
+    reason = "chosen for the run"
+    match choice.kind:
+        case "auto":
+            said = said or AnchorRequest()
+            return anchor_for(kind, said.kind, said.words)
+        case "box":
+            return Anchor(kind="box", point=choice.point, half_size=choice.half_size, reason=reason)
+        case "mask":
+            assert choice.mask_path is not None  # as the spec has checked
+            return Anchor(
+                kind="mask", mask_path=str((Path(base_dir) / choice.mask_path).resolve()), reason=reason
+            )
+    return anchor_for(kind, choice.kind).model_copy(update=dict(reason=reason))
+
+
+def _source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str) -> Source:
+    name = card.name or path.stem.replace("_", " ")
+    kind = card.kind or guess_kind(name)
+    if spec.object.kind is not None:
+        kind = find_kind(spec.object.kind, "`object.kind`")
+    return Source(
+        path=str(path.resolve()),
+        sha256=sha256,
+        name=name,
+        kind=kind,
+        up=spec.object.up or card.up or "+z",
+        opacity_threshold=spec.object.opacity_threshold,
+    )
+
+
+def _camera(choice: CameraChoice, card: ObjectCard) -> CameraConfig:
+    azimuth = choice.azimuth_degrees if choice.azimuth_degrees is not None else card.azimuth_degrees
+    return CameraConfig(azimuth_degrees=azimuth or 0.0, elevation_degrees=choice.elevation_degrees)
+
+
+def _resolved_identity(template: SceneTemplate) -> dict:
+    """What names and defaults stand for: a later version, or another card, may mean something else by them."""
+    return {
+        "preset": {name: getattr(template.preset, name).model_dump(mode="json") for name in _PRESET_PARTS},
+        "source": template.source.model_dump(mode="json", exclude={"path"}),
+        "material": template.material.model_dump(mode="json"),
+        "camera": template.camera.model_dump(mode="json"),
+        "anchor": template.anchor.model_dump(mode="json", exclude={"mask_path"}),
+        "damping_rate": template.damping_rate,
+    }

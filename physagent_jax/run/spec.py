@@ -1,0 +1,262 @@
+"""A run as data: everything that says what a run is, in one value that can be written, read and compared."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field, JsonValue, ValidationError, model_validator
+
+from physagent_jax.agents import registry as agents
+from physagent_jax.core.reading import YAML_SUFFIXES, read_json, read_yaml, validation_message
+from physagent_jax.core.strict import Seed, Strict
+from physagent_jax.perception import backends
+from physagent_jax.run.manifest import MOST_ROUNDS
+from physagent_jax.scene.config import SignedAxis
+from physagent_jax.scene.config.common import Degrees, Friction, HalfSize, Point
+from physagent_jax.scene.config.common import Path as FilePath
+from physagent_jax.scene.presets import PresetName
+
+
+class ObjectChoice(Strict):
+    """The object.
+
+    Attributes:
+        path: 3DGS PLY or mesh (.obj, .glb, .stl, .ply), absolute or relative to the spec's folder.
+        up: The file's own up axis; None = its card's, else +z.
+        kind: Class with a physical prior (`scene.priors`); None = its card's, else from the file's name.
+        opacity_threshold: Gaussians with a lower opacity are dropped.
+    """
+
+    path: FilePath
+    up: SignedAxis | None = None
+    kind: str | None = None
+    opacity_threshold: float = Field(default=0.02, ge=0, lt=1)
+
+
+class Overrides(Strict):
+    """What differs from the preset; None = nothing. Ranges are those of the scene's schema.
+
+    Attributes:
+        frame_count: Frames of the clip.
+        max_particles: Particles at most.
+        width, height: Of the pictures [px].
+    """
+
+    frame_count: int | None = None
+    max_particles: int | None = None
+    width: int | None = None
+    height: int | None = None
+
+
+class MaterialChoice(Strict):
+    """What the object is made of.
+
+    Attributes:
+        name: A named material, or a constitutive model with the kind's values; None = the kind's prior.
+        physgm: ``predicted_phys.json`` of PhysGM, in place of a name.
+        soften: Factor by which it is made softer, with the same strains at yield; "auto" = so that a round is
+            affordable.
+        youngs_modulus: E [Pa]; None = the material's.
+        poissons_ratio: nu; None = the material's.
+        density: [kg/m^3]; None = the material's.
+    """
+
+    name: str | None = None
+    physgm: FilePath | None = None
+    soften: float | Literal["auto"] | None = None
+    youngs_modulus: float | None = None
+    poissons_ratio: float | None = None
+    density: float | None = None
+
+    @model_validator(mode="after")
+    def _one_of(self) -> MaterialChoice:
+        if self.name is not None and self.physgm is not None:
+            raise ValueError("`physgm` and `name` both say what the object is made of: give one of them")
+        return self
+
+
+class AnchorChoice(Strict):
+    """What is held fixed.
+
+    Attributes:
+        kind: "auto" = what the sentence says, else what the object's kind implies.
+        point, half_size: Centre and half size of a "box" [m]; the object's longest side is 1 m, centred in the domain.
+        mask_path: ``.npy`` of one bool per Gaussian, for a "mask".
+    """
+
+    kind: Literal["auto", "none", "base", "top", "box", "mask"] = "auto"
+    point: Point | None = None
+    half_size: HalfSize | None = None
+    mask_path: FilePath | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> AnchorChoice:
+        given = {"box": (self.point, self.half_size), "mask": (self.mask_path,)}
+        for kind, values in given.items():
+            if self.kind == kind and None in values:
+                raise ValueError(f'anchor kind "{kind}" needs a {kind}')
+            if self.kind != kind and any(value is not None for value in values):
+                raise ValueError(f'a {kind} means nothing without anchor kind "{kind}"')
+        return self
+
+
+class CameraChoice(Strict):
+    """Where the camera stands; its distance follows from what is to be seen.
+
+    Attributes:
+        azimuth_degrees: About the vertical; None = the card's, else 0.
+        elevation_degrees: Above the horizon.
+    """
+
+    azimuth_degrees: Degrees | None = None
+    elevation_degrees: float = Field(default=10.0, gt=-89, lt=89)
+
+
+class Implementation(Strict):
+    """One of several implementations, by name.
+
+    Attributes:
+        name: As in the registry of its role.
+        options: What it is made with.
+    """
+
+    name: str
+    options: dict[str, JsonValue] = {}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_name_alone(cls, value: Any) -> Any:
+        return {"name": value} if isinstance(value, str) else value
+
+
+class AgentChoice(Strict):
+    """Who reads the sentence, who judges the motion, who rewrites the force field."""
+
+    semantic: Implementation = Implementation(name="rules")
+    planner: Implementation = Implementation(name="rules")
+    executor: Implementation = Implementation(name="rules")
+
+    @model_validator(mode="after")
+    def _known(self) -> AgentChoice:
+        for registry, choice in (
+            (agents.SEMANTIC, self.semantic),
+            (agents.PLANNER, self.planner),
+            (agents.EXECUTOR, self.executor),
+        ):
+            registry.check(choice.name)
+        return self
+
+
+class PerceptionChoice(Strict):
+    """What finds the object in the pictures, how far away it is, and how its points move."""
+
+    segmenter: Implementation = Implementation(name="colour")
+    depth: Implementation = Implementation(name="sensor")
+    tracker: Implementation = Implementation(name="flow")
+
+    @model_validator(mode="after")
+    def _known(self) -> PerceptionChoice:
+        for registry, choice in (
+            (backends.SEGMENTERS, self.segmenter),
+            (backends.DEPTH_ESTIMATORS, self.depth),
+            (backends.TRACKERS, self.tracker),
+        ):
+            registry.check(choice.name)
+        return self
+
+
+class SaveChoice(Strict):
+    """What is left beside video, motion and report.
+
+    Attributes:
+        frames: The frames as PNG.
+        splats: One 3DGS PLY per frame.
+    """
+
+    frames: bool = False
+    splats: bool = False
+
+
+class RunSpec(Strict):
+    """Everything that says what a run is.
+
+    Attributes:
+        object: The object.
+        prompt: What should happen, in everyday English.
+        preset: Named set of defaults.
+        overrides: What differs from it.
+        material: What the object is made of.
+        anchor: What is held.
+        camera: Where the camera stands.
+        friction: Of the ground, for objects that fall.
+        agents, perception: Who does what, by name.
+        rounds: At most.
+        probe: Whether force fields are first tried on a coarse version of the scene.
+        seed: Of everything random.
+        ledger: Whether exchanged energy and momentum are recorded, frame by frame.
+        save: What else is left.
+    """
+
+    object: ObjectChoice
+    prompt: str
+    preset: PresetName = PresetName.FAST
+    overrides: Overrides = Overrides()
+    material: MaterialChoice = MaterialChoice()
+    anchor: AnchorChoice = AnchorChoice()
+    camera: CameraChoice = CameraChoice()
+    friction: Friction = 0.0
+    agents: AgentChoice = AgentChoice()
+    perception: PerceptionChoice = PerceptionChoice()
+    rounds: int = Field(default=3, ge=1, le=MOST_ROUNDS)
+    probe: bool = False
+    seed: Seed = 0
+    ledger: bool = False
+    save: SaveChoice = SaveChoice()
+
+    def files(self, base_dir: str | Path = ".") -> dict[str, Path]:
+        """The files that the run reads, by what they are."""
+        named = {
+            "object": self.object.path,
+            "physgm": self.material.physgm,
+            "anchor_mask": self.anchor.mask_path,
+        }
+        return {what: Path(base_dir) / path for what, path in named.items() if path is not None}
+
+    def located(self, base_dir: str | Path) -> RunSpec:
+        """The spec with absolute paths, so that it can be read from anywhere."""
+        paths = {what: str(path.resolve()) for what, path in self.files(base_dir).items()}
+        return self.model_copy(
+            update=dict(
+                object=self.object.model_copy(update=dict(path=paths["object"])),
+                material=self.material.model_copy(update=dict(physgm=paths.get("physgm"))),
+                anchor=self.anchor.model_copy(update=dict(mask_path=paths.get("anchor_mask"))),
+            )
+        )
+
+    def identity(self) -> dict[str, Any]:
+        """What tells this run from others; where its files lie on the disk is not part of it."""
+        paths = {"object": {"path"}, "material": {"physgm"}, "anchor": {"mask_path"}}
+        return self.model_dump(mode="json", exclude=paths)
+
+
+def read_spec(path: str | Path) -> RunSpec:
+    """Reads a spec from JSON, or from YAML if the file's suffix says so.
+
+    Raises:
+        UserError: The file is no such spec.
+    """
+    path, what = Path(path), "the run's spec"
+    data = read_yaml(path, what=what) if path.suffix.lower() in YAML_SUFFIXES else read_json(path, what=what)
+    try:
+        return RunSpec.model_validate(data)
+    except ValidationError as error:
+        raise validation_message(
+            error, str(path), RunSpec, do="`physagent schema run` prints the schema"
+        ) from None
+
+
+def dump_spec(spec: RunSpec) -> str:
+    """The spec as JSON text."""
+    return json.dumps(spec.model_dump(mode="json"), indent=2, ensure_ascii=False) + "\n"

@@ -1,0 +1,185 @@
+"""A run as data: written, read, compared; the same whichever way it is said."""
+
+import dataclasses
+import json
+import subprocess
+import sys
+
+import pytest
+import yaml
+from pydantic import ValidationError
+
+from physagent_jax.cli import main
+from physagent_jax.cli.options import OPTIONS, to_spec
+from physagent_jax.cli.run import Run
+from physagent_jax.core.errors import UserError
+from physagent_jax.run.resolve import resolve
+from physagent_jax.run.spec import RunSpec, dump_spec, read_spec
+from tests.run.specs import small
+
+# Other than each field's default, and allowed.
+OTHERS = {
+    "object.up": "-y",
+    "object.kind": "plant",
+    "object.opacity_threshold": 0.1,
+    "prompt": "drop it",
+    "preset": "paper",
+    "overrides.frame_count": 12,
+    "overrides.max_particles": 900,
+    "overrides.width": 64,
+    "overrides.height": 64,
+    "material.name": "muscle",
+    "material.soften": 2.0,
+    "material.youngs_modulus": 2e4,
+    "material.poissons_ratio": 0.1,
+    "material.density": 300.0,
+    "anchor.kind": "top",
+    "camera.azimuth_degrees": 30.0,
+    "camera.elevation_degrees": 30.0,
+    "friction": 0.5,
+    "rounds": 2,
+    "probe": True,
+    "seed": 7,
+    "ledger": True,
+    "save.frames": True,
+    "save.splats": True,
+}
+
+
+def plain(spec):
+    return spec.model_dump(mode="json")
+
+
+def changed(spec, field, value):
+    data = plain(spec)
+    *branches, leaf = field.split(".")
+    branch = data
+    for each in branches:
+        branch = branch[each]
+    branch[leaf] = value
+    return RunSpec.model_validate(data)
+
+
+@pytest.mark.parametrize("suffix", ["json", "yaml"])
+def test_a_spec_survives_its_file(suffix, tmp_path, robot_path):
+    spec = small(robot_path)
+    for field, value in OTHERS.items():
+        spec = changed(spec, field, value)
+    path = tmp_path / f"spec.{suffix}"
+    path.write_text(dump_spec(spec) if suffix == "json" else yaml.safe_dump(plain(spec)))
+    assert read_spec(path) == spec
+
+
+@pytest.mark.parametrize("field", OTHERS)
+def test_whatever_is_said_otherwise_makes_it_another_run(field, robot_path):
+    one, other = small(robot_path), changed(small(robot_path), field, OTHERS[field])
+    assert resolve(one).inputs["settings"] != resolve(other).inputs["settings"]
+
+
+def test_every_field_is_tried():
+    """Those left out name files, or have one choice only."""
+
+    def leaves(model, prefix=""):
+        for name, field in model.model_fields.items():
+            inner = field.annotation
+            if isinstance(inner, type) and hasattr(inner, "model_fields") and name not in ROLES:
+                yield from leaves(inner, f"{prefix}{name}.")
+            else:
+                yield prefix + name
+
+    files = {"object.path", "material.physgm", "anchor.mask_path", "anchor.point", "anchor.half_size"}
+    assert set(leaves(RunSpec)) == set(OTHERS) | files | {f"{where}.{role}" for role, where in ROLES.items()}
+
+
+ROLES = {role: "agents" for role in ("semantic", "planner", "executor")}
+ROLES |= {role: "perception" for role in ("segmenter", "depth", "tracker")}
+
+
+def test_where_the_object_lies_makes_no_other_run(tmp_path, robot_path):
+    for name in (robot_path.name, robot_path.with_suffix(".card.json").name):
+        (tmp_path / name).write_bytes((robot_path.parent / name).read_bytes())
+    elsewhere = resolve(small(robot_path.name), tmp_path)
+    assert elsewhere.inputs == resolve(small(robot_path)).inputs
+
+
+def test_options_say_what_a_spec_says(tmp_path, robot_path):
+    command = Run(
+        out=tmp_path, object=robot_path, prompt="drop it", frames=12, particles=900, resolution=64, seed=7,
+        anchor="box", anchor_box=(2, 2, 2, 1, 1, 0.5), soften=3.0, save_splats=True, max_iterations=2,
+    )  # fmt: skip
+    spec = small(
+        robot_path, "drop it", frames=12, particles=900, resolution=64, seed=7, rounds=2,
+        anchor=dict(kind="box", point=(2, 2, 2), half_size=(1, 1, 0.5)),
+        material=dict(soften=3.0), save=dict(splats=True),
+    )  # fmt: skip
+    assert to_spec(command) == spec
+
+
+def test_every_option_sets_a_field():
+    """But those that say where, at what price, and how it is told."""
+    beside = {"out", "spec", "anchor_box", "max_minutes", "max_memory", "overwrite", "json_line"}
+    attributes = {option.removeprefix("--").replace("-", "_") for option in OPTIONS.values()}
+    assert attributes | beside == {field.name for field in dataclasses.fields(Run)}
+
+
+@pytest.mark.parametrize(
+    ("text", "fragment"),
+    [
+        ("object: {path: a.ply}\nprompt: push\nrouns: 2\n", "`rounds`"),
+        ("object: {path: a.ply}\nprompt: push\nagents: {planner: rulez}\n", "`rules`"),
+        ("object: {path: a.ply}\nprompt: push\nperception: {tracker: {name: flo}}\n", "`flow`"),
+        ("object: &a {path: a.ply}\nprompt: push\nmaterial: *a\n", "references"),
+        ("object: {path: 2001-01-01}\nprompt: push\n", "YAML"),
+        ("object: {path: a.ply}\nprompt: push\nfriction: .nan\n", "number"),
+        ("a: [", "YAML"),
+        ("!!python/object/apply:os.system [true]", "YAML"),
+        ("object: {path: a.ply}\nprompt: push\nanchor: {kind: mask}\n", "needs a mask"),
+        ("object: {path: a.ply}\nprompt: push\nanchor: {point: [1, 1, 1]}\n", "means nothing"),
+        ("- 1\n", "RunSpec"),
+    ],
+)
+def test_a_bad_file_is_refused_in_one_line(text, fragment, tmp_path, capsys):
+    path = tmp_path / "spec.yaml"
+    path.write_text(text)
+    assert main(["run", "--spec", str(path), "--out", str(tmp_path / "run")]) == 2
+    (line,) = [each for each in capsys.readouterr().err.splitlines() if each]
+    assert fragment in line, line
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_spec_and_options_exclude_each_other(tmp_path, capsys, robot_path):
+    path = tmp_path / "spec.json"
+    path.write_text(dump_spec(small(robot_path)))
+    assert main(["run", "--spec", str(path), "--out", str(tmp_path / "run"), "--frames", "5"]) == 2
+    assert "--frames" in capsys.readouterr().err
+    assert main(["run", "--out", str(tmp_path / "run"), "--prompt", "push it"]) == 2
+    assert "--object must be given" in capsys.readouterr().err
+
+
+def test_agents_by_name_with_options_that_they_do_not_take(robot_path):
+    from physagent_jax.run.loop import make_agents
+
+    spec = small(robot_path, agents={"planner": {"name": "rules", "options": {"temperature": 0.5}}})
+    with pytest.raises(UserError, match="does not take these options"):
+        make_agents(spec.agents)
+    with pytest.raises(ValidationError):
+        small(robot_path, agents={"planner": 3})
+
+
+def test_a_spec_is_read_without_jax():
+    code = "import sys, physagent_jax.run.spec; print('jax' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False"]
+
+
+def test_a_run_leaves_its_spec_which_makes_the_same_run(tmp_path, robot_path, capsys):
+    """From another folder too: its paths are absolute."""
+    first = tmp_path / "first"
+    spec = tmp_path / "spec.yaml"
+    asked = small(robot_path, frames=4, particles=300, resolution=32, rounds=1)
+    spec.write_text(yaml.safe_dump(plain(asked)))
+    assert main(["run", "--spec", str(spec), "--out", str(first)]) == 0
+    assert main(["run", "--spec", str(first / "run.json"), "--out", str(tmp_path / "second"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out.splitlines()[-1])["frames"] == 4
+    for name in ("run.json", "scene.json", "video.mp4", "motion.npz"):
+        assert (first / name).read_bytes() == (tmp_path / "second" / name).read_bytes(), name
