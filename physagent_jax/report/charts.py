@@ -11,7 +11,7 @@ from physagent_jax.report.directions import viewer_directions, world_axis_labels
 from physagent_jax.report.formats import prefix
 from physagent_jax.report.markup import Markup, div
 from physagent_jax.report.plot import Plot, Series, draw
-from physagent_jax.report.run_data import Iteration
+from physagent_jax.run.finished import Iteration
 from physagent_jax.scene.config import SceneConfig
 from physagent_jax.simulation.record import SimulationRecord
 

@@ -19,7 +19,7 @@ from physagent_jax.report.formats import (
 )
 from physagent_jax.report.layout import facts, fold, missing, table
 from physagent_jax.report.markup import Child, Markup, div, join, span, tag
-from physagent_jax.report.run_data import Iteration
+from physagent_jax.run.finished import Iteration
 from physagent_jax.run.manifest import AgentCost, Manifest, Stages
 from physagent_jax.scene.config import (
     Anchor,

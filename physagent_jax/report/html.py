@@ -19,9 +19,9 @@ from physagent_jax.report.iterations import iteration_card, overview, probe_tabl
 from physagent_jax.report.layout import badge, facts, json_fold, listing, missing, paragraphs, section
 from physagent_jax.report.markup import Markup, div, join, raw, tag
 from physagent_jax.report.media import Clip, filmstrip, load_clip, player
-from physagent_jax.report.run_data import Iteration, Run, load_run
 from physagent_jax.report.truth import truth_table
 from physagent_jax.report.words import words_section
+from physagent_jax.run.finished import FinishedRun, Iteration, open_run
 from physagent_jax.run.store import REPORT
 
 SECTIONS = {
@@ -55,7 +55,7 @@ def write_report(run_dir: str | Path, *, overwrite: bool = False) -> Path:
     Raises:
         UserError: The folder holds nothing of a run, or the page cannot be written.
     """
-    run = load_run(run_dir)
+    run = open_run(run_dir)
     path = Path(run_dir) / REPORT
     if not overwrite and os.path.lexists(path) and not _is_ours(path):
         raise UserError(
@@ -72,7 +72,7 @@ def _is_ours(path: Path) -> bool:
         return f'name="generator" content="{_GENERATOR} '.encode() in file.read(_HEAD_BYTES)
 
 
-def render_page(run: Run) -> str:
+def render_page(run: FinishedRun) -> str:
     """The whole page as text."""
     players = _Players(run)
     body = tag(
@@ -105,7 +105,7 @@ def render_page(run: Run) -> str:
 class _Players:
     """Video elements; the best iteration's video, which the folder holds twice, is embedded once."""
 
-    def __init__(self, run: Run):
+    def __init__(self, run: FinishedRun):
         self.run = run
         self.hero_clip = load_clip(run.video) or load_clip(run.best.video if run.best else None)
         self.hero_group = run.best.clip if run.best else "clip"
@@ -126,7 +126,7 @@ class _Players:
         return player(clip, group=group, frame_dt=self.run.frame_dt, folder=self.run.folder, same_as=same_as)
 
 
-def _header(run: Run) -> Markup:
+def _header(run: FinishedRun) -> Markup:
     verdict = run.manifest.verdict if run.manifest else None
     scene = run.best_scene
     name = (scene.source.name or Path(scene.source.path).stem) if scene else ""
@@ -137,7 +137,7 @@ def _header(run: Run) -> Markup:
     return tag("header", kicker, title, badge(verdict), tag("nav", *links, class_="contents"), class_="page")
 
 
-def _notices(run: Run) -> list[Markup | None]:
+def _notices(run: FinishedRun) -> list[Markup | None]:
     manifest = run.manifest
     notices = []
     if manifest and not manifest.complete:
@@ -151,7 +151,7 @@ def _notices(run: Run) -> list[Markup | None]:
     return notices
 
 
-def _hero(run: Run, players: _Players) -> Markup:
+def _hero(run: FinishedRun, players: _Players) -> Markup:
     best = run.best
     text = best.motion.text if best and best.motion else ""
     story = paragraphs(text) if text else missing("The motion report is missing.")
@@ -160,7 +160,7 @@ def _hero(run: Run, players: _Players) -> Markup:
     return tag("section", div("hero-grid", div("clip", players.hero()), side), strip, class_="hero")
 
 
-def _glance(run: Run) -> Markup:
+def _glance(run: FinishedRun) -> Markup:
     manifest, best, scene = run.manifest, run.best, run.best_scene
     record = best.simulation if best else None
     tokens = sum(a.input_tokens + a.output_tokens for a in manifest.agents) if manifest else 0
@@ -181,7 +181,7 @@ def _glance(run: Run) -> Markup:
     )
 
 
-def _words(run: Run) -> Markup:
+def _words(run: FinishedRun) -> Markup:
     lead = "What the semantic agent understood, word by word, and the force field that it compiled."
     if run.semantic is None:
         body = [missing("semantic.json is missing: what was understood is not known.")]
@@ -190,7 +190,7 @@ def _words(run: Run) -> Markup:
     return section("words", SECTIONS["words"], *body, lead=lead)
 
 
-def _iterations(run: Run, players: _Players) -> Markup:
+def _iterations(run: FinishedRun, players: _Players) -> Markup:
     lead = (
         "Each round simulates a force field, looks at the pictures, and judges them against the sentence. "
         "If they fail, the force field is rewritten for the next round."
@@ -210,7 +210,7 @@ def _iterations(run: Run, players: _Players) -> Markup:
     return section("iterations", SECTIONS["iterations"], coarse, chips, *cards, lead=lead)
 
 
-def _measurements(run: Run) -> Markup:
+def _measurements(run: FinishedRun) -> Markup:
     best = run.best
     if best is None:
         return section("measurements", SECTIONS["measurements"], missing("Nothing has been measured yet."))
@@ -234,7 +234,7 @@ def _measurements(run: Run) -> Markup:
     )
 
 
-def _scene(run: Run) -> Markup:
+def _scene(run: FinishedRun) -> Markup:
     scene = run.best_scene
     if scene is None:
         return section("scene", SECTIONS["scene"], missing("scene.json is missing: the scene is not known."))
@@ -242,12 +242,12 @@ def _scene(run: Run) -> Markup:
     return section("scene", SECTIONS["scene"], *scene_facts(scene, record), json_fold("Scene as JSON", scene))
 
 
-def _cost(run: Run) -> Markup:
+def _cost(run: FinishedRun) -> Markup:
     body = cost_facts(run.manifest) if run.manifest else missing("manifest.json is missing.")
     return section("cost", SECTIONS["cost"], body)
 
 
-def _again(run: Run) -> Markup:
+def _again(run: FinishedRun) -> Markup:
     manifest = run.manifest
     if manifest is None:
         return section("again", SECTIONS["again"], missing("manifest.json is missing."))

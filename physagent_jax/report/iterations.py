@@ -13,7 +13,7 @@ from physagent_jax.report.formats import UNKNOWN, count, fixed, number, percent,
 from physagent_jax.report.layout import badge, facts, fold, json_fold, listing, missing, paragraphs, table
 from physagent_jax.report.markup import Child, Markup, div, join, span, tag
 from physagent_jax.report.media import image
-from physagent_jax.report.run_data import Iteration
+from physagent_jax.run.finished import Iteration
 
 MARKS = {True: ("pass", "\u2713 pass"), False: ("failed", "\u2717 fail"), None: ("open", "? not observable")}
 

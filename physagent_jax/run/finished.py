@@ -44,7 +44,7 @@ class Iteration:
 
 
 @dataclasses.dataclass(frozen=True)
-class Run:
+class FinishedRun:
     """A run folder's contents.
 
     Attributes:
@@ -96,7 +96,7 @@ class Run:
         return self.best_scene.timing.frame_dt if self.best_scene else None
 
 
-def load_run(folder: str | Path) -> Run:
+def open_run(folder: str | Path) -> FinishedRun:
     """Reads a run folder; missing and broken files become notes, not errors.
 
     Raises:
@@ -117,7 +117,7 @@ def load_run(folder: str | Path) -> Run:
         raise UserError(f"{folder} is not a run folder", do="Name the folder that holds manifest.json")
     if not iterations:
         reader.problems.append("No iteration has been stored yet.")
-    return Run(folder, manifest, semantic, scene, video, iterations, probe, tuple(reader.problems))
+    return FinishedRun(folder, manifest, semantic, scene, video, iterations, probe, tuple(reader.problems))
 
 
 def _iterations(reader: _Reader, name: str, reused: dict[str, int]) -> tuple[Iteration, ...]:
