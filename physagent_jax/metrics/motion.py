@@ -13,6 +13,8 @@ from physagent_jax.perception.schema import MotionReport
 
 _TAIL = 0.5
 """Particles beyond this percentile on either side of an axis do not count for a box [%]."""
+ALIGNED_DEGREES = 10.0
+"""Rotation up to which perception's stretch tensor compares with extents along the world axes [deg]."""
 
 
 class TrueMotion(Strict):
@@ -117,7 +119,7 @@ def _stretch_error(report: MotionReport, truth: TrueMotion) -> float | None:
     whole = report.windows[0]
     if (
         whole.stretch is None
-        or (whole.rotation_degrees or 0.0) > 10
+        or (whole.rotation_degrees or 0.0) > ALIGNED_DEGREES
         or not whole.stretch_view_axis_observable
     ):
         return None

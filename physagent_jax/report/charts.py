@@ -149,7 +149,7 @@ def _angular_momentum(record: SimulationRecord):
         for axis, name in enumerate(AXIS_NAMES)
         if record.angular_momentum
     ]
-    return "Angular momentum about the first mass centre", "kg m2/s", series, {}
+    return "Angular momentum about the first mass centre", "kg m\u00b2/s", series, {}
 
 
 def _ledger(record: SimulationRecord):

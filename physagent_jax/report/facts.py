@@ -70,7 +70,7 @@ def simulation_facts(iteration: Iteration) -> Markup:
     """What the best rollout did."""
     record = iteration.simulation
     if record is None:
-        return missing(f"simulation.json of iteration {iteration.index} is missing: no simulation facts.")
+        return missing(f"simulation.json of round {iteration.number} is missing: no simulation facts.")
     smallest, largest = min(record.substep_dt, default=None), max(record.substep_dt, default=None)
     used = quantity(smallest, "s")
     if smallest != largest:
@@ -102,7 +102,7 @@ def simulation_facts(iteration: Iteration) -> Markup:
 
 def cost_facts(manifest: Manifest) -> Markup:
     """Where the time and the tokens went."""
-    return div("columns", _stages(manifest.stages), _agents(manifest.agents))
+    return div("columns cost", _stages(manifest.stages), _agents(manifest.agents))
 
 
 def reproduction(manifest: Manifest) -> list[Child]:
@@ -301,7 +301,7 @@ def _stages(stages: Stages) -> Markup:
     )
     rows = [
         [
-            join(span(f"swatch block s{index}"), title),
+            span("stage", span(f"swatch block s{index}"), title),
             seconds(value),
             percent(value / total if total else None),
         ]

@@ -29,8 +29,13 @@ def number(value: float | None, digits: int = 3) -> str:
     exponent = math.floor(math.log10(abs(value)))
     if exponent < -3 or exponent > 5:
         mantissa = fixed(value / 10.0**exponent, digits - 1)
-        return f"{_strip(mantissa)} {TIMES} 10{str(exponent).translate(SUPERSCRIPTS)}"
+        return f"{_strip(mantissa)} {TIMES} {power_of_ten(exponent)}"
     return _strip(fixed(value, max(0, digits - 1 - exponent)))
+
+
+def power_of_ten(exponent: int) -> str:
+    """Ten with a raised exponent."""
+    return f"10{str(exponent).translate(SUPERSCRIPTS)}"
 
 
 def count(value: int) -> str:
@@ -90,7 +95,7 @@ def plain(identifier: str) -> str:
 
 
 def plural(many: int, thing: str) -> str:
-    """A number of things: "1 iteration", "3 iterations"."""
+    """A number of things: "1 frame", "3 frames"."""
     return f"{count(many)} {thing}{'' if many == 1 else 's'}"
 
 

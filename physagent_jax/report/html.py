@@ -26,7 +26,7 @@ from physagent_jax.run.store import REPORT
 
 SECTIONS = {
     "words": "From words to forces",
-    "iterations": "Iterations",
+    "rounds": "Rounds",
     "measurements": "Measurements",
     "scene": "Scene",
     "cost": "Cost",
@@ -103,7 +103,7 @@ def render_page(run: FinishedRun) -> str:
 
 
 class _Players:
-    """Video elements; the best iteration's video, which the folder holds twice, is embedded once."""
+    """Video elements; the best round's video, which the folder holds twice, is embedded once."""
 
     def __init__(self, run: FinishedRun):
         self.run = run
@@ -118,7 +118,7 @@ class _Players:
     def of(self, iteration: Iteration) -> Markup:
         clip = load_clip(iteration.video)
         if clip is None:
-            return missing("The video of this iteration is missing.")
+            return missing("The video of this round is missing.")
         same = self.hero_clip is not None and clip.digest == self.hero_clip.digest
         return self._player(clip, iteration.clip, f"player-{self.hero_group}" if same else None)
 
@@ -168,7 +168,7 @@ def _glance(run: FinishedRun) -> Markup:
     return facts(
         [
             ("score", f"{fixed(best.judgement.score)} of 1") if best and best.judgement else None,
-            ("iterations", f"{len(run.iterations)}, best is {best.index}") if best else None,
+            ("rounds", f"{len(run.iterations)}, the best is round {best.number}") if best else None,
             ("coarse rounds before", str(len(run.probe))) if run.probe else None,
             ("clip", clip_words(scene)) if scene else None,
             ("particles", count(record.particle_count)) if record else None,
@@ -204,10 +204,10 @@ def _iterations(run: FinishedRun, players: _Players) -> Markup:
         )
         previous = iteration
     if not cards:
-        cards.append(missing("There is no iteration yet."))
+        cards.append(missing("There is no round yet."))
     coarse = probe_table(run.probe, run.manifest.probe_best if run.manifest else None)
     chips = overview(run.iterations, run.best)
-    return section("iterations", SECTIONS["iterations"], coarse, chips, *cards, lead=lead)
+    return section("rounds", SECTIONS["rounds"], coarse, chips, *cards, lead=lead)
 
 
 def _measurements(run: FinishedRun) -> Markup:
@@ -217,7 +217,7 @@ def _measurements(run: FinishedRun) -> Markup:
     truth = best.simulation.truth if best.simulation else None
     compared = truth_table(best.motion, truth) if best.motion and truth else None
     lead = (
-        f"Iteration {best.index}. Solid lines are what perception saw in the pictures, dashed lines what the "
+        f"Round {best.number}. Solid lines are what perception saw in the pictures, dashed lines what the "
         "particles did. Point at a plot to read values; click to go to that frame of the video."
     )
     return section(

@@ -21,7 +21,7 @@ MARKS = {True: ("pass", "\u2713 pass"), False: ("failed", "\u2717 fail"), None: 
 def overview(iterations: Sequence[Iteration], best: Iteration | None) -> Markup:
     """The rounds as linked chips in order."""
     chips = [_chip(iteration, is_best=iteration is best) for iteration in iterations]
-    return tag("nav", *chips, class_="rounds", aria_label="Iterations")
+    return tag("nav", *chips, class_="rounds", aria_label="Rounds")
 
 
 def probe_table(probe: Sequence[Iteration], best: int | None) -> list[Markup] | None:
@@ -40,14 +40,14 @@ def probe_table(probe: Sequence[Iteration], best: int | None) -> list[Markup] | 
         taken = tag("small", "taken on", class_="remedy") if iteration.index == best else None
         rows.append(
             [
-                join(str(iteration.index), taken),
+                join(str(iteration.number), taken),
                 fixed(judgement.score if judgement else None),
                 badge(judgement.verdict if judgement else None),
                 judgement.suggestion or UNKNOWN if judgement else UNKNOWN,
                 count(record.particle_count) if record else UNKNOWN,
             ]
         )
-    lead = "Force fields were first tried on a coarse version of the scene. Iteration 0 begins with the best of them."
+    lead = "Force fields were first tried on a coarse version of the scene. Round 1 begins with the best of them."
     return [tag("h3", "Coarse rounds"), tag("p", lead), table(head, rows, numeric=(1, 4), class_="compact")]
 
 
@@ -75,7 +75,7 @@ def iteration_card(
         _taken_over(iteration),
         _overlay(iteration),
         _judgement(iteration.judgement),
-        _rewrite(iteration.rewrite, iteration.index),
+        _rewrite(iteration.rewrite, iteration.number + 1),
         _perception(iteration.motion),
         _plots(iteration) if with_plots else None,
     ]
@@ -88,7 +88,7 @@ def _chip(iteration: Iteration, *, is_best: bool) -> Markup:
     kind = "open" if judgement is None else "success" if judgement.verdict == "SUCCESS" else "fail"
     return tag(
         "a",
-        tag("strong", f"Iteration {iteration.index}"),
+        tag("strong", f"Round {iteration.number}"),
         span("quiet", score),
         span("quiet star", "shown above") if is_best else None,
         href=f"#{iteration.clip}",
@@ -100,13 +100,13 @@ def _head(iteration: Iteration, is_best: bool) -> Markup:
     judgement = iteration.judgement
     score = span("score", "score ", tag("b", fixed(judgement.score))) if judgement else None
     star = span("badge best", "best") if is_best else None
-    title = tag("h3", f"Iteration {iteration.index}")
+    title = tag("h3", f"Round {iteration.number}")
     return tag("header", title, badge(judgement.verdict if judgement else None), star, score)
 
 
 def _forces(iteration: Iteration, previous: Iteration | None, setting: Setting) -> Markup:
     if iteration.force_field is None:
-        return missing("The force field of this iteration is missing.")
+        return missing("The force field of this round is missing.")
     return force_cards(iteration.force_field, setting, previous=previous.force_field if previous else None)
 
 
@@ -128,7 +128,7 @@ def _overlay(iteration: Iteration) -> Markup | None:
 
 def _judgement(judgement: Judgement | None) -> list[Markup | None] | Markup:
     if judgement is None:
-        return missing("The planner\u2019s judgement of this iteration is missing.")
+        return missing("The planner\u2019s judgement of this round is missing.")
     rows = [_check(check) for check in judgement.checks]
     suggestion = None
     if judgement.suggestion:
@@ -147,7 +147,7 @@ def _check(check: Check) -> list[Child]:
     return [join(check.question, remedy), check.expected, check.observed, result, fixed(check.score)]
 
 
-def _rewrite(rewrite: Rewrite | None, index: int) -> Markup | None:
+def _rewrite(rewrite: Rewrite | None, next_round: int) -> Markup | None:
     if rewrite is None:
         return None
     rules = None
@@ -157,13 +157,13 @@ def _rewrite(rewrite: Rewrite | None, index: int) -> Markup | None:
     changes = tag("ul", [tag("li", change) for change in rewrite.changes])
     if not rewrite.changes:
         changes = tag("p", "Nothing was changed.")
-    title = tag("strong", f"The executor changed, for iteration {index + 1}")
+    title = tag("strong", f"The executor changed, for round {next_round}")
     return div("callout executor", title, changes, rules)
 
 
 def _perception(report: MotionReport | None) -> Markup:
     if report is None:
-        return missing("The motion report of this iteration is missing.")
+        return missing("The motion report of this round is missing.")
     return fold(
         "What perception measured",
         paragraphs(report.text),
@@ -234,4 +234,4 @@ def _plots(iteration: Iteration) -> Markup | None:
     charts = [motion_charts(iteration), physics_charts(iteration)]
     if not any(charts):
         return None
-    return fold("Plots of this iteration", *charts)
+    return fold("Plots of this round", *charts)

@@ -11,11 +11,11 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 
-from physagent_jax.report.formats import fixed, number
+from physagent_jax.report.formats import fixed, number, power_of_ten
 from physagent_jax.report.markup import Markup, div, join, span, tag
 
 WIDTH, HEIGHT = 520, 232
-LEFT, RIGHT, TOP, BOTTOM = 58, 12, 12, 40
+RIGHT, TOP, BOTTOM = 12, 12, 40
 
 
 @dataclasses.dataclass(frozen=True)
@@ -72,6 +72,7 @@ class Plot:
 
 
 _LARGEST = 1e300  # that an axis reaches
+_SHORT = 1e-2, 1e5  # between these, the numbers at an axis have few digits
 
 
 def nice_step(low: float, high: float, most: int = 7) -> float:
@@ -89,8 +90,8 @@ def ticks(low: float, high: float, step: float) -> list[float]:
 
 def draw(plot: Plot) -> Markup:
     """A plot as a ``figure`` with its legend."""
-    low, high = _y_range(plot)
-    frame = _Frame(low, high, max(1, plot.last_frame))
+    plot = _with_short_numbers(plot)
+    frame = _Frame(*_y_range(plot), max(1, plot.last_frame))
     picture = tag(
         "svg",
         _bands(plot, frame),
@@ -99,7 +100,7 @@ def draw(plot: Plot) -> Markup:
         _level(plot, frame),
         [_mark(at, why, frame) for at, why in plot.marks.items()],
         [_curve(series, frame) for series in plot.series],
-        tag("line", class_="cursor", x1=LEFT, x2=LEFT, y1=TOP, y2=HEIGHT - BOTTOM),
+        tag("line", class_="cursor", x1=frame.left, x2=frame.left, y1=TOP, y2=HEIGHT - BOTTOM),
         viewBox=f"0 0 {WIDTH} {HEIGHT}",
         role="img",
         aria_label=f"{plot.title}, {plot.unit}, over frames",
@@ -113,7 +114,7 @@ def draw(plot: Plot) -> Markup:
         class_="plot",
         data_clip=plot.clip,
         data_last=plot.last_frame,
-        data_left=LEFT,
+        data_left=frame.left,
         data_right=WIDTH - RIGHT,
         data_width=WIDTH,
     )
@@ -134,8 +135,14 @@ class _Frame:
         """Decimals that tell two ticks apart."""
         return max(0, -math.floor(math.log10(self.step) + 1e-9))
 
+    @property
+    def left(self) -> int:
+        """Where the axis begins: right of the widest label, in the larger type of narrow screens too."""
+        labels = [fixed(t, self.decimals) for t in ticks(self.low, self.high, self.step)]
+        return 14 + 10 * max((len(label) for label in labels), default=0)
+
     def x(self, value: float) -> float:
-        return round(LEFT + (WIDTH - LEFT - RIGHT) * value / self.last, 1)
+        return round(self.left + (WIDTH - self.left - RIGHT) * value / self.last, 1)
 
     def y(self, value: float) -> float:
         share = (value - self.low) / (self.high - self.low)
@@ -156,9 +163,28 @@ def _y_range(plot: Plot) -> tuple[float, float]:
     return (0.0, max(top, span_)) if low >= 0 > bottom else (bottom, top)
 
 
+def _with_short_numbers(plot: Plot) -> Plot:
+    """The plot in a unit with a power of ten, if its numbers would need many digits otherwise."""
+    largest = max(map(abs, _y_range(plot)))
+    power = math.floor(math.log10(largest))
+    if _SHORT[0] <= largest < _SHORT[1]:
+        return plot
+
+    def scaled(value: float | None) -> float | None:
+        return None if value is None else min(max(value, -_LARGEST), _LARGEST) * 10.0**-power
+
+    return dataclasses.replace(
+        plot,
+        unit=f"{power_of_ten(power)} {plot.unit}",
+        series=[dataclasses.replace(s, values=[scaled(y) for y in s.values]) for s in plot.series],
+        level=plot.level and (plot.level[0] * 10.0**-power, plot.level[1]),
+        least_span=plot.least_span * 10.0**-power,
+    )
+
+
 def _grid(frame: _Frame) -> Markup:
     lines = [
-        tag("line", x1=LEFT, x2=WIDTH - RIGHT, y1=frame.y(t), y2=frame.y(t))
+        tag("line", x1=frame.left, x2=WIDTH - RIGHT, y1=frame.y(t), y2=frame.y(t))
         for t in ticks(frame.low, frame.high, frame.step)
     ]
     return tag("g", *lines, class_="grid")
@@ -166,15 +192,15 @@ def _grid(frame: _Frame) -> Markup:
 
 def _axes(frame: _Frame) -> Markup:
     vertical = [
-        tag("text", fixed(t, frame.decimals), x=LEFT - 7, y=frame.y(t) + 4, text_anchor="end")
+        tag("text", fixed(t, frame.decimals), x=frame.left - 7, y=frame.y(t) + 4, text_anchor="end")
         for t in ticks(frame.low, frame.high, frame.step)
     ]
     horizontal = [
         tag("text", fixed(t, 0), x=frame.x(t), y=HEIGHT - BOTTOM + 17, text_anchor="middle")
         for t in ticks(0, frame.last, max(1.0, nice_step(0, frame.last, 10)))
     ]
-    name = tag("text", "frame", x=(LEFT + WIDTH - RIGHT) / 2, y=HEIGHT - 5, text_anchor="middle")
-    base = tag("line", x1=LEFT, x2=WIDTH - RIGHT, y1=HEIGHT - BOTTOM, y2=HEIGHT - BOTTOM, class_="axis")
+    name = tag("text", "frame", x=(frame.left + WIDTH - RIGHT) / 2, y=HEIGHT - 5, text_anchor="middle")
+    base = tag("line", x1=frame.left, x2=WIDTH - RIGHT, y1=HEIGHT - BOTTOM, y2=HEIGHT - BOTTOM, class_="axis")
     return tag("g", base, *vertical, *horizontal, name, class_="ticks")
 
 
@@ -193,7 +219,7 @@ def _level(plot: Plot, frame: _Frame) -> Markup | None:
     if plot.level is None:
         return None
     y = frame.y(plot.level[0])
-    return tag("line", class_="level", x1=LEFT, x2=WIDTH - RIGHT, y1=y, y2=y)
+    return tag("line", class_="level", x1=frame.left, x2=WIDTH - RIGHT, y1=y, y2=y)
 
 
 def _mark(at: int, why: str, frame: _Frame) -> Markup:

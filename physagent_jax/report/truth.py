@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from physagent_jax.metrics.motion import TrueMotion
+from physagent_jax.metrics.motion import ALIGNED_DEGREES, TrueMotion
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.report.formats import UNKNOWN, fixed
 from physagent_jax.report.layout import table
@@ -47,11 +47,32 @@ def _rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]]:
     yield _row(f"Rotation in frame {last}", *rotation, "degrees")
     volume = _at(report.volume_ratio, last), _at(truth.volume_ratio, last)
     yield _row(f"Volume in frame {last}", *volume, "of frame 0")
+    yield from _stretch_rows(report, truth)
     error = centroid_error(report, truth)
     if error is not None:
         mean, largest = error
         yield ["Distance between the two centres, RMS", "", "", fixed(mean, DECIMALS), "body lengths"]
         yield ["Distance between the two centres, largest", "", "", fixed(largest, DECIMALS), "body lengths"]
+
+
+def _stretch_rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]]:
+    """Stretch over the longest window that begins at frame 0, along the world axes.
+
+    Perception's tensor describes the object before its turn, the true extents after it: past `ALIGNED_DEGREES` the
+    two are not the same quantity, and no difference is given.
+    """
+    whole = max((w for w in report.windows if w.first == 0), key=lambda w: w.last, default=None)
+    if whole is None or whole.last >= len(truth.stretch):
+        return
+    aligned = (whole.rotation_degrees or 0.0) <= ALIGNED_DEGREES
+    for axis, name in enumerate("xyz"):
+        seen = None if whole.stretch is None else whole.stretch[axis][axis]
+        row = _row(
+            f"Stretch along {name} in frame {whole.last}", seen, truth.stretch[whole.last][axis], "of frame 0"
+        )
+        if seen is not None and not aligned:
+            row[3] = "not comparable after a turn"
+        yield row
 
 
 def _row(name: str, seen: float | None, true: float | None, unit: str) -> list[str]:

@@ -24,7 +24,10 @@ Model = TypeVar("Model", bound=BaseModel)
 
 @dataclasses.dataclass(frozen=True)
 class Iteration:
-    """One round of the loop; None where the file is missing or broken."""
+    """One round of the loop; None where the file is missing or broken.
+
+    People count rounds from 1, as the terminal does; ``index``, which names the folder, counts from 0.
+    """
 
     index: int
     scene: SceneConfig | None
@@ -38,9 +41,14 @@ class Iteration:
     reused_frames: int = 0
 
     @property
+    def number(self) -> int:
+        """Which round it is, counted from 1."""
+        return self.index + 1
+
+    @property
     def clip(self) -> str:
-        """The name under which the page's script groups this iteration's video and plots."""
-        return f"iteration-{self.index}"
+        """The name under which the page's script groups this round's video and plots."""
+        return f"round-{self.number}"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,7 +58,7 @@ class FinishedRun:
     Attributes:
         folder: Where it is.
         manifest, semantic, scene: Top-level files; None where missing or broken.
-        video: The best iteration's video.
+        video: The best round's video.
         iterations: In order.
         probe: Rounds on a coarse version of the scene, which came before.
         problems: What is missing or broken, a sentence each.
@@ -67,7 +75,7 @@ class FinishedRun:
 
     @property
     def best(self) -> Iteration | None:
-        """The iteration that the top-level files show; the best judged one if the manifest does not say."""
+        """The round that the top-level files show; the best judged one if the manifest does not say."""
         named = self.manifest.best_iteration if self.manifest else None
         for iteration in self.iterations:
             if iteration.index == named:
@@ -80,7 +88,7 @@ class FinishedRun:
 
     @property
     def best_scene(self) -> SceneConfig | None:
-        """The best iteration's scene, from the top level or its own folder."""
+        """The best round's scene, from the top level or its own folder."""
         return self.scene or (self.best.scene if self.best else None)
 
     @property
@@ -116,7 +124,7 @@ def open_run(folder: str | Path) -> FinishedRun:
     if manifest is None and scene is None and not iterations and not probe:
         raise UserError(f"{folder} is not a run folder", do="Name the folder that holds manifest.json")
     if not iterations:
-        reader.problems.append("No iteration has been stored yet.")
+        reader.problems.append("No round has been stored yet.")
     return FinishedRun(folder, manifest, semantic, scene, video, iterations, probe, tuple(reader.problems))
 
 
@@ -135,7 +143,7 @@ def _iteration(reader: _Reader, name: str, index: int, reused: dict[str, int], *
         force_field=reader.model(f"{base}/force_field.json", ForceField),
         motion=reader.model(f"{base}/motion_report.json", MotionReport),
         judgement=reader.model(f"{base}/judgement.json", Judgement),
-        # The last iteration has no successor, and pictures for people are a courtesy.
+        # The last round has no successor, and pictures for people are a courtesy.
         rewrite=reader.model(f"{base}/rewrite.json", Rewrite, optional=is_last),
         simulation=reader.model(f"{base}/simulation.json", SimulationRecord),
         video=reader.file(f"{base}/video.mp4"),

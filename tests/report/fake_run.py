@@ -345,6 +345,6 @@ def _manifest(prompt: str) -> Manifest:
             ),
             AgentCost(agent="executor", implementation="rules", calls=2, seconds=0.004),
         ),
-        warnings=("Frame 12 of iteration 2 was redone with half the time step.",),
+        warnings=("Frame 12 of round 3 was redone with half the time step.",),
         complete=True,
     )

@@ -10,6 +10,7 @@ from html.parser import HTMLParser
 import pytest
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.perception.schema import MotionReport
 from physagent_jax.report.html import write_report
 from physagent_jax.simulation.record import SimulationRecord
 from tests.report.fake_run import FRAMES, PROMPT, build_run, store
@@ -78,7 +79,7 @@ def render(folder) -> Page:
 def test_says_what_was_asked_and_how_it_ended(page):
     assert f"\u201c{PROMPT}\u201d" in page.text
     assert page.all("span", "badge success") and len(page.all("span", "badge fail")) == 2
-    for part in ("What happened", "From words to forces", "Iterations", "Measurements", "Scene", "Cost"):
+    for part in ("What happened", "From words to forces", "Rounds", "Measurements", "Scene", "Cost"):
         assert part in page.text
     assert "swings back and forth twice" in page.text
     assert "redone with half the time step" in page.text
@@ -106,7 +107,7 @@ def test_only_the_own_script_may_run(run, page):
 
 def test_embeds_the_videos_once_each(run, page):
     videos = page.all("video")
-    assert len(videos) == 4  # the best at the top, and one per iteration
+    assert len(videos) == 4  # the best at the top, and one per round
     embedded = [v["src"] for v in videos if v.get("src")]
     assert len(embedded) == len(set(embedded)) == 3
     assert base64.b64decode(embedded[0].split(",")[1]) == (run / "video.mp4").read_bytes()
@@ -213,7 +214,7 @@ def test_a_missing_file_is_named_and_the_rest_is_shown(copy, name):
     (copy / name).unlink()
     page = render(copy)
     assert f"{name} is missing." in page.text
-    assert "Iteration 2" in page.text and page.all("video")
+    assert "Round 3" in page.text and page.all("video")
 
 
 def test_a_broken_file_is_named_with_its_field(copy):
@@ -235,7 +236,7 @@ def test_a_run_that_has_just_begun(copy):
     (copy / "manifest.json").write_text(json.dumps(manifest))
     page = render(copy)
     assert "This run is not complete." in page.text
-    assert "No iteration has been stored yet." in page.text
+    assert "No round has been stored yet." in page.text
     assert "not judged" in page.text
 
 
@@ -249,6 +250,22 @@ def test_a_video_too_large_to_embed_is_linked(copy, monkeypatch):
     monkeypatch.setattr("physagent_jax.report.media.MAX_EMBEDDED_BYTES", 10)
     sources = [v["src"] for v in render(copy).all("video") if v.get("src")]
     assert sources == ["video.mp4", "iterations/0/video.mp4", "iterations/1/video.mp4"]
+
+
+def test_rounds_are_counted_from_one_as_in_the_terminal(run):
+    page = render(run)
+    assert "Round 1" in page.text and "Round 3" in page.text and "the best is round 3" in page.text
+    assert "Round 0" not in page.text and "teration" not in page.text.split("Scene as JSON")[0]
+
+
+def test_stretch_is_compared_with_the_truth(copy):
+    page = render(copy).text
+    assert f"Stretch along x in frame {FRAMES - 1} 1.020" in page
+    path = copy / "iterations/2/motion_report.json"
+    report = MotionReport.model_validate_json(path.read_text())
+    turned = report.windows[0].model_copy(update={"rotation_degrees": 40.0})
+    store(path, report.model_copy(update={"windows": (turned, *report.windows[1:])}))
+    assert render(copy).text.count("not comparable after a turn") == 3
 
 
 def test_rollouts_without_truth(copy):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from physagent_jax.agents.schema import Evidence
@@ -115,6 +117,18 @@ def test_plots_break_lines_at_gaps():
 def test_plots_of_nothing_and_of_constants_are_drawn():
     for values in ([None, None], [0.0, 0.0], [1e9, 1e9], [1e-12, 1e-12]):
         assert "<svg" in draw(Plot("t", "m", 1, [Series("a", values)]))
+
+
+@pytest.mark.parametrize(
+    "values", [[0.0, -2.5e-4], [3e7, 9e7], [1e-9, 2e-9], [1.0, 1.0000001], [1e300, -1e300]]
+)
+def test_labels_of_an_axis_fit_beside_it(values):
+    picture = draw(Plot("t", "m", 1, [Series("a", values)]))
+    left = int(re.search(r'data-left="(\d+)"', picture)[1])
+    labels = [m for m in re.findall(r'text-anchor="end">([^<]*)<', picture)]
+    assert labels and all(10 * len(label) <= left - 7 for label in labels) and left < 150
+    powers = {-2.5e-4: "[10\u207b\u2074 m]", 9e7: "[10\u2077 m]"}
+    assert powers.get(values[1], "m]") in picture
 
 
 def test_markup_escapes_everything_but_markup():
