@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import operator
+
+import jax
 import numpy as np
 
 from physagent_jax.core.arrays import on_device
@@ -13,12 +16,14 @@ from physagent_jax.gaussians.sh import rotate_sh
 def splats_to_cloud(splats: Splats) -> GaussianCloud:
     """A cloud that an ordinary 3DGS viewer shows as the renderer shows the splats. Runs on the host.
 
+    What a compiled scene is filled up with to a handy size, Gaussians of no opacity at the end, is left out.
     Covariances are decomposed into quaternions and scales, and the SH coefficients are rotated into the
     world frame, in which a viewer evaluates them.
 
     Args:
         splats: Gaussians in world space.
     """
+    splats = jax.tree.map(operator.itemgetter(slice(_drawn(splats.opacities))), splats)
     quats, scales = decompose_covariances(splats.covariances)
     return GaussianCloud(
         means=splats.means,
@@ -27,3 +32,8 @@ def splats_to_cloud(splats: Splats) -> GaussianCloud:
         opacities=splats.opacities,
         sh=rotate_sh(splats.sh, splats.rotations),
     )
+
+
+def _drawn(opacities: jax.Array) -> int:
+    """How many Gaussians there are up to the last one that can be seen."""
+    return int(np.flatnonzero(np.asarray(opacities)).max(initial=-1)) + 1

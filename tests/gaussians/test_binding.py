@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -20,6 +22,7 @@ from physagent_jax.gaussians import (
     read_ply,
     splats_to_cloud,
 )
+from physagent_jax.scene.compile.buckets import fill_up
 
 
 @pytest.fixture
@@ -139,3 +142,22 @@ def test_exported_rest_pose_of_the_robot_is_the_robot(robot_path):
     exported = splats_to_cloud(splats)
     np.testing.assert_allclose(np.sort(exported.scales), np.sort(cloud.scales), rtol=1e-2, atol=1e-5)
     np.testing.assert_allclose(exported.sh, cloud.sh, atol=5e-6)
+
+
+def test_what_fills_a_scene_up_is_not_exported(cloud):
+    cloud = jax.tree.map(lambda leaf: leaf[:57], cloud)
+    cloud = dataclasses.replace(cloud, opacities=cloud.opacities.at[7].set(0.0))  # the object's own: it stays
+    binding = bind(cloud.means, cloud.means)
+    filled, bound = fill_up(cloud, binding)
+    assert filled.count > cloud.count
+    F = identities(cloud.count)
+    exported = splats_to_cloud(deform(filled, bound, cloud.means, F, np.eye(3)))
+    expected = splats_to_cloud(deform(cloud, binding, cloud.means, F, np.eye(3)))
+    assert exported.count == cloud.count
+    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, atol=1e-6), exported, expected)
+
+
+def test_splats_that_nobody_sees_make_an_empty_cloud(cloud):
+    cloud = dataclasses.replace(cloud, opacities=jnp.zeros(cloud.count))
+    splats = deform(cloud, bind(cloud.means, cloud.means), cloud.means, identities(cloud.count), np.eye(3))
+    assert splats_to_cloud(splats).count == 0
