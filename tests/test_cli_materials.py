@@ -9,7 +9,8 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.run.material import AFFORDABLE, resolve_material
 from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.config import MaterialModel
-from physagent_jax.scene.materials import LIBRARY, substeps
+from physagent_jax.scene.materials import LIBRARY, softened, substeps
+from physagent_jax.scene.materials.soften import softening_warning
 from physagent_jax.scene.presets import PRESETS, PresetName
 from physagent_jax.scene.priors import material_for
 
@@ -105,6 +106,25 @@ def test_a_stiff_material_is_warned_about_with_a_remedy_that_works():
 
 def test_auto_softening_leaves_affordable_materials_alone():
     assert chosen(name="gelatine", soften="auto")[0] == LIBRARY["gelatine"].material
+
+
+def test_softening_that_shows_is_among_the_warnings(tmp_path):
+    gel = LIBRARY["gelatine"].material
+    _, (warning,) = chosen(tmp_path, material="gelatine", soften=5.0)
+    load = gel.density * 9.80665
+    assert f"strains it by {100 * 5 * load / gel.youngs_modulus:.2g} %" in warning and "5 times" in warning
+    _, (warning,) = chosen(tmp_path, material="lead", soften=1000.0)
+    assert "makes it yield" in warning
+    assert chosen(tmp_path, material="gelatine", soften=1.01)[1] == []  # a strain of 0.2 % more
+
+
+def test_softening_a_liquid_is_measured_by_its_compression():
+    water = LIBRARY["water"].material
+    load = water.density * 9.80665
+    factor = 0.03 * water.bulk_modulus / load  # its own weight then compresses a column of a metre by 3 %
+    assert "3 %" in (softening_warning(water, softened(water, factor)) or "")
+    assert softening_warning(water, softened(water, factor / 10)) is None
+    assert softening_warning(water, softened(water, factor / 10), length=10.0) is not None
 
 
 def test_a_prediction_replaces_the_kinds_prior(tmp_path):

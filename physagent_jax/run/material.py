@@ -13,7 +13,7 @@ from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.config import Material, MaterialModel
 from physagent_jax.scene.config.material import WITHOUT_STRESS
 from physagent_jax.scene.materials import LIBRARY, find_material, softened, stable_step, substeps
-from physagent_jax.scene.materials.soften import softening_for
+from physagent_jax.scene.materials.soften import softening_for, softening_warning
 from physagent_jax.scene.physgm import import_physgm
 from physagent_jax.scene.presets import Preset
 from physagent_jax.scene.priors import material_for
@@ -35,11 +35,14 @@ def resolve_material(
     material = _with_values(choice, _base(choice, kind, Path(base_dir), warnings))
     dx = preset.domain.dx
     duration = (preset.timing.frame_count - 1) * preset.timing.frame_dt
+    hard = material
     if choice.soften == "auto":
         factor = softening_for(material, dx=dx, duration=duration, at_most=AFFORDABLE)
         material = softened(material, factor)
     elif choice.soften is not None:
         material = softened(material, choice.soften)
+    if (seen := softening_warning(hard, material)) is not None:
+        warnings.append(seen)
     if preset.timing.substep_dt == "auto":
         _warn_of_cost(material, dx, duration, warnings)
     return material, tuple(warnings)

@@ -16,6 +16,10 @@ from physagent_jax.core.reading import validation_message
 from physagent_jax.scene.config.material import WITHOUT_STRESS, Material, MaterialModel
 from physagent_jax.scene.materials.cost import stiffness, substeps
 
+SEEN = 0.01
+"""Strain that can be seen: about a pixel of an object that is a hundred pixels long."""
+STANDARD_GRAVITY = 9.80665
+"""[m/s^2]."""
 _SCALED = ("yield_stress", "hardening_modulus", "softening_modulus", "plastic_viscosity", "bulk_modulus")
 
 
@@ -87,6 +91,34 @@ def softening_for(material: Material, *, dx: float, duration: float, at_most: in
         factor = stiffness(material) * 4 * step**2 / (viscous * inertia)
     digits = 10 ** (math.floor(math.log10(factor)) - 1)
     return max(1.0, math.ceil(factor / digits - 1e-9) * digits)
+
+
+def softening_warning(before: Material, after: Material, *, length: float = 1.0) -> str | None:
+    """What a softer stand-in shows that the material would not; None if nothing that can be seen.
+
+    The measure is the strain of a column of ``length`` under its own weight, rho g L / E (K of a fluid): the loads of
+    the force fields are of the same order. Slender parts bend more than that.
+
+    Args:
+        before: The material.
+        after: Its stand-in.
+        length: The object's longest side [m].
+    """
+    load = before.density * STANDARD_GRAVITY * length
+    old, new = load / _bearing_modulus(before), load / _bearing_modulus(after)
+    yields = before.yield_stress is not None and before.yield_stress > load >= (after.yield_stress or 0.0)
+    if new - old < SEEN and not yields:
+        return None
+    factor = _bearing_modulus(before) / _bearing_modulus(after)
+    name = f"softened {factor:.3g} times, this material looks different"
+    strain = f"its own weight strains it by {100 * new:.2g} % in place of {100 * old:.2g} %"
+    return f"{name}: {strain}{', and makes it yield' if yields else ''}; soften it less, or not at all"
+
+
+def _bearing_modulus(material: Material) -> float:
+    """Modulus [Pa] that bears a body's own weight."""
+    fluid = material.model is MaterialModel.FLUID
+    return (material.bulk_modulus or math.inf) if fluid else (material.youngs_modulus or math.inf)
 
 
 def _damped_factor(material: Material, step: float, inertia: float) -> float:
