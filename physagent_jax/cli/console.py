@@ -5,7 +5,7 @@ from __future__ import annotations
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from physagent_jax.agents.schema import Judgement, Verdict
+from physagent_jax.agents.schema import Judgement, SemanticReply, Verdict
 from physagent_jax.cli import stopping
 from physagent_jax.run.observer import Observer
 
@@ -71,6 +71,13 @@ class ConsoleObserver(Observer):
         """Moves the bar."""
         if self._bar is not None:
             self._bar(done, total)
+
+    def understood(self, reply: SemanticReply) -> None:
+        """Prints what was assumed, and the words that led to nothing, while the run can still be stopped."""
+        for note in reply.notes:
+            stderr.print(f"  assumed: {_plain(note)}")
+        if reply.not_understood:
+            stderr.print(f"  [yellow]not understood:[/] {_plain(', '.join(reply.not_understood))}")
 
     def judged(self, index: int, judgement: Judgement) -> None:
         """Prints the planner's verdict and its suggestion."""

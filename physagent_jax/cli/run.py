@@ -142,6 +142,7 @@ class Run:
 
 def summarise(store, seconds: float) -> dict:
     """The line that ``--json`` prints."""
+    from physagent_jax.agents.schema import SemanticReply
     from physagent_jax.simulation.record import SimulationRecord
 
     manifest = store.manifest
@@ -150,9 +151,12 @@ def summarise(store, seconds: float) -> dict:
         for index in range(manifest.iterations)
     ]
     best = records[manifest.best_iteration]
+    understood = store.read("semantic.json", SemanticReply)
     return {
         "verdict": manifest.verdict,
         "iterations": manifest.iterations,
+        "assumptions": understood.notes,
+        "not_understood": understood.not_understood,
         "frames": len(best.kinetic_energy),
         "particle_count": best.particle_count,
         "substeps": sum(record.substeps for record in records),

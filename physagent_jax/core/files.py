@@ -6,6 +6,7 @@ import contextlib
 import errno
 import os
 import re
+import shutil
 import stat
 import uuid
 from collections.abc import Iterator, Mapping
@@ -98,6 +99,17 @@ def remove_leftovers(path: str | Path) -> None:
     """Removes `leftovers`."""
     for leftover in leftovers(path):
         leftover.unlink(missing_ok=True)
+
+
+def link_or_copy(source: Path, target: Path) -> None:
+    """Gives a file a second name, so that its bytes are kept once; a copy where the file system has no hard links.
+
+    What `replacing` writes to one of the names later leaves the other as it is.
+    """
+    try:
+        os.link(source, target)
+    except OSError:
+        shutil.copyfile(source, target)
 
 
 def write_text(path: str | Path, text: str) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from physagent_jax.agents.schema import Judgement
-from physagent_jax.core.files import replacing, write_text
+from physagent_jax.core.files import link_or_copy, replacing, write_text
 from physagent_jax.output.motion_file import Motion, read_motion, write_motion
 from physagent_jax.output.splats import splat_names, write_splat_frames
 from physagent_jax.output.video import frame_names, write_frames, write_picture, write_video
@@ -55,14 +55,15 @@ def write_verdict(
 
 
 def write_best(store: RunStore, index: int, body: Body, *, save_frames: bool, save_splats: bool) -> None:
-    """Copies round ``index`` to the top of the folder, and writes what was asked for on top."""
+    """Puts round ``index`` at the top of the folder, its large files under a second name, and what was asked for."""
     folder = store.iteration(index)
     frames = sorted(path.name for path in (folder / "frames").glob("*.png")) if save_frames else []
     copied = ["scene.json", "video.mp4", "motion.npz", *(f"frames/{name}" for name in frames)]
     store.claim(*copied)
     for name in copied:
         with replacing(store.path / name) as temporary:
-            shutil.copyfile(folder / name, temporary)
+            # A scene file is edited by people, who do not expect another one to change with it.
+            (shutil.copyfile if name == "scene.json" else link_or_copy)(folder / name, temporary)
     if save_splats:
         motion = read_motion(folder / "motion.npz")
         store.claim(*splat_names("splats", len(motion.x)))

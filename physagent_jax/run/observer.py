@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from physagent_jax.agents.schema import Judgement
+from physagent_jax.agents.schema import Judgement, SemanticReply
 
 
 class Observer:
@@ -10,6 +10,9 @@ class Observer:
 
     def stage(self, text: str) -> None:
         """A new stage begins."""
+
+    def understood(self, reply: SemanticReply) -> None:
+        """The sentence was read."""
 
     def frame(self, done: int, total: int) -> None:
         """``done`` of ``total`` frames are simulated and rendered."""

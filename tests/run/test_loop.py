@@ -1,12 +1,15 @@
 """The closed loop on the bundled object, small and coarse: files, determinism, resuming, keeping the best."""
 
 import json
+import os
 
 import numpy as np
 import pytest
 
-from physagent_jax.agents.schema import Check, Judgement, Rewrite, Verdict
+from physagent_jax.agents.schema import Check, Judgement, Rewrite, SemanticReply, Verdict
 from physagent_jax.cli import main
+from physagent_jax.cli.console import ConsoleObserver
+from physagent_jax.core.files import link_or_copy
 from physagent_jax.forces.schema import Action, ForceField
 from physagent_jax.output.motion_file import read_motion
 from physagent_jax.output.video import read_video
@@ -15,6 +18,7 @@ from physagent_jax.simulation.record import SimulationRecord
 from tests.run.specs import made, small, with_rules
 
 FRAMES = 10
+PROMPT = "a strong wind pushes the robot to the left"
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +29,7 @@ def finished(tmp_path_factory, robot_path):
         "--object",
         robot_path,
         "--prompt",
-        "a strong wind pushes the robot to the left",
+        PROMPT,
         "--out",
         out,
     ]
@@ -91,6 +95,46 @@ def test_the_motion_file_reproduces_the_particles(finished):
     motion = read_motion(finished / "motion.npz")
     assert motion.x.shape[0] == FRAMES and motion.x.shape[1] >= 500
     assert float(np.abs(motion.F[0] - np.eye(3)).max()) == 0
+
+
+def test_the_large_files_of_the_best_round_are_kept_once(finished):
+    for name in ("motion.npz", "video.mp4"):
+        assert os.path.samefile(finished / name, finished / "iterations" / "0" / name)
+    scene = finished / "scene.json"  # people edit this one
+    assert not os.path.samefile(scene, finished / "iterations" / "0" / "scene.json")
+    manifest = json.loads((finished / "manifest.json").read_text())
+    assert {"motion.npz", "iterations/0/motion.npz"} <= set(manifest["files"])
+
+
+def test_without_hard_links_a_file_is_copied(tmp_path, monkeypatch):
+    def refuse(*_):
+        raise OSError("no hard links here")
+
+    (tmp_path / "a").write_bytes(b"motion")
+    monkeypatch.setattr(os, "link", refuse)
+    link_or_copy(tmp_path / "a", tmp_path / "b")
+    assert (tmp_path / "b").read_bytes() == b"motion"
+
+
+def test_assumptions_and_unknown_words_are_in_the_line_of_json(finished, robot_path, capsys):
+    line = ["run", "--object", robot_path, "--prompt", PROMPT, "--out", finished, "--frames", FRAMES]
+    options = ["--particles", 600, "--resolution", 96, "--save-splats", "--save-frames", "--json"]
+    assert main([str(part) for part in (*line, *options)]) == 0  # it is there already
+    told = json.loads(capsys.readouterr().out)
+    reply = json.loads((finished / "semantic.json").read_text())
+    assert told["not_understood"] == reply["not_understood"] and told["assumptions"] == reply["notes"]
+
+
+def test_the_terminal_tells_what_was_assumed_and_not_understood(capsys):
+    reply = SemanticReply(
+        force_field=ForceField(),
+        expectations=(),
+        notes=("left is [the viewer's].",),
+        not_understood=("purple",),
+    )
+    ConsoleObserver().understood(reply)
+    told = capsys.readouterr().err
+    assert "assumed: left is [the viewer's]." in told and "not understood: purple" in told
 
 
 def test_the_same_command_gives_the_same_scene_bytes(finished, tmp_path, robot_path):
