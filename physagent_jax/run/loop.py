@@ -102,7 +102,7 @@ def run_loop(
         ahead.begin()  # while the sentence is read and the object loaded
         loop = _Loop(run, agents, observer or Observer(), store)
         reply = loop.read_sentence()
-        observer.understood(reply)
+        loop.observer.understood(reply)
         body = loop.load_object()
         template = loop.with_anchor(reply)
         check_cost(estimate_cost(fuse(template, body, reply.force_field), body), limits or Limits())
