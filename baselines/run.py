@@ -12,8 +12,7 @@ import tyro
 
 from baselines.oracle_gradient import Step, optimise
 from baselines.tasks import TASKS, Parameters, Task, make_task
-from physagent_jax.cli.console import FrameBar
-from physagent_jax.cli.environment import enable_compile_cache
+from physagent_jax import enable_compile_cache
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
 from physagent_jax.report.html import write_report
@@ -115,11 +114,8 @@ def _write(
     """Leaves the files of a run with one iteration: the solution, played with the adaptive driver."""
     config = task.solution(parameters)
     scene = compile_scene(config, task.body, store.path)
-    bar = FrameBar("playing the solution")
-    try:
-        recording = simulate_scene(scene, watch=watch, progress=bar)
-    finally:
-        bar.close()
+    print("simulating the solution")
+    recording = simulate_scene(scene, watch=watch)
     with watch("write"):
         write_rollout(store, 0, scene, recording)
         write_best(store, 0, task.body, save_frames=False, save_splats=False)

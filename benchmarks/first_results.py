@@ -156,8 +156,7 @@ def farthest(path) -> tuple[float, float, float] | None:
 
 def physagent(*arguments: str) -> str:
     """Runs the command line in a fresh process; returns its standard output."""
-    code = "import sys; from physagent_jax.cli import main; sys.exit(main())"
-    done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-m", "physagent_jax", *arguments], capture_output=True, text=True)
     if done.returncode != 0:
         sys.exit(f"physagent {' '.join(arguments)} failed:\n{done.stderr}")
     return done.stdout

@@ -91,14 +91,13 @@ def measure_iterations(rounds: int, options: tuple[str, ...]) -> list[dict]:
 
 def run(job: tuple[str, ...], folder: Path) -> dict:
     """The row of one run, whose compiled programs are kept in ``folder``."""
-    script = "import sys; from physagent_jax.cli import main; sys.exit(main())"
     out, load = folder / "run", os.getloadavg()[0]
     environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache")}
     for name in ("NUMBA_CACHE_DIR", "JAX_COMPILATION_CACHE_DIR"):
         environment.pop(name, None)
     begun = time.perf_counter()
     done = subprocess.run(
-        [sys.executable, "-c", script, "run", *job, "--out", str(out), "--overwrite", "--json"],
+        [sys.executable, "-m", "physagent_jax", "run", *job, "--out", str(out), "--overwrite", "--json"],
         env=environment,
         capture_output=True,
         text=True,

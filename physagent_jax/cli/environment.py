@@ -5,14 +5,11 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from pathlib import Path
 from typing import Any
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import unknown_name
 
-CACHE_VARIABLE = "PHYSAGENT_COMPILE_CACHE"
-_OFF = ("off", "0", "no", "none", "false")
 _LAYERS = ("default", "safe", "forksafe", "threadsafe", "tbb", "omp", "workqueue")
 
 
@@ -36,6 +33,8 @@ def prepare() -> None:
             "`JAX_DISABLE_JIT` runs a simulation operation by operation, which would take hours",
             do="Unset it",
         )
+    from physagent_jax.kernels.compile_cache import enable_compile_cache
+
     enable_compile_cache()
     try:
         jax.devices()
@@ -45,41 +44,6 @@ def prepare() -> None:
             got=f"JAX_PLATFORMS={os.environ.get('JAX_PLATFORMS', '')}: {error}".strip(": ").splitlines()[0],
             do="Unset `JAX_PLATFORMS`, or set it to cpu",
         ) from error
-
-
-def enable_compile_cache() -> None:
-    """Keeps compiled programs between processes, so that only the first run pays for compilation.
-
-    ``PHYSAGENT_COMPILE_CACHE`` names another folder, or turns it off with ``off``. A folder set through JAX's own
-    configuration is left alone. Within the folder, programs lie in one that is private to the user, because JAX loads
-    code from it, and belongs to this kind of processor.
-
-    Raises:
-        UserError: ``PHYSAGENT_COMPILE_CACHE`` is no folder to write to.
-    """
-    setting = os.environ.get(CACHE_VARIABLE, "")
-    if not setting.isprintable():
-        raise UserError(f"`{CACHE_VARIABLE}` is no text", got=ascii(setting), do='Name a folder, or "off"')
-    if setting.lower() in _OFF:
-        return
-    import jax
-
-    from physagent_jax.kernels import programs
-    from physagent_jax.kernels.folders import private_folder, processor, usable
-
-    config: Any = jax.config
-    if config.jax_compilation_cache_dir is not None:
-        return
-    if not setting:
-        programs.keep_on_disk(private_folder("compiled", processor()))
-    elif usable(folder := Path(setting).expanduser() / processor()):
-        programs.keep_on_disk(folder)
-    else:
-        raise UserError(
-            f"`{CACHE_VARIABLE}` must name a folder that only you may write to",
-            got=setting,
-            do='Name another, or "off"',
-        )
 
 
 def _check_numba() -> None:

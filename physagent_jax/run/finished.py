@@ -7,15 +7,19 @@ import os
 from pathlib import Path
 from typing import TypeVar
 
+import numpy as np
 from pydantic import BaseModel
 
 from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import parse_model, read_json, shortened
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.output.motion_file import Motion, read_motion
+from physagent_jax.output.video import read_video
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.run.manifest import Manifest
-from physagent_jax.run.store import PROBE
+from physagent_jax.run.spec import RunSpec
+from physagent_jax.run.store import PROBE, REPORT
 from physagent_jax.scene.config import SceneConfig
 from physagent_jax.simulation.record import SimulationRecord
 
@@ -57,6 +61,7 @@ class FinishedRun:
 
     Attributes:
         folder: Where it is.
+        spec: What was asked for; None in a folder that no agents made.
         manifest, semantic, scene: Top-level files; None where missing or broken.
         video: The best round's video.
         iterations: In order.
@@ -65,6 +70,7 @@ class FinishedRun:
     """
 
     folder: Path
+    spec: RunSpec | None
     manifest: Manifest | None
     semantic: SemanticReply | None
     scene: SceneConfig | None
@@ -99,6 +105,36 @@ class FinishedRun:
         return self.best_scene.prompt if self.best_scene else ""
 
     @property
+    def report(self) -> Path | None:
+        """The report page; None if there is none."""
+        path = self.folder / REPORT
+        return path if path.is_file() else None
+
+    def frames(self) -> np.ndarray:
+        """The best round's pictures, from its video, uint8, shape (T, height, width, 3).
+
+        Raises:
+            UserError: There is no video, or it cannot be read.
+        """
+        return read_video(self._there(self.video, "video.mp4"))
+
+    def motion(self) -> Motion:
+        """The best round's particles and Gaussians, frame by frame.
+
+        Raises:
+            UserError: The run has left none, or the file is damaged.
+        """
+        path = self.folder / "motion.npz"
+        return read_motion(self._there(path if path.is_file() else None, path.name))
+
+    def _there(self, path: Path | None, name: str) -> Path:
+        if path is None:
+            raise UserError(
+                f"{shortened(self.folder)} has no {name}", do="Finish the run: give its command again"
+            )
+        return path
+
+    @property
     def frame_dt(self) -> float | None:
         """Seconds per frame [s]."""
         return self.best_scene.timing.frame_dt if self.best_scene else None
@@ -114,6 +150,7 @@ def open_run(folder: str | Path) -> FinishedRun:
     if not os.path.isdir(folder):  # False too where the system cannot take the name
         raise UserError(f"{shortened(folder)} is not a run folder", got="no folder", do="Check the path")
     reader = _Reader(folder)
+    spec = reader.model("run.json", RunSpec, optional=True)
     manifest = reader.model("manifest.json", Manifest)
     semantic = reader.model("semantic.json", SemanticReply)
     scene = reader.model("scene.json", SceneConfig)
@@ -125,7 +162,9 @@ def open_run(folder: str | Path) -> FinishedRun:
         raise UserError(f"{folder} is not a run folder", do="Name the folder that holds manifest.json")
     if not iterations:
         reader.problems.append("No round has been stored yet.")
-    return FinishedRun(folder, manifest, semantic, scene, video, iterations, probe, tuple(reader.problems))
+    return FinishedRun(
+        folder, spec, manifest, semantic, scene, video, iterations, probe, tuple(reader.problems)
+    )
 
 
 def _iterations(reader: _Reader, name: str, reused: dict[str, int]) -> tuple[Iteration, ...]:

@@ -18,13 +18,14 @@ from pathlib import Path
 from physagent_jax.agents import registry
 from physagent_jax.agents.protocols import Agents
 from physagent_jax.agents.rules.bands import expectation_windows
-from physagent_jax.agents.schema import DirectionTable, Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
+from physagent_jax.agents.schema import Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.kernels import ahead
 from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.run.artifacts import write_best, write_rollout, write_verdict
+from physagent_jax.run.brief import make_brief
 from physagent_jax.run.manifest import AgentCost, Stages
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.provenance import make_manifest
@@ -32,7 +33,6 @@ from physagent_jax.run.resolve import ResolvedRun
 from physagent_jax.run.spec import AgentChoice
 from physagent_jax.run.store import PROBE, RunStore
 from physagent_jax.scene.body import Body, make_body
-from physagent_jax.scene.camera import viewer_directions
 from physagent_jax.scene.coarse import coarser
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import SceneConfig
@@ -336,17 +336,7 @@ class _Loop:
         self._store.update(**costs, reused_frames=self._reused, **changes)
 
     def _brief(self) -> SceneBrief:
-        template = self._run.template
-        timing = template.preset.timing
-        held = self._anchor
-        return SceneBrief(
-            object_name=template.source.name,
-            object_kind=template.source.kind,
-            anchored=None if held.kind == "none" else held.reason or held.kind,
-            frame_count=timing.frame_count,
-            frame_dt=timing.frame_dt,
-            directions=DirectionTable(**viewer_directions(template.camera)),
-        )
+        return make_brief(dataclasses.replace(self._run.template, anchor=self._anchor))
 
 
 def _best(attempts: list[Attempt]) -> int:

@@ -25,6 +25,11 @@ from physagent_jax.scene.config import SceneConfig
 from physagent_jax.simulation.record import Ledger, SimulationRecord
 
 
+def to_uint8(rgb) -> np.ndarray:
+    """Colours in [0, 1], rounded to levels of 8 bits; what is beyond is clipped."""
+    return (np.clip(np.asarray(rgb), 0, 1) * 255 + 0.5).astype(np.uint8)
+
+
 @dataclasses.dataclass(frozen=True)
 class FrameOutput:
     """One frame's picture and trajectories.
@@ -47,7 +52,7 @@ class FrameOutput:
     def of(picture, gaussians: np.ndarray, frame: Frame) -> FrameOutput:
         """A frame as it was rendered; ``gaussians`` as in the attribute."""
         return FrameOutput(
-            rgb=(np.clip(np.asarray(picture.rgb), 0, 1) * 255 + 0.5).astype(np.uint8),
+            rgb=to_uint8(picture.rgb),
             depth=np.asarray(picture.depth, np.float32),
             gaussians=gaussians,
             x=np.asarray(frame.state.x),
@@ -123,6 +128,7 @@ class Recording:
     """What simulating and rendering a scene gives.
 
     Attributes:
+        scene: What was simulated.
         rgb: Pictures, uint8, shape (T, height, width, 3).
         depth: z-depth [m], 0 where nothing is, shape (T, height, width).
         x: Positions of the model's particles [m], shape (T, n, 3); ``x[:, scene.back]`` are the body's.
@@ -133,6 +139,7 @@ class Recording:
         reused_frames: How many frames were taken over from such a cache instead of simulated.
     """
 
+    scene: CompiledScene
     rgb: np.ndarray
     depth: np.ndarray
     x: np.ndarray
@@ -153,6 +160,7 @@ class Recording:
         """All frames together; the first ``reused_frames`` of them were taken over."""
         gaussians = np.stack([output.gaussians for output in outputs])
         return Recording(
+            scene=scene,
             rgb=np.stack([output.rgb for output in outputs]),
             depth=np.stack([output.depth for output in outputs]),
             x=np.stack([output.x for output in outputs]),

@@ -1,0 +1,182 @@
+"""The verbs of the front door: `physagent_jax` hands them on, each imported when it is first asked for."""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import validation_message
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.run.brief import make_brief
+from physagent_jax.run.finished import FinishedRun, open_run
+from physagent_jax.run.loop import make_agents, run_loop
+from physagent_jax.run.observer import Observer
+from physagent_jax.run.resolve import ResolvedRun, resolve
+from physagent_jax.run.spec import RunSpec
+from physagent_jax.scene.body import Body, make_body
+from physagent_jax.scene.compile import CompiledScene, compile_scene
+from physagent_jax.scene.cost import Limits
+from physagent_jax.scene.fuse import fuse
+
+
+@dataclasses.dataclass(frozen=True)
+class LoadedObject:
+    """An object at rest in the domain, as particles and Gaussians.
+
+    Attributes:
+        spec: How it was loaded.
+        body: Gaussians, particles, and how they hang together.
+    """
+
+    spec: RunSpec
+    body: Body
+
+
+def load_object(
+    path: str | Path,
+    *,
+    up: str | None = None,
+    kind: str | None = None,
+    opacity_threshold: float = 0.02,
+    preset: str = "fast",
+    max_particles: int | None = None,
+    seed: int = 0,
+) -> LoadedObject:
+    """Reads an object's file, places it in the domain and fills it with particles.
+
+    Args:
+        path: 3DGS PLY or mesh (.obj, .glb, .stl, .ply).
+        up: The file's own up axis ("-y"); None = its card's, else "+z".
+        kind: Class with a physical prior ("plant", "food", ...); None = its card's, else from the file's name.
+        opacity_threshold: Gaussians with a lower opacity are dropped.
+        preset: "fast" or "paper": domain, grid, particles, frames.
+        max_particles: Particles at most; None = the preset's.
+        seed: Of everything random.
+
+    Raises:
+        UserError: The file cannot be used, or a value is out of range.
+    """
+    spec = _valid(
+        object=dict(path=str(path), up=up, kind=kind, opacity_threshold=opacity_threshold),
+        prompt="",
+        preset=preset,
+        overrides=dict(max_particles=max_particles),
+        seed=seed,
+    )
+    template = resolve(spec).template
+    return LoadedObject(
+        spec.located("."), make_body(template.source, template.preset.filling, template.preset.domain, ".")
+    )
+
+
+def build_scene(
+    loaded: LoadedObject,
+    prompt: str = "",
+    *,
+    force_field: ForceField | Mapping[str, Any] | None = None,
+    material: str | Mapping[str, Any] | None = None,
+    anchor: str | Mapping[str, Any] = "auto",
+    camera: Mapping[str, Any] | None = None,
+    friction: float = 0.0,
+    frame_count: int | None = None,
+    width: int | None = None,
+    height: int | None = None,
+    ledger: bool = False,
+) -> CompiledScene:
+    """A scene of an object and what acts on it, ready to be simulated.
+
+    Args:
+        loaded: The object.
+        prompt: What should happen, for the offline semantic agent to read.
+        force_field: What acts, in place of a sentence; None and no sentence = nothing.
+        material: A name, or fields of `run.spec.MaterialChoice`; None = what the object's kind implies.
+        anchor: A kind, or fields of `run.spec.AnchorChoice`; "auto" = what the sentence says, else what the kind
+            implies.
+        camera: Fields of `run.spec.CameraChoice`.
+        friction: Of the ground, for objects that fall.
+        frame_count: Frames of the clip; None = the preset's.
+        width: Of the pictures [px]; None = the preset's.
+        height: Likewise.
+        ledger: Whether exchanged energy and momentum are recorded.
+
+    Raises:
+        UserError: The sentence is not understood, a value is out of range, or both a sentence and a force field
+            are given.
+    """
+    if prompt and force_field is not None:
+        raise UserError("`prompt` and `force_field` both say what acts", do="Give one of them")
+    changed = loaded.spec.model_dump(mode="json")
+    changed["overrides"] |= dict(frame_count=frame_count, width=width, height=height)
+    changed |= dict(
+        prompt=prompt,
+        material=dict(name=material) if isinstance(material, str) else dict(material or {}),
+        anchor=dict(kind=anchor) if isinstance(anchor, str) else dict(anchor),
+        camera=dict(camera or {}),
+        friction=friction,
+        ledger=ledger,
+    )
+    run = resolve(_valid(**changed))
+    for text in run.warnings:
+        warnings.warn(text, UserWarning, stacklevel=2)
+    template = run.template
+    if prompt:
+        reply = make_agents(run.spec.agents).semantic.compile(prompt, make_brief(template))
+        template, acting = run.held(reply.anchor), reply.force_field
+    else:
+        acting = _force_field(force_field)
+    return compile_scene(fuse(template, loaded.body, acting), loaded.body, run.base_dir)
+
+
+def synthesize(
+    spec: RunSpec | ResolvedRun | str | Path,
+    out: str | Path,
+    *,
+    observer: Observer | None = None,
+    limits: Limits | None = None,
+    overwrite: bool = False,
+) -> FinishedRun:
+    """Runs the closed loop into a folder and writes its report; a stopped run goes on.
+
+    Args:
+        spec: The run, or a file that holds it.
+        out: Run folder.
+        observer: Told of the progress.
+        limits: What a round may take.
+        overwrite: Replace another run in ``out``.
+
+    Raises:
+        UserError: Input that a person can mend.
+    """
+    from physagent_jax.report.html import write_report
+
+    if isinstance(spec, str | Path):
+        from physagent_jax.run.spec import read_spec
+
+        spec = resolve(read_spec(spec), Path(spec).parent)
+    run = resolve(spec) if isinstance(spec, RunSpec) else spec
+    store = run_loop(run, out, observer=observer, limits=limits, overwrite=overwrite)
+    write_report(store.path)
+    return open_run(store.path)
+
+
+def _valid(**fields: Any) -> RunSpec:
+    try:
+        return RunSpec.model_validate(fields)
+    except ValidationError as error:
+        do = "`physagent schema run` prints the schema"
+        raise validation_message(error, "arguments", RunSpec, do=do) from None
+
+
+def _force_field(value: ForceField | Mapping[str, Any] | None) -> ForceField:
+    if isinstance(value, BaseModel | None):
+        return value if isinstance(value, ForceField) else ForceField()
+    try:
+        return ForceField.model_validate(dict(value))
+    except ValidationError as error:
+        raise validation_message(error, "`force_field`", ForceField) from None
