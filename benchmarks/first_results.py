@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import os
-import platform
 import subprocess
 import sys
 from pathlib import Path
 
 import tyro
 
+from benchmarks.machine import circumstances
 from physagent_jax.agents.schema import Judgement
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.motion import compare
@@ -72,7 +71,7 @@ def main() -> int:
         rows.append(run_case(command, index, name, objects[name], prompt))
     result = {
         "command": "python -m benchmarks.first_results",
-        "machine": machine(),
+        **circumstances(),
         "rows": rows,
         "left_out": sorted({name for name, _ in CASES} - set(objects)),
     }
@@ -160,12 +159,6 @@ def physagent(*arguments: str) -> str:
     if done.returncode != 0:
         sys.exit(f"physagent {' '.join(arguments)} failed:\n{done.stderr}")
     return done.stdout
-
-
-def machine() -> str:
-    """What the figures were measured on."""
-    python = platform.python_version()
-    return f"{os.cpu_count()} processor cores, {platform.machine()}, {platform.system()}, Python {python}"
 
 
 def table(result: dict) -> str:

@@ -165,7 +165,7 @@ class _Bound:
         return on_device(value, self._dtype)
 
     def vector(self, k: float) -> jnp.ndarray:
-        """K M v, shape (3,)."""
+        """k M v, shape (3,)."""
         return self.leaf(k * self._timed.magnitude * np.asarray(self._timed.vector))
 
     def stress_concentration(self) -> float:

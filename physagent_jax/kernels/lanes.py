@@ -342,7 +342,7 @@ def magnitude(typing, a):
 
 @intrinsic
 def exponential(typing, a):
-    """E^a of float32 lanes, to about 1e-7 relative; a is taken to lie in [-87, 88].
+    """e^a of float32 lanes, to about 1e-7 relative; a is taken to lie in [-87, 88].
 
     2^n e^f with n the whole number next to a / ln 2 and a polynomial in f, |f| <= ln 2 / 2 (Cephes, expf). LLVM's own
     intrinsic would call the C library lane by lane.

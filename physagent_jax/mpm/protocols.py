@@ -26,7 +26,7 @@ class BodyForce(Protocol):
         ...
 
     def gradient(self, x: jax.Array, time: jax.Array, dt: jax.Array) -> jax.Array | None:
-        """D acceleration / d x [1/s^2], shape (n, 3, 3) or (3, 3); None = uniform across a cell.
+        """d acceleration / d x [1/s^2], shape (n, 3, 3) or (3, 3); None = uniform across a cell.
 
         P2G carries it like C. A torque needs it: APIC particles have a moment of inertia of their own
         (m dx^2 / 2 about each axis), which forces at their centres alone would leave unturned.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from physagent_jax.core.turning import find_turning_points
 from physagent_jax.perception.schema import Oscillation
 
 LEAST_REVERSALS = 2
@@ -40,30 +41,6 @@ def settled(distance_to_end: np.ndarray, threshold: float) -> int | None:
     return first if rest >= max(3, count // 10) else None
 
 
-def reversals(signal: np.ndarray, threshold: float) -> list[float]:
-    """Times of the turning points that are followed by a way back larger than ``threshold``.
-
-    Args:
-        signal: Position per frame, shape (T,).
-        threshold: Hysteresis, in the signal's unit.
-
-    Returns:
-        Turning points in frames, to a fraction of a frame (parabola through the extreme and its neighbours).
-    """
-    turns, extreme, heading = [], 0, 0
-    for t in range(1, len(signal)):
-        step = signal[t] - signal[extreme]
-        if heading == 0:
-            if abs(step) > threshold:
-                heading, extreme = int(np.sign(step)), t
-        elif heading * step >= 0:
-            extreme = t
-        elif abs(step) > threshold:
-            turns.append(extreme + _vertex(signal, extreme))
-            heading, extreme = -heading, t
-    return turns
-
-
 def oscillation(centroid: np.ndarray, frame_dt: float, threshold: float) -> Oscillation | None:
     """Swinging of the centroid along one of its principal directions, the widest that reverses.
 
@@ -88,7 +65,7 @@ def oscillation(centroid: np.ndarray, frame_dt: float, threshold: float) -> Osci
     _, spread, axes = np.linalg.svd(path - trend - (path - trend).mean(0), full_matrices=False)
     for axis, width in zip(axes, spread):
         signal = path @ axis
-        turns = reversals(signal, threshold)
+        turns = [t + _vertex(signal, t) for t in find_turning_points(signal, threshold)]
         if len(turns) >= LEAST_REVERSALS and width > 0:
             period = 2 * (turns[-1] - turns[0]) / (len(turns) - 1)
             first = signal[int(round(turns[0]))] - signal[0]
@@ -102,7 +79,7 @@ def oscillation(centroid: np.ndarray, frame_dt: float, threshold: float) -> Osci
 
 
 def _vertex(signal: np.ndarray, t: int) -> float:
-    """Offset of the parabola's vertex through frames t - 1, t, t + 1, within half a frame."""
+    """How far the turning point is from frame t, within half a frame: a parabola through it and its neighbours."""
     if t in (0, len(signal) - 1):
         return 0.0
     before, at, after = signal[t - 1 : t + 2]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.motion import TrueMotion
 from physagent_jax.perception.schema import MotionReport
-from physagent_jax.report.directions import viewer_directions, world_axis_labels
+from physagent_jax.report.directions import direction_table, world_axis_labels
 from physagent_jax.report.formats import prefix
 from physagent_jax.report.markup import Markup, div
 from physagent_jax.report.plot import Plot, Series, draw
@@ -86,7 +86,7 @@ def _column(rows: Sequence[Sequence[float] | None], axis: int) -> list[float | N
 
 
 def _displacement(report: MotionReport | None, truth: TrueMotion | None, scene: SceneConfig | None):
-    labels = world_axis_labels(viewer_directions(scene.camera)) if scene else AXIS_NAMES
+    labels = world_axis_labels(direction_table(scene.camera)) if scene else AXIS_NAMES
     series = []
     for axis, label in enumerate(labels):
         seen = _column(report.centroid, axis) if report else None

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from physagent_jax.agents.schema import DirectionTable
+from physagent_jax.scene.camera import viewer_directions
 from physagent_jax.scene.config import CameraConfig
 
 # A component below this share of a unit vector is not worth a word (about 9 degrees).
@@ -23,15 +23,9 @@ TURNS = (
 )
 
 
-def viewer_directions(camera: CameraConfig) -> DirectionTable:
-    """The viewer's six directions as unit world vectors; azimuth 0 looks along +y with +x to the right."""
-    azimuth = math.radians(camera.azimuth_degrees)
-    right = (math.cos(azimuth), math.sin(azimuth), 0.0)
-    toward = (math.sin(azimuth), -math.cos(azimuth), 0.0)
-    up = (0.0, 0.0, 1.0)
-    return DirectionTable(
-        right=right, left=_opposite(right), up=up, down=_opposite(up), toward=toward, away=_opposite(toward)
-    )
+def direction_table(camera: CameraConfig) -> DirectionTable:
+    """The viewer's six directions as the agents are told them."""
+    return DirectionTable(**viewer_directions(camera))
 
 
 def components(vector: Sequence[float], table: DirectionTable) -> tuple[float, float, float]:
@@ -75,11 +69,6 @@ def world_axis_labels(table: DirectionTable) -> tuple[str, str, str]:
         aligned = max(abs(value) for value in components(unit, table)) >= ALIGNED
         labels.append(f"{name} ({direction_words(unit, table)})" if aligned else name)
     return tuple(labels)
-
-
-def _opposite(vector: Sequence[float]) -> tuple[float, float, float]:
-    x, y, z = vector
-    return -x + 0.0, -y + 0.0, -z + 0.0
 
 
 def _dot(a: Sequence[float], b: Sequence[float]) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from physagent_jax.report.directions import viewer_directions
+from physagent_jax.report.directions import direction_table
 from physagent_jax.report.force_terms import force_term_words, span_words
 from physagent_jax.report.formats import (
     UNKNOWN,
@@ -176,7 +176,7 @@ def _world_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
     damping = f", damping {number(transfer.damping_rate)} 1/s" if transfer.damping_rate else ""
     walls = [tag("li", boundary_words(boundary)) for boundary in scene.boundaries]
     held = [tag("li", constraint_words(constraint)) for constraint in scene.constraints]
-    viewer = viewer_directions(scene.camera)
+    viewer = direction_table(scene.camera)
     pushes = [tag("li", force_term_words(term, viewer)) for term in scene.forces]
     return [
         ("domain", f"{number(scene.domain.size)} m cube, {count(scene.domain.cells)} cells a side"),

@@ -17,7 +17,7 @@ from physagent_jax.forces.schema import (
     SkillScaling,
     VelocityConstraint,
 )
-from physagent_jax.report.directions import axis_words, direction_words, turn_words, viewer_directions
+from physagent_jax.report.directions import axis_words, direction_table, direction_words, turn_words
 from physagent_jax.report.force_terms import force_term_words, region_words
 from physagent_jax.report.formats import fixed, number, plain, vector, window
 from physagent_jax.report.icons import action_icon
@@ -59,10 +59,10 @@ class Setting:
 def setting_of(scene: SceneConfig | None) -> Setting:
     """The setting of a scene; the reference camera's defaults if the scene is not known."""
     if scene is None:
-        return Setting(viewer_directions(CameraConfig()))
+        return Setting(direction_table(CameraConfig()))
     timing = scene.timing
     return Setting(
-        viewer_directions(scene.camera),
+        direction_table(scene.camera),
         timing.frame_count - 1,
         timing.frame_dt,
         scene.scaling,

@@ -51,7 +51,7 @@ def decode_youngs_modulus(standardised: float) -> float:
 
 
 def decode_poissons_ratio(standardised: float) -> float:
-    """Nu of the network's output."""
+    """nu of the network's output."""
     return 0.111 * standardised + 0.398
 
 

@@ -5,9 +5,9 @@ import math
 import pytest
 
 from physagent_jax.agents.rules.bands import expectation_windows
-from physagent_jax.agents.rules.checks import reversals
 from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, Verdict
+from physagent_jax.core.turning import find_turning_points
 from physagent_jax.forces.schema import ForceField
 from tests.agents.scenes import brief, read, report, seen_in, window
 
@@ -192,7 +192,7 @@ def test_let_go_must_come_back():
 )
 def test_reversals(path, turns):
     """Turns larger than the noise are counted, smaller ones are not."""
-    assert reversals(path, 0.05) == turns
+    assert len(find_turning_points(path, 0.05)) == turns
 
 
 def test_expectation_windows_are_whole_inside_and_unique():

@@ -63,7 +63,7 @@ def gradient(term, x, time, dt):
 
 @jax.jit
 def jacobian(term, x, time, dt):
-    """D acceleration / d x of every particle by automatic differentiation, shape (n, 3, 3)."""
+    """d acceleration / d x of every particle by automatic differentiation, shape (n, 3, 3)."""
     one = lambda y: term.acceleration(y[None], None, None, time, dt)[0]  # noqa: E731
     return jax.vmap(jax.jacfwd(one))(x)
 

@@ -10,9 +10,9 @@ from physagent_jax.agents.schema import Evidence
 from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, SphereRegion
 from physagent_jax.report.directions import (
     axis_words,
+    direction_table,
     direction_words,
     turn_words,
-    viewer_directions,
     world_axis_labels,
 )
 from physagent_jax.report.force_cards import region_words
@@ -22,8 +22,8 @@ from physagent_jax.report.plot import Plot, Series, draw, nice_step, ticks
 from physagent_jax.report.words import find_highlights
 from physagent_jax.scene.config import CameraConfig
 
-FRONT = viewer_directions(CameraConfig())
-FROM_PLUS_X = viewer_directions(CameraConfig(azimuth_degrees=90))
+FRONT = direction_table(CameraConfig())
+FROM_PLUS_X = direction_table(CameraConfig(azimuth_degrees=90))
 
 
 @pytest.mark.parametrize(

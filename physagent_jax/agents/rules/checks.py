@@ -10,6 +10,7 @@ from physagent_jax.agents.rules.comparisons import View, compare_amount, compare
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, cosine, dot, norm, scaled
 from physagent_jax.core.strict import Vector
+from physagent_jax.core.turning import find_turning_points
 from physagent_jax.perception.schema import Matrix, WindowMotion
 
 _SAME_WAY = 0.7  # cosine: within 45 degrees
@@ -195,7 +196,7 @@ def _sway(index: int, expectation: ExpectedMotion, window: WindowMotion, view: V
         f"{amplitude:.2g} body lengths to either side",
         view,
     )
-    turns = reversals(path, max(0.25 * amplitude, 0.2 * bands.VISIBLE))
+    turns = len(find_turning_points(path, max(0.25 * amplitude, 0.2 * bands.VISIBLE)))
     wanted, most = 2 * expectation.repeats - 1, 4 * expectation.repeats + 3
     enough = wanted <= turns <= most
     fix = f"alternate {view.causes(expectation) or 'pushes'} {expectation.repeats} times to and fro"
@@ -217,19 +218,6 @@ def _sway(index: int, expectation: ExpectedMotion, window: WindowMotion, view: V
 def _main_direction(points: Sequence[Vector]) -> Vector:
     """Direction of the largest excursion from the first point."""
     return max((add([p, scaled(points[0], -1.0)]) for p in points), key=norm)
-
-
-def reversals(path: Sequence[float], noise: float) -> int:
-    """How often a path turns back by more than ``noise``."""
-    turns, heading, extreme = 0, 0, path[0]
-    for value in path:
-        if heading == 0 and abs(value - extreme) > noise:
-            heading, extreme = (1 if value > extreme else -1), value
-        elif heading * (value - extreme) > 0:
-            extreme = value
-        elif heading and heading * (extreme - value) > noise:
-            turns, heading, extreme = turns + 1, -heading, value
-    return turns
 
 
 def _fall(index: int, expectation: ExpectedMotion, window: WindowMotion, view: View) -> list[Check]:

@@ -46,7 +46,7 @@ class Attractor:
         return confined(-pull[:, None] * arm, self.weight)
 
     def gradient(self, x, time, dt):
-        """D acceleration / d x [1/s^2], shape (n, 3, 3)."""
+        """d acceleration / d x [1/s^2], shape (n, 3, 3)."""
         arm, squared = self._arm(x)
         pull = self.strength * self.envelope.mean(time, dt) * squared ** (-0.5 * (self.power + 1))
         steepness = ((self.power + 1) / squared)[:, None, None]

@@ -43,7 +43,7 @@ class Torque:
         return field if self.weight is None else self.weight[:, None] * field
 
     def gradient(self, x, time, dt):
-        """D acceleration / d x within the region [1/s^2], shape (n, 3, 3) or (3, 3)."""
+        """d acceleration / d x within the region [1/s^2], shape (n, 3, 3) or (3, 3)."""
         del x
         spin = self.magnitude * window_fraction(time, dt, self.start, self.end) * skew(self.axis)
         return spin if self.weight is None else self.weight[:, None, None] * spin

@@ -101,7 +101,7 @@ class Turbulence:
         return confined(field, self.weight)
 
     def gradient(self, x, time, dt):
-        """D acceleration / d x [1/s^2], shape (n, 3, 3)."""
+        """d acceleration / d x [1/s^2], shape (n, 3, 3)."""
         slopes = jnp.sin(self._phase(x, time, dt))
         dyads = (self.polarisations[:, :, None] * self.wave_vectors[:, None, :]).reshape(-1, 9)
         tangent = jnp.matmul(slopes, dyads, precision=_HIGHEST).reshape(-1, 3, 3)

@@ -57,7 +57,7 @@ class Vortex:
         return confined(falloff[:, None] * field, self.weight)
 
     def gradient(self, x, time, dt):
-        """D acceleration / d x [1/s^2], shape (n, 3, 3)."""
+        """d acceleration / d x [1/s^2], shape (n, 3, 3)."""
         across, squared, falloff = self._place(x, time, dt)
         projector = jnp.eye(3, dtype=x.dtype) - self.axis[:, None] * self.axis[None, :]
         turn = self.swirl * skew(self.axis) - self.inward * projector

@@ -87,7 +87,7 @@ class RigidMotion:
         return determinant(self.inertia) > _LEAST_INERTIA
 
     def field(self, velocity: jax.Array, angular_velocity: jax.Array) -> jax.Array:
-        """V + w x r at the points [m/s], shape (k, 3)."""
+        """v + w x r at the points [m/s], shape (k, 3)."""
         return velocity + cross(jnp.broadcast_to(angular_velocity, self.r.shape), self.r)
 
 

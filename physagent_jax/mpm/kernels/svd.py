@@ -256,7 +256,7 @@ def _cross(u, v):
 
 @njit(**INLINE)
 def _mixed(c, a, s, b):
-    """C a + s b."""
+    """c a + s b."""
     return c * a[0] + s * b[0], c * a[1] + s * b[1], c * a[2] + s * b[2]
 
 

@@ -371,7 +371,7 @@ def affine(t0, t1, t2, k, C, m, p):
 
 @njit(**INLINE)
 def momentum(v, push, m, a0, a1, a2, p, f0, f1, f2):
-    """M (v + push) less the affine part between the particle and its lowest node."""
+    """m (v + push) less the affine part between the particle and its lowest node."""
     return (
         m * (v[p, 0] + push[0]) - (a0[0] * f0 + a1[0] * f1 + a2[0] * f2),
         m * (v[p, 1] + push[1]) - (a0[1] * f0 + a1[1] * f1 + a2[1] * f2),

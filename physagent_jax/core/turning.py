@@ -1,0 +1,26 @@
+"""Where a path turns back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+
+def find_turning_points(path: Sequence[float], threshold: float) -> list[int]:
+    """Indices of the extremes that are followed by a way back of more than ``threshold``, in order.
+
+    Args:
+        path: Position per frame.
+        threshold: Hysteresis, in the path's unit.
+    """
+    turns, extreme, heading = [], 0, 0
+    for t in range(1, len(path)):
+        step = path[t] - path[extreme]
+        if heading == 0:
+            if abs(step) > threshold:
+                heading, extreme = (1 if step > 0 else -1), t
+        elif heading * step >= 0:
+            extreme = t
+        elif abs(step) > threshold:
+            turns.append(extreme)
+            heading, extreme = -heading, t
+    return turns
