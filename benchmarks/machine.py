@@ -8,13 +8,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-from physagent_jax.run.provenance import git_revision, platform_words, versions
+from physagent_jax.run.provenance import describe_platform, git_revision, versions
 
 
 def circumstances() -> dict[str, object]:
     """Machine, load, versions, revision and command."""
     return {
-        "machine": f"{_processor()}, {os.cpu_count()} cores; {platform_words()}",
+        "machine": f"{_processor()}, {os.cpu_count()} cores; {describe_platform()}",
         "load_average": [round(load, 2) for load in os.getloadavg()],
         "versions": versions(),
         "git_revision": _revision(),

@@ -66,7 +66,7 @@ def _print_table(entries) -> None:
     from rich import box
     from rich.table import Table
 
-    from physagent_jax.report.facts import property_words
+    from physagent_jax.report.facts import describe_property
     from physagent_jax.report.formats import count, plain, quantity
     from physagent_jax.scene.materials import describe
 
@@ -77,7 +77,7 @@ def _print_table(entries) -> None:
         table.add_column(title, justify="right", no_wrap=True)
     table.add_column("what")
     for each in entries:
-        facts = {name: property_words(value, unit) for name, value, unit in describe(each.material)}
+        facts = {name: describe_property(value, unit) for name, value, unit in describe(each.material)}
         step, many = _cost(each.material)
         stiff = facts.get("bulk modulus") or facts.get("Young\u2019s modulus", "")
         model = plain(each.material.model.value)
@@ -90,13 +90,13 @@ def _print_details(each) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    from physagent_jax.report.facts import property_words
+    from physagent_jax.report.facts import describe_property
     from physagent_jax.report.formats import count, plain, quantity
     from physagent_jax.scene.materials import describe
 
     step, many = _cost(each.material)
     rows = [("model", plain(each.material.model.value))]
-    rows += [(name, property_words(value, unit)) for name, value, unit in describe(each.material)]
+    rows += [(name, describe_property(value, unit)) for name, value, unit in describe(each.material)]
     rows += [("stable step", f"{quantity(step, 's')} at the fast preset's grid spacing")]
     rows += [(f"{CLIP_SECONDS:g} s of clip", f"at least {count(many)} substeps")]
     rows += [("source", each.source), ("notes", each.notes)]

@@ -33,7 +33,7 @@ def components(vector: Sequence[float], table: DirectionTable) -> tuple[float, f
     return _dot(vector, table.right), _dot(vector, table.up), _dot(vector, table.toward)
 
 
-def direction_words(vector: Sequence[float], table: DirectionTable) -> str:
+def describe_direction(vector: Sequence[float], table: DirectionTable) -> str:
     """A unit direction in words: "left", "right and slightly up"."""
     ranked = sorted(zip(components(vector, table), WORDS), key=lambda pair: -abs(pair[0]))
     words = []
@@ -45,16 +45,16 @@ def direction_words(vector: Sequence[float], table: DirectionTable) -> str:
     return " and ".join(words) if len(words) < 3 else f"{words[0]}, {words[1]} and {words[2]}"
 
 
-def axis_words(axis: Sequence[float], table: DirectionTable) -> str:
+def describe_axis(axis: Sequence[float], table: DirectionTable) -> str:
     """An axis without sense, in words: "the left-right axis"."""
     values = [abs(value) for value in components(axis, table)]
     largest = max(range(3), key=values.__getitem__)
     if values[largest] >= ALIGNED:
         return f"the {AXES[largest]} axis"
-    return f"an axis pointing {direction_words(axis, table)}"
+    return f"an axis pointing {describe_direction(axis, table)}"
 
 
-def turn_words(axis: Sequence[float], table: DirectionTable) -> str:
+def describe_turn(axis: Sequence[float], table: DirectionTable) -> str:
     """A right-hand turn about ``axis`` as the viewer sees it."""
     values = components(axis, table)
     largest = max(range(3), key=lambda i: abs(values[i]))
@@ -67,7 +67,7 @@ def world_axis_labels(table: DirectionTable) -> tuple[str, str, str]:
     labels = []
     for name, unit in zip("xyz", ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
         aligned = max(abs(value) for value in components(unit, table)) >= ALIGNED
-        labels.append(f"{name} ({direction_words(unit, table)})" if aligned else name)
+        labels.append(f"{name} ({describe_direction(unit, table)})" if aligned else name)
     return tuple(labels)
 
 

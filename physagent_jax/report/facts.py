@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from physagent_jax.report.directions import direction_table
-from physagent_jax.report.force_terms import force_term_words, span_words
+from physagent_jax.report.force_terms import describe_force_term, describe_span
 from physagent_jax.report.formats import (
     UNKNOWN,
     count,
@@ -93,7 +93,9 @@ def simulation_facts(iteration: Iteration) -> Markup:
                 ("substep used", used + share),
                 ("particles stopped at the wall", _stopped(record.stopped_particles)),
                 ("redone frames", "none" if not record.redone_frames else str(len(record.redone_frames))),
-                ("taken over", reused_words(iteration.reused_frames)) if iteration.reused_frames else None,
+                ("taken over", describe_reused_frames(iteration.reused_frames))
+                if iteration.reused_frames
+                else None,
             ]
         ),
         _redone(record),
@@ -142,11 +144,11 @@ def _object_rows(scene: SceneConfig, record: SimulationRecord | None) -> list[tu
         ("Gaussians", count(record.gaussian_count)) if record else None,
         ("particles", count(record.particle_count)) if record else None,
         ("inside", "filled with particles" if scene.filling.enabled else "not filled"),
-        ("anchor", _with_reason(_anchor_words(scene.anchor), scene.anchor.reason)),
+        ("anchor", _with_reason(_describe_anchor(scene.anchor), scene.anchor.reason)),
     ]
 
 
-def property_words(value: float | bool, unit: str) -> str:
+def describe_property(value: float | bool, unit: str) -> str:
     """A property of `scene.materials.describe` as people read it: "100 kPa", "30\u00b0", "yes"."""
     if isinstance(value, bool):
         return "yes" if value else "no"
@@ -158,14 +160,14 @@ def property_words(value: float | bool, unit: str) -> str:
 
 
 def _material_rows(material: Material) -> list[tuple[str, Child]]:
-    acting = [(name, property_words(value, unit)) for name, value, unit in describe(material)]
+    acting = [(name, describe_property(value, unit)) for name, value, unit in describe(material)]
     reason = [("from", material.reason)] if material.reason else []
     return [("model", plain(material.model.value)), *acting, *reason]
 
 
 def _material_cells(material: Material) -> list[Child]:
     """Model, properties and reason of a region."""
-    acting = ", ".join(f"{name} {property_words(value, unit)}" for name, value, unit in describe(material))
+    acting = ", ".join(f"{name} {describe_property(value, unit)}" for name, value, unit in describe(material))
     return [plain(material.model.value), acting, material.reason or UNKNOWN]
 
 
@@ -174,10 +176,10 @@ def _world_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
     gravity = f"on, {vector(scene.gravity, 1)} m/s\u00b2" if acts else "off"
     transfer = scene.transfer
     damping = f", damping {number(transfer.damping_rate)} 1/s" if transfer.damping_rate else ""
-    walls = [tag("li", boundary_words(boundary)) for boundary in scene.boundaries]
-    held = [tag("li", constraint_words(constraint)) for constraint in scene.constraints]
+    walls = [tag("li", describe_boundary(boundary)) for boundary in scene.boundaries]
+    held = [tag("li", describe_constraint(constraint)) for constraint in scene.constraints]
     viewer = direction_table(scene.camera)
-    pushes = [tag("li", force_term_words(term, viewer)) for term in scene.forces]
+    pushes = [tag("li", describe_force_term(term, viewer)) for term in scene.forces]
     return [
         ("domain", f"{number(scene.domain.size)} m cube, {count(scene.domain.cells)} cells a side"),
         ("grid spacing dx", quantity(scene.domain.dx, "m")),
@@ -197,7 +199,7 @@ def _camera_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
     target = "the domain\u2019s centre" if camera.target is None else f"{vector(camera.target)} m"
     scaling = scene.scaling
     return [
-        ("clip", f"{clip_words(scene)}, {quantity(timing.frame_dt, 's')} a frame"),
+        ("clip", f"{describe_clip(scene)}, {quantity(timing.frame_dt, 's')} a frame"),
         ("pictures", f"{picture.width} \u00d7 {picture.height} px"),
         ("view", view),
         ("looks at", f"{target} from {quantity(camera.distance, 'm')}"),
@@ -207,7 +209,7 @@ def _camera_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
     ]
 
 
-def _anchor_words(anchor: Anchor) -> str:
+def _describe_anchor(anchor: Anchor) -> str:
     if anchor.kind == "none":
         return "none: the object is free"
     if anchor.kind == "box":
@@ -218,29 +220,29 @@ def _anchor_words(anchor: Anchor) -> str:
     return f"the {where} {number(100 * anchor.fraction)} % of its height"
 
 
-def clip_words(scene: SceneConfig) -> str:
+def describe_clip(scene: SceneConfig) -> str:
     """How long the clip is."""
     timing = scene.timing
     return f"{plural(timing.frame_count, 'frame')}, {seconds((timing.frame_count - 1) * timing.frame_dt)}"
 
 
-def boundary_words(boundary: Boundary) -> str:
+def describe_boundary(boundary: Boundary) -> str:
     """A boundary in words."""
     if boundary.kind == "domain_box":
         return f"walls of the domain, {boundary.padding} cells thick"
     if boundary.kind == "cuboid":
         words = f"material about {vector(boundary.point)} m, half size {vector(boundary.half_size)} m, "
         words += f"is moved at {vector(boundary.velocity)} m/s" if any(boundary.velocity) else "is held"
-        return words + span_words(boundary.start, boundary.end)
-    words = f"{_solid_words(boundary)}, {boundary.surface.value}"
+        return words + describe_span(boundary.start, boundary.end)
+    words = f"{_describe_solid(boundary)}, {boundary.surface.value}"
     if boundary.friction:
         words += f", friction {number(boundary.friction)}"
     if any(boundary.velocity):
         words += f", moving at {vector(boundary.velocity)} m/s"
-    return words + span_words(boundary.start, boundary.end)
+    return words + describe_span(boundary.start, boundary.end)
 
 
-def _solid_words(obstacle: HalfSpace | Sphere | Box | Mesh) -> str:
+def _describe_solid(obstacle: HalfSpace | Sphere | Box | Mesh) -> str:
     if obstacle.kind == "half_space":
         return f"plane through {vector(obstacle.point)} m facing {vector(obstacle.normal)}"
     if obstacle.kind == "mesh":
@@ -253,12 +255,12 @@ def _solid_words(obstacle: HalfSpace | Sphere | Box | Mesh) -> str:
     return f"{'container' if obstacle.container else 'solid'} {obstacle.kind} {words}"
 
 
-def constraint_words(constraint: Constraint) -> str:
+def describe_constraint(constraint: Constraint) -> str:
     """A particle constraint in words."""
     if constraint.kind == "particle_release":
         reach = f"{number(constraint.start_position)} to {number(constraint.end_position)} m"
         way = f"{plural(constraint.layers, 'layer')} along {vector(constraint.normal)} from {reach}"
-        return f"held, then let go in {way}" + span_words(constraint.start, constraint.end)
+        return f"held, then let go in {way}" + describe_span(constraint.start, constraint.end)
     where = f"particles about {vector(constraint.point)} m"
     if constraint.kind == "particle_impulse":
         if constraint.delta_velocity is not None:
@@ -269,14 +271,14 @@ def constraint_words(constraint: Constraint) -> str:
     else:
         speed = f"{number(constraint.angular_velocity)} rad/s"
         words = f"{where} turn about {vector(constraint.normal)} at {speed}"
-    return words + span_words(constraint.start, constraint.end)
+    return words + describe_span(constraint.start, constraint.end)
 
 
 def _stopped(particle_steps: int) -> str:
     return "none" if particle_steps == 0 else f"{count(particle_steps)} times"
 
 
-def reused_words(frames: int) -> str:
+def describe_reused_frames(frames: int) -> str:
     """Which frames were not simulated again."""
     return f"frames 0 to {frames - 1} of the round before, whose forces are the same until then"
 

@@ -17,8 +17,8 @@ from physagent_jax.forces.schema import (
     SkillScaling,
     VelocityConstraint,
 )
-from physagent_jax.report.directions import axis_words, direction_table, direction_words, turn_words
-from physagent_jax.report.force_terms import force_term_words, region_words
+from physagent_jax.report.directions import describe_axis, describe_direction, describe_turn, direction_table
+from physagent_jax.report.force_terms import describe_force_term, describe_region
 from physagent_jax.report.formats import fixed, number, plain, vector, window
 from physagent_jax.report.icons import action_icon
 from physagent_jax.report.layout import json_fold
@@ -111,13 +111,13 @@ def _effect(item: Timed, table: DirectionTable) -> str:
     if isinstance(item, VelocityConstraint):
         steady = item.constraint_type is ConstraintType.PARTICLE_TRANSLATION
         verb = "keeps moving" if steady else "is knocked once"
-        return f"{verb} {direction_words(pointing, table)}"
+        return f"{verb} {describe_direction(pointing, table)}"
     if item.action_type is ActionType.SCALE:
-        return f"{'stretches' if sign > 0 else 'squeezes'} along {axis_words(item.vector, table)}"
+        return f"{'stretches' if sign > 0 else 'squeezes'} along {describe_axis(item.vector, table)}"
     if item.action_type is ActionType.TORQUE:
-        return f"turns {turn_words(pointing, table)}"
+        return f"turns {describe_turn(pointing, table)}"
     verb = "pushes" if item.action_type is ActionType.TRANSLATION else "kicks"
-    return f"{verb} {direction_words(pointing, table)}"
+    return f"{verb} {describe_direction(pointing, table)}"
 
 
 def _card(
@@ -136,7 +136,7 @@ def _card(
         ("direction" if action is not ActionType.TORQUE else "axis", _direction(item, old)),
         ("magnitude", _magnitude(item, old, setting.scaling)),
         ("active", _timeline(item, old, setting)),
-        ("acts on", [region_words(item.region), f" of {item.object}" if item.object else None]),
+        ("acts on", [describe_region(item.region), f" of {item.object}" if item.object else None]),
     ]
     return div("card force", head, tag("dl", *[(tag("dt", k), tag("dd", v)) for k, v in rows]), id=id_)
 
@@ -187,13 +187,13 @@ def _timeline(item: Timed, old: Timed | None, setting: Setting) -> list:
         left, right = (100 * min(1.0, value / setting.last_frame) for value in (first, last))
         strip = div("strip", tag("i", style=f"left:{left:.1f}%;width:{max(1.0, right - left):.1f}%"))
     return [
-        _window_words(item.active_time, setting.frame_dt),
-        _was(old, item, "active_time", _window_words),
+        _describe_window(item.active_time, setting.frame_dt),
+        _was(old, item, "active_time", _describe_window),
         strip,
     ]
 
 
-def _window_words(active: tuple[float, float] | None, frame_dt: float | None = None) -> str:
+def _describe_window(active: tuple[float, float] | None, frame_dt: float | None = None) -> str:
     return "the whole clip" if active is None else window(*active, frame_dt)
 
 
@@ -213,7 +213,7 @@ def _terms(setting: Setting) -> Markup | None:
     """The scene's own terms."""
     if not setting.terms:
         return None
-    items = [tag("li", force_term_words(term, setting.directions)) for term in setting.terms]
+    items = [tag("li", describe_force_term(term, setting.directions)) for term in setting.terms]
     return tag("ul", items, class_="quiet")
 
 

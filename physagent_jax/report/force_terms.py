@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from physagent_jax.agents.schema import DirectionTable
 from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region
-from physagent_jax.report.directions import direction_words
+from physagent_jax.report.directions import describe_direction
 from physagent_jax.report.formats import number, quantity, seconds, vector
 from physagent_jax.scene.config import (
     FOREVER,
@@ -21,30 +21,30 @@ from physagent_jax.scene.config import (
 )
 
 
-def force_term_words(term: ForceTerm, table: DirectionTable) -> str:
+def describe_force_term(term: ForceTerm, table: DirectionTable) -> str:
     """A term of the scene in words."""
     match term:
         case Wind():
-            words = _wind_words(term, table)
+            words = _describe_wind(term, table)
         case Attractor():
             verb = "attracts" if term.strength >= 0 else "repels"
             words = f"{vector(term.point)} m {verb} with {number(abs(term.strength))} m/s\u00b2 at 1 m"
             words += f", falling off with power {number(term.power)}"
         case Vortex():
-            words = _vortex_words(term, table)
+            words = _describe_vortex(term, table)
         case Turbulence():
             words = f"turbulence of {number(term.strength)} m/s\u00b2 on scales of {quantity(term.length_scale, 'm')}"
             words += f" and {seconds(term.time_scale)}, seed {term.seed}"
         case Uniform():
             words = f"uniform acceleration {vector(term.acceleration)} m/s\u00b2"
-    where = "" if term.region is None else f"; region: {region_words(term.region)}"
-    return words + _envelope_words(term.envelope) + where
+    where = "" if term.region is None else f"; region: {describe_region(term.region)}"
+    return words + _describe_envelope(term.envelope) + where
 
 
-def _wind_words(wind: Wind, table: DirectionTable) -> str:
+def _describe_wind(wind: Wind, table: DirectionTable) -> str:
     words = "still air"
     if wind.speed > 0 and wind.direction is not None:
-        words = f"wind blowing {direction_words(wind.direction, table)} at {number(wind.speed)} m/s"
+        words = f"wind blowing {describe_direction(wind.direction, table)} at {number(wind.speed)} m/s"
     drags = [(wind.linear_drag, "1/s"), (wind.quadratic_drag, "1/m")]
     words += ", drag " + " and ".join(f"{number(value)} {unit}" for value, unit in drags if value)
     if wind.center is not None:
@@ -52,14 +52,14 @@ def _wind_words(wind: Wind, table: DirectionTable) -> str:
     return words
 
 
-def _vortex_words(vortex: Vortex, table: DirectionTable) -> str:
+def _describe_vortex(vortex: Vortex, table: DirectionTable) -> str:
     sides = [(vortex.swirl, "around it"), (vortex.inward, "towards it"), (vortex.axial, "along it")]
     parts = ", ".join(f"{number(value)} m/s\u00b2 {side}" for value, side in sides if value)
-    axis = f"{direction_words(vortex.axis, table)} through {vector(vortex.point)} m"
+    axis = f"{describe_direction(vortex.axis, table)} through {vector(vortex.point)} m"
     return f"vortex about an axis pointing {axis}, core {quantity(vortex.core, 'm')}: {parts}"
 
 
-def _envelope_words(envelope: Envelope) -> str:
+def _describe_envelope(envelope: Envelope) -> str:
     words = ""
     match envelope:
         case RampEnvelope():
@@ -69,24 +69,24 @@ def _envelope_words(envelope: Envelope) -> str:
             words = ", one smooth pulse"
         case SineEnvelope():
             words = f", swinging at {number(envelope.frequency)} Hz"
-    return words + span_words(envelope.start, envelope.end)
+    return words + describe_span(envelope.start, envelope.end)
 
 
-def span_words(start: float, end: float) -> str:
+def describe_span(start: float, end: float) -> str:
     """The window of a boundary, a constraint or a term; empty if it is always open."""
     if start == 0 and end >= FOREVER:
         return ""
     return f", from {seconds(start)}" if end >= FOREVER else f", {seconds(start)} to {seconds(end)}"
 
 
-def region_words(region: Region | None) -> str:
+def describe_region(region: Region | None) -> str:
     """Where an action acts."""
     if region is None:
         return "the whole object"
     if isinstance(region, BoxRegion):
         limited = [axis for axis in range(3) if region.low[axis] > 0 or region.high[axis] < 1]
         if len(limited) == 1:
-            return _slab_words(region, limited[0])
+            return _describe_slab(region, limited[0])
         return f"a box from {vector(region.low)} to {vector(region.high)} of the bounding box"
     if isinstance(region, HalfSpaceRegion):
         return f"beyond {vector(region.point)} of the bounding box, towards {vector(region.normal)}"
@@ -94,7 +94,7 @@ def region_words(region: Region | None) -> str:
     return f"{ball} about {vector(region.center)} of the bounding box"
 
 
-def _slab_words(region: BoxRegion, axis: int) -> str:
+def _describe_slab(region: BoxRegion, axis: int) -> str:
     low, high = max(0.0, region.low[axis]), min(1.0, region.high[axis])
     percent = f"{number(100 * (high - low))} % along {'xyz'[axis]}"
     if high == 1.0:

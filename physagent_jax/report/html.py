@@ -12,7 +12,7 @@ from physagent_jax import __version__
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
 from physagent_jax.report.charts import motion_charts, physics_charts
-from physagent_jax.report.facts import clip_words, cost_facts, reproduction, scene_facts, simulation_facts
+from physagent_jax.report.facts import cost_facts, describe_clip, reproduction, scene_facts, simulation_facts
 from physagent_jax.report.force_cards import setting_of
 from physagent_jax.report.formats import count, fixed, seconds
 from physagent_jax.report.iterations import iteration_card, overview, probe_table
@@ -170,7 +170,7 @@ def _glance(run: FinishedRun) -> Markup:
             ("score", f"{fixed(best.judgement.score)} of 1") if best and best.judgement else None,
             ("rounds", f"{len(run.iterations)}, the best is round {best.number}") if best else None,
             ("coarse rounds before", str(len(run.probe))) if run.probe else None,
-            ("clip", clip_words(scene)) if scene else None,
+            ("clip", describe_clip(scene)) if scene else None,
             ("particles", count(record.particle_count)) if record else None,
             ("Gaussians", count(record.gaussian_count)) if record else None,
             ("wall time", seconds(total)) if total else None,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from physagent_jax.agents.schema import Check, Judgement, Rewrite
 from physagent_jax.perception.schema import MotionReport, Oscillation, WindowMotion
 from physagent_jax.report.charts import motion_charts, physics_charts
-from physagent_jax.report.facts import reused_words
+from physagent_jax.report.facts import describe_reused_frames
 from physagent_jax.report.force_cards import Setting, force_cards, setting_of
 from physagent_jax.report.formats import UNKNOWN, count, fixed, number, percent, plain, plural, vector
 from physagent_jax.report.layout import badge, facts, fold, json_fold, listing, missing, paragraphs, table
@@ -113,7 +113,7 @@ def _forces(iteration: Iteration, previous: Iteration | None, setting: Setting) 
 def _taken_over(iteration: Iteration) -> Markup | None:
     if not iteration.reused_frames:
         return None
-    text = f"Taken over instead of simulated: {reused_words(iteration.reused_frames)}."
+    text = f"Taken over instead of simulated: {describe_reused_frames(iteration.reused_frames)}."
     return tag("p", text, class_="quiet")
 
 

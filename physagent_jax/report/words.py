@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 
 from physagent_jax.agents.schema import Evidence, ExpectedMotion, MotionKind, SemanticReply
-from physagent_jax.report.directions import axis_words, direction_words, turn_words
+from physagent_jax.report.directions import describe_axis, describe_direction, describe_turn
 from physagent_jax.report.force_cards import Setting, force_cards
 from physagent_jax.report.formats import fixed, plural, window
 from physagent_jax.report.layout import listing, table
@@ -57,7 +57,9 @@ def words_section(prompt: str, reply: SemanticReply, setting: Setting) -> list[M
         _evidence_table(reply.evidence, marked),
         div(
             "listings",
-            listing("What a viewer should see", [expectation_words(e, setting) for e in reply.expectations]),
+            listing(
+                "What a viewer should see", [describe_expectation(e, setting) for e in reply.expectations]
+            ),
             listing("Assumptions", reply.notes),
             listing("Not understood", reply.not_understood),
         ),
@@ -99,18 +101,18 @@ def topic_of(field: str) -> str:
     return DEFAULT_TOPIC
 
 
-def expectation_words(expected: ExpectedMotion, setting: Setting) -> Markup:
+def describe_expectation(expected: ExpectedMotion, setting: Setting) -> Markup:
     """One expected motion as a sentence."""
     kind, axis, viewer = expected.kind, expected.direction, setting.directions
     where = ""
     if axis is not None and kind is MotionKind.ROTATE:
-        where = f" {turn_words(axis, viewer)}"
+        where = f" {describe_turn(axis, viewer)}"
     elif axis is not None and kind in (MotionKind.STRETCH, MotionKind.SQUEEZE):
-        where = f" along {axis_words(axis, viewer)}"
+        where = f" along {describe_axis(axis, viewer)}"
     elif kind in (MotionKind.STRETCH, MotionKind.SQUEEZE):
         where = " in all directions"
     elif axis is not None:
-        where = f" {direction_words(axis, viewer)}"
+        where = f" {describe_direction(axis, viewer)}"
     parts = [f"strength {fixed(expected.strength)}", window(*expected.window, setting.frame_dt)]
     if expected.sudden:
         parts.append("with a blow")

@@ -25,7 +25,7 @@ def make_manifest(*, command: str, prompt: str, seed: int, inputs: dict[str, str
         prompt=prompt,
         versions=versions(),
         git_revision=git_revision(),
-        platform=platform_words(),
+        platform=describe_platform(),
         kernels=chosen("auto"),
         seed=seed,
         inputs=inputs,
@@ -49,7 +49,7 @@ def versions() -> dict[str, str]:
     return found
 
 
-def platform_words() -> str:
+def describe_platform() -> str:
     """System, architecture and device."""
     return f"{platform.system()} {platform.machine()}, {jax.devices()[0].device_kind}"
 

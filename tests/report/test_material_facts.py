@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from physagent_jax.report.facts import property_words, scene_facts
+from physagent_jax.report.facts import describe_property, scene_facts
 from physagent_jax.scene.config import Material, MaterialModel, MaterialRegion, SceneConfig, Source
 from physagent_jax.scene.materials import LIBRARY
 
@@ -47,8 +47,8 @@ def test_regions_tell_theirs_in_one_cell():
 
 
 def test_properties_in_words():
-    assert property_words(True, "") == "yes" and property_words(0.3, "") == "0.3"
+    assert describe_property(True, "") == "yes" and describe_property(0.3, "") == "0.3"
     assert (
-        property_words(1e-3, "Pa s") == "1 mPa s"
-        and property_words(7850.0, "kg/m\u00b3") == "7850 kg/m\u00b3"
+        describe_property(1e-3, "Pa s") == "1 mPa s"
+        and describe_property(7850.0, "kg/m\u00b3") == "7850 kg/m\u00b3"
     )

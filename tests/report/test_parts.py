@@ -9,13 +9,13 @@ import pytest
 from physagent_jax.agents.schema import Evidence
 from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, SphereRegion
 from physagent_jax.report.directions import (
-    axis_words,
+    describe_axis,
+    describe_direction,
+    describe_turn,
     direction_table,
-    direction_words,
-    turn_words,
     world_axis_labels,
 )
-from physagent_jax.report.force_cards import region_words
+from physagent_jax.report.force_cards import describe_region
 from physagent_jax.report.formats import fixed, number, percent, quantity, seconds, vector
 from physagent_jax.report.markup import escape, join, raw, tag
 from physagent_jax.report.plot import Plot, Series, draw, nice_step, ticks
@@ -52,32 +52,32 @@ def test_numbers_for_people(text, expected):
 
 
 def test_directions_follow_the_camera():
-    assert direction_words((-1, 0, 0), FRONT) == "left"
-    assert direction_words((0, -1, 0), FRONT) == "towards us"
-    assert direction_words((0, 1, 0), FROM_PLUS_X) == "right"
-    assert direction_words((1, 0, 0), FROM_PLUS_X) == "towards us"
-    assert direction_words((0.9, 0, -0.43), FRONT) == "right and slightly down"
-    assert axis_words((0, 0, -1), FRONT) == "the vertical axis"
+    assert describe_direction((-1, 0, 0), FRONT) == "left"
+    assert describe_direction((0, -1, 0), FRONT) == "towards us"
+    assert describe_direction((0, 1, 0), FROM_PLUS_X) == "right"
+    assert describe_direction((1, 0, 0), FROM_PLUS_X) == "towards us"
+    assert describe_direction((0.9, 0, -0.43), FRONT) == "right and slightly down"
+    assert describe_axis((0, 0, -1), FRONT) == "the vertical axis"
     assert world_axis_labels(FRONT) == ("x (right)", "y (away from us)", "z (up)")
 
 
 def test_turns_follow_the_right_hand_rule():
-    assert turn_words((0, 0, 1), FRONT) == "counter-clockwise seen from above"
+    assert describe_turn((0, 0, 1), FRONT) == "counter-clockwise seen from above"
     # About the axis towards us, x (right) turns to z (up).
-    assert turn_words((0, -1, 0), FRONT) == "counter-clockwise as we see it"
+    assert describe_turn((0, -1, 0), FRONT) == "counter-clockwise as we see it"
     # About x (right), z (up) turns to -y (towards us).
-    assert turn_words((1, 0, 0), FRONT) == "the top tips towards us"
+    assert describe_turn((1, 0, 0), FRONT) == "the top tips towards us"
 
 
 def test_regions_in_words():
-    assert region_words(None) == "the whole object"
-    assert region_words(BoxRegion(low=(0, 0, 0), high=(1, 1, 0.3))) == "the lower 30 % along z"
-    assert region_words(BoxRegion(low=(0, 0, 0.2), high=(1, 1, 0.3))) == "20\u201330 % along z"
-    assert region_words(BoxRegion(low=(0, 0.1, 0.2), high=(1, 1, 1))).startswith("a box from")
-    assert "towards (1.00, 0.00, 0.00)" in region_words(
+    assert describe_region(None) == "the whole object"
+    assert describe_region(BoxRegion(low=(0, 0, 0), high=(1, 1, 0.3))) == "the lower 30 % along z"
+    assert describe_region(BoxRegion(low=(0, 0, 0.2), high=(1, 1, 0.3))) == "20\u201330 % along z"
+    assert describe_region(BoxRegion(low=(0, 0.1, 0.2), high=(1, 1, 1))).startswith("a box from")
+    assert "towards (1.00, 0.00, 0.00)" in describe_region(
         HalfSpaceRegion(point=(0.5, 0.5, 0.5), normal=(2, 0, 0))
     )
-    assert "radius 0.2 body lengths" in region_words(SphereRegion(center=(0, 0, 1), radius=0.2))
+    assert "radius 0.2 body lengths" in describe_region(SphereRegion(center=(0, 0, 1), radius=0.2))
 
 
 def evidence(*words: str) -> list[Evidence]:

@@ -8,7 +8,7 @@ import pytest
 from physagent_jax import mpm
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import simulate
-from physagent_jax.report.facts import boundary_words, constraint_words
+from physagent_jax.report.facts import describe_boundary, describe_constraint
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import compile_scene
@@ -198,7 +198,7 @@ def test_a_scene_with_every_kind_round_trips_compiles_and_plays(robot_path, tmp_
     last = list(simulate(made.model, made.state, frame_count=3, frame_dt=0.04))[-1]
     fallen = np.asarray(made.state.x - last.state.x)[:, 2]
     assert np.isfinite(fallen).all() and 0 < fallen.mean() < 0.5 * 9.8 * 0.08**2
-    walls = [boundary_words(b) for b in config.boundaries]
+    walls = [describe_boundary(b) for b in config.boundaries]
     assert "moving at (0.20, 0.00, 0.00) m/s" in walls[1] and "friction 0.3" in walls[1]
     assert "solid sphere" in walls[2] and "container box" in walls[3] and "ball.stl" in walls[4]
-    assert "held" in walls[5] and "3 layers" in constraint_words(config.constraints[0])
+    assert "held" in walls[5] and "3 layers" in describe_constraint(config.constraints[0])
