@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.files import remove_leftovers, write_new, write_text
+from physagent_jax.core.files import link_or_copy, remove_leftovers, replacing, write_new, write_text
 from physagent_jax.run.manifest import Manifest, Stages
 from physagent_jax.run.store import RunStore
 
@@ -59,6 +59,41 @@ def test_a_run_is_listed_before_it_is_written_and_found_again(tmp_path):
     assert set(store.manifest.files) == {"manifest.json", "report.html", *FILES}
     assert contents(tmp_path / "run") == of("one")
     assert make(tmp_path / "run", "one").manifest == store.manifest
+
+
+def test_a_file_under_two_names_is_replaced_under_one(tmp_path):
+    """As at the top of a run folder: whoever replaces one of the names leaves the other."""
+    write_text(tmp_path / "round.npz", "one")
+    for _ in range(2):  # a run that was stopped at its end puts the best round on top again
+        with replacing(tmp_path / "top.npz") as temporary:
+            link_or_copy(tmp_path / "round.npz", temporary)
+        assert os.path.samefile(tmp_path / "round.npz", tmp_path / "top.npz")
+        assert len(list(tmp_path.iterdir())) == 2
+    write_text(tmp_path / "round.npz", "two")
+    assert (tmp_path / "top.npz").read_text() == "one"
+
+
+def test_runs_with_linked_files_are_replaced_and_restored(tmp_path):
+    path = tmp_path / "run"
+
+    def make_linked(name, *, stopped=False):
+        with RunStore.open(path, manifest(name), overwrite=True) as store:
+            store.begin()
+            write_text(store.claimed("iterations/0/motion.npz"), name)
+            with replacing(store.claimed("motion.npz")) as temporary:
+                link_or_copy(path / "iterations/0/motion.npz", temporary)
+            if not stopped:
+                store.finish(stages=Stages())
+
+    names = ("iterations/0/motion.npz", "motion.npz")
+    make_linked("one")
+    make_linked("two", stopped=True)
+    aside = path / ".previous"
+    assert [(aside / name).read_text() for name in names] == ["one"] * 2
+    with RunStore.open(path, manifest("three"), overwrite=True):  # the stopped one gives way
+        assert [(path / name).read_text() for name in names] == ["one"] * 2
+    make_linked("three")
+    assert contents(path) == of("three", names) and os.path.samefile(*(path / name for name in names))
 
 
 def test_another_run_needs_overwrite_and_then_replaces_only_what_the_first_wrote(tmp_path):
