@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from physagent_jax.core.strict import Count, Number, Numbers, Strict
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ForceField
 
 _Frame = Annotated[float, Field(ge=0, le=1e5)]
@@ -102,7 +103,7 @@ class ExpectedMotion(Strict):
 
     kind: MotionKind
     direction: Numbers | None = None
-    strength: float = Field(default=1.0, ge=0.4, le=1.6)
+    strength: float = Field(default=1.0, ge=MAGNITUDE_MIN, le=MAGNITUDE_MAX)
     window: tuple[_Frame, _Frame]
     repeats: int = Field(default=1, ge=1, le=10_000)
     released: bool = False

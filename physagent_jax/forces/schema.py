@@ -13,9 +13,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator, model_validator
 
 from physagent_jax.core.strict import Direction, Positive, Strict
-
-MAGNITUDE_MIN = 0.4
-MAGNITUDE_MAX = 1.6
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 
 _Fraction = Annotated[float, Field(ge=-1e6, le=1e6)]
 _Place = tuple[_Fraction, _Fraction, _Fraction]  # in bounding-box fractions
@@ -111,7 +109,7 @@ class Action(_Timed):
         vector: World direction (translation, impulse), stretch axis (scale) or rotation axis (torque,
             right-hand rule); normalised on input, zero refused.
         magnitude: Dimensionless M with 0.4 <= abs(M) <= 1.6; the sign reverses (push/stretch > 0,
-            pull/squeeze < 0). What M = 1 means in SI units: `physagent_jax.forces.skills`.
+            pull/squeeze < 0). What M = 1 means: `forces.calibration`; in SI units: `forces.skills`.
         active_time: ``[first, last]`` in frames; None = the whole clip.
         region: Which particles; None = the whole object.
         object: Object id in a scene of several; None = all.

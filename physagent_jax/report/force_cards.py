@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from physagent_jax.agents.schema import DirectionTable
+from physagent_jax.forces.calibration import meaning
 from physagent_jax.forces.schema import (
     MAGNITUDE_MAX,
     MAGNITUDE_MIN,
@@ -177,7 +178,8 @@ def _physical(item: Timed, scaling: SkillScaling | None) -> Markup | None:
         name = "velocity" if steady else "impulse"
     one = getattr(scaling, name)
     unit = UNITS[name]
-    return span("quiet", f"{number(abs(item.magnitude) * one)} {unit} (1 means {number(one)})")
+    text = f"{number(abs(item.magnitude) * one)} {unit} (1 means {number(one)})"
+    return span("quiet", text, title=f"1 means {meaning(name)}")
 
 
 def _timeline(item: Timed, old: Timed | None, setting: Setting) -> list:

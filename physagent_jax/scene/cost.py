@@ -65,13 +65,12 @@ class Limits:
 def estimate_cost(config: SceneConfig, body: Body) -> Cost:
     """The least that simulating and rendering a scene takes."""
     timing, domain, picture = config.timing, config.domain, config.rendering
-    duration = (timing.frame_count - 1) * timing.frame_dt
     if timing.substep_dt == "auto":
         materials = (config.material, *(region.material for region in config.material_regions))
         step = timing.safety * min(stable_step(material, domain.dx) for material in materials)
     else:
         step = timing.substep_dt
-    substeps = max(duration / step, timing.frame_count - 1)
+    substeps = max(timing.duration / step, timing.frame_count - 1)
     nodes = math.prod(
         min(domain.cells + 1, ROOM * side / domain.dx + 6) for side in (body.high - body.low).tolist()
     )

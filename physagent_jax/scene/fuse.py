@@ -6,8 +6,9 @@ import dataclasses
 
 import numpy as np
 
-from physagent_jax.forces.schema import ActionType, ForceField
-from physagent_jax.forces.skills import closed_form_scaling
+from physagent_jax.forces import calibration
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.forces.skills import closed_form_scaling, free_path
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.camera import framing
 from physagent_jax.scene.config import (
@@ -22,10 +23,7 @@ from physagent_jax.scene.config import (
 )
 from physagent_jax.scene.presets import Preset
 
-DROP_HEIGHT = 0.5  # clear height under a falling object, in body lengths
-SWEEP_LIMIT = 1.6  # furthest that the camera looks ahead, in body lengths
-ANCHORED_TIME = 0.7  # [s]
-ANCHORED_SWEEP = 0.35  # the same for what is held somewhere
+LOWEST_FLOOR = 0.15  # [m]; a floor keeps clear of the domain's own wall
 
 
 @dataclasses.dataclass(frozen=True)
@@ -96,17 +94,16 @@ def fuse(ingredients: SceneTemplate, body: Body, force_field: ForceField) -> Sce
 def _reference_time(ingredients: SceneTemplate) -> float:
     """T of the skill table [s]: the clip for a free object, which should cross the picture once and no more.
 
-    What is held somewhere cannot leave, and needs a force that bends it: four tenths of gravity.
+    What is held somewhere cannot leave, and needs a force that bends it.
     """
-    timing = ingredients.preset.timing
-    clip = (timing.frame_count - 1) * timing.frame_dt
-    return clip if ingredients.anchor.kind == "none" else ANCHORED_TIME
+    free = ingredients.anchor.kind == "none"
+    return ingredients.preset.timing.duration if free else calibration.HELD_TIME
 
 
 def ground(body: Body, anchor: Anchor, friction: float) -> HalfSpace:
-    """The floor: half a body length under what can fall, right under what is held at its foot."""
-    clearance = 0.0 if anchor.kind == "base" else DROP_HEIGHT * body.extent
-    height = max(float(body.low[2]) - clearance, 0.15)
+    """The floor: `calibration.DROP_HEIGHT` under what can fall, right under what is held at its foot."""
+    clearance = 0.0 if anchor.kind == "base" else calibration.DROP_HEIGHT * body.extent
+    height = max(float(body.low[2]) - clearance, LOWEST_FLOOR)
     return HalfSpace(
         point=(0.0, 0.0, round(height, 4)), normal=(0, 0, 1), surface=Surface.SEPARATE, friction=friction
     )
@@ -120,34 +117,17 @@ def expected_sweep(config: SceneConfig, body: Body) -> np.ndarray:
     """
     low, high, extent = body.low, body.high, body.extent
     centre, half = 0.5 * (low + high), 0.5 * (high - low)
-    grown = half + 0.15 * extent * np.array([1.0, 1.0, 0.6])  # room to stretch, turn and sway
+    grown = half + calibration.ROOM * extent * np.array([1.0, 1.0, calibration.ROOM_UPWARD])
     corners = centre + grown * np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T
-    limit = (SWEEP_LIMIT if config.anchor.kind == "none" else ANCHORED_SWEEP) * extent
-    path = _free_path(config)
+    limit = (calibration.SWEEP if config.anchor.kind == "none" else calibration.HELD_SWEEP) * extent
+    timing, scaling = config.timing, config.scaling
+    assert scaling is not None
+    path = free_path(config.force_field, scaling, frame_dt=timing.frame_dt, frame_count=timing.frame_count)
     reach = np.linalg.norm(path, axis=1)
     path = path * np.minimum(1.0, limit / np.maximum(reach, 1e-12))[:, None]
     points = [corners + shift for shift in (path.min(0), path.max(0), np.zeros(3))]
     for boundary in config.boundaries:
         if isinstance(boundary, HalfSpace):
-            floor = boundary.point[2] - 0.12 * extent  # the near edge of what lies on it hangs lower
+            floor = boundary.point[2] - calibration.FLOOR_ROOM * extent
             points.append(np.column_stack([corners[:, :2], np.full(len(corners), floor)]))
     return np.concatenate(points)
-
-
-def _free_path(config: SceneConfig) -> np.ndarray:
-    """Displacement of a free body per frame under the pushes and blows alone [m], shape (frames, 3)."""
-    timing, scaling = config.timing, config.scaling
-    assert scaling is not None
-    v, x, path = np.zeros(3), np.zeros(3), [np.zeros(3)]
-    for frame in range(timing.frame_count - 1):
-        for action in config.force_field.actions:
-            first, last = action.active_time or (0, timing.frame_count - 1)
-            share = max(0.0, min(frame + 1, last) - max(frame, first))
-            direction = action.magnitude * np.asarray(action.vector)
-            if action.action_type is ActionType.TRANSLATION:
-                v = v + scaling.translation * direction * share * timing.frame_dt
-            elif action.action_type is ActionType.IMPULSE:
-                v = v + scaling.impulse * direction * share / (last - first)
-        x = x + v * timing.frame_dt
-        path.append(x)
-    return np.asarray(path)

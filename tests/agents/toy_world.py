@@ -1,7 +1,7 @@
 """A toy world: rigid travel, one rotation, uniform strain, each proportional to what acts, times an unknown gain.
 
 Lengths are body lengths and the clip lasts one unit of time, so that the skill library's scaling holds with
-gain 1: M = 1 moves a free object one body length in a clip, turns it by a quarter turn, strains it by 0.3.
+gain 1: M = 1 moves and turns a free object as far as it is calibrated to, and strains it as much as is expected.
 A held object follows the force without inertia.
 """
 
@@ -14,6 +14,7 @@ from physagent_jax.agents.rules.executor import RuleExecutor
 from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, Verdict
 from physagent_jax.agents.vectors import add, norm, scaled
+from physagent_jax.forces import calibration
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, HalfSpaceRegion
 from physagent_jax.perception.schema import MotionReport, WindowMotion
 from tests.agents.scenes import report, window
@@ -75,19 +76,23 @@ class ToyWorld:
             vector = scaled(item.vector, self.gain * item.magnitude)
             kind = getattr(item, "action_type", None) or item.constraint_type
             if kind is ActionType.TRANSLATION:
-                push.append(scaled(vector, 2.0))
+                push.append(scaled(vector, 2.0 * calibration.TRAVEL))
             elif kind in (ActionType.IMPULSE, ConstraintType.PARTICLE_IMPULSE):
-                push.append(scaled(vector, (self.scene.frame_count - 1) / (last - first)))
+                push.append(
+                    scaled(vector, calibration.TRAVEL * (self.scene.frame_count - 1) / (last - first))
+                )
             elif kind is ActionType.TORQUE:
-                torque.append(scaled(vector, 180.0))
+                torque.append(scaled(vector, 2.0 * math.degrees(calibration.TURN)))
             elif kind is ActionType.SCALE:
-                strain.append(_along(item.vector, 0.3 * self.gain * item.magnitude))
+                strain.append(_along(item.vector, calibration.EXPECTED_STRAIN * self.gain * item.magnitude))
             elif not isinstance(item.region, HalfSpaceRegion):
-                drive.append(scaled(item.vector, 0.5 * item.magnitude))
+                drive.append(scaled(item.vector, calibration.PRESCRIBED_TRAVEL * item.magnitude))
             else:  # one of two end slabs: prescribed, whatever the stiffness
                 side = math.copysign(1.0, sum(v * n for v, n in zip(item.vector, item.region.normal)))
                 share = (frame - first) / (self.scene.frame_count - 1)
-                strain.append(_along(item.vector, side * 0.5 * item.magnitude * share))
+                strain.append(
+                    _along(item.vector, side * calibration.PRESCRIBED_TRAVEL * item.magnitude * share)
+                )
         return add(push), add(torque), add(strain), add(drive)
 
     def _window(self, a: int, b: int, places, angles, strains) -> WindowMotion:

@@ -1,17 +1,19 @@
 """Commonsense ranges: how much motion a viewer expects for a kind, a strength and a window.
 
-Units are body lengths, degrees and strain. A plain push (strength 1) of a free object over the whole
-clip is expected to move it about one body length, and M = 1 is scaled to do so, for a steady push and for a
-blow; from rest the distance goes with the square of the window, after a blow with its length.
+Units are body lengths, degrees and strain. A plain push (strength 1) of a free object over the whole clip is
+expected to do what M = 1 is calibrated to do (`forces.calibration`), and so is a blow; from rest the distance goes
+with the square of the window, after a blow with its length.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind
 from physagent_jax.agents.vectors import clamp
+from physagent_jax.forces import calibration
 
 VISIBLE = 0.02  # [body lengths] less is not seen as motion
 VISIBLE_DEGREES = 3.0
@@ -106,11 +108,18 @@ def move_band(
     strength, part = expectation.strength, _PART if expectation.partial else 1.0
     if anchored:
         low, high = 0.05 * strength, 0.5 * strength
-        return Band(part * low, part * 0.2 * strength + (1 - part) * low, high, "body lengths")
+        return Band(
+            part * low,
+            part * calibration.EXPECTED_HELD_SHIFT * strength + (1 - part) * low,
+            high,
+            "body lengths",
+        )
     fraction = _fraction(expectation, frame_count)
     steady = fraction**2 * (1.0 if fraction > 0.99 else _BRAKED)
     blows = 0.5 * (expectation.repeats + 1) * fraction  # evenly spaced: the later ones act for a shorter time
-    target = strength * (blows if expectation.sudden else steady) * (0.5 if rises else 1.0)
+    target = (
+        calibration.TRAVEL * strength * (blows if expectation.sudden else steady) * (0.5 if rises else 1.0)
+    )
     low = max(0.5 * part * target, VISIBLE)
     drift = max(speed, 0.0) * fraction
     return Band(
@@ -119,21 +128,27 @@ def move_band(
 
 
 def rotate_band(expectation: ExpectedMotion, frame_count: int, anchored: bool) -> Band:
-    """Angle about the axis [degrees]: a quarter turn for a plain torque over the whole clip."""
+    """Angle about the axis [degrees]: `calibration.TURN` for a plain torque over the whole clip."""
     part = _PART if expectation.partial else 1.0
     if anchored:
-        return Band(5.0 * part * expectation.strength, 25.0 * expectation.strength, 150.0, "degrees")
+        return Band(
+            5.0 * part * expectation.strength,
+            calibration.EXPECTED_HELD_TURN * expectation.strength,
+            150.0,
+            "degrees",
+        )
     fraction = _fraction(expectation, frame_count)
-    target = 90.0 * expectation.strength * fraction**2 * (1.0 if fraction > 0.99 else _BRAKED)
+    turn = math.degrees(calibration.TURN)
+    target = turn * expectation.strength * fraction**2 * (1.0 if fraction > 0.99 else _BRAKED)
     low = max(0.5 * part * target, VISIBLE_DEGREES)
     return Band(low, max(target, 1.5 * low), max(2.5 * target, 3.0 * low), "degrees")
 
 
 def strain_band(expectation: ExpectedMotion, squeeze: bool) -> Band:
-    """Relative change of length along the direction; M = 1 is scaled to 30 % static strain."""
+    """Relative change of length along the direction; what M = 1 gives (`calibration.STRAIN`) lies in its lower half."""
     strength, part = expectation.strength, _PART if expectation.partial else 1.0
     high = min(0.45 * strength + 0.15, 0.85) if squeeze else 0.75 * strength + 0.1
-    return Band(0.1 * part * strength, 0.3 * strength, high, "of its length")
+    return Band(0.1 * part * strength, calibration.EXPECTED_STRAIN * strength, high, "of its length")
 
 
 def sway_band(expectation: ExpectedMotion) -> Band:
@@ -141,7 +156,10 @@ def sway_band(expectation: ExpectedMotion) -> Band:
     strength, part = expectation.strength, _PART if expectation.partial else 1.0
     low = max(VISIBLE * strength * part, 0.008)
     return Band(
-        low, max(0.1 * strength * part, 1.5 * low), 0.6 * max(strength, 0.7), "body lengths to either side"
+        low,
+        max(calibration.EXPECTED_SWAY * strength * part, 1.5 * low),
+        0.6 * max(strength, 0.7),
+        "body lengths to either side",
     )
 
 

@@ -10,8 +10,10 @@ from physagent_jax.agents.matching import Cause
 from physagent_jax.agents.rules.bands import move_band, strain_band, whole_window
 from physagent_jax.agents.rules.language.events import end_region
 from physagent_jax.agents.rules.language.schedule import divide
+from physagent_jax.agents.rules.language.timing import BRIEF
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import clamp, scaled
+from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL
 from physagent_jax.forces.schema import (
     MAGNITUDE_MAX,
     MAGNITUDE_MIN,
@@ -161,15 +163,17 @@ def alternate(case: Case, causes: Sequence[Cause]) -> Change:
 def pull_ends(case: Case, causes: Sequence[Cause]) -> Change:
     """A saturated scale becomes exactly two opposed constraints that move the end slabs apart or together.
 
-    M = 1 moves a slab half a body length per clip, so two slabs moving with M during a fraction f of the
-    clip change the length by M f.
+    Two slabs that move apart with M during a fraction f of the clip change the length by 2 M f times what M = 1
+    moves one of them in a clip (`calibration.PRESCRIBED_TRAVEL`).
     """
     expectation = case.expectation
     axis = expectation.direction or causes[0].item.vector
     window = causes[0].item.active_time
     fraction = (window[1] - window[0]) / max(case.last, 1.0) if window else 1.0
     target = strain_band(expectation, expectation.kind is MotionKind.SQUEEZE).target
-    size = round(clamp(target / max(fraction, 1e-3), MAGNITUDE_MIN, MAGNITUDE_MAX), 4)
+    size = round(
+        clamp(target / (2 * PRESCRIBED_TRAVEL * max(fraction, 1e-3)), MAGNITUDE_MIN, MAGNITUDE_MAX), 4
+    )
     outward = 1.0 if expectation.kind is MotionKind.STRETCH else -1.0
     pair = tuple(
         VelocityConstraint(
@@ -287,10 +291,12 @@ def is_doubled(case: Case, causes: Sequence[Cause]) -> bool:
 
 
 def enforce(case: Case, causes: Sequence[Cause]) -> Change:
-    """Prescribes the velocity where no admissible force is enough: M = 1 is half a body length per clip."""
+    """Prescribes the velocity where no admissible force is enough; for M = 1 see `PRESCRIBED_TRAVEL`."""
     first, last = whole_window(case.expectation, case.brief.frame_count)
     target = move_band(case.expectation, case.brief.frame_count, case.brief.anchored is not None).target
-    size = clamp(2.0 * target * case.last / max(last - first, 1), MAGNITUDE_MIN, MAGNITUDE_MAX)
+    size = clamp(
+        target * case.last / (PRESCRIBED_TRAVEL * max(last - first, 1)), MAGNITUDE_MIN, MAGNITUDE_MAX
+    )
     constraints = tuple(
         VelocityConstraint(
             constraint_type=ConstraintType.PARTICLE_TRANSLATION,
@@ -333,7 +339,7 @@ def fewer(case: Case, causes: Sequence[Cause]) -> Change:
 
 def soften(case: Case, causes: Sequence[Cause]) -> Change:
     """The weakest blow is too strong: a brief push, which reaches less speed in its time."""
-    reach = max(2.0, 0.15 * case.last)
+    reach = max(2.0, BRIEF * case.last)
     items = [
         cause.item.model_copy(
             update={

@@ -15,7 +15,8 @@ from physagent_jax.agents.rules.bands import whole_window
 from physagent_jax.agents.rules.edits import AXIAL, Case, Change
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import clamp, norm, scaled
-from physagent_jax.forces.schema import MAGNITUDE_MAX, MAGNITUDE_MIN, Action, ActionType
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVEL
+from physagent_jax.forces.schema import Action, ActionType
 
 _PUSH_BACK = 1.6  # how much harder to try if the motion is contrary although the force is right
 
@@ -153,11 +154,11 @@ def _calm(case: Case) -> Iterator[Change]:
     window = next((w for w in case.report.windows if (w.first, w.last) == (first, last)), None)
     if window is None or window.displacement is None or norm(window.displacement) < 1e-3 or last - first < 1:
         return
-    speed = norm(window.displacement) * case.last / (last - first)  # body lengths per clip: M of an impulse
+    speed = norm(window.displacement) * case.last / (last - first)  # [body lengths per clip]
     brake = Action(
         action_type=ActionType.IMPULSE,
         vector=scaled(window.displacement, -1.0),
-        magnitude=round(clamp(speed, MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
+        magnitude=round(clamp(speed / TRAVEL, MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
         active_time=(float(first), first + 1.0),
     )
     yield Change(

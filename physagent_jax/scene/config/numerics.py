@@ -44,6 +44,11 @@ class Timing(Strict):
     safety: float = Field(default=0.9, ge=1e-3, le=1)  # as `mpm.timestep.SAFETY`
     force_substep: bool = False
 
+    @property
+    def duration(self) -> float:
+        """Of the clip [s]."""
+        return (self.frame_count - 1) * self.frame_dt
+
 
 class Transfer(Strict):
     """Particle-grid transfers and damping.

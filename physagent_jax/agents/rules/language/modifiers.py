@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+
 Names = tuple[str, ...]
 T = TypeVar("T")
 
@@ -140,7 +142,7 @@ VIEWS: dict[str, Names] = _spread(
 
 INTENSITIES: dict[str, float] = _spread(
     {
-        "slightly, slight, barely, minimally, faint, faintly, a tiny bit, a touch, a tad": 0.4,
+        "slightly, slight, barely, minimally, faint, faintly, a tiny bit, a touch, a tad": MAGNITUDE_MIN,
         "gently, gentle, softly, soft, a bit, a little, a little bit, weak, weakly, lightly, "
         "light, mild, mildly, little, tiny, delicately, delicate, subtle, subtly, small, calm, "
         "calmly, carefully, tender, tenderly": 0.5,
@@ -156,7 +158,7 @@ INTENSITIES: dict[str, float] = _spread(
         "furiously, furious, wildly, wild, massive, massively, tremendous, enormous, huge, "
         "ferocious, with all its force, completely, hugely, ferociously, drastically, immense, "
         "as hard as possible, with full force, half a turn, a half turn, a full turn, "
-        "one full turn, a whole turn, dramatically, enormously": 1.6,
+        "one full turn, a whole turn, dramatically, enormously": MAGNITUDE_MAX,
     }
 )
 DEGREES: dict[str, float] = _spread(

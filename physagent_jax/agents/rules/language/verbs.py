@@ -10,6 +10,8 @@ import enum
 from dataclasses import dataclass
 from typing import Literal
 
+from physagent_jax.forces.calibration import MAGNITUDE_MAX
+
 
 class Doing(enum.Enum):
     """The ways in which a verb acts on the object; each is compiled by one function of `compilation`."""
@@ -103,7 +105,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     ),
     (
         "tear, tear apart, tear ~ apart, rip, rip apart, rip ~ apart, split",
-        Verb(_D.SCALE, strength=1.6, direction="right"),
+        Verb(_D.SCALE, strength=MAGNITUDE_MAX, direction="right"),
     ),
     ("press, compress, squash, flatten, squish", Verb(_D.SCALE, sign=-1, direction="up")),
     ("crush, crumple", Verb(_D.SCALE, sign=-1, strength=1.3, direction="up")),
@@ -118,11 +120,11 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     ("slap, poke, prod, bounce off", Verb(_D.STRIKE, strength=0.8)),
     ("tap, flick, pat", Verb(_D.STRIKE, strength=0.5)),
     ("jolt, whack, smack, bang, ram, crash into, run into", Verb(_D.STRIKE, strength=1.3)),
-    ("smash, slam, pound, hammer", Verb(_D.STRIKE, strength=1.6)),
+    ("smash, slam, pound, hammer", Verb(_D.STRIKE, strength=MAGNITUDE_MAX)),
     ("throw, toss", Verb(_D.STRIKE, direction="up", gravity=True)),
     ("fling, hurl", Verb(_D.STRIKE, strength=1.3, direction="up", gravity=True)),
     ("launch, shoot, catapult", Verb(_D.STRIKE, strength=1.3, direction="up")),
-    ("explode, burst, blow up, pop, erupt, detonate, blow ~ apart", Verb(_D.BURST, strength=1.6)),
+    ("explode, burst, blow up, pop, erupt, detonate, blow ~ apart", Verb(_D.BURST, strength=MAGNITUDE_MAX)),
     # rotation
     (
         "twist, spin, swirl, stir, wring, whirl, twirl, screw, turn around, turn ~ around",
@@ -183,8 +185,11 @@ _CAUSE_ROWS: tuple[tuple[str, Verb], ...] = (
         "gust, gusts, gust of wind, gusts of wind, blast of wind, blast of air",
         Verb(_D.PUSH, strength=1.2, brief=True, wind=True),
     ),
-    ("storm, hurricane, gale, tornado, typhoon, tempest, blizzard", Verb(_D.PUSH, strength=1.6, wind=True)),
-    ("explosion, blast, detonation, bomb", Verb(_D.BURST, strength=1.6)),
+    (
+        "storm, hurricane, gale, tornado, typhoon, tempest, blizzard",
+        Verb(_D.PUSH, strength=MAGNITUDE_MAX, wind=True),
+    ),
+    ("explosion, blast, detonation, bomb", Verb(_D.BURST, strength=MAGNITUDE_MAX)),
     ("collision, blow, impact, uppercut, header", Verb(_D.STRIKE)),
     ("earthquake, tremor", Verb(_D.SWAY, cycles=4, strength=1.3, abrupt=True)),
     ("compression, pressure", Verb(_D.SCALE, sign=-1, direction="up")),

@@ -1,0 +1,92 @@
+"""What a magnitude of 1 means, and what follows from it: the numbers that skills, camera, agents and report share.
+
+Plain numbers, so that agents read them without arrays. Lengths are in body lengths (L, the object's longest extent)
+and times in clips (T) unless a unit is given. A skill at M = 1 does what is said here to a free object on which nothing
+else acts; the formulas are in `forces.skills`.
+"""
+
+from __future__ import annotations
+
+import math
+
+# --- the range of the library -----------------------------------------------------------------------------------------
+
+MAGNITUDE_MIN = 0.4
+"""Least abs(M): the paper's. Weaker is hardly seen in a clip."""
+
+MAGNITUDE_MAX = 1.6
+"""Greatest abs(M): the paper's. Stronger carries the object out of the picture."""
+
+# --- what M = 1 does --------------------------------------------------------------------------------------------------
+
+TRAVEL = 1.0
+"""[L] that a push (``translation``) or a blow (``impulse``) at the clip's start moves the object by its end: as far as
+can be seen at a glance and still fits into a picture."""
+
+PRESCRIBED_TRAVEL = 0.5
+"""[L per T] at which ``enforce_particle_translation`` moves its particles: two opposed ends then part by one L in a
+clip. Nothing slows prescribed particles down, so half of what a blow gives is enough."""
+
+TURN = math.pi / 2
+"""[rad] that a ``torque`` turns the object in a clip: a quarter turn, the most that leaves no doubt about its sense."""
+
+STRAIN = 0.15
+"""[1] linear mean strain of a free bar under ``scale``. Soft solids stretch more than linearly: a neo-Hookean bar shows
+0.17 at M = 1 and 0.35 at M = 1.6; calibrated on 0.3, its middle would reach three times its length there and tear."""
+
+STRETCH_RAMP = 0.4
+"""[share of the window] over which a ``scale`` grows to its full strength: the object then follows without ringing."""
+
+HELD_TIME = 0.7
+"""[s] T for what is held somewhere, whatever the clip's length: it cannot leave the picture and has to be bent, which a
+field of four tenths of gravity does to a plant of 1 m (2 L / T^2)."""
+
+# --- what a viewer expects of strength 1 (`agents.rules.bands`) -------------------------------------------------------
+
+EXPECTED_STRAIN = 0.3
+"""[1] that a stretch or squeeze should show: twice the linear strain. What M = 1 gives lies inside the range, at its
+lower half; a correction aims here."""
+
+EXPECTED_HELD_SHIFT = 0.2
+"""[L] by which the centre of something held should move when it is pushed."""
+
+EXPECTED_HELD_TURN = 25.0
+"""[degrees] by which something held should turn: it twists and springs back."""
+
+EXPECTED_SWAY = 0.1
+"""[L] to either side when something sways."""
+
+# --- where the object will be (`scene.fuse`) --------------------------------------------------------------------------
+
+DROP_HEIGHT = 0.5
+"""[L] of clear height under what can fall: it is seen to fall, and lands within a clip."""
+
+SWEEP = MAGNITUDE_MAX * TRAVEL
+"""[L] that the camera looks ahead of a free object, at most: the travel of the strongest push."""
+
+HELD_SWEEP = 0.35
+"""[L] the same for what is held: it bends and comes back."""
+
+ROOM = 0.15
+"""[L] that the picture leaves around the object to stretch, turn and sway; sideways."""
+
+ROOM_UPWARD = 0.6
+"""[share of ROOM] that it leaves above and below: what sways moves less there."""
+
+FLOOR_ROOM = 0.12
+"""[L] that the picture leaves below the floor: the near edge of what lies on it hangs lower."""
+
+
+def meaning(skill: str) -> str:
+    """What M = 1 does, for people and language models.
+
+    Args:
+        skill: A name of `forces.schema.SkillScaling`: "translation", "scale", "impulse", "torque" or "velocity".
+    """
+    return {
+        "translation": f"unopposed, {TRAVEL:g} body length by the clip's end",
+        "impulse": f"unopposed, {TRAVEL:g} body length from the clip's start to its end",
+        "torque": f"unopposed, {math.degrees(TURN):g} degrees by the clip's end",
+        "scale": f"a linear strain of {STRAIN:g}",
+        "velocity": f"{PRESCRIBED_TRAVEL:g} body lengths per clip",
+    }[skill]
