@@ -17,11 +17,9 @@ from pydantic import ValidationError
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.core.reading import validation_message
+from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.schema import MAGNITUDE_MAX, MAGNITUDE_MIN, Action, ActionType, ForceField
-from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.gaussians.formats.ply import write_ply
-from physagent_jax.mpm import Grid, rollout, stable_dt
-from physagent_jax.mpm.timestep import substeps_for
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.compile import CompiledScene, compile_scene
 from physagent_jax.scene.config import (
@@ -39,6 +37,7 @@ from physagent_jax.scene.config import (
 from physagent_jax.scene.fuse import SceneTemplate, fuse
 from physagent_jax.scene.presets import Preset
 from physagent_jax.scene.procedural import make_jelly
+from physagent_jax.simulation.trajectory import static_substeps, trajectory
 
 
 @dataclasses.dataclass(frozen=True)
@@ -64,6 +63,17 @@ class TaskSpec:
     hidden_magnitude: float
     start_vector: tuple[float, float, float]
     start_magnitude: float
+
+    @property
+    def start(self) -> ForceField:
+        """The force field that a method begins with."""
+        action = Action(
+            action_type=self.action_type,
+            vector=self.start_vector,
+            magnitude=self.start_magnitude,
+            active_time=self.active_time,
+        )
+        return ForceField(default_drop=self.drop, actions=(action,))
 
 
 TASKS = {
@@ -121,6 +131,12 @@ class Parameters:
         """Unit vector, shape (3,)."""
         return self.push / self.magnitude
 
+    def of_force_field(self, force_field: ForceField, frame_count: int) -> ForceFieldParameters:
+        """As the numbers of a force field of one action, whose window is kept."""
+        known = ForceFieldParameters.of(force_field, frame_count)
+        action = dataclasses.replace(known.actions[0], vector=self.direction, magnitude=self.magnitude)
+        return dataclasses.replace(known, actions=(action,))
+
     def projected(self) -> Parameters:
         """The nearest parameters whose magnitude lies in the skill library's range."""
         return Parameters(self.direction * jnp.clip(self.magnitude, MAGNITUDE_MIN, MAGNITUDE_MAX))
@@ -133,7 +149,7 @@ class Task:
     Attributes:
         spec: Its definition.
         ingredients, body: For fusing the solution into a scene like any other.
-        scene: The scene without any action.
+        scene: The scene with the action that a method begins with.
         substeps: Per frame.
         target: Centroid path per frame, frame 0 left out [m], shape (frames - 1, 3).
     """
@@ -147,7 +163,7 @@ class Task:
 
     def centroid_path(self, parameters: Parameters) -> jax.Array:
         """Centroid path under ``parameters`` [m], shape (frames - 1, 3); differentiable."""
-        return _path(self.spec, self.scene, self.substeps, parameters)
+        return _path(self.scene, self.substeps, parameters)
 
     def loss(self, parameters: Parameters) -> jax.Array:
         """Mean squared distance to the target path, in squared body lengths."""
@@ -156,13 +172,8 @@ class Task:
 
     def force_field(self, parameters: Parameters) -> ForceField:
         """The parameters as the JSON that an agent would have written."""
-        action = Action(
-            action_type=self.spec.action_type,
-            vector=tuple(np.asarray(parameters.direction, float).tolist()),
-            magnitude=float(np.clip(parameters.magnitude, MAGNITUDE_MIN, MAGNITUDE_MAX)),
-            active_time=self.spec.active_time,
-        )
-        return ForceField(default_drop=self.spec.drop, actions=(action,))
+        begun, frame_count = self.scene.config.force_field, self.scene.config.timing.frame_count
+        return parameters.of_force_field(begun, frame_count).to_force_field(begun, frame_count)
 
     def solution(self, parameters: Parameters) -> SceneConfig:
         """The complete scene with the found force field."""
@@ -198,10 +209,10 @@ def make_task(spec: TaskSpec, folder: Path, *, frame_count: int = 26, particles:
         camera=CameraConfig(),
     )
     body = make_body(ingredients.source, preset.filling, preset.domain, folder)
-    scene = compile_scene(fuse(ingredients, body, ForceField(default_drop=spec.drop)), body, folder)
-    scene, substeps = _with_static_grid(scene)
+    scene = compile_scene(fuse(ingredients, body, spec.start), body, folder)
+    substeps = static_substeps(scene)
     hidden = Parameters.of(spec.hidden_vector, spec.hidden_magnitude)
-    return Task(spec, ingredients, body, scene, substeps, _path(spec, scene, substeps, hidden))
+    return Task(spec, ingredients, body, scene, substeps, _path(scene, substeps, hidden))
 
 
 def _preset(frame_count: int, particles: int) -> Preset:
@@ -215,37 +226,6 @@ def _preset(frame_count: int, particles: int) -> Preset:
     )
 
 
-_SAFETY = 0.5  # of the bound at rest; a static step must also bear the squeeze on landing
-
-
-def _with_static_grid(scene: CompiledScene) -> tuple[CompiledScene, int]:
-    """A rollout under differentiation cannot move its window or change its step: both are fixed here."""
-    domain, timing = scene.config.domain, scene.config.timing
-    substeps = substeps_for(timing.frame_dt, _SAFETY * float(stable_dt(scene.model, scene.state)))
-    dt = jnp.asarray(timing.frame_dt / substeps, scene.state.x.dtype)
-    model = scene.model.replace(grid=Grid.whole(domain.size, domain.cells), dt=dt)
-    return dataclasses.replace(scene, model=model), substeps
-
-
-def _path(spec: TaskSpec, scene: CompiledScene, substeps: int, parameters: Parameters) -> jax.Array:
-    model = scene.model
-    _, states = rollout(
-        model.replace(forces=(*model.forces, _force(spec, scene, parameters))),
-        scene.state,
-        frame_count=scene.config.timing.frame_count - 1,
-        substeps=substeps,
-    )
-    return (states.x * model.mass[:, None]).sum(1) / model.mass.sum()
-
-
-def _force(spec: TaskSpec, scene: CompiledScene, parameters: Parameters) -> UniformAcceleration:
-    """The sought action, as `forces.skills` would compile it, but with differentiable parameters."""
-    scaling, timing = scene.config.scaling, scene.config.timing
-    assert scaling is not None
-    first, last = spec.active_time or (0, timing.frame_count - 1)
-    start, end = first * timing.frame_dt, last * timing.frame_dt
-    k = scaling.translation if spec.action_type is ActionType.TRANSLATION else scaling.impulse / (end - start)
-    dtype = scene.state.x.dtype
-    return UniformAcceleration(
-        (k * parameters.push).astype(dtype), jnp.asarray(start, dtype), jnp.asarray(end, dtype)
-    )
+def _path(scene: CompiledScene, substeps: int, parameters: Parameters) -> jax.Array:
+    values = parameters.of_force_field(scene.config.force_field, scene.config.timing.frame_count)
+    return trajectory(scene, values, substeps=substeps).centroid(scene.model.mass)[1:]

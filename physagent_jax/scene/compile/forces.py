@@ -9,6 +9,7 @@ import numpy as np
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces import terms
 from physagent_jax.forces.envelope import Envelope, EnvelopeKind
+from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.regions import region_mask
 from physagent_jax.forces.skills import closed_form_scaling, compile_force_field
 from physagent_jax.scene import config as c
@@ -31,13 +32,13 @@ def compile_forces(
     Raises:
         UserError: A region selects nothing, or a window lies outside the clip.
     """
-    skills, constraints = _force_field(config, body, rest, volume)
+    skills, constraints = compile_skills(config, body, rest, volume)
     return (*skills, *compile_force_terms(config, rest)), constraints
 
 
 def compile_force_terms(config: c.SceneConfig, rest: np.ndarray) -> tuple:
     """The scene's own terms (`SceneConfig.forces`); arguments and errors as for `compile_forces`."""
-    clip = (config.timing.frame_count - 1) * config.timing.frame_dt
+    clip = config.timing.duration
     compiled = []
     for index, term in enumerate(config.forces):
         place = f"forces[{index}]"
@@ -102,16 +103,29 @@ def _envelope(envelope: c.Envelope) -> Envelope:
     return Envelope(EnvelopeKind(envelope.kind), **{name: leaf(value) for name, value in values.items()})
 
 
-def _force_field(config: c.SceneConfig, body: Body, rest: np.ndarray, volume: np.ndarray):
+def compile_skills(
+    config: c.SceneConfig,
+    body: Body,
+    rest: np.ndarray,
+    volume: np.ndarray,
+    parameters: ForceFieldParameters | None = None,
+) -> tuple[tuple, tuple]:
+    """The force field alone; as `compile_forces`, with ``parameters`` as for `compile_force_field`."""
     timing = config.timing
     scaling = config.scaling or closed_form_scaling(
         extent=body.extent,
         youngs_modulus=config.material.youngs_modulus,
         density=config.material.density,
-        duration=(timing.frame_count - 1) * timing.frame_dt,
+        duration=timing.duration,
     )
     skills, grips = compile_force_field(
-        config.force_field, scaling, rest, volume, frame_dt=timing.frame_dt, frame_count=timing.frame_count
+        config.force_field,
+        scaling,
+        rest,
+        volume,
+        frame_dt=timing.frame_dt,
+        frame_count=timing.frame_count,
+        parameters=parameters,
     )
     held = (buckets.filled(np.asarray(grip.particles), len(rest)) for grip in grips)
     return skills, tuple(dataclasses.replace(grip, particles=places) for grip, places in zip(grips, held))

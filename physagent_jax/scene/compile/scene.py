@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from physagent_jax.core.arrays import on_device
+from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.gaussians.binding import Binding
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.mpm import (
@@ -30,7 +31,7 @@ from physagent_jax.scene.camera import reference_camera
 from physagent_jax.scene.compile import buckets
 from physagent_jax.scene.compile.boundaries import compile_boundaries
 from physagent_jax.scene.compile.constraints import compile_constraints
-from physagent_jax.scene.compile.forces import compile_forces
+from physagent_jax.scene.compile.forces import compile_forces, compile_skills
 from physagent_jax.scene.compile.matter import Matter
 from physagent_jax.scene.compile.select import DTYPE
 
@@ -49,6 +50,7 @@ class CompiledScene:
         order: Body particle of each model particle, shape (n,): particles are grouped by material, lie cell by
             cell in memory, and some are there twice (`buckets`).
         anchored: Number of particles held by the anchor.
+        rigid_bodies: Number of rigid bodies; their constraints are the model's first.
     """
 
     config: c.SceneConfig
@@ -59,6 +61,21 @@ class CompiledScene:
     camera: Camera
     order: np.ndarray
     anchored: int
+    rigid_bodies: int = 0
+
+    def with_parameters(self, parameters: ForceFieldParameters) -> CompiledScene:
+        """The scene with other numbers in its force field, traced or not; the rest of the model is kept.
+
+        Raises:
+            UserError: They are not this force field's, or a known window lies outside the clip.
+        """
+        rest, volume = _rest(self.body, self.order)
+        rest = rest.astype(self.state.x.dtype)
+        skills, grips = compile_skills(self.config, self.body, rest, volume, parameters)
+        bodies, model = self.rigid_bodies, self.model
+        constraints = (*model.constraints[:bodies], *grips, *model.constraints[bodies + len(grips) :])
+        model = model.replace(forces=(*skills, *model.forces[len(skills) :]), constraints=constraints)
+        return dataclasses.replace(self, model=model)
 
     @property
     def windowed(self) -> Model:
@@ -90,9 +107,9 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     matter = Matter.of(config, body)
     order = cell_order(body.particles.x, config.domain.dx, matter.model)
     order = buckets.with_copies(order, matter.model[order])
-    rest, matter, share = body.particles.x[order].astype(DTYPE), matter.take(order), buckets.shares(order)
+    rest, volume = _rest(body, order)
+    matter, share = matter.take(order), buckets.shares(order)
     whole = matter.density * body.particles.volume[order]  # mass of a particle with all its copies
-    volume = share * body.particles.volume[order]
     held = anchored_particles(
         config.anchor,
         rest,
@@ -126,7 +143,14 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     substeps = _substeps(config, model, state)
     model = model.replace(dt=on_device(config.timing.frame_dt / substeps, DTYPE))
     camera = reference_camera(config.camera, config.rendering, config.domain)
-    return CompiledScene(config, body, model, state, substeps, camera, order, int(held @ share + 0.5))
+    anchored = int(held @ share + 0.5)
+    return CompiledScene(config, body, model, state, substeps, camera, order, anchored, len(bodies))
+
+
+def _rest(body: Body, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rest positions [m], shape (n, 3), and rest volumes [m^3], shape (n,), of the model's particles."""
+    particles = body.particles
+    return particles.x[order].astype(DTYPE), buckets.shares(order) * particles.volume[order]
 
 
 def _substeps(config: c.SceneConfig, model: Model, state: State) -> int:

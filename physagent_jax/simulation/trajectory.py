@@ -1,0 +1,93 @@
+"""A scene's clip as a differentiable function of the numbers in its force field.
+
+`simulate_scene` adapts its step and its grid window to the motion and leaves forces out of frames in which they do not
+act; none of that can be traced. Here all of it is fixed: the grid is the whole domain, the step is a fraction of the
+bound at rest, and every force is evaluated in every step. The law of motion is the same, so the two paths differ by
+what their time steps differ.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.forces.parameters import ForceFieldParameters
+from physagent_jax.mpm import Grid, rollout, stable_dt
+from physagent_jax.mpm.timestep import substeps_for
+from physagent_jax.scene.compile import CompiledScene
+
+SAFETY = 0.5  # of the bound at rest; a step that never adapts must also bear the squeeze on landing
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Trajectory:
+    """The particles at every frame; they are the model's, of which `CompiledScene.back` picks the body's.
+
+    Attributes:
+        x: Positions [m], shape (frames, n, 3); the first frame is the rest pose.
+        F: Deformation gradients, shape (frames, n, 3, 3).
+        time: [s], shape (frames,).
+    """
+
+    x: jax.Array
+    F: jax.Array
+    time: jax.Array
+
+    def centroid(self, mass: jax.Array) -> jax.Array:
+        """Mass centre per frame [m], shape (frames, 3); ``mass`` [kg], shape (n,), is `Model.mass`."""
+        return (self.x * mass[:, None]).sum(1) / mass.sum()
+
+
+def trajectory(
+    scene: CompiledScene, parameters: ForceFieldParameters | None = None, *, substeps: int | None = None
+) -> Trajectory:
+    """Simulates all frames of ``scene``; differentiable in reverse with respect to ``parameters``.
+
+    Each frame and each step is a checkpoint (`mpm.rollout`). If a particle leaves the domain, all positions from then
+    on are NaN: a traced function cannot raise.
+
+    Args:
+        scene: What to simulate.
+        parameters: Numbers in place of its force field's own, traced or not; None = its own.
+        substeps: Steps per frame; None = `static_substeps`, or give them where the scene's model or state is traced.
+
+    Raises:
+        UserError: ``substeps`` is below 1, or the parameters do not fit the scene's force field.
+    """
+    if substeps is None:
+        substeps = static_substeps(scene)
+    if substeps < 1:
+        raise UserError("`substeps` must be at least 1", got=substeps)
+    if parameters is not None:
+        scene = scene.with_parameters(parameters)
+    timing, domain, start = scene.config.timing, scene.config.domain, scene.state
+    model = scene.model.replace(
+        grid=Grid.whole(domain.size, domain.cells),
+        dt=jnp.asarray(timing.frame_dt / substeps, start.x.dtype),
+    )
+    _, states = rollout(model, start, frame_count=timing.frame_count - 1, substeps=substeps)
+    return Trajectory(
+        *(_with_first(getattr(start, name), getattr(states, name)) for name in ("x", "F", "time"))
+    )
+
+
+def static_substeps(scene: CompiledScene) -> int:
+    """Steps per frame that `trajectory` takes: as the scene says, or `SAFETY` times the stable bound at rest.
+
+    It does not depend on the force field's numbers. Where the scene's model or state is traced it cannot be found.
+    """
+    timing = scene.config.timing
+    if timing.substep_dt != "auto":
+        return substeps_for(timing.frame_dt, timing.substep_dt)
+    with jax.ensure_compile_time_eval():
+        bound = float(stable_dt(scene.model, scene.state))
+    return substeps_for(timing.frame_dt, SAFETY * bound)
+
+
+def _with_first(first: jax.Array, rest: jax.Array) -> jax.Array:
+    return jnp.concatenate([jnp.asarray(first, rest.dtype)[None], rest])
