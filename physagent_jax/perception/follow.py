@@ -14,7 +14,7 @@ import numpy as np
 
 from physagent_jax.perception import lift
 from physagent_jax.perception.fit import Affine, fit_affine
-from physagent_jax.perception.protocols import Tracker
+from physagent_jax.perception.protocols import EncodedClip, Tracker
 from physagent_jax.render.camera import Camera
 
 SEEDS = 300
@@ -65,6 +65,7 @@ def follow(
         tracker: Follows points in pictures.
     """
     count = len(frames)
+    clip = tracker.encode(frames, masks)
     path = Path(
         [None] * count,
         np.full(count, -1),
@@ -82,7 +83,7 @@ def follow(
             path.poses[start], path.chain[start] = base, chain
             path.kept[start] = path.kept[start] or 1.0
             span = slice(start, min(start + horizon, count))
-            reached = _link(path, span, base, chain, seeds, frames, masks, depths, camera, tracker)
+            reached = _link(path, span, base, chain, seeds, clip, depths, camera)
         if reached > start:
             horizon = max(
                 4, 2 * (reached - start)
@@ -93,32 +94,33 @@ def follow(
     return path
 
 
-def _link(path, span, base, chain, seeds, frames, masks, depths, camera, tracker) -> int:
+def _link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> int:
     """Follows one set of seeds, writes what it finds into ``path``; returns the last frame that it reached."""
-    tracks, visible = tracker(frames[span], seeds, masks[span])
     start = reached = span.start
+    queries = np.concatenate([np.full((len(seeds), 1), start), seeds], 1)
+    followed = clip.track(queries, until=span.stop)
     before = lift.unproject(seeds, lift.sample(depths[start], seeds), camera)
     known = np.isfinite(before[:, 0])  # seeds at the rim of what broke up may have no depth
     face = lift.facing(depths[start], seeds, camera)
     forward = camera.forward
     for t in range(start + 1, span.stop):
-        at, on = tracks[t - start], visible[t - start]
+        at, on, sure = followed.xy[t], followed.visible[t], followed.confidence[t]
         after = lift.unproject(at, lift.sample(depths[t], at), camera)
-        pairs = on & known & np.isfinite(after[:, 0])
+        pairs = on & (sure > 0) & known & np.isfinite(after[:, 0])
         kept = pairs.sum() / len(seeds)
         if pairs.sum() < FEWEST or kept < KEPT_FIT:
             break
         # Where the surface is steep, a pixel off is far off in depth.
-        trust = np.minimum(face, lift.facing(depths[t], at, camera))[pairs] + 0.05
+        trust = (np.minimum(face, lift.facing(depths[t], at, camera))[pairs] + 0.05) * sure[pairs]
         step = fit_affine(before[pairs], after[pairs], trust)
         path.poses[t], path.chain[t], path.kept[t] = step.after(base), chain, kept
         reached = t
         tilt = np.degrees(np.arccos(np.clip(forward @ step.rotation @ forward, -1, 1)))
         if kept < KEPT_LINK or tilt > LARGEST_TILT:
             break
-    full = np.zeros((len(frames), *seeds.shape))
-    shown = np.zeros(full.shape[:2], bool)
-    full[span], shown[start : reached + 1] = tracks, visible[: reached + 1 - start]
+    full = np.zeros_like(followed.xy)
+    shown = np.zeros_like(followed.visible)
+    full[span], shown[start : reached + 1] = followed.xy[span], followed.visible[start : reached + 1]
     path.tracks = np.concatenate([path.tracks, full], 1)
     path.visible = np.concatenate([path.visible, shown], 1)
     return reached

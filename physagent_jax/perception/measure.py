@@ -10,11 +10,10 @@ import numpy as np
 from physagent_jax.core.errors import UserError
 from physagent_jax.perception import lift, timing
 from physagent_jax.perception.assemble import GONE, assemble, in_view, touches_border
-from physagent_jax.perception.backends.colour import ColorSegmenter
-from physagent_jax.perception.backends.depth_sensor import DepthSensor
-from physagent_jax.perception.backends.flow import FlowTracker
+from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.follow import follow
-from physagent_jax.perception.protocols import DepthEstimator, Segmenter, Tracker
+from physagent_jax.perception.prompt import find_prompt
+from physagent_jax.perception.protocols import Masks, PerceptionBackends, Segmenter, SegmentPrompt
 from physagent_jax.perception.schema import MotionReport, Quality
 from physagent_jax.perception.windows import Frames, measure_window
 from physagent_jax.perception.words import ViewerWords, tell
@@ -25,13 +24,15 @@ VISIBLE = 0.01
 LEAST_PIXELS = 8
 """Fewer pixels in frame 0 are no object [px]."""
 MISSED = 0.4
-"""Share of the depth picture that colour may miss before its mask is dropped. A soft rim of splats alone, which
+"""Share of the depth picture that a segmenter may miss before its mask is dropped. A soft rim of splats alone, which
 has depth but is mostly background, can make a quarter."""
 
 LEAST_TEXTURE = 0.5
 """Share of points on texture below which the report warns."""
 
-_SENSOR = "Depth comes from the renderer's depth channel, as from an RGB-D camera; only the visible side is measured."
+LARGEST_UNCERTAINTY = 0.05
+"""Depth that is less certain is not used [share of itself]."""
+_NO_SCALE = "The depth has no known scale: sizes and places in metres are arbitrary, body lengths are not."
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,27 +55,27 @@ class Perception:
 
 def perceive(
     rgb: np.ndarray,
-    depth: np.ndarray | DepthEstimator,
+    depth: np.ndarray | None,
     camera: Camera,
     *,
     frame_dt: float,
     up: Sequence[float] = (0.0, 0.0, 1.0),
     windows: Sequence[tuple[int, int]] = (),
-    segmenter: Segmenter | None = None,
-    tracker: Tracker | None = None,
+    backends: PerceptionBackends | None = None,
+    prompt: SegmentPrompt | None = None,
 ) -> Perception:
     """Measures how the object in the pictures moves.
 
     Args:
         rgb: Pictures, uint8, shape (T, H, W, 3).
-        depth: z-depth [m] as from an RGB-D camera, nan or 0 where there is no surface, shape (T, H, W);
-            or a model that estimates it from the pictures.
+        depth: z-depth [m] as from an RGB-D camera, nan or 0 where there is no surface, shape (T, H, W); None
+            if there is no such camera, and ``backends.depth`` estimates it from the pictures.
         camera: The fixed camera.
         frame_dt: Seconds per frame [s].
         up: World up, for the words.
         windows: Further windows of interest as (first, last) frames, inclusive.
-        segmenter: Finds the object; `ColorSegmenter` by default.
-        tracker: Follows points; `FlowTracker` by default.
+        backends: What finds the object, its depth and its points; those that need no weights by default.
+        prompt: Which object is meant; None = the only one, for which a prompt is made if the segmenter needs one.
 
     Returns:
         The report with masks and tracks.
@@ -83,17 +84,19 @@ def perceive(
         UserError: Shapes do not fit, or a window lies outside of the clip.
     """
     rgb = _checked(rgb, depth, camera, windows)
-    sensor = depth if callable(depth) else DepthSensor(depth)
-    z = sensor(rgb, camera)
-    masks, notes = _masks(rgb, z, segmenter or ColorSegmenter())
-    if not callable(depth):
-        notes.insert(0, _SENSOR)
+    backends = backends or make_backends()
+    estimate = backends.depth.estimate(rgb, camera, depth)
+    z = estimate.z
+    masks, notes = _masks(z, _segment(rgb, z, backends.segmenter, prompt))
+    notes = [*estimate.notes, *([] if estimate.scale_known else [_NO_SCALE]), *notes]
     spans = _spans(len(rgb), windows)
     if masks[0].sum() < LEAST_PIXELS:
         return _nothing(rgb, masks, frame_dt, spans, notes)
     trusted, noise = zip(*(lift.trusted_depth(d, m) for d, m in zip(z, masks)))
     trusted = np.stack(trusted)
-    path = follow(rgb, masks, trusted, camera, tracker or FlowTracker())
+    if estimate.uncertainty is not None:
+        trusted = np.where(estimate.uncertainty <= LARGEST_UNCERTAINTY * z, trusted, np.float32(np.nan))
+    path = follow(rgb, masks, trusted, camera, backends.tracker)
     if path.texture < LEAST_TEXTURE:
         notes.append(
             "The surface has little texture: rotation and shape are guessed from its outline and shading."
@@ -137,7 +140,7 @@ def _checked(rgb, depth, camera: Camera, windows) -> np.ndarray:
             got=f"{rgb.shape[1:3]}, {(camera.height, camera.width)}",
             do="pass the camera that the pictures were taken with",
         )
-    if not callable(depth) and np.shape(depth) != rgb.shape[:3]:
+    if depth is not None and np.shape(depth) != rgb.shape[:3]:
         raise UserError("`depth` must have the shape (T, H, W) of `rgb`", got=np.shape(depth))
     for first, last in windows:
         if not 0 <= first <= last < len(rgb):
@@ -154,17 +157,26 @@ def _spans(count: int, windows) -> list[tuple[int, int]]:
     return spans + [w for w in dict.fromkeys((int(a), int(b)) for a, b in windows) if w not in spans]
 
 
-def _masks(rgb, z, segmenter: Segmenter) -> tuple[np.ndarray, list[str]]:
-    """The segmenter's masks where there is depth; all depth, if colour misses much of a lone object."""
+def _segment(rgb: np.ndarray, z: np.ndarray, segmenter: Segmenter, prompt: SegmentPrompt | None) -> Masks:
+    if prompt is None and segmenter.needs_prompt:
+        prompt = find_prompt(rgb, z)
+        if prompt is None:
+            return Masks(np.zeros(rgb.shape[:3], bool))
+    return segmenter.segment(rgb, prompt)
+
+
+def _masks(z: np.ndarray, found: Masks) -> tuple[np.ndarray, list[str]]:
+    """The segmenter's masks where there is depth; all depth, if the segmenter misses much of a lone object."""
     surface = np.isfinite(z)
-    masks = segmenter(rgb) & surface
+    masks = found.masks & surface
     missed = 1 - masks.sum() / max(surface.sum(), 1)
     alone = not touches_border(surface[0])  # nothing else, like a floor, is in the depth picture
     if alone and missed > MISSED:
         return surface, [
-            f"Colour missed {missed:.0%} of the object: its mask was taken from the depth picture."
+            *found.notes,
+            f"Segmentation missed {missed:.0%} of the object: its mask was taken from the depth picture.",
         ]
-    return masks, []
+    return masks, list(found.notes)
 
 
 def _report(frames: Frames, rest: np.ndarray, frame_dt, spans, quality, *, threshold: float) -> MotionReport:

@@ -1,63 +1,196 @@
 """What perception needs from a vision model, as protocols: pictures in, arrays out.
 
-Those in `backends` need no weights.
+Those in `backends` need no weights. The protocols are cut so that SAM 2, Depth Anything V2 and CoTracker 3 fit behind
+them; each says how. Pixel positions have pixel centres at +0.5, everywhere.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Protocol
 
 import numpy as np
 
+from physagent_jax.core.errors import UserError
 from physagent_jax.render.camera import Camera
 
 
-class Segmenter(Protocol):
-    """Finds the object in each frame."""
+class Backend(Protocol):
+    """What all backends have in common; they derive from their protocol and so inherit the defaults."""
 
-    def __call__(self, frames: np.ndarray) -> np.ndarray:
+    @property
+    def name(self) -> str:
+        """Which implementation this is, with its weights if it has any: another name is another run."""
+        return type(self).__name__
+
+
+@dataclasses.dataclass(frozen=True)
+class SegmentPrompt:
+    """Where the object is in one frame: by points, by a box, by both, or by a mask alone.
+
+    Attributes:
+        frame: The frame that the prompt speaks of.
+        points: Positions (x, y) [px], shape (P, 2).
+        labels: True where a point is on the object, False where it is on something else, shape (P,); None = all on it.
+        box: Corners (x0, y0, x1, y1) [px], shape (4,).
+        mask: The object in that frame, bool, shape (H, W).
+
+    Raises:
+        UserError: The prompt says nothing, or a mask beside points or a box.
+    """
+
+    frame: int = 0
+    points: np.ndarray | None = None
+    labels: np.ndarray | None = None
+    box: np.ndarray | None = None
+    mask: np.ndarray | None = None
+
+    def __post_init__(self):
+        outlined = self.points is not None or self.box is not None
+        if outlined == (self.mask is not None):
+            raise UserError("a prompt is points, a box, both, or a mask alone", do="Give one of these")
+        if self.labels is not None and (self.points is None or len(self.labels) != len(self.points)):
+            raise UserError("`labels` are one per point", do="Give as many labels as points, or none")
+
+
+@dataclasses.dataclass(frozen=True)
+class Masks:
+    """Where the object is.
+
+    Attributes:
+        masks: True on the object, bool, shape (T, H, W).
+        notes: What weakened them, a sentence each, for the report.
+    """
+
+    masks: np.ndarray
+    notes: tuple[str, ...] = ()
+
+
+class Segmenter(Backend, Protocol):
+    """Finds the object in each frame.
+
+    SAM 2: ``needs_prompt``; ``SAM2VideoPredictor.init_state`` of the frames, then ``add_new_points_or_box(state,
+    frame_idx=prompt.frame, obj_id=1, points=..., labels=..., box=...)`` or ``add_new_mask(..., mask=...)``, then
+    ``propagate_in_video`` forwards, and with ``reverse=True`` if ``prompt.frame > 0``; the mask is where the logits
+    exceed 0.
+    """
+
+    @property
+    def needs_prompt(self) -> bool:
+        """Whether it must be told where the object is; without a prompt, `perceive` then makes one."""
+        return False
+
+    def segment(self, frames: np.ndarray, prompt: SegmentPrompt | None) -> Masks:
         """Masks of the object.
 
         Args:
             frames: Pictures, uint8, shape (T, H, W, 3).
+            prompt: Which object is meant; None = it is the only one.
 
-        Returns:
-            True on the object, bool, shape (T, H, W).
+        Raises:
+            UserError: It needs a prompt, or cannot take one.
         """
         ...
 
 
-class DepthEstimator(Protocol):
-    """Says how far away the surface behind each pixel is."""
+@dataclasses.dataclass(frozen=True)
+class Depth:
+    """How far away the surface behind each pixel is.
 
-    def __call__(self, frames: np.ndarray, camera: Camera) -> np.ndarray:
-        """z-depth.
+    Attributes:
+        z: z-depth, not ray length, nan where there is no surface, float32, shape (T, H, W): in metres if
+            ``scale_known``, else in a unit that is the same in all frames.
+        scale_known: Whether the unit is a metre. Lengths in body lengths do not depend on it.
+        uncertainty: Standard deviation in the unit of ``z``, shape (T, H, W); None = not told.
+        notes: What weakened it, a sentence each, for the report.
+    """
+
+    z: np.ndarray
+    scale_known: bool = True
+    uncertainty: np.ndarray | None = None
+    notes: tuple[str, ...] = ()
+
+
+class DepthEstimator(Backend, Protocol):
+    """Says how far away the surface behind each pixel is.
+
+    Depth Anything V2: ``infer_image`` per frame. The metric checkpoints return metres: ``scale_known``. The relative
+    ones return an inverse depth of unknown scale and shift per frame: the adapter must fit both to one frame's over the
+    still background, and return its reciprocal with ``scale_known=False``. Neither tells its uncertainty; a spread over
+    flipped or rescaled pictures can stand for it.
+    """
+
+    def estimate(self, frames: np.ndarray, camera: Camera, measured: np.ndarray | None) -> Depth:
+        """Depth of every pixel.
 
         Args:
             frames: Pictures, uint8, shape (T, H, W, 3).
             camera: Where they were taken from.
+            measured: z-depth that a camera measured [m], nan or 0 where there is no surface, shape (T, H, W); None =
+                the camera has no such channel.
 
-        Returns:
-            z-depth [m], not ray length; nan or 0 where there is no surface; float32, shape (T, H, W).
+        Raises:
+            UserError: It needs a measured channel and there is none.
         """
         ...
 
 
-class Tracker(Protocol):
-    """Follows points through the frames."""
+@dataclasses.dataclass(frozen=True)
+class Tracks:
+    """Points followed through a clip.
 
-    def __call__(
-        self, frames: np.ndarray, queries: np.ndarray, masks: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Tracks of points that are given in the first of ``frames``.
+    Attributes:
+        xy: Positions [px], shape (T, N, 2); meaningless where not visible.
+        visible: Whether the point was found in the frame, bool, shape (T, N).
+        confidence: How far its position can be trusted, 0..1, shape (T, N).
+    """
+
+    xy: np.ndarray
+    visible: np.ndarray
+    confidence: np.ndarray
+
+
+class EncodedClip(Protocol):
+    """A clip made ready for any number of queries."""
+
+    def track(self, queries: np.ndarray, until: int | None = None) -> Tracks:
+        """Follows points.
+
+        Args:
+            queries: Points (t, x, y): a frame and a position in it [px], shape (N, 3).
+            until: Frame (exclusive) from which on the tracks are of no use; they may be left invisible there.
+        """
+        ...
+
+
+class Tracker(Backend, Protocol):
+    """Follows points through the frames.
+
+    CoTracker 3: `encode` keeps the video tensor, and the features of its encoder if they are to be computed once;
+    ``track`` calls ``CoTrackerPredictor(video, queries=...)``, whose queries are (t, x, y) as well, with pixel centres
+    at integers: 0.5 is taken off and put back. The predictor returns visibility after a threshold; visibility and
+    confidence as numbers come from the model inside it.
+    """
+
+    def encode(self, frames: np.ndarray, masks: np.ndarray) -> EncodedClip:
+        """Does what does not depend on the queries, once per clip.
 
         Args:
             frames: Pictures, uint8, shape (T, H, W, 3).
-            queries: Points (x, y) in frame 0, pixel centres at +0.5 [px], shape (N, 2).
-            masks: The object, bool, shape (T, H, W).
-
-        Returns:
-            tracks: Positions [px], shape (T, N, 2); meaningless where not visible.
-            visible: Whether the point was found in the frame, bool, shape (T, N).
+            masks: The object, bool, shape (T, H, W): a hint where to look.
         """
         ...
+
+
+@dataclasses.dataclass(frozen=True)
+class PerceptionBackends:
+    """The models that perception sees with; `backends.make_backends` makes them by name."""
+
+    segmenter: Segmenter
+    depth: DepthEstimator
+    tracker: Tracker
+
+    @property
+    def names(self) -> dict[str, str]:
+        """The implementation in each role: part of what a run is."""
+        return {role.name: getattr(self, role.name).name for role in dataclasses.fields(self)}

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from physagent_jax.perception.backends.colour import ColorSegmenter
 from physagent_jax.perception.backends.depth_sensor import DepthSensor
 from physagent_jax.perception.backends.flow import FlowTracker
 from physagent_jax.perception.overlay import overlay
+from physagent_jax.perception.protocols import Tracks
 from physagent_jax.perception.words import ViewerWords, world_axis
 from physagent_jax.render.camera import look_at
 from tests.perception import scenes
@@ -38,12 +40,12 @@ def test_segmentation_overlaps_the_truth(background):
     if background == "busy":
         noise = np.random.default_rng(0).normal(0, 8, rgb.shape)
         rgb = np.where(truth[..., None], rgb, np.clip(rgb + noise, 0, 255)).astype(np.uint8)
-    masks = ColorSegmenter()(rgb)
+    masks = ColorSegmenter().segment(rgb, None).masks
     assert (masks & truth).sum() / (masks | truth).sum() > (0.93 if background == "busy" else 0.97)
 
 
 def test_segmentation_of_nothing():
-    assert not ColorSegmenter()(np.full((2, 40, 50, 3), 77, np.uint8)).any()
+    assert not ColorSegmenter().segment(np.full((2, 40, 50, 3), 77, np.uint8), None).masks.any()
 
 
 def test_unprojection_inverts_projection():
@@ -126,7 +128,8 @@ def test_tracks_do_not_drift_under_rotation():
     masks = np.isfinite(clip.depth)
     y, x = np.mgrid[100:160:8, 90:170:8]
     queries = np.stack([x.ravel() + 0.5, y.ravel() + 0.5], 1)
-    tracks, visible = FlowTracker()(clip.rgb, queries, masks)
+    found = FlowTracker().encode(clip.rgb, masks).track(np.insert(queries, 0, 0, axis=1))
+    tracks, visible = found.xy, found.visible
     middle = np.array((128.0, 128.0))
     expected = middle + (queries - middle) @ np.array([[0, -1], [1, 0]])
     error = np.linalg.norm(tracks[-1] - expected, axis=1)[visible[-1]]
@@ -184,7 +187,8 @@ def test_world_axes():
 
 
 def test_depth_sensor_marks_missing_surface():
-    depth = DepthSensor(np.array([[[0.0, 1.0], [np.nan, 2.0]]]))(None, None)
+    measured = np.array([[[0.0, 1.0], [np.nan, 2.0]]])
+    depth = DepthSensor().estimate(np.zeros((1, 2, 2, 3), np.uint8), scenes.camera(), measured).z
     assert np.isnan(depth[0, 0, 0]) and depth[0, 1, 1] == 2
 
 
@@ -207,20 +211,19 @@ def test_seeds_without_depth_do_not_stop_the_measurement():
     seeds = np.stack(np.meshgrid(np.arange(20.5, 44, 4), np.arange(20.5, 44, 4)), -1).reshape(-1, 2)
     depths = np.full((2, 64, 64), 3.0)
     depths[0, 20:22] = np.nan  # under the first row of seeds, in the frame where they are planted
-    still = np.broadcast_to(seeds, (2, *seeds.shape)), np.ones((2, len(seeds)), bool)
+    everywhere = np.ones((2, len(seeds)), bool)
+    still = Tracks(np.broadcast_to(seeds, (2, *seeds.shape)), everywhere, everywhere.astype(float))
     path = follow.Path([None, None], np.full(2, -1), np.zeros(2), np.zeros((2, 0, 2)), np.zeros((2, 0), bool))
-    frames = np.zeros((2, 64, 64, 3), np.uint8)
+    clip = SimpleNamespace(track=lambda queries, until: still)
     reached = follow._link(
         path,
         slice(0, 2),
         fit.Affine.identity(),
         0,
         seeds,
-        frames,
-        depths > 0,
+        clip,
         depths,
         camera,
-        lambda *_: still,
     )
     assert reached == 1
     np.testing.assert_allclose(path.poses[1].matrix, np.eye(3), atol=1e-6)

@@ -2,9 +2,30 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from physagent_jax.core.registry import Registry
+
+if TYPE_CHECKING:
+    from physagent_jax.perception.protocols import PerceptionBackends
 
 _HERE = "physagent_jax.perception.backends"
 SEGMENTERS = Registry("`perception.segmenter`", {"colour": f"{_HERE}.colour:ColorSegmenter"})
 DEPTH_ESTIMATORS = Registry("`perception.depth`", {"sensor": f"{_HERE}.depth_sensor:DepthSensor"})
 TRACKERS = Registry("`perception.tracker`", {"flow": f"{_HERE}.flow:FlowTracker"})
+
+
+def make_backends(
+    segmenter: str = "colour", depth: str = "sensor", tracker: str = "flow"
+) -> PerceptionBackends:
+    """The backends of these names, with default options; those that need no weights by default.
+
+    Raises:
+        UserError: There is no such backend, or the package that it needs is missing.
+    """
+    # Names can be checked without the arrays.
+    from physagent_jax.perception.protocols import PerceptionBackends
+
+    return PerceptionBackends(
+        SEGMENTERS.make(segmenter), DEPTH_ESTIMATORS.make(depth), TRACKERS.make(tracker)
+    )

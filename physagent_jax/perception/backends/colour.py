@@ -7,12 +7,15 @@ import dataclasses
 import cv2
 import numpy as np
 
+from physagent_jax.core.errors import UserError
+from physagent_jax.perception.protocols import Masks, Segmenter, SegmentPrompt
+
 _SPECK, _FLOATER = 8, 0.004
 """Connected pieces smaller than this [px], or than this share of the object, are noise or a capture's stray splats."""
 
 
 @dataclasses.dataclass(frozen=True)
-class ColorSegmenter:
+class ColorSegmenter(Segmenter):
     """The object is what differs in colour from the picture's border.
 
     Over a plain background the edge is where an estimated coverage exceeds one half: the colour there is
@@ -29,8 +32,12 @@ class ColorSegmenter:
     plain_spread: float = 6.0
     grabcut_size: int = 112
 
-    def __call__(self, frames: np.ndarray) -> np.ndarray:
-        """Masks of the object; see `protocols.Segmenter`."""
+    def segment(self, frames: np.ndarray, prompt: SegmentPrompt | None) -> Masks:
+        """Masks of the object; see `protocols.Segmenter`. It takes no prompt."""
+        if prompt is not None:
+            raise UserError(
+                "segmentation by colour takes no prompt", do="Leave it out, or choose another segmenter"
+            )
         background, spread = border_colour(frames)
         threshold = max(
             self.threshold, min(3 * spread, 5 * self.threshold)
@@ -44,7 +51,7 @@ class ColorSegmenter:
                     _matte(difference, guess) if spread < self.plain_spread else self._grabcut(frame, guess)
                 )
             masks.append(_without_specks(guess))
-        return np.stack(masks)
+        return Masks(np.stack(masks))
 
     def _grabcut(self, frame: np.ndarray, guess: np.ndarray) -> np.ndarray:
         """GrabCut on a reduced crop around ``guess``, with a sure rim of background."""

@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 
+from physagent_jax.core.errors import UserError
+from physagent_jax.perception.protocols import Depth, DepthEstimator
 from physagent_jax.render.camera import Camera
 
+_NOTE = "Depth comes from the renderer's depth channel, as from an RGB-D camera; only the visible side is measured."
 
-@dataclasses.dataclass(frozen=True)
-class DepthSensor:
-    """The depth channel of an RGB-D camera as a `DepthEstimator`.
+
+class DepthSensor(DepthEstimator):
+    """The depth channel of an RGB-D camera.
 
     The channel comes from the renderer, as a depth camera's would from its sensor. It is a picture: it
     shows the visible surface only and knows nothing of particles.
-
-    Attributes:
-        depth: z-depth [m], nan or 0 where there is no surface, shape (T, H, W).
     """
 
-    depth: np.ndarray
-
-    def __call__(self, frames: np.ndarray, camera: Camera) -> np.ndarray:
+    def estimate(self, frames: np.ndarray, camera: Camera, measured: np.ndarray | None) -> Depth:
         """The channel itself, with "no surface" as nan."""
-        depth = np.asarray(self.depth, np.float32)
-        return np.where(np.isfinite(depth) & (depth > 0), depth, np.float32(np.nan))
+        if measured is None:
+            raise UserError("the depth sensor has no depth channel", do="Choose a model that estimates depth")
+        depth = np.asarray(measured, np.float32)
+        return Depth(np.where(np.isfinite(depth) & (depth > 0), depth, np.float32(np.nan)), notes=(_NOTE,))

@@ -8,6 +8,8 @@ from typing import Any
 import cv2
 import numpy as np
 
+from physagent_jax.perception.protocols import Tracker, Tracks
+
 _MARGIN = 16
 """Background kept around the object in a flow crop [px]."""
 
@@ -16,7 +18,7 @@ _STOP = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 10, 0.02)
 
 
 @dataclasses.dataclass
-class FlowTracker:
+class FlowTracker(Tracker):
     """DIS optical flow (Kroeger et al. 2016) from frame to frame, corrected against the first frame.
 
     Chained flow drifts. So each frame is warped back by the affine map of the tracks (RANSAC), and what is
@@ -38,10 +40,24 @@ class FlowTracker:
     def __post_init__(self):
         self._dis: Any = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
 
-    def __call__(
+    def encode(self, frames: np.ndarray, masks: np.ndarray) -> FlowClip:
+        """The clip as it is; see `protocols.Tracker`. What is followed lies on the object."""
+        return FlowClip(self, frames, masks)
+
+    def follow(
         self, frames: np.ndarray, queries: np.ndarray, masks: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Tracks of ``queries``; see `protocols.Tracker`."""
+        """Follows points that are given in the first of ``frames``.
+
+        Args:
+            frames: Pictures, uint8, shape (T, H, W, 3).
+            queries: Points (x, y) in frame 0 [px], shape (N, 2).
+            masks: The object, bool, shape (T, H, W).
+
+        Returns:
+            tracks: Positions [px], shape (T, N, 2); meaningless where not visible.
+            visible: Whether the point was found in the frame, bool, shape (T, N).
+        """
         tracks = np.repeat(np.asarray(queries, np.float64)[None], len(frames), axis=0)
         visible = np.zeros(tracks.shape[:2], bool)
         visible[0] = True
@@ -120,6 +136,33 @@ class FlowTracker:
         good &= np.linalg.norm(end - guess, axis=1) < 8
         anchored[good] = ((end + corner + 0.5) @ affine[:, :2].T + affine[:, 2])[good]
         return anchored
+
+
+@dataclasses.dataclass(frozen=True)
+class FlowClip:
+    """Implements `protocols.EncodedClip`; points are followed forwards only, and flow tells no confidence.
+
+    Attributes:
+        tracker: How.
+        frames: Pictures, uint8, shape (T, H, W, 3).
+        masks: The object, bool, shape (T, H, W).
+    """
+
+    tracker: FlowTracker
+    frames: np.ndarray
+    masks: np.ndarray
+
+    def track(self, queries: np.ndarray, until: int | None = None) -> Tracks:
+        """Tracks of ``queries``, invisible before their frames and from ``until`` on."""
+        xy = np.repeat(np.asarray(queries, np.float64)[None, :, 1:], len(self.frames), axis=0)
+        visible = np.zeros(xy.shape[:2], bool)
+        starts = queries[:, 0].astype(int)
+        for start in np.unique(starts):
+            span, own = slice(start, until), starts == start
+            xy[span, own], visible[span, own] = self.tracker.follow(
+                self.frames[span], queries[own, 1:], self.masks[span]
+            )
+        return Tracks(xy, visible, visible.astype(float))
 
 
 def _lucas_kanade(a, b, points, guess):

@@ -1,0 +1,32 @@
+"""Where the object is in the first frame, for a segmenter that must be told."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from physagent_jax.perception.backends.colour import ColorSegmenter
+from physagent_jax.perception.protocols import SegmentPrompt
+
+
+def find_prompt(rgb: np.ndarray, z: np.ndarray) -> SegmentPrompt | None:
+    """The box around what stands out by colour in frame 0, and the point deepest inside it.
+
+    A point alone may mean a part of the object, a box alone may hold more than the object.
+
+    Args:
+        rgb: Pictures, uint8, shape (T, H, W, 3).
+        z: z-depth, nan where there is no surface, shape (T, H, W).
+
+    Returns:
+        The prompt; None if nothing stands out.
+    """
+    mask = ColorSegmenter().segment(rgb[:1], None).masks[0] & np.isfinite(z[0])
+    if not mask.any():
+        return None
+    x, y, w, h = cv2.boundingRect(mask.astype(np.uint8))
+    inside = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
+    row, column = np.unravel_index(int(inside.argmax()), inside.shape)
+    return SegmentPrompt(
+        points=np.array([[column + 0.5, row + 0.5]]), box=np.array([x, y, x + w, y + h], float)
+    )
