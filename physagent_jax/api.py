@@ -10,12 +10,14 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from physagent_jax.agents.context import AgentContext
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import validation_message
+from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.finished import FinishedRun, open_run
-from physagent_jax.run.loop import make_agents, run_loop
+from physagent_jax.run.loop import agents_of, run_loop
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.resolve import ResolvedRun, resolve
 from physagent_jax.run.spec import RunSpec
@@ -126,7 +128,8 @@ def build_scene(
         warnings.warn(text, UserWarning, stacklevel=2)
     template = run.template
     if prompt:
-        reply = make_agents(run.spec.agents).semantic.compile(prompt, make_brief(template))
+        context = AgentContext(prompt, make_brief(template), describe_skills())
+        reply = agents_of(run.spec).semantic.compile(context).value
         template, acting = run.held(reply.anchor), reply.force_field
     else:
         acting = _force_field(force_field)

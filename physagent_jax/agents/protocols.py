@@ -1,4 +1,8 @@
-"""The three agents of the loop as protocols; offline rules and language models implement them alike."""
+"""The three agents of the loop as protocols; offline rules and language models implement them alike.
+
+Each is called with one `AgentContext` and returns its answer with a `Trace`. An agent that keeps nothing between calls
+lets a stopped run resume anywhere.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +10,25 @@ import dataclasses
 from collections.abc import Sequence
 from typing import Protocol
 
-from physagent_jax.agents.schema import ExpectedMotion, Judgement, Rewrite, SceneBrief, SemanticReply
-from physagent_jax.forces.schema import ForceField
-from physagent_jax.perception.schema import MotionReport
+from physagent_jax.agents.context import AgentContext, Observation, Round
+from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
+from physagent_jax.agents.trace import Reply
 
 
-class SemanticAgent(Protocol):
+class Agent(Protocol):
+    """What all roles have in common; agents derive from their role's protocol and so inherit the defaults."""
+
+    @property
+    def name(self) -> str:
+        """Which implementation this is, with the model if it asks one: another name is another run."""
+        return type(self).__name__
+
+
+class SemanticAgent(Agent, Protocol):
     """Compiles a sentence into a force field (paper, section 3.2)."""
 
-    def compile(self, prompt: str, brief: SceneBrief) -> SemanticReply:
-        """Reads ``prompt`` for the scene in ``brief``.
+    def compile(self, context: AgentContext) -> Reply[SemanticReply]:
+        """Reads ``context.prompt`` for the scene in ``context.brief``.
 
         Raises:
             UserError: The prompt is empty or nothing in it can be understood.
@@ -23,42 +36,41 @@ class SemanticAgent(Protocol):
         ...
 
 
-class PlannerAgent(Protocol):
+class PlannerAgent(Agent, Protocol):
     """Judges the seen motion against the sentence (paper, appendix B.2, phase 1)."""
 
-    def judge(
-        self,
-        prompt: str,
-        expectations: Sequence[ExpectedMotion],
-        report: MotionReport,
-        force_field: ForceField,
-        brief: SceneBrief,
-    ) -> Judgement:
-        """Compares ``report`` with what ``prompt`` asked for."""
+    def windows(self, context: AgentContext) -> Sequence[tuple[int, int]]:
+        """Frames (first, last), inclusive, that the motion report should tell apart; none by default.
+
+        The report always holds the whole clip and its quarters.
+        """
+        return ()
+
+    def judge(self, context: AgentContext, seen: Observation) -> Reply[Judgement]:
+        """Compares what was ``seen`` with what ``context.prompt`` asked for."""
         ...
 
 
-class ExecutorAgent(Protocol):
+class ExecutorAgent(Agent, Protocol):
     """Rewrites the force field under the hard rules (paper, appendix B.2, phase 2)."""
 
-    def rewrite(
-        self,
-        prompt: str,
-        expectations: Sequence[ExpectedMotion],
-        force_field: ForceField,
-        report: MotionReport,
-        judgement: Judgement,
-        brief: SceneBrief,
-        history: Sequence[tuple[ForceField, Judgement]] = (),
-    ) -> Rewrite:
-        """Returns the next force field; ``history`` holds the earlier attempts, oldest first."""
+    def rewrite(self, context: AgentContext, failed: Round) -> Reply[Rewrite]:
+        """Mends the force field of the round that has just ``failed``.
+
+        The same force field again means that there is nothing left to try.
+        """
         ...
 
 
 @dataclasses.dataclass(frozen=True)
 class Agents:
-    """The three agents of a loop."""
+    """The three agents of a run."""
 
     semantic: SemanticAgent
     planner: PlannerAgent
     executor: ExecutorAgent
+
+    @property
+    def names(self) -> dict[str, str]:
+        """The implementation in each role: part of what a run is, because replies of different agents do not mix."""
+        return {role.name: getattr(self, role.name).name for role in dataclasses.fields(self)}

@@ -133,7 +133,8 @@ class SemanticReply(Strict):
 
     Attributes:
         force_field: The compiled force field.
-        expectations: What a viewer should see if the sentence came true.
+        expectations: What a viewer should see if the sentence came true; a planner that judges by the sentence itself
+            needs none.
         anchor: What the sentence says about holding.
         evidence: Which words led to which value.
         not_understood: Content words that led to nothing.
@@ -141,7 +142,7 @@ class SemanticReply(Strict):
     """
 
     force_field: ForceField
-    expectations: tuple[ExpectedMotion, ...]
+    expectations: tuple[ExpectedMotion, ...] = ()
     anchor: AnchorRequest = AnchorRequest()
     evidence: tuple[Evidence, ...] = ()
     not_understood: tuple[str, ...] = ()
@@ -176,18 +177,18 @@ class Check(Strict):
 
 
 class Judgement(Strict):
-    """The planner's answer: SUCCESS, or FAIL with a suggestion.
+    """The planner's answer: SUCCESS, or FAIL with a suggestion; that alone is a complete judgement.
 
     Attributes:
-        verdict: SUCCESS if every observable expectation passed and at least one was observable.
-        score: Mean of the checks' scores; ranks iterations.
-        checks: Every comparison made.
+        verdict: Whether the motion is what the sentence asks for.
+        score: 0 (contrary) .. 1 (as asked), ranks the rounds; None = the planner gives none.
+        checks: Every comparison made, if the planner judges by comparisons.
         suggestion: What the executor should change, in words (empty on SUCCESS).
     """
 
     verdict: Verdict
-    score: float = Field(ge=0, le=1)
-    checks: tuple[Check, ...]
+    score: float | None = Field(default=None, ge=0, le=1)
+    checks: tuple[Check, ...] = ()
     suggestion: str = ""
 
 

@@ -93,7 +93,7 @@ class ConsoleObserver(Observer):
         colour = "green" if good else "yellow"
         stderr.print(
             f"[{colour}]{'✓' if good else '✗'}[/] {which}: [{colour}]{judgement.verdict.value}[/] "
-            f"(score {judgement.score:.2f})"
+            + ("" if judgement.score is None else f"(score {judgement.score:.2f})")
         )
         if judgement.suggestion:
             stderr.print(f"  {_plain(judgement.suggestion)}")

@@ -10,6 +10,9 @@ from typing import Any
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import unknown_name
 
+Choice = str | tuple[str, Mapping[str, Any]]
+"""A name, or a name with the options that the implementation is made with."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Registry:
@@ -33,12 +36,13 @@ class Registry:
             raise unknown_name(self.what, name, self.entries)
         return name
 
-    def make(self, name: str, options: Mapping[str, Any] | None = None) -> Any:
-        """The implementation called ``name``, made with ``options``.
+    def make(self, choice: Choice) -> Any:
+        """The implementation that is chosen.
 
         Raises:
             UserError: There is no such entry, the package that it needs is missing, or it does not have such options.
         """
+        name, options = (choice, {}) if isinstance(choice, str) else choice
         module, attribute = self.entries[self.check(name)].split(":")
         try:
             factory = getattr(importlib.import_module(module), attribute)
@@ -46,6 +50,6 @@ class Registry:
             missing = f"{self.what} {name!r} needs a package that is not installed"
             raise UserError(missing, got=error, do="Install it, or choose another") from None
         try:
-            return factory(**(options or {}))
+            return factory(**options)
         except TypeError as error:
             raise UserError(f"{self.what} {name!r} does not take these options", got=error) from None

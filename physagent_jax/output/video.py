@@ -99,7 +99,12 @@ def frame_names(folder: str, count: int) -> list[str]:
 
 def write_picture(path: str | Path, picture: np.ndarray) -> None:
     """Writes a PNG, uint8, shape (H, W, 3), atomically."""
-    write_bytes(path, iio.imwrite("<bytes>", picture, extension=".png"))
+    write_bytes(path, encode_png(picture))
+
+
+def encode_png(picture: np.ndarray) -> bytes:
+    """A picture, uint8, shape (H, W, 3), as PNG."""
+    return iio.imwrite("<bytes>", picture, extension=".png")
 
 
 def _checked(frames: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ from pathlib import Path
 from physagent_jax import __version__
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
+from physagent_jax.report.agent_traces import agent_traces
 from physagent_jax.report.charts import motion_charts, physics_charts
 from physagent_jax.report.facts import cost_facts, describe_clip, reproduction, scene_facts, simulation_facts
 from physagent_jax.report.force_cards import setting_of
@@ -163,11 +164,12 @@ def _hero(run: FinishedRun, players: _Players) -> Markup:
 def _glance(run: FinishedRun) -> Markup:
     manifest, best, scene = run.manifest, run.best, run.best_scene
     record = best.simulation if best else None
+    score = best.judgement.score if best and best.judgement else None
     tokens = sum(a.input_tokens + a.output_tokens for a in manifest.agents) if manifest else 0
     total = sum(manifest.stages.model_dump().values()) if manifest else 0
     return facts(
         [
-            ("score", f"{fixed(best.judgement.score)} of 1") if best and best.judgement else None,
+            ("score", f"{fixed(score)} of 1") if score is not None else None,
             ("rounds", f"{len(run.iterations)}, the best is round {best.number}") if best else None,
             ("coarse rounds before", str(len(run.probe))) if run.probe else None,
             ("clip", describe_clip(scene)) if scene else None,
@@ -187,7 +189,8 @@ def _words(run: FinishedRun) -> Markup:
         body = [missing("semantic.json is missing: what was understood is not known.")]
     else:
         body = words_section(run.prompt, run.semantic, setting_of(run.best_scene))
-    return section("words", SECTIONS["words"], *body, lead=lead)
+    traces = agent_traces({"semantic agent": run.semantic_trace})
+    return section("words", SECTIONS["words"], *body, *traces, lead=lead)
 
 
 def _iterations(run: FinishedRun, players: _Players) -> Markup:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from physagent_jax.agents.schema import Check, Judgement, Rewrite
 from physagent_jax.perception.schema import MotionReport, Oscillation, WindowMotion
+from physagent_jax.report.agent_traces import agent_traces
 from physagent_jax.report.charts import motion_charts, physics_charts
 from physagent_jax.report.facts import describe_reused_frames
 from physagent_jax.report.force_cards import Setting, force_cards, setting_of
@@ -76,6 +77,7 @@ def iteration_card(
         _overlay(iteration),
         _judgement(iteration.judgement),
         _rewrite(iteration.rewrite, iteration.number + 1),
+        agent_traces({"planner": iteration.planner_trace, "executor": iteration.executor_trace}),
         _perception(iteration.motion),
         _plots(iteration) if with_plots else None,
     ]
@@ -84,7 +86,9 @@ def iteration_card(
 
 def _chip(iteration: Iteration, *, is_best: bool) -> Markup:
     judgement = iteration.judgement
-    score = f"score {fixed(judgement.score)}" if judgement else "not judged"
+    score = "not judged"
+    if judgement:
+        score = judgement.verdict if judgement.score is None else f"score {fixed(judgement.score)}"
     kind = "open" if judgement is None else "success" if judgement.verdict == "SUCCESS" else "fail"
     return tag(
         "a",
@@ -98,7 +102,9 @@ def _chip(iteration: Iteration, *, is_best: bool) -> Markup:
 
 def _head(iteration: Iteration, is_best: bool) -> Markup:
     judgement = iteration.judgement
-    score = span("score", "score ", tag("b", fixed(judgement.score))) if judgement else None
+    score = None
+    if judgement and judgement.score is not None:
+        score = span("score", "score ", tag("b", fixed(judgement.score)))
     star = span("badge best", "best") if is_best else None
     title = tag("h3", f"Round {iteration.number}")
     return tag("header", title, badge(judgement.verdict if judgement else None), star, score)
@@ -137,7 +143,7 @@ def _judgement(judgement: Judgement | None) -> list[Markup | None] | Markup:
         ["question", "expected", "observed", "result", "score"], rows, class_="checks", numeric=(4,)
     )
     title = tag("h4", "What the planner checked")
-    return [title, checks if rows else missing("It checked nothing."), suggestion]
+    return [title, checks if rows else tag("p", "It gave its verdict without single checks."), suggestion]
 
 
 def _check(check: Check) -> list[Child]:

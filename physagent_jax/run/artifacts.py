@@ -14,6 +14,7 @@ from physagent_jax.output.splats import splat_names, write_splat_frames
 from physagent_jax.output.video import frame_names, write_frames, write_picture, write_video
 from physagent_jax.perception.measure import Perception
 from physagent_jax.perception.overlay import overlay
+from physagent_jax.run.key_frames import spread
 from physagent_jax.run.store import RunStore
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import CompiledScene
@@ -91,6 +92,6 @@ def motion_of(scene: CompiledScene, recording: Recording) -> Motion:
 
 def write_filmstrip(path: Path, rgb: np.ndarray, seen: Perception) -> None:
     """A strip of evenly spaced frames with perception's mask and tracks drawn on them."""
-    chosen = np.linspace(0, len(rgb) - 1, min(FILMSTRIP_FRAMES, len(rgb))).round().astype(int).tolist()
+    chosen = spread(len(rgb), FILMSTRIP_FRAMES)
     strip = np.concatenate(overlay(rgb, seen.masks, seen.tracks, seen.visible, frames=chosen), axis=1)
     write_picture(path, strip)

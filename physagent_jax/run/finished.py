@@ -11,12 +11,14 @@ import numpy as np
 from pydantic import BaseModel
 
 from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
+from physagent_jax.agents.trace import Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import parse_model, read_json, shortened
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.output.motion_file import Motion, read_motion
 from physagent_jax.output.video import read_video
 from physagent_jax.perception.schema import MotionReport
+from physagent_jax.run.best import best_round
 from physagent_jax.run.manifest import Manifest
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.run.store import PROBE, REPORT
@@ -43,6 +45,8 @@ class Iteration:
     video: Path | None
     overlay: Path | None
     reused_frames: int = 0
+    planner_trace: Trace | None = None
+    executor_trace: Trace | None = None
 
     @property
     def number(self) -> int:
@@ -67,6 +71,7 @@ class FinishedRun:
         iterations: In order.
         probe: Rounds on a coarse version of the scene, which came before.
         problems: What is missing or broken, a sentence each.
+        semantic_trace: How the semantic agent came to its reply.
     """
 
     folder: Path
@@ -78,19 +83,19 @@ class FinishedRun:
     iterations: tuple[Iteration, ...]
     probe: tuple[Iteration, ...]
     problems: tuple[str, ...]
+    semantic_trace: Trace | None = None
 
     @property
     def best(self) -> Iteration | None:
-        """The round that the top-level files show; the best judged one if the manifest does not say."""
+        """The round that the top-level files show; if the manifest does not say, what the loop would choose."""
         named = self.manifest.best_iteration if self.manifest else None
         for iteration in self.iterations:
             if iteration.index == named:
                 return iteration
-        return max(
-            self.iterations,
-            key=lambda it: (it.judgement.score if it.judgement else -1.0, it.index),
-            default=None,
-        )
+        judged = [it for it in self.iterations if it.judgement]
+        if judged:
+            return judged[best_round([it.judgement for it in judged if it.judgement])]
+        return self.iterations[-1] if self.iterations else None
 
     @property
     def best_scene(self) -> SceneConfig | None:
@@ -153,6 +158,7 @@ def open_run(folder: str | Path) -> FinishedRun:
     spec = reader.model("run.json", RunSpec, optional=True)
     manifest = reader.model("manifest.json", Manifest)
     semantic = reader.model("semantic.json", SemanticReply)
+    semantic_trace = reader.model("semantic_trace.json", Trace, optional=True)
     scene = reader.model("scene.json", SceneConfig)
     video = reader.file("video.mp4")
     reused = manifest.reused_frames if manifest else {}
@@ -162,8 +168,9 @@ def open_run(folder: str | Path) -> FinishedRun:
         raise UserError(f"{folder} is not a run folder", do="Name the folder that holds manifest.json")
     if not iterations:
         reader.problems.append("No round has been stored yet.")
+    problems = tuple(reader.problems)
     return FinishedRun(
-        folder, spec, manifest, semantic, scene, video, iterations, probe, tuple(reader.problems)
+        folder, spec, manifest, semantic, scene, video, iterations, probe, problems, semantic_trace
     )
 
 
@@ -188,6 +195,8 @@ def _iteration(reader: _Reader, name: str, index: int, reused: dict[str, int], *
         video=reader.file(f"{base}/video.mp4"),
         overlay=reader.file(f"{base}/overlay.png", optional=True),
         reused_frames=reused.get(base, 0),
+        planner_trace=reader.model(f"{base}/planner_trace.json", Trace, optional=True),
+        executor_trace=reader.model(f"{base}/executor_trace.json", Trace, optional=True),
     )
 
 

@@ -12,25 +12,31 @@ from __future__ import annotations
 import dataclasses
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
-from physagent_jax.agents import registry
+from physagent_jax.agents.context import AgentContext, Observation, Round
 from physagent_jax.agents.protocols import Agents
-from physagent_jax.agents.rules.bands import expectation_windows
+from physagent_jax.agents.registry import make_agents
 from physagent_jax.agents.schema import Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
+from physagent_jax.agents.trace import Reply, Trace
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.kernels import ahead
+from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.measure import perceive
+from physagent_jax.perception.protocols import PerceptionBackends
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.run.artifacts import write_best, write_rollout, write_verdict
+from physagent_jax.run.best import best_round
 from physagent_jax.run.brief import make_brief
+from physagent_jax.run.key_frames import VideoKeyFrames
 from physagent_jax.run.manifest import AgentCost, Stages
 from physagent_jax.run.observer import Observer
-from physagent_jax.run.provenance import make_manifest
+from physagent_jax.run.provenance import make_manifest, settings_hash
 from physagent_jax.run.resolve import ResolvedRun
-from physagent_jax.run.spec import AgentChoice
+from physagent_jax.run.spec import RunSpec
 from physagent_jax.run.store import PROBE, RunStore
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.coarse import coarser
@@ -45,24 +51,30 @@ from physagent_jax.simulation.stopwatch import Stopwatch
 
 @dataclasses.dataclass(frozen=True)
 class Attempt:
-    """One round of the loop, just made or read back."""
+    """One round of the loop, just made or read back: its scene, and what agents are told of it."""
 
     scene: SceneConfig
-    report: MotionReport
-    judgement: Judgement
+    round: Round
 
 
-def make_agents(choice: AgentChoice) -> Agents:
-    """The agents of a run.
+def agents_of(spec: RunSpec) -> Agents:
+    """The agents that ``spec`` names.
 
     Raises:
         UserError: One of them needs what is not installed, or does not take its options.
     """
-    return Agents(
-        semantic=registry.SEMANTIC.make(choice.semantic.name, choice.semantic.options),
-        planner=registry.PLANNER.make(choice.planner.name, choice.planner.options),
-        executor=registry.EXECUTOR.make(choice.executor.name, choice.executor.options),
-    )
+    chosen = {role: getattr(spec.agents, role) for role in type(spec.agents).model_fields}
+    return make_agents(**{role: (each.name, each.options) for role, each in chosen.items()})
+
+
+def backends_of(spec: RunSpec) -> PerceptionBackends:
+    """What perception sees with, as ``spec`` names it.
+
+    Raises:
+        UserError: As `agents_of`.
+    """
+    chosen = {role: getattr(spec.perception, role) for role in type(spec.perception).model_fields}
+    return make_backends(**{role: (each.name, each.options) for role, each in chosen.items()})
 
 
 def run_loop(
@@ -70,6 +82,7 @@ def run_loop(
     out: str | Path,
     *,
     agents: Agents | None = None,
+    backends: PerceptionBackends | None = None,
     observer: Observer | None = None,
     limits: Limits | None = None,
     overwrite: bool = False,
@@ -77,10 +90,13 @@ def run_loop(
 ) -> RunStore:
     """Runs the loop until the planner is satisfied or the rounds are used up; resumes a stopped run.
 
+    A run with other agents or another perception is another run: what they said of one does not mix with the other.
+
     Args:
         run: What to make.
         out: Run folder.
-        agents: Instead of those that the spec names.
+        agents: Who reads, judges and rewrites; None = whom the spec names.
+        backends: What perception sees with; None = what the spec names.
         observer: Told of the progress.
         limits: What a round may take.
         overwrite: Replace another run in ``out``.
@@ -93,15 +109,18 @@ def run_loop(
         UserError: Input that a person can mend; a run folder is only begun once object and sentence
             are understood.
     """
-    manifest = make_manifest(command=command, prompt=run.spec.prompt, seed=run.spec.seed, inputs=run.inputs)
+    agents, backends = agents or agents_of(run.spec), backends or backends_of(run.spec)
+    named = {"agents": settings_hash(agents.names), "perception": settings_hash(backends.names)}
+    inputs = {**run.inputs, **named}
+    manifest = make_manifest(command=command, prompt=run.spec.prompt, seed=run.spec.seed, inputs=inputs)
     manifest = manifest.model_copy(update=dict(warnings=run.warnings))
-    agents = agents or make_agents(run.spec.agents)
     with RunStore.open(out, manifest, overwrite=overwrite, needed=run.files) as store:
         if store.manifest.complete:
             return store
         ahead.begin()  # while the sentence is read and the object loaded
-        loop = _Loop(run, agents, observer or Observer(), store)
-        reply = loop.read_sentence()
+        loop = _Loop(run, agents, backends, observer or Observer(), store)
+        reading = loop.read_sentence()
+        reply = reading.value
         loop.observer.understood(reply)
         body = loop.load_object()
         template = loop.with_anchor(reply)
@@ -110,6 +129,7 @@ def run_loop(
         loop.save_costs()
         try:
             store.write("run.json", run.spec.located(run.base_dir))
+            store.write("semantic_trace.json", reading.trace)
             store.write("semantic.json", reply)
             force_field = reply.force_field
             if run.spec.probe:
@@ -144,21 +164,29 @@ class _Series:
 class _Loop:
     """The loop's steps, each timed, each leaving its files."""
 
-    def __init__(self, run: ResolvedRun, agents: Agents, observer: Observer, store: RunStore):
-        self._run, self._agents, self.observer, self._store = run, agents, observer, store
+    def __init__(
+        self,
+        run: ResolvedRun,
+        agents: Agents,
+        backends: PerceptionBackends,
+        observer: Observer,
+        store: RunStore,
+    ):
+        self._run, self._agents, self._backends = run, agents, backends
+        self.observer, self._store, self._skills = observer, store, describe_skills()
         self._watch = Stopwatch(store.manifest.stages.model_dump())
         self._costs = {cost.agent: cost for cost in store.manifest.agents}
         self._anchor = run.template.anchor
         self._restart_cache: RestartCache | None = None
         self._reused = dict(store.manifest.reused_frames)
 
-    def read_sentence(self) -> SemanticReply:
+    def read_sentence(self) -> Reply[SemanticReply]:
         """The semantic agent's reply, from the folder if it is there."""
         reply = self._store.read("semantic.json", SemanticReply)
         if reply is None:
             self.observer.stage("reading the sentence")
-            reply = self._ask("semantic", "compile", self._run.spec.prompt, self._brief())
-        return reply
+            return self._ask("semantic", "compile", self._context())
+        return Reply(reply, self._store.read("semantic_trace.json", Trace) or Trace())
 
     def load_object(self) -> Body:
         """The object at rest, filled and bound."""
@@ -190,7 +218,7 @@ class _Loop:
             self._warnings += (f"coarse rounds were left out: {error}",)
         if not attempts:
             return reply.force_field
-        best = _best(attempts)
+        best = best_round([attempt.round.judgement for attempt in attempts])
         self.save_costs(probe_iterations=len(attempts), probe_best=best)
         return attempts[best].scene.force_field
 
@@ -207,21 +235,22 @@ class _Loop:
         attempts: list[Attempt] = []
         self._restart_cache = None
         for index in range(self._run.spec.rounds):
-            attempt = self.recall(series, index) or self.attempt(series, index, force_field, reply)
+            context = self._context(reply, [attempt.round for attempt in attempts])
+            attempt = self.recall(series, index) or self.attempt(series, index, force_field, context)
             attempts.append(attempt)
-            series.judged(index, attempt.judgement)
+            series.judged(index, attempt.round.judgement)
             yield attempt
-            if attempt.judgement.verdict is Verdict.SUCCESS or index + 1 == self._run.spec.rounds:
+            if attempt.round.judgement.verdict is Verdict.SUCCESS or index + 1 == self._run.spec.rounds:
                 break
             # The camera of the first round stays, so that the rounds' pictures can be compared.
             camera = attempts[0].scene.camera
             series = dataclasses.replace(series, template=dataclasses.replace(series.template, camera=camera))
-            rewrite = self.rewrite(series, index, attempts, reply)
+            rewrite = self.rewrite(series, index, context, attempt.round)
             if rewrite.force_field == force_field:
                 break  # the executor has nothing left to try; another round would only repeat this one
             force_field = rewrite.force_field
 
-    def attempt(self, series: _Series, index: int, force_field: ForceField, reply: SemanticReply) -> Attempt:
+    def attempt(self, series: _Series, index: int, force_field: ForceField, context: AgentContext) -> Attempt:
         """Simulates ``force_field``, looks at the pictures, judges them, and leaves the round's files."""
         with self._watch("prepare"):
             config = fuse(series.template, series.body, force_field)
@@ -243,7 +272,7 @@ class _Loop:
             frames = self._run.spec.save.frames and earnest
             write_rollout(series.store, index, scene, recording, save_motion=earnest, save_frames=frames)
         self.observer.stage(f"{name}: measuring the motion")
-        windows = expectation_windows(reply.expectations, config.timing.frame_count)
+        windows = self._agents.planner.windows(context)
         with self._watch("perceive"):
             seen = perceive(
                 recording.rgb,
@@ -251,20 +280,15 @@ class _Loop:
                 scene.camera,
                 frame_dt=config.timing.frame_dt,
                 windows=windows,
+                backends=self._backends,
             )
-        judgement = self._ask(
-            "planner",
-            "judge",
-            self._run.spec.prompt,
-            reply.expectations,
-            seen.report,
-            force_field,
-            self._brief(),
-        )
+        key_frames = VideoKeyFrames(series.store.iteration(index) / "video.mp4")
+        answer = self._ask("planner", "judge", context, Observation(force_field, seen.report, key_frames))
         with self._watch("write"):
-            write_verdict(series.store, index, recording.rgb, seen, judgement)
+            series.store.write(f"iterations/{index}/planner_trace.json", answer.trace)
+            write_verdict(series.store, index, recording.rgb, seen, answer.value)
         self.save_costs()
-        return Attempt(config, seen.report, judgement)
+        return Attempt(config, Round(force_field, seen.report, key_frames, answer.value))
 
     def recall(self, series: _Series, index: int) -> Attempt | None:
         """Round ``index`` from the folder, if it is complete."""
@@ -274,32 +298,25 @@ class _Loop:
         report = series.store.read(f"{folder}/motion_report.json", MotionReport)
         if judgement is None or scene is None or report is None:
             return None
-        return Attempt(scene, report, judgement)
+        key_frames = VideoKeyFrames(series.store.iteration(index) / "video.mp4")
+        return Attempt(scene, Round(scene.force_field, report, key_frames, judgement))
 
-    def rewrite(self, series: _Series, index: int, attempts: list[Attempt], reply: SemanticReply) -> Rewrite:
+    def rewrite(self, series: _Series, index: int, context: AgentContext, failed: Round) -> Rewrite:
         """The executor's next force field, from the folder if it is there."""
         name = f"iterations/{index}/rewrite.json"
         rewrite = series.store.read(name, Rewrite)
         if rewrite is None:
-            last = attempts[-1]
-            history = [(attempt.scene.force_field, attempt.judgement) for attempt in attempts[:-1]]
-            rewrite = self._ask(
-                "executor",
-                "rewrite",
-                self._run.spec.prompt,
-                reply.expectations,
-                last.scene.force_field,
-                last.report,
-                last.judgement,
-                self._brief(),
-                history,
-            )
+            answer = self._ask("executor", "rewrite", context, failed)
+            rewrite = answer.value
+            series.store.write(f"iterations/{index}/executor_trace.json", answer.trace)
             series.store.write(name, rewrite)
+            self.save_costs()
         return rewrite
 
     def finish(self, attempts: list[Attempt], body: Body) -> None:
         """Puts the best round's files at the top of the folder and closes the manifest."""
-        best = _best(attempts)
+        judgements = [attempt.round.judgement for attempt in attempts]
+        best = best_round(judgements)
         self.observer.stage("writing the results")
         with self._watch("write"):
             write_best(
@@ -312,21 +329,26 @@ class _Loop:
         self.save_costs(
             iterations=len(attempts),
             best_iteration=best,
-            verdict=attempts[best].judgement.verdict.value,
+            verdict=judgements[best].verdict.value,
             warnings=(*self._run.warnings, *self._warnings),
         )
         self._store.finish()
 
-    def _ask(self, role: str, method: str, *arguments):
+    def _ask(self, role: str, method: str, *arguments) -> Reply:
         """Calls an agent and notes what it cost."""
         agent = getattr(self._agents, role)
         begun = time.perf_counter()
         with self._watch("agents"):
             answer = getattr(agent, method)(*arguments)
         seconds = time.perf_counter() - begun
-        cost = self._costs.get(role) or AgentCost(agent=role, implementation=type(agent).__name__)
+        cost = self._costs.get(role) or AgentCost(agent=role, implementation=agent.name)
         self._costs[role] = cost.model_copy(
-            update=dict(calls=cost.calls + 1, seconds=round(cost.seconds + seconds, 4))
+            update=dict(
+                calls=cost.calls + 1,
+                input_tokens=cost.input_tokens + answer.trace.input_tokens,
+                output_tokens=cost.output_tokens + answer.trace.output_tokens,
+                seconds=round(cost.seconds + seconds, 4),
+            )
         )
         return answer
 
@@ -335,10 +357,9 @@ class _Loop:
         costs = dict(stages=Stages(**self._watch.seconds()), agents=tuple(self._costs.values()))
         self._store.update(**costs, reused_frames=self._reused, **changes)
 
+    def _context(self, reading: SemanticReply | None = None, rounds: Iterable[Round] = ()) -> AgentContext:
+        """What an agent is told."""
+        return AgentContext(self._run.spec.prompt, self._brief(), self._skills, reading, tuple(rounds))
+
     def _brief(self) -> SceneBrief:
         return make_brief(dataclasses.replace(self._run.template, anchor=self._anchor))
-
-
-def _best(attempts: list[Attempt]) -> int:
-    """The attempt with the highest score, the first of equals."""
-    return max(range(len(attempts)), key=lambda index: (attempts[index].judgement.score, -index))

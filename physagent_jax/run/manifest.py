@@ -2,12 +2,15 @@
 
 run/manifest.json                      versions, seeds, hashes, timings, which iteration is best
 run/semantic.json                      the semantic agent's reply
+run/semantic_trace.json                how it came about: `agents.trace.Trace`
 run/scene.json                         the best iteration's fused scene, replayable
 run/iterations/k/scene.json            fused scene of iteration k
 run/iterations/k/force_field.json      what was simulated
 run/iterations/k/motion_report.json    what perception saw
 run/iterations/k/judgement.json        what the planner concluded
 run/iterations/k/rewrite.json          what the executor changed for k + 1 (absent after the last)
+run/iterations/k/planner_trace.json    how the judgement came about
+run/iterations/k/executor_trace.json   how the rewrite came about
 run/iterations/k/simulation.json       `SimulationRecord`
 run/iterations/k/video.mp4, motion.npz
 run/probe/iterations/k/...             the same but motion.npz, on a coarse version of the scene, if that was asked for
@@ -48,7 +51,7 @@ class Stages(Strict):
 
 
 class AgentCost(Strict):
-    """What the agents cost: calls, tokens (zero for the offline rules), seconds."""
+    """What an agent has cost: calls, tokens (zero for the offline rules), seconds; ``implementation`` is its name."""
 
     agent: str
     implementation: str
@@ -71,7 +74,8 @@ class Manifest(Strict):
         platform: Machine, processor, device kind.
         kernels: What the transfers were computed with (`kernels.chosen`).
         seed: Master seed.
-        inputs: sha256 of each input file.
+        inputs: sha256 of each input file, of the settings and of the names of agents and perception; they identify
+            the run.
         iterations: How many were made.
         best_iteration: Which one the top-level files show.
         verdict: The best iteration's verdict.

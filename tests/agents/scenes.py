@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterable
 
+from physagent_jax.agents.context import AgentContext, Observation, Round
 from physagent_jax.agents.rules.bands import expectation_windows
+from physagent_jax.agents.rules.executor import RuleExecutor
+from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.rules.semantic import RuleSemanticAgent
-from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, SceneBrief, SemanticReply
-from physagent_jax.forces.schema import BoxRegion
+from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, Rewrite, SceneBrief, SemanticReply
+from physagent_jax.forces.description import describe_skills
+from physagent_jax.forces.schema import BoxRegion, ForceField
 from physagent_jax.perception.schema import MotionReport, Quality, WindowMotion
 
 Vector = tuple[float, float, float]
@@ -30,7 +35,43 @@ def brief(**changes) -> SceneBrief:
 
 
 def read(prompt: str, scene: SceneBrief | None = None) -> SemanticReply:
-    return RuleSemanticAgent().compile(prompt, scene or brief())
+    return RuleSemanticAgent().compile(asked(prompt, scene or brief())).value
+
+
+class Unseen:
+    """Pictures that nobody may ask for."""
+
+    def pick(self, most: int = 6):
+        raise AssertionError("rules look at no pictures")
+
+
+def asked(
+    prompt: str, scene: SceneBrief, reading: SemanticReply | None = None, rounds: Iterable[Round] = ()
+) -> AgentContext:
+    return AgentContext(prompt, scene, describe_skills(), reading, tuple(rounds))
+
+
+def judge(
+    prompt: str,
+    reading: SemanticReply,
+    seen: MotionReport,
+    scene: SceneBrief,
+    field: ForceField | None = None,
+) -> Round:
+    """What the offline planner makes of a report on the reading's force field, or on another one."""
+    observation = Observation(field or reading.force_field, seen, Unseen())
+    reply = RulePlanner().judge(asked(prompt, scene, reading), observation)
+    assert reply.trace.is_empty
+    return Round(observation.force_field, seen, observation.key_frames, reply.value)
+
+
+def rewrite(
+    prompt: str, reading: SemanticReply, failed: Round, scene: SceneBrief, earlier: Iterable[Round] = ()
+) -> Rewrite:
+    """What the offline executor makes of a failed round."""
+    reply = RuleExecutor().rewrite(asked(prompt, scene, reading, earlier), failed)
+    assert reply.trace.is_empty
+    return reply.value
 
 
 def named(vector: Vector | None, directions: DirectionTable) -> str:

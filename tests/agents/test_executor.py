@@ -3,11 +3,9 @@
 import pytest
 
 from physagent_jax.agents.hard_rules import apply_hard_rules
-from physagent_jax.agents.rules.executor import RuleExecutor
-from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import Verdict
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField
-from tests.agents.scenes import brief, read, seen_in
+from tests.agents.scenes import brief, judge, read, rewrite, seen_in
 from tests.agents.sentences import SENTENCES
 from tests.agents.toy_world import ToyWorld, loop
 
@@ -20,16 +18,13 @@ UNSEEN = {  # parts against each other: the report measures the whole object
 
 
 def rewritten(prompt, field: ForceField | None = None, scene=None, history=(), **motion):
-    """The rewrite after a report that shows ``motion``."""
+    """The rewrite after a report that shows ``motion``, and the round that it mends."""
     scene = scene or brief()
     reply = read(prompt, scene)
-    field = field or reply.force_field
     seen = seen_in(reply.expectations, scene.frame_count, **motion)
-    judgement = RulePlanner().judge(prompt, reply.expectations, seen, field, scene)
-    assert judgement.verdict is Verdict.FAIL
-    return RuleExecutor().rewrite(
-        prompt, reply.expectations, field, seen, judgement, scene, history
-    ), judgement
+    failed = judge(prompt, reply, seen, scene, field)
+    assert failed.judgement.verdict is Verdict.FAIL
+    return rewrite(prompt, reply, failed, scene, history), failed
 
 
 def with_magnitude(prompt: str, magnitude: float, **changes) -> ForceField:
@@ -40,38 +35,38 @@ def with_magnitude(prompt: str, magnitude: float, **changes) -> ForceField:
 
 def test_too_weak_becomes_stronger():
     """The magnitude grows by the planner's gain, the vector stays."""
-    rewrite, _ = rewritten("push it left", displacement=(-0.4, 0, 0))
-    (action,) = rewrite.force_field.actions
+    answer, _ = rewritten("push it left", displacement=(-0.4, 0, 0))
+    (action,) = answer.force_field.actions
     assert (action.vector, action.magnitude) == (LEFT, 1.6)
-    rewrite, _ = rewritten("push it gently left", displacement=(-0.2, 0, 0))
-    assert rewrite.force_field.actions[0].magnitude == pytest.approx(1.25)
-    assert "becomes 1.25" in rewrite.changes[0] and rewrite.rules_applied == ("magnitude_range",)
+    answer, _ = rewritten("push it gently left", displacement=(-0.2, 0, 0))
+    assert answer.force_field.actions[0].magnitude == pytest.approx(1.25)
+    assert "becomes 1.25" in answer.changes[0] and answer.rules_applied == ("magnitude_range",)
 
 
 def test_too_strong_becomes_weaker():
     """And shrinks by it."""
-    rewrite, _ = rewritten("push it left", displacement=(-2.5, 0, 0))
-    assert rewrite.force_field.actions[0].magnitude == pytest.approx(0.4)
+    answer, _ = rewritten("push it left", displacement=(-2.5, 0, 0))
+    assert answer.force_field.actions[0].magnitude == pytest.approx(0.4)
 
 
 def test_wrong_way_is_reversed_by_the_sign():
     """The vector is immutable: a contrary action gets the opposite sign."""
-    rewrite, _ = rewritten("push it left", read("push it right").force_field, displacement=(1.0, 0, 0))
-    (action,) = rewrite.force_field.actions
+    answer, _ = rewritten("push it left", read("push it right").force_field, displacement=(1.0, 0, 0))
+    (action,) = answer.force_field.actions
     assert (action.vector, action.magnitude) == (RIGHT, -1.0)
-    assert "sentence_direction" in rewrite.rules_applied
+    assert "sentence_direction" in answer.rules_applied
 
 
 def test_other_direction_is_replaced_by_the_mapping():
     """An action across the sentence's direction gets the mapped vector."""
-    rewrite, _ = rewritten("push it left", read("push it up").force_field, displacement=(0, 0, 1.0))
-    assert rewrite.force_field.actions[0].vector == LEFT
+    answer, _ = rewritten("push it left", read("push it up").force_field, displacement=(0, 0, 1.0))
+    assert answer.force_field.actions[0].vector == LEFT
 
 
 def test_the_fixed_mapping_wins_over_what_is_seen():
     """An action that points as the sentence says is never turned round, whatever is seen."""
-    rewrite, _ = rewritten("push it left", displacement=(0.5, 0, 0))
-    (action,) = rewrite.force_field.actions
+    answer, _ = rewritten("push it left", displacement=(0.5, 0, 0))
+    (action,) = answer.force_field.actions
     assert action.vector == LEFT and action.magnitude == 1.6
 
 
@@ -82,28 +77,26 @@ def test_the_fixed_mapping_wins_over_what_is_seen():
 )  # fmt: skip
 def test_wrong_kind_is_a_discrete_leap(prompt, wrong, right):
     """An action that cannot have the effect becomes the skill that has it."""
-    rewrite, _ = rewritten(prompt, read(wrong).force_field)
-    (action,) = rewrite.force_field.actions
+    answer, _ = rewritten(prompt, read(wrong).force_field)
+    (action,) = answer.force_field.actions
     assert action.action_type.value == right
     assert action.vector == read(prompt).force_field.actions[0].vector
 
 
 def test_missing_action_is_added():
     """A motion that nothing causes gets its action; gravity is switched on for a fall."""
-    rewrite, _ = rewritten("push it left", ForceField())
-    assert rewrite.force_field.actions[0].vector == LEFT
-    rewrite, _ = rewritten("drop it", ForceField())
-    assert rewrite.force_field.default_drop
+    answer, _ = rewritten("push it left", ForceField())
+    assert answer.force_field.actions[0].vector == LEFT
+    answer, _ = rewritten("drop it", ForceField())
+    assert answer.force_field.default_drop
 
 
 def test_unwanted_motion_is_removed():
     """Stillness: gravity off, actions gone."""
-    rewrite, _ = rewritten(
-        "the robot stands still", read("push it left").force_field, displacement=(-1, 0, 0)
-    )
-    assert rewrite.force_field.actions == ()
-    rewrite, _ = rewritten("the robot stands still", ForceField(default_drop=True), displacement=(0, 0, -1))
-    assert not rewrite.force_field.default_drop
+    answer, _ = rewritten("the robot stands still", read("push it left").force_field, displacement=(-1, 0, 0))
+    assert answer.force_field.actions == ()
+    answer, _ = rewritten("the robot stands still", ForceField(default_drop=True), displacement=(0, 0, -1))
+    assert not answer.force_field.default_drop
 
 
 @pytest.mark.parametrize(
@@ -112,23 +105,23 @@ def test_unwanted_motion_is_removed():
 def test_saturated_scale_becomes_exactly_two_opposed_constraints(prompt, inward):
     """The pair is symmetric: opposite vectors, mirrored end slabs, one magnitude, one window."""
     field = with_magnitude(prompt, 1.6 * inward)
-    rewrite, _ = rewritten(prompt, field)
-    assert rewrite.force_field.actions == ()
-    one, two = rewrite.force_field.constraints
+    answer, _ = rewritten(prompt, field)
+    assert answer.force_field.actions == ()
+    one, two = answer.force_field.constraints
     assert {one.constraint_type, two.constraint_type} == {ConstraintType.PARTICLE_TRANSLATION}
     assert one.vector == pytest.approx([-c for c in two.vector])
     assert one.region.normal == pytest.approx([-c for c in two.region.normal])
     assert one.region.point == pytest.approx([1 - c for c in two.region.point])
     assert (one.magnitude, one.active_time) == (two.magnitude, two.active_time)
     assert one.vector[2] * one.region.normal[2] == pytest.approx(inward)
-    assert "paired_translation" in rewrite.rules_applied
+    assert "paired_translation" in answer.rules_applied
 
 
 def test_saturated_impulse_becomes_a_brief_particle_impulse():
     """Of at most two frames, in the same direction."""
-    rewrite, _ = rewritten("kick it left", with_magnitude("kick it left", 1.6), displacement=(-0.2, 0, 0))
-    assert rewrite.force_field.actions == ()
-    for blow in rewrite.force_field.constraints:
+    answer, _ = rewritten("kick it left", with_magnitude("kick it left", 1.6), displacement=(-0.2, 0, 0))
+    assert answer.force_field.actions == ()
+    for blow in answer.force_field.constraints:
         assert blow.constraint_type is ConstraintType.PARTICLE_IMPULSE
         assert blow.vector == LEFT and blow.active_time[1] - blow.active_time[0] <= 2
 
@@ -136,11 +129,11 @@ def test_saturated_impulse_becomes_a_brief_particle_impulse():
 def test_saturated_push_acts_longer_then_doubly():
     """First the window grows, then a parallel action carries the rest."""
     prompt = "push it left for one second"
-    rewrite, judgement = rewritten(prompt, with_magnitude(prompt, 1.6), displacement=(-0.05, 0, 0))
-    (action,) = rewrite.force_field.actions
+    answer, _ = rewritten(prompt, with_magnitude(prompt, 1.6), displacement=(-0.05, 0, 0))
+    (action,) = answer.force_field.actions
     assert action.active_time[1] > 25
-    rewrite, _ = rewritten("push it left", with_magnitude("push it left", 1.6), displacement=(-0.3, 0, 0))
-    assert [a.vector for a in rewrite.force_field.actions] == [LEFT, LEFT]
+    answer, _ = rewritten("push it left", with_magnitude("push it left", 1.6), displacement=(-0.3, 0, 0))
+    assert [a.vector for a in answer.force_field.actions] == [LEFT, LEFT]
 
 
 def test_no_attempt_is_repeated_until_nothing_is_left():
@@ -150,15 +143,13 @@ def test_no_attempt_is_repeated_until_nothing_is_left():
     field, history, tried = reply.force_field, [], [reply.force_field]
     for _ in range(40):
         seen = seen_in(reply.expectations)
-        judgement = RulePlanner().judge(prompt, reply.expectations, seen, field, scene)
-        rewrite = RuleExecutor().rewrite(
-            prompt, reply.expectations, field, seen, judgement, scene, tuple(history)
-        )
-        history.append((field, judgement))
-        if rewrite.force_field == field:
-            assert rewrite.changes[0].startswith("Nothing left to try")
+        failed = judge(prompt, reply, seen, scene, field)
+        answer = rewrite(prompt, reply, failed, scene, history)
+        history.append(failed)
+        if answer.force_field == field:
+            assert answer.changes[0].startswith("Nothing left to try")
             break
-        field = rewrite.force_field
+        field = answer.force_field
         assert field not in tried
         tried.append(field)
     else:
@@ -168,9 +159,9 @@ def test_no_attempt_is_repeated_until_nothing_is_left():
 
 def test_unobservable_motion_changes_nothing():
     """Without a failed check there is nothing to mend, and the change says so."""
-    rewrite, _ = rewritten("push it left", displacement=None)
-    assert rewrite.force_field == read("push it left").force_field
-    assert "Nothing left to try" in rewrite.changes[0]
+    answer, _ = rewritten("push it left", displacement=None)
+    assert answer.force_field == read("push it left").force_field
+    assert "Nothing left to try" in answer.changes[0]
 
 
 @pytest.mark.parametrize("gain", [0.4, 0.55, 0.8, 1.0, 1.5, 2.0, 2.5])
@@ -242,9 +233,8 @@ def test_what_left_the_picture_was_too_much():
     reply = read(prompt, scene)
     seen = seen_in(reply.expectations, scene.frame_count, displacement=None)
     seen = seen.model_copy(update={"quality": seen.quality.model_copy(update={"leaves_frame": 7})})
-    judgement = RulePlanner().judge(prompt, reply.expectations, seen, reply.force_field, scene)
-    rewrite = RuleExecutor().rewrite(prompt, reply.expectations, reply.force_field, seen, judgement, scene)
-    (action,) = rewrite.force_field.actions
+    answer = rewrite(prompt, reply, judge(prompt, reply, seen, scene), scene)
+    (action,) = answer.force_field.actions
     assert (action.vector, action.magnitude) == (LEFT, pytest.approx(0.6))
 
 
@@ -253,6 +243,6 @@ def test_between_too_weak_and_too_much_lies_the_geometric_mean():
     prompt = "push it left"
     too_much, too_weak = with_magnitude(prompt, 1.0), with_magnitude(prompt, 0.6)
     _, judged = rewritten(prompt, too_much, displacement=(-2.5, 0, 0))
-    rewrite, _ = rewritten(prompt, too_weak, history=[(too_much, judged)], displacement=(-0.2, 0, 0))
-    (action,) = rewrite.force_field.actions
+    answer, _ = rewritten(prompt, too_weak, history=[judged], displacement=(-0.2, 0, 0))
+    (action,) = answer.force_field.actions
     assert action.magnitude == pytest.approx((0.6 * 1.0) ** 0.5)

@@ -5,11 +5,10 @@ import math
 import pytest
 
 from physagent_jax.agents.rules.bands import expectation_windows
-from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, Verdict
 from physagent_jax.core.turning import find_turning_points
 from physagent_jax.forces.schema import ForceField
-from tests.agents.scenes import brief, read, report, seen_in, window
+from tests.agents.scenes import brief, judge, read, report, seen_in, window
 
 
 def judged(prompt: str, scene=None, field: ForceField | None = None, seen=None, **motion):
@@ -17,7 +16,7 @@ def judged(prompt: str, scene=None, field: ForceField | None = None, seen=None, 
     scene = scene or brief()
     reply = read(prompt, scene)
     seen = seen or seen_in(reply.expectations, scene.frame_count, **motion)
-    return RulePlanner().judge(prompt, reply.expectations, seen, field or reply.force_field, scene)
+    return judge(prompt, reply, seen, scene, field).judgement
 
 
 @pytest.mark.parametrize(
@@ -118,9 +117,7 @@ def test_unobservable_parts_are_not_counted():
 def test_window_that_perception_was_not_asked_for():
     """A report without the window is not observable rather than an error."""
     reply = read("push it left, then up")
-    judgement = RulePlanner().judge(
-        "", reply.expectations, report([window(0, 48)]), reply.force_field, brief()
-    )
+    judgement = judge("", reply, report([window(0, 48)]), brief()).judgement
     assert judgement.verdict is Verdict.FAIL and "not in the motion report" in judgement.suggestion
 
 
@@ -128,7 +125,7 @@ def test_leaving_the_picture_hides_the_distance():
     """Too small a distance is no failure if the object left the picture on its way."""
     reply = read("push it left")
     seen = report([window(0, 48, displacement=(-0.3, 0, 0))], leaves_frame=20)
-    judgement = RulePlanner().judge("", reply.expectations, seen, reply.force_field, brief())
+    judgement = judge("", reply, seen, brief()).judgement
     assert judgement.checks[0].passed is None and "frame 20" in judgement.suggestion
 
 

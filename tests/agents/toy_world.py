@@ -9,15 +9,14 @@ from __future__ import annotations
 
 import math
 
+from physagent_jax.agents.context import Round
 from physagent_jax.agents.rules.bands import expectation_windows
-from physagent_jax.agents.rules.executor import RuleExecutor
-from physagent_jax.agents.rules.planner import RulePlanner
-from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, Verdict
+from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, SemanticReply, Verdict
 from physagent_jax.agents.vectors import add, norm, scaled
 from physagent_jax.forces import calibration
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, HalfSpaceRegion
 from physagent_jax.perception.schema import MotionReport, WindowMotion
-from tests.agents.scenes import report, window
+from tests.agents.scenes import judge, report, rewrite, window
 
 STEPS = 20  # per frame
 HELD = 0.15  # body lengths of a held object per M
@@ -122,17 +121,14 @@ def loop(
     prompt: str = "",
 ) -> list[tuple[ForceField, Judgement]]:
     """The closed loop with the offline planner and executor: attempts until SUCCESS or the limit."""
-    planner, executor = RulePlanner(), RuleExecutor()
-    attempts: list[tuple[ForceField, Judgement]] = []
+    reading = SemanticReply(force_field=field, expectations=expectations)
+    rounds: list[Round] = []
     for _ in range(iterations):
-        seen = world.play(field, expectations)
-        judgement = planner.judge(prompt, expectations, seen, field, world.scene)
-        history = tuple(attempts)
-        attempts.append((field, judgement))
-        if judgement.verdict is Verdict.SUCCESS:
+        rounds.append(judge(prompt, reading, world.play(field, expectations), world.scene, field))
+        if rounds[-1].judgement.verdict is Verdict.SUCCESS:
             break
-        rewrite = executor.rewrite(prompt, expectations, field, seen, judgement, world.scene, history)
-        if rewrite.force_field == field:  # nothing left to try
+        rewritten = rewrite(prompt, reading, rounds[-1], world.scene, rounds[:-1])
+        if rewritten.force_field == field:  # nothing left to try
             break
-        field = rewrite.force_field
-    return attempts
+        field = rewritten.force_field
+    return [(each.force_field, each.judgement) for each in rounds]

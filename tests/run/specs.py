@@ -1,9 +1,10 @@
 """Small runs on the bundled object, and scripted agents."""
 
 from physagent_jax.agents.protocols import Agents
-from physagent_jax.run.loop import make_agents, run_loop
+from physagent_jax.agents.registry import make_agents
+from physagent_jax.run.loop import run_loop
 from physagent_jax.run.resolve import resolve
-from physagent_jax.run.spec import AgentChoice, RunSpec
+from physagent_jax.run.spec import RunSpec
 
 LEFT = "a strong wind pushes the robot to the left"
 
@@ -22,5 +23,5 @@ def made(spec, out, agents=None, **options):
 
 def with_rules(planner=None, executor=None) -> Agents:
     """The offline agents, but for those given."""
-    rules = make_agents(AgentChoice())
+    rules = make_agents()
     return Agents(rules.semantic, planner or rules.planner, executor or rules.executor)

@@ -1,18 +1,24 @@
 """The closed loop on the bundled object, small and coarse: files, determinism, resuming, keeping the best."""
 
+import dataclasses
 import json
 import os
 
 import numpy as np
 import pytest
 
+from physagent_jax.agents.protocols import ExecutorAgent, PlannerAgent
 from physagent_jax.agents.schema import Check, Judgement, Rewrite, SemanticReply, Verdict
+from physagent_jax.agents.trace import Reply
 from physagent_jax.cli import main
 from physagent_jax.cli.console import ConsoleObserver
+from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import link_or_copy
 from physagent_jax.forces.schema import Action, ForceField
 from physagent_jax.output.motion_file import read_motion
 from physagent_jax.output.video import read_video
+from physagent_jax.perception.backends import make_backends
+from physagent_jax.perception.backends.colour import ColorSegmenter
 from physagent_jax.run.manifest import Manifest
 from physagent_jax.simulation.record import SimulationRecord
 from tests.run.specs import made, small, with_rules
@@ -156,32 +162,33 @@ def test_another_prompt_needs_another_folder(finished, robot_path):
 # --- several rounds, with scripted judges ---------------------------------------------------------------
 
 
-class ScriptedPlanner:
+class ScriptedPlanner(PlannerAgent):
     """Gives the scores of a script."""
 
     def __init__(self, scores):
         self.scores = list(scores)
 
-    def judge(self, prompt, expectations, report, force_field, brief):
+    def judge(self, context, seen):
         score = self.scores.pop(0)
         check = Check(expectation=0, question="?", expected="", observed="", passed=score == 1, score=score)
         verdict = Verdict.SUCCESS if score == 1 else Verdict.FAIL
-        return Judgement(
-            verdict=verdict, score=score, checks=(check,), suggestion="" if score == 1 else "again"
-        )
+        suggestion = "" if score == 1 else "again"
+        return Reply(Judgement(verdict=verdict, score=score, checks=(check,), suggestion=suggestion))
 
 
-class ScriptedExecutor:
+class ScriptedExecutor(ExecutorAgent):
     """Pushes along another direction each time; may be told to stop the run instead."""
 
     def __init__(self, interrupt=False):
         self.interrupt = interrupt
 
-    def rewrite(self, prompt, expectations, force_field, report, judgement, brief, history=()):
+    def rewrite(self, context, failed):
         if self.interrupt:
             raise KeyboardInterrupt
-        action = Action(action_type="translation", vector=(0, 0, 1.0), magnitude=1.0 - 0.1 * len(history))
-        return Rewrite(force_field=ForceField(actions=(action,)), changes=("scripted",))
+        action = Action(
+            action_type="translation", vector=(0, 0, 1.0), magnitude=1.0 - 0.1 * len(context.rounds)
+        )
+        return Reply(Rewrite(force_field=ForceField(actions=(action,)), changes=("scripted",)))
 
 
 def scripted(scores, interrupt=False):
@@ -227,3 +234,30 @@ def test_a_stopped_run_goes_on_where_it_stopped(tmp_path, robot_path):
     assert store.manifest.complete and store.manifest.best_iteration == 1
     assert video.stat().st_mtime_ns == stamp
     assert store.manifest.stages.simulate > spent
+
+
+def test_a_run_with_other_agents_is_another_run(tmp_path, robot_path):
+    asked, out = small(robot_path), tmp_path / "run"
+    with pytest.raises(KeyboardInterrupt):
+        made(asked, out, scripted([0.2], interrupt=True))
+    with pytest.raises(UserError, match="holds another run"):
+        made(asked, out)
+
+    class OtherModel(ScriptedPlanner):
+        name = "another model behind the same class"
+
+    with pytest.raises(UserError, match="holds another run"):
+        made(asked, out, dataclasses.replace(scripted([1.0]), planner=OtherModel([1.0])))
+    assert made(asked, out, scripted([1.0])).manifest.complete
+
+
+def test_a_run_with_another_perception_is_another_run(tmp_path, robot_path):
+    class OtherSegmenter(ColorSegmenter):
+        pass
+
+    asked, out = small(robot_path), tmp_path / "run"
+    with pytest.raises(KeyboardInterrupt):
+        made(asked, out, scripted([0.2], interrupt=True))
+    backends = dataclasses.replace(make_backends(), segmenter=OtherSegmenter())
+    with pytest.raises(UserError, match="holds another run"):
+        made(asked, out, scripted([1.0]), backends=backends)

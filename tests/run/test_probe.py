@@ -4,7 +4,9 @@ from types import SimpleNamespace
 
 import pytest
 
+from physagent_jax.agents.protocols import ExecutorAgent
 from physagent_jax.agents.schema import Rewrite
+from physagent_jax.agents.trace import Reply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import Action, ForceField, SphereRegion
 from physagent_jax.report.html import write_report
@@ -45,18 +47,18 @@ def test_what_is_too_coarse_already_is_not_coarsened(small):
 NOWHERE = SphereRegion(center=(9, 9, 9), radius=0.1)
 
 
-class CountingExecutor:
+class CountingExecutor(ExecutorAgent):
     """Pushes with M = 1.0, 1.1, ... what is in a region; may be told to stop the run instead."""
 
     def __init__(self, interrupt=False, region=None):
         self.interrupt, self.region = interrupt, region
 
-    def rewrite(self, prompt, expectations, force_field, report, judgement, brief, history=()):
+    def rewrite(self, context, failed):
         if self.interrupt:
             raise KeyboardInterrupt
-        magnitude = 1.0 + 0.1 * len(history)
+        magnitude = 1.0 + 0.1 * len(context.rounds)
         push = Action(action_type="translation", vector=(0, 0, 1), magnitude=magnitude, region=self.region)
-        return Rewrite(force_field=ForceField(actions=(push,)), changes=("scripted",))
+        return Reply(Rewrite(force_field=ForceField(actions=(push,)), changes=("scripted",)))
 
 
 def run_loop(robot_path, out, scores, interrupt=False, region=None, **options):

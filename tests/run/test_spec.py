@@ -157,11 +157,11 @@ def test_a_spec_and_options_exclude_each_other(tmp_path, capsys, robot_path):
 
 
 def test_agents_by_name_with_options_that_they_do_not_take(robot_path):
-    from physagent_jax.run.loop import make_agents
+    from physagent_jax.run.loop import agents_of
 
     spec = small(robot_path, agents={"planner": {"name": "rules", "options": {"temperature": 0.5}}})
     with pytest.raises(UserError, match="does not take these options"):
-        make_agents(spec.agents)
+        agents_of(spec)
     with pytest.raises(ValidationError):
         small(robot_path, agents={"planner": 3})
 

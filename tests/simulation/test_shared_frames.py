@@ -6,7 +6,9 @@ import jax
 import numpy as np
 import pytest
 
+from physagent_jax.agents.protocols import ExecutorAgent
 from physagent_jax.agents.schema import Rewrite
+from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.schema import (
     Action,
     ForceField,
@@ -269,17 +271,17 @@ def test_another_body_shares_nothing(robot, robot_path):
 # --- in the loop --------------------------------------------------------------------------------------
 
 
-class LaterAndLater:
+class LaterAndLater(ExecutorAgent):
     """Answers with an ever stronger blow at the end; may be told to stop the run instead."""
 
     def __init__(self, interrupt=False):
         self.interrupt = interrupt
 
-    def rewrite(self, prompt, expectations, force_field, report, judgement, brief, history=()):
-        if self.interrupt and history:
+    def rewrite(self, context, failed):
+        if self.interrupt and context.rounds:
             raise KeyboardInterrupt
-        blow = act("impulse", 8, 9, 0.5 + 0.2 * len(history), RISE)
-        return Rewrite(force_field=field(LEFT, blow), changes=("scripted",))
+        blow = act("impulse", 8, 9, 0.5 + 0.2 * len(context.rounds), RISE)
+        return Reply(Rewrite(force_field=field(LEFT, blow), changes=("scripted",)))
 
 
 def run_loop(robot_path, out, scores, interrupt=False):

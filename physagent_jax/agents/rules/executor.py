@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.hard_rules import apply_hard_rules
+from physagent_jax.agents.protocols import ExecutorAgent
 from physagent_jax.agents.rules.edits import Case, Change
 from physagent_jax.agents.rules.remedies import remedies
 from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, Rewrite, SceneBrief
+from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.schema import Action, ForceField
 from physagent_jax.perception.schema import MotionReport
 
@@ -17,46 +20,40 @@ _CALM_DOWN = 0.6  # factor on the cause of what could not be followed
 _DEEPEST = 8  # remedies per expectation that are worth trying in turn
 
 
-class RuleExecutor:
-    """Implements `protocols.ExecutorAgent`: mends the failed expectations one after another."""
+class RuleExecutor(ExecutorAgent):
+    """Mends the failed expectations one after another; without checks it has nothing to go by."""
 
-    def rewrite(
-        self,
-        prompt: str,
-        expectations: Sequence[ExpectedMotion],
-        force_field: ForceField,
-        report: MotionReport,
-        judgement: Judgement,
-        brief: SceneBrief,
-        history: Sequence[tuple[ForceField, Judgement]] = (),
-    ) -> Rewrite:
-        """Returns the next force field; ``history`` holds the earlier attempts, oldest first.
+    def rewrite(self, context: AgentContext, failed: Round) -> Reply[Rewrite]:
+        """Returns the next force field; see `protocols.ExecutorAgent`.
 
         The mildest remedies come first; if they lead to a force field that was tried before, the next
         ones are taken. If none is left, the field is returned unchanged and ``changes`` says so.
         """
-        tried = [force_field, *(field for field, _ in history)]
-        failed = _failed(judgement, len(expectations), report)
-        for depth in range(_DEEPEST if failed else 0):
-            changes = _mend(expectations, failed, force_field, report, brief, depth)
+        expectations, brief = context.expectations, context.brief
+        force_field, report = failed.force_field, failed.report
+        tried = [force_field, *(earlier.force_field for earlier in context.rounds)]
+        unmet = _failed(failed.judgement, len(expectations), report)
+        for depth in range(_DEEPEST if unmet else 0):
+            changes = _mend(expectations, unmet, force_field, report, brief, depth)
             if not changes:
                 continue
-            bounded = _below_what_was_too_much(changes[-1].force_field, force_field, history)
+            bounded = _below_what_was_too_much(changes[-1].force_field, force_field, context.rounds)
             field, repairs = apply_hard_rules(bounded, brief, expectations)
             if field not in tried:
                 rules = [
                     *(change.rule for change in changes if change.rule),
                     *(repair.rule for repair in repairs),
                 ]
-                return Rewrite(
-                    force_field=field,
-                    changes=tuple(
-                        [*(change.why for change in changes), *(f"Hard rule: {r.why}." for r in repairs)]
-                    ),
-                    rules_applied=tuple(dict.fromkeys(rules)),
+                reasons = [*(change.why for change in changes), *(f"Hard rule: {r.why}." for r in repairs)]
+                return Reply(
+                    Rewrite(
+                        force_field=field,
+                        changes=tuple(reasons),
+                        rules_applied=tuple(dict.fromkeys(rules)),
+                    )
                 )
-        why = "every remedy has been tried" if failed else "no check failed that a force field could mend"
-        return Rewrite(force_field=force_field, changes=(f"Nothing left to try: {why}.",))
+        why = "every remedy has been tried" if unmet else "no check failed that a force field could mend"
+        return Reply(Rewrite(force_field=force_field, changes=(f"Nothing left to try: {why}.",)))
 
 
 def _failed(judgement: Judgement, count: int, report: MotionReport) -> dict[int, list[Check]]:
@@ -75,13 +72,13 @@ def _failed(judgement: Judgement, count: int, report: MotionReport) -> dict[int,
 
 
 def _below_what_was_too_much(
-    proposed: ForceField, current: ForceField, history: Sequence[tuple[ForceField, Judgement]]
+    proposed: ForceField, current: ForceField, earlier: Sequence[Round]
 ) -> ForceField:
     """Halves the interval instead of leaping past a magnitude that an earlier attempt showed to be too much."""
     ceilings: dict[tuple, float] = {}
-    for field, judgement in history:
-        if any(check.passed is None or (check.gain or 1) < 1 for check in judgement.checks):
-            for action in field.actions:
+    for tried in earlier:
+        if any(check.passed is None or (check.gain or 1) < 1 for check in tried.judgement.checks):
+            for action in tried.force_field.actions:
                 key = _same_action(action)
                 ceilings[key] = min(ceilings.get(key, math.inf), abs(action.magnitude))
     now = {_same_action(action): abs(action.magnitude) for action in current.actions}

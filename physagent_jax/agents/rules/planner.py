@@ -4,38 +4,39 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from physagent_jax.agents.context import AgentContext, Observation
+from physagent_jax.agents.protocols import PlannerAgent
+from physagent_jax.agents.rules.bands import expectation_windows
 from physagent_jax.agents.rules.checks import View, checks_of
-from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, SceneBrief, Verdict
-from physagent_jax.forces.schema import ForceField
-from physagent_jax.perception.schema import MotionReport
+from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, Verdict
+from physagent_jax.agents.trace import Reply
 
 
-class RulePlanner:
-    """Implements `protocols.PlannerAgent` by commonsense bands (`bands`), one or more checks per expectation."""
+class RulePlanner(PlannerAgent):
+    """Judges by commonsense bands (`bands`), one or more checks per expectation."""
 
-    def judge(
-        self,
-        prompt: str,
-        expectations: Sequence[ExpectedMotion],
-        report: MotionReport,
-        force_field: ForceField,
-        brief: SceneBrief,
-    ) -> Judgement:
-        """Compares ``report`` with what ``prompt`` asked for.
+    def windows(self, context: AgentContext) -> list[tuple[int, int]]:
+        """One per expectation."""
+        return expectation_windows(context.expectations, context.brief.frame_count)
+
+    def judge(self, context: AgentContext, seen: Observation) -> Reply[Judgement]:
+        """Compares the report with what is expected of the sentence; see `protocols.PlannerAgent`.
 
         What the pictures do not show is not counted; if they show nothing of what was asked, the verdict
         is FAIL and the suggestion says why.
         """
-        view = View(report, force_field, brief, tuple(expectations))
+        expectations = context.expectations
+        view = View(seen.report, seen.force_field, context.brief, expectations)
         checks = [check for index, e in enumerate(expectations) for check in checks_of(index, e, view)]
-        seen = [check for check in checks if check.passed is not None]
-        success = bool(seen) and all(check.passed for check in seen)
-        return Judgement(
+        observable = [check for check in checks if check.passed is not None]
+        success = bool(observable) and all(check.passed for check in observable)
+        judgement = Judgement(
             verdict=Verdict.SUCCESS if success else Verdict.FAIL,
-            score=round(sum(check.score for check in seen) / len(seen), 6) if seen else 0.0,
+            score=round(sum(check.score for check in observable) / len(observable), 6) if observable else 0.0,
             checks=tuple(checks),
-            suggestion="" if success else _suggestion(prompt, checks, seen, expectations),
+            suggestion="" if success else _suggestion(context.prompt, checks, observable, expectations),
         )
+        return Reply(judgement)
 
 
 def _suggestion(

@@ -6,6 +6,8 @@ import unicodedata
 from dataclasses import replace
 from typing import Literal
 
+from physagent_jax.agents.context import AgentContext
+from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.rules.language.clauses import Clause, places, read_clauses, verb_of
 from physagent_jax.agents.rules.language.compilation import compile_slots
 from physagent_jax.agents.rules.language.draft import Draft
@@ -22,6 +24,7 @@ from physagent_jax.agents.schema import (
     SceneBrief,
     SemanticReply,
 )
+from physagent_jax.agents.trace import Reply
 from physagent_jax.core.errors import UserError
 
 EXAMPLES = (
@@ -33,42 +36,42 @@ _LETS_FALL = frozenset({"release", "let go", "let ~ go", "let loose", "set free"
 _DETERMINERS = frozenset({"the", "a", "an", "this", "that", "my", "your"})
 
 
-class RuleSemanticAgent:
-    """Implements `protocols.SemanticAgent` by rules: no model, no network, the same words give the same field."""
+class RuleSemanticAgent(SemanticAgent):
+    """Reads by rules: no model, no network, the same words give the same field."""
 
-    def compile(self, prompt: str, brief: SceneBrief) -> SemanticReply:
-        """Reads ``prompt`` for the scene in ``brief``.
+    def compile(self, context: AgentContext) -> Reply[SemanticReply]:
+        """Reads the sentence; see `protocols.SemanticAgent`."""
+        return Reply(_read(context.prompt, context.brief))
 
-        Raises:
-            UserError: The prompt is empty or nothing in it can be understood.
-        """
-        _check_text(prompt)
-        marks = read_marks(prompt, _object_words(brief))
-        clauses = read_clauses(marks)
-        gravity = _gravity(marks)
-        unknown, notes = _not_understood(marks, brief)
-        clauses = _assume_push(clauses, unknown)
-        if gravity is None and not any(c.acts for c in clauses) and not _anchor(clauses).kind:
-            raise UserError(
-                "The prompt names no motion that is understood",
-                got=repr(_short(prompt)),
-                do=f"Say in English what should happen to the {brief.object_name}, for example {EXAMPLES}",
-            )
-        anchor = _anchor(clauses)
-        anchored = anchor.kind in ("base", "top") or (brief.anchored is not None and anchor.kind != "none")
-        draft = Draft(brief, anchored, gravity, notes=notes)
-        events = _events(clauses, draft)
-        compile_slots(schedule(events, brief.frame_count, brief.frame_dt), draft)
-        _state_gravity(marks, draft)
-        _expect_stillness(clauses, draft)
-        return SemanticReply(
-            force_field=draft.force_field(),
-            expectations=tuple(draft.expectations),
-            anchor=anchor,
-            evidence=tuple([*draft.evidence, *_anchor_evidence(anchor)]),
-            not_understood=tuple(unknown),
-            notes=tuple(draft.notes),
+
+def _read(prompt: str, brief: SceneBrief) -> SemanticReply:
+    _check_text(prompt)
+    marks = read_marks(prompt, _object_words(brief))
+    clauses = read_clauses(marks)
+    gravity = _gravity(marks)
+    unknown, notes = _not_understood(marks, brief)
+    clauses = _assume_push(clauses, unknown)
+    if gravity is None and not any(c.acts for c in clauses) and not _anchor(clauses).kind:
+        raise UserError(
+            "The prompt names no motion that is understood",
+            got=repr(_short(prompt)),
+            do=f"Say in English what should happen to the {brief.object_name}, for example {EXAMPLES}",
         )
+    anchor = _anchor(clauses)
+    anchored = anchor.kind in ("base", "top") or (brief.anchored is not None and anchor.kind != "none")
+    draft = Draft(brief, anchored, gravity, notes=notes)
+    events = _events(clauses, draft)
+    compile_slots(schedule(events, brief.frame_count, brief.frame_dt), draft)
+    _state_gravity(marks, draft)
+    _expect_stillness(clauses, draft)
+    return SemanticReply(
+        force_field=draft.force_field(),
+        expectations=tuple(draft.expectations),
+        anchor=anchor,
+        evidence=tuple([*draft.evidence, *_anchor_evidence(anchor)]),
+        not_understood=tuple(unknown),
+        notes=tuple(draft.notes),
+    )
 
 
 def _check_text(prompt: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from physagent_jax.core.registry import Registry
+from physagent_jax.core.registry import Choice, Registry
 
 if TYPE_CHECKING:
     from physagent_jax.perception.protocols import PerceptionBackends
@@ -16,12 +16,12 @@ TRACKERS = Registry("`perception.tracker`", {"flow": f"{_HERE}.flow:FlowTracker"
 
 
 def make_backends(
-    segmenter: str = "colour", depth: str = "sensor", tracker: str = "flow"
+    segmenter: Choice = "colour", depth: Choice = "sensor", tracker: Choice = "flow"
 ) -> PerceptionBackends:
-    """The backends of these names, with default options; those that need no weights by default.
+    """The backends of these names; those that need no weights by default.
 
     Raises:
-        UserError: There is no such backend, or the package that it needs is missing.
+        UserError: There is no such backend, the package that it needs is missing, or it has no such options.
     """
     # Names can be checked without the arrays.
     from physagent_jax.perception.protocols import PerceptionBackends

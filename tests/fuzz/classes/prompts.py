@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from physagent_jax.agents.rules.executor import RuleExecutor
-from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import MAGNITUDE_MAX, MAGNITUDE_MIN, ForceField
 from physagent_jax.forces.skills import closed_form_scaling, compile_force_field
-from tests.agents.scenes import IDENTITY, brief, read, seen_in, table
+from tests.agents.scenes import IDENTITY, brief, judge, read, rewrite, seen_in, table
 from tests.agents.sentences import SENTENCES
 from tests.fuzz.contract import Breach, Case, Fault
 from tests.fuzz.drawing import TEXTS, Draw
@@ -155,16 +153,16 @@ def _motion(draw: Draw) -> dict:
 def looped(prompt: str, scene: SceneBrief, motion: dict):
     reply = read(prompt, scene)
     report = seen_in(reply.expectations, scene.frame_count, **motion)
-    planner, executor, history = RulePlanner(), RuleExecutor(), []
+    history = []
     field = reply.force_field
     _valid(field, scene)
     for _ in range(2):
-        judgement = planner.judge(prompt, reply.expectations, report, field, scene)
-        rewrite = executor.rewrite(prompt, reply.expectations, field, report, judgement, scene, history)
-        history.append((field, judgement))
-        field = rewrite.force_field
+        failed = judge(prompt, reply, report, scene, field)
+        field = rewrite(prompt, reply, failed, scene, history).force_field
+        history.append(failed)
         _valid(field, scene)
-    return reply, history, field, _compiled(field, scene)
+    told = [(each.force_field, each.judgement) for each in history]
+    return reply, told, field, _compiled(field, scene)
 
 
 def _valid(field: ForceField, scene: SceneBrief) -> None:

@@ -1,0 +1,77 @@
+"""What an agent is told when it is called: the task, the skills, and everything that was tried before."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, SemanticReply
+from physagent_jax.forces.description import SkillDescription
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.perception.schema import MotionReport
+
+
+class KeyFrame(NamedTuple):
+    """A picture of a round's clip.
+
+    Attributes:
+        frame: Its place in the clip.
+        png: The encoded picture.
+    """
+
+    frame: int
+    png: bytes
+
+
+class KeyFrames(Protocol):
+    """Pictures of a round, encoded when they are asked for: who reads only the report never makes them."""
+
+    def pick(self, most: int = 6) -> tuple[KeyFrame, ...]:
+        """At most ``most`` evenly spaced frames, the first and the last among them."""
+        ...
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What was simulated in a round and what is seen of it; not judged yet.
+
+    Attributes:
+        force_field: What was simulated.
+        report: What perception measured; ``report.text`` tells it in words.
+        key_frames: The clip's pictures.
+    """
+
+    force_field: ForceField
+    report: MotionReport
+    key_frames: KeyFrames
+
+
+@dataclass(frozen=True)
+class Round(Observation):
+    """A round with its judgement."""
+
+    judgement: Judgement
+
+
+@dataclass(frozen=True)
+class AgentContext:
+    """What every agent is called with.
+
+    Attributes:
+        prompt: The sentence.
+        brief: The scene's facts.
+        skills: What a force field may hold and what it means.
+        reading: The semantic agent's answer; None while it is asked.
+        rounds: Earlier rounds, oldest first; the one that the call is about is not among them.
+    """
+
+    prompt: str
+    brief: SceneBrief
+    skills: SkillDescription
+    reading: SemanticReply | None = None
+    rounds: tuple[Round, ...] = ()
+
+    @property
+    def expectations(self) -> tuple[ExpectedMotion, ...]:
+        """What the semantic agent expects to be seen; may be empty."""
+        return self.reading.expectations if self.reading else ()

@@ -1,0 +1,65 @@
+"""How an agent came to its answer, and what that cost. Empty for rules, which exchange no messages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Generic, Literal, TypeVar
+
+from physagent_jax.core.strict import Count, NonNegative, Strict
+
+Value = TypeVar("Value")
+
+
+class Message(Strict):
+    """One message of the exchange with a chat model.
+
+    Attributes:
+        role: Who speaks.
+        text: What is said.
+        pictures: How many pictures went with it; the pictures themselves are those of the round.
+    """
+
+    role: Literal["system", "user", "assistant"]
+    text: str
+    pictures: Count = 0
+
+
+class Trace(Strict):
+    """One call of an agent.
+
+    Attributes:
+        model: Identifier of the model that answered, as its provider reports it; empty for rules.
+        messages: The exchange in order, replies that were refused and the model's second thoughts included.
+        raw_reply: The text that the answer was read from, as it came.
+        validation_errors: Why earlier replies of this call were refused, one each.
+        repairs: What was changed in the reply so that it could be used, a sentence each.
+        input_tokens, output_tokens: Of all messages of this call, as the provider counts them.
+        latency_seconds: Waited for the model [s].
+    """
+
+    model: str = ""
+    messages: tuple[Message, ...] = ()
+    raw_reply: str = ""
+    validation_errors: tuple[str, ...] = ()
+    repairs: tuple[str, ...] = ()
+    input_tokens: Count = 0
+    output_tokens: Count = 0
+    latency_seconds: NonNegative = 0.0
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether no model took part."""
+        return self == Trace()
+
+
+@dataclass(frozen=True)
+class Reply(Generic[Value]):
+    """What an agent returns.
+
+    Attributes:
+        value: The answer.
+        trace: How it came about.
+    """
+
+    value: Value
+    trace: Trace = Trace()

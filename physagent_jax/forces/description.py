@@ -1,0 +1,86 @@
+"""What the skill library says of itself to whoever writes force fields: a text and a JSON schema.
+
+Both are made from `forces.schema`, so that a change there reaches every agent.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from physagent_jax.forces.schema import (
+    MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
+    Action,
+    ActionType,
+    ConstraintType,
+    ForceField,
+    VelocityConstraint,
+)
+
+_MEANING = {
+    ActionType.TRANSLATION: "a steady push along `vector`; at magnitude 1, over the whole clip and unopposed, it moves "
+    "the object by its own longest extent",
+    ActionType.SCALE: "a stretch along the axis `vector` (a squeeze with a negative magnitude), held while it acts",
+    ActionType.IMPULSE: "a blow along `vector`, spread over `active_time`; at magnitude 1 and unopposed the object "
+    "then travels its own longest extent in a clip's duration",
+    ActionType.TORQUE: "a steady turn about the axis `vector` (right-hand rule) through the mass centre; at "
+    "magnitude 1, over the whole clip and unopposed, it is a quarter turn",
+}
+_CONSTRAINTS = {
+    ConstraintType.PARTICLE_TRANSLATION: "holds the region's particles at a velocity along `vector` while it acts",
+    ConstraintType.PARTICLE_IMPULSE: "adds a velocity along `vector` once, when `active_time` begins",
+}
+
+
+@dataclass(frozen=True)
+class SkillDescription:
+    """The skill library as an agent reads it.
+
+    Attributes:
+        text: What the entries of a force field mean, for a model's instructions.
+        json_schema: JSON schema of `ForceField`, for structured output.
+    """
+
+    text: str
+    json_schema: dict[str, Any]
+
+
+@functools.cache
+def describe_skills() -> SkillDescription:
+    """The library's own description."""
+    actions = [f"- `{kind.value}`: {_MEANING[kind]}." for kind in ActionType]
+    constraints = [f"- `{kind.value}`: {_CONSTRAINTS[kind]}." for kind in ConstraintType]
+    text = "\n".join(
+        [
+            "A force field is JSON. `default_drop` says whether gravity acts and the object falls; if not, it floats "
+            "at rest.",
+            "`actions` act together or one after another. Each has an `action_type`:",
+            *actions,
+            f"`magnitude` lies between {MAGNITUDE_MIN} and {MAGNITUDE_MAX} in size, and its sign reverses the action. "
+            "`vector` is a direction in world axes, of any length but zero. `active_time` is [first, last] in frames; "
+            "without it the action lasts for the whole clip. `region` limits the action to a part, in fractions of "
+            "the object's bounding box.",
+            "`constraints` prescribe velocities instead of forces, and only a rewrite may add them. Each has a "
+            "`constraint_type`:",
+            *constraints,
+            f"Fields of an action: {_fields(Action)}. Of a constraint: {_fields(VelocityConstraint)}. "
+            "Other keys are refused.",
+            f"An example: {_example()}",
+        ]
+    )
+    return SkillDescription(text, ForceField.model_json_schema())
+
+
+def _fields(schema: type[Action] | type[VelocityConstraint]) -> str:
+    return ", ".join(
+        f"`{name}`{'' if field.is_required() else ' (optional)'}"
+        for name, field in schema.model_fields.items()
+    )
+
+
+def _example() -> str:
+    push = Action(action_type=ActionType.TRANSLATION, vector=(-1, 0, 0), magnitude=0.8, active_time=(0, 24))
+    return json.dumps(ForceField(actions=(push,)).model_dump(mode="json", exclude_none=True))

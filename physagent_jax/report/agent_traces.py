@@ -1,0 +1,46 @@
+"""How the agents came to their answers: what was said, what was refused and repaired, what it cost."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from physagent_jax.agents.trace import Message, Trace
+from physagent_jax.report.formats import count, plural, seconds
+from physagent_jax.report.layout import facts, fold, listing
+from physagent_jax.report.markup import Markup, div, tag
+
+
+def agent_traces(traces: Mapping[str, Trace | None]) -> list[Markup]:
+    """A fold for each agent that asked a model; rules leave no trace and take no room.
+
+    Args:
+        traces: By the agent's role.
+    """
+    return [_trace(role, trace) for role, trace in traces.items() if trace is not None and not trace.is_empty]
+
+
+def _trace(role: str, trace: Trace) -> Markup:
+    rows = [
+        ("model", trace.model) if trace.model else None,
+        ("tokens", f"{count(trace.input_tokens)} in, {count(trace.output_tokens)} out"),
+        ("waited", seconds(trace.latency_seconds)),
+    ]
+    return fold(
+        f"How the {role} came to it",
+        facts(rows),
+        listing("Replies that were refused", trace.validation_errors),
+        listing("What was repaired", trace.repairs),
+        _text("The reply as it came", trace.raw_reply) if trace.raw_reply else None,
+        fold(plural(len(trace.messages), "message"), *map(_message, trace.messages))
+        if trace.messages
+        else None,
+    )
+
+
+def _message(message: Message) -> Markup:
+    pictures = f", with {plural(message.pictures, 'picture')}" if message.pictures else ""
+    return _text(f"{message.role}{pictures}", message.text)
+
+
+def _text(title: str, text: str) -> Markup:
+    return div("json", tag("h3", title), tag("pre", text))

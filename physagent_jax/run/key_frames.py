@@ -1,0 +1,32 @@
+"""A round's pictures for the agents: read from its video when an agent asks for them."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+
+from physagent_jax.agents.context import KeyFrame
+from physagent_jax.output.video import encode_png, read_video
+
+
+@dataclasses.dataclass(frozen=True)
+class VideoKeyFrames:
+    """Implements `agents.context.KeyFrames`; a resumed run shows the same pictures as one that was not stopped.
+
+    Attributes:
+        video: The round's video.
+    """
+
+    video: Path
+
+    def pick(self, most: int = 6) -> tuple[KeyFrame, ...]:
+        """At most ``most`` evenly spaced frames, the first and the last among them."""
+        pictures = read_video(self.video)
+        return tuple(KeyFrame(k, encode_png(pictures[k])) for k in spread(len(pictures), most))
+
+
+def spread(count: int, most: int) -> list[int]:
+    """Indices of at most ``most`` of ``count`` frames, evenly spaced from the first to the last."""
+    return np.linspace(0, count - 1, min(most, count)).round().astype(int).tolist()

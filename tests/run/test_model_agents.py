@@ -1,0 +1,262 @@
+"""Agents that ask a chat model, scripted: plain verdicts, what they are told, and what is kept of their exchange."""
+
+import dataclasses
+import json
+
+import imageio.v3 as iio
+import pytest
+
+from physagent_jax.agents.protocols import Agents, ExecutorAgent, PlannerAgent, SemanticAgent
+from physagent_jax.agents.registry import make_agents
+from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply, Verdict
+from physagent_jax.agents.trace import Message, Reply, Trace
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.report.html import write_report
+from physagent_jax.run.best import best_round
+from physagent_jax.run.loop import synthesize
+from physagent_jax.run.manifest import Manifest
+from tests.run.test_loop import request
+
+PROMPT = "push the robot to the left"
+
+
+class ChatModel:
+    """Answers from a script, counts tokens by words, and keeps what it was sent."""
+
+    def __init__(self, *replies: str):
+        self.replies = list(replies)
+
+    def __call__(self, messages: list[Message]) -> tuple[str, int, int]:
+        reply = self.replies.pop(0)
+        return reply, sum(len(m.text.split()) + 85 * m.pictures for m in messages), len(reply.split())
+
+
+class Chat:
+    """What the three agents share: ask, validate, ask again with the error."""
+
+    name = "scripted-chat-1"
+
+    def __init__(self, *replies: str):
+        self.model, self.contexts = ChatModel(*replies), []
+
+    def ask(self, schema, context, text: str, pictures: int = 0) -> Reply:
+        self.contexts.append(context)
+        messages = [
+            Message(role="system", text=context.skills.text),
+            Message(role="user", text=text, pictures=pictures),
+        ]
+        spent, errors, repairs = [0, 0], [], []
+        while True:
+            raw, *tokens = self.model(messages)
+            spent = [a + b for a, b in zip(spent, tokens)]
+            try:
+                value = schema.model_validate_json(raw.removeprefix("```json"))
+            except ValueError as error:
+                errors.append(str(error))
+                messages += [Message(role="assistant", text=raw), Message(role="user", text=str(error))]
+                continue
+            if raw.startswith("```json"):
+                repairs.append("The fence around the JSON was taken off.")
+            trace = Trace(
+                model="scripted-chat-1-2026", messages=tuple(messages), raw_reply=raw,
+                validation_errors=tuple(errors), repairs=tuple(repairs),
+                input_tokens=spent[0], output_tokens=spent[1], latency_seconds=0.25,
+            )  # fmt: skip
+            return Reply(value, trace)
+
+
+class ChatSemantic(Chat, SemanticAgent):
+    def compile(self, context):
+        assert context.reading is None and context.rounds == ()
+        return self.ask(SemanticReply, context, context.prompt)
+
+
+class ChatPlanner(Chat, PlannerAgent):
+    def judge(self, context, seen):
+        frames = seen.key_frames.pick(3)
+        assert [frame.frame for frame in frames] == [0, 4, 9]
+        assert all(frame.png.startswith(b"\x89PNG") for frame in frames)
+        return self.ask(Judgement, context, seen.report.text, pictures=len(frames))
+
+
+class ChatExecutor(Chat, ExecutorAgent):
+    def rewrite(self, context, failed):
+        return self.ask(Rewrite, context, failed.judgement.suggestion)
+
+
+def push(magnitude: float) -> str:
+    action = {"action_type": "translation", "vector": [-1, 0, 0], "magnitude": magnitude}
+    return json.dumps({"force_field": {"actions": [action]}})
+
+
+def rewrite(magnitude: float) -> str:
+    return json.dumps({**json.loads(push(magnitude)), "changes": ["pushed harder"]})
+
+
+FAIL = '{"verdict": "FAIL", "suggestion": "Push harder: <b>it</b> hardly moves."}'
+SUCCESS = '{"verdict": "SUCCESS"}'
+
+
+def chat(semantic=(), planner=(), executor=()) -> Agents:
+    return Agents(ChatSemantic(*semantic), ChatPlanner(*planner), ChatExecutor(*executor))
+
+
+@pytest.fixture(scope="module")
+def told(tmp_path_factory, robot_path):
+    """A run that fails plainly twice and then succeeds; the semantic agent needs a second try."""
+    agents = chat(
+        semantic=[push(9.0), push(0.5)],
+        planner=[FAIL, FAIL, "```json" + SUCCESS],
+        executor=[rewrite(0.8), rewrite(1.2)],
+    )
+    out = tmp_path_factory.mktemp("chat") / "run"
+    return synthesize(request(robot_path, out, prompt=PROMPT), agents), agents
+
+
+def trace_of(path) -> Trace:
+    return Trace.model_validate_json(path.read_bytes())
+
+
+def test_plain_verdicts_run_the_loop(told):
+    store, _ = told
+    manifest = store.manifest
+    assert (manifest.iterations, manifest.best_iteration, manifest.verdict) == (3, 2, "SUCCESS")
+    fields = [store.read(f"iterations/{k}/force_field.json", ForceField) for k in range(3)]
+    assert [field.actions[0].magnitude for field in fields] == [0.5, 0.8, 1.2]
+
+
+def test_every_exchange_is_kept_with_its_round(told):
+    store, _ = told
+    semantic = trace_of(store.path / "semantic_trace.json")
+    assert semantic.model == "scripted-chat-1-2026" and semantic.raw_reply == push(0.5)
+    assert "magnitude" in semantic.validation_errors[0]
+    assert [m.role for m in semantic.messages] == ["system", "user", "assistant", "user"]
+    last = trace_of(store.iteration(2) / "planner_trace.json")
+    assert last.repairs == ("The fence around the JSON was taken off.",)
+    assert last.messages[1].pictures == 3
+    assert trace_of(store.iteration(1) / "executor_trace.json").raw_reply == rewrite(1.2)
+    assert not (store.iteration(2) / "executor_trace.json").exists()
+    files = set(store.manifest.files)
+    assert {
+        "semantic_trace.json",
+        "iterations/0/planner_trace.json",
+        "iterations/0/executor_trace.json",
+    } <= files
+
+
+def test_tokens_are_summed_in_the_manifest(told):
+    store, _ = told
+    traces = {
+        "semantic": [store.path / "semantic_trace.json"],
+        "planner": [store.iteration(k) / "planner_trace.json" for k in range(3)],
+        "executor": [store.iteration(k) / "executor_trace.json" for k in range(2)],
+    }
+    for cost in store.manifest.agents:
+        own = [trace_of(path) for path in traces[cost.agent]]
+        assert cost.implementation == "scripted-chat-1" and cost.calls == len(own)
+        assert cost.input_tokens == sum(trace.input_tokens for trace in own) > 0
+        assert cost.output_tokens == sum(trace.output_tokens for trace in own) > 0
+
+
+def test_agents_are_told_of_all_earlier_rounds(told):
+    _, agents = told
+    assert [len(context.rounds) for context in agents.planner.contexts] == [0, 1, 2]
+    assert [len(context.rounds) for context in agents.executor.contexts] == [0, 1]
+    last = agents.planner.contexts[-1]
+    assert last.prompt == PROMPT and last.brief.object_name == "robot"
+    assert last.reading.force_field.actions[0].magnitude == 0.5
+    first = last.rounds[0]
+    assert first.judgement.verdict is Verdict.FAIL and "body length" in first.report.text
+    assert first.force_field.actions[0].magnitude == 0.5
+    assert "impulse" in last.skills.text and "actions" in last.skills.json_schema["properties"]
+
+
+def test_key_frames_are_the_rounds_pictures(told):
+    _, agents = told
+    pictures = agents.planner.contexts[-1].rounds[0].key_frames.pick(2)
+    assert [frame.frame for frame in pictures] == [0, 9]
+    assert iio.imread(pictures[1].png).shape == (96, 96, 3)
+
+
+def test_the_report_tells_the_exchange(told):
+    store, _ = told
+    page = write_report(store.path).read_text()
+    for text in (
+        "scripted-chat-1-2026",
+        "The fence around the JSON was taken off.",
+        "Replies that were refused",
+    ):
+        assert text in page
+    assert page.count("How the planner came to it") == 3 and page.count("How the executor came to it") == 2
+    assert "How the semantic agent came to it" in page
+    assert "<b>it</b>" not in page and "\u2014 of 1" not in page and "<b>—</b>" not in page
+    assert "without single checks" in page
+
+
+def test_without_scores_a_failed_run_ends_with_its_last_round(tmp_path, robot_path):
+    agents = chat([push(0.5)], [FAIL, FAIL], [rewrite(0.8)])
+    store = synthesize(request(robot_path, tmp_path / "run", prompt=PROMPT, max_iterations=2), agents)
+    assert (store.manifest.best_iteration, store.manifest.verdict) == (1, "FAIL")
+    assert write_report(store.path).is_file()
+
+
+def test_what_was_spent_before_a_stop_stays_counted(tmp_path, robot_path):
+    asked = request(robot_path, tmp_path / "run", prompt=PROMPT)
+    with pytest.raises(IndexError):  # the planner has no second answer
+        synthesize(asked, chat([push(0.5)], [FAIL], [rewrite(0.8)]))
+    before = Manifest.model_validate_json((tmp_path / "run" / "manifest.json").read_bytes())
+    assert {cost.agent: cost.calls for cost in before.agents} == {"semantic": 1, "planner": 1, "executor": 1}
+    agents = chat([], [SUCCESS], [])
+    store = synthesize(asked, agents)
+    assert {cost.agent: cost.calls for cost in store.manifest.agents} == {
+        "semantic": 1,
+        "planner": 2,
+        "executor": 1,
+    }
+    assert [cost.input_tokens > 0 for cost in store.manifest.agents] == [True] * 3
+    (context,) = agents.planner.contexts
+    assert len(context.rounds) == 1 and len(context.rounds[0].key_frames.pick()) == 6
+    assert trace_of(store.path / "semantic_trace.json").raw_reply == push(0.5)
+
+
+def test_rules_and_models_take_turns(tmp_path, robot_path):
+    """Rules read and rewrite, a model judges: without checks the rules have nothing to mend, and the run ends."""
+    agents = dataclasses.replace(make_agents(), planner=ChatPlanner(FAIL))
+    store = synthesize(request(robot_path, tmp_path / "run", prompt=PROMPT), agents)
+    assert (store.manifest.iterations, store.manifest.verdict) == (1, "FAIL")
+    assert trace_of(store.path / "semantic_trace.json").is_empty
+    assert trace_of(store.iteration(0) / "executor_trace.json").is_empty
+
+
+def test_the_rules_alone_make_no_pictures(tmp_path, robot_path, monkeypatch):
+    from physagent_jax.run import key_frames
+
+    monkeypatch.setattr(key_frames, "read_video", lambda path: pytest.fail("a picture was asked for"))
+    store = synthesize(request(robot_path, tmp_path / "run", prompt=PROMPT, max_iterations=1), make_agents())
+    page = write_report(store.path).read_text()
+    assert store.manifest.complete and "came to it" not in page
+
+
+def test_agents_are_chosen_by_name():
+    assert set(make_agents().names.values()) == {"RuleSemanticAgent", "RulePlanner", "RuleExecutor"}
+    with pytest.raises(UserError, match="agents.planner"):
+        make_agents(planner="rulse")
+
+
+def verdicts(*pairs):
+    return [Judgement(verdict=verdict, score=score) for verdict, score in pairs]
+
+
+@pytest.mark.parametrize(
+    ("judgements", "best"),
+    [
+        (verdicts(("FAIL", 0.2), ("FAIL", 0.7), ("FAIL", 0.7)), 1),
+        (verdicts(("FAIL", None), ("FAIL", None)), 1),
+        (verdicts(("FAIL", None), ("SUCCESS", None), ("FAIL", None)), 1),
+        (verdicts(("FAIL", 0.9), ("FAIL", None)), 1),  # one score cannot be compared with none
+        (verdicts(("SUCCESS", None)), 0),
+    ],
+)
+def test_the_best_round(judgements, best):
+    assert best_round(judgements) == best
