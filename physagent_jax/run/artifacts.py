@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import numpy as np
 
@@ -35,15 +35,29 @@ def write_rollout(
 ) -> None:
     """Leaves what was simulated in round ``index``: the motion too, and PNG frames on request (the video is lossy)."""
     folder = f"iterations/{index}"
-    write_text(store.claimed(f"{folder}/scene.json"), dump_scene(scene.config))
     store.write(f"{folder}/force_field.json", scene.config.force_field)
-    store.write(f"{folder}/simulation.json", recording.record)
-    write_video(store.claimed(f"{folder}/video.mp4"), recording.rgb, 1 / scene.config.timing.frame_dt)
+    write_recording(store, scene, recording, folder=folder, save_motion=save_motion, save_frames=save_frames)
+
+
+def write_recording(
+    store: RunStore,
+    scene: CompiledScene,
+    recording: Recording,
+    *,
+    folder: str = "",
+    save_motion: bool = True,
+    save_frames: bool = False,
+) -> None:
+    """Leaves a scene and what its simulation gave in ``folder`` of the run folder; "" = at its top."""
+    place = PurePosixPath(folder)
+    write_text(store.claimed(f"{place / 'scene.json'}"), dump_scene(scene.config))
+    store.write(f"{place / 'simulation.json'}", recording.record)
+    write_video(store.claimed(f"{place / 'video.mp4'}"), recording.rgb, 1 / scene.config.timing.frame_dt)
     if save_motion:
-        write_motion(store.claimed(f"{folder}/motion.npz"), motion_of(scene, recording))
+        write_motion(store.claimed(f"{place / 'motion.npz'}"), motion_of(scene, recording))
     if save_frames:
-        store.claim(*frame_names(f"{folder}/frames", len(recording.rgb)))
-        write_frames(store.path / folder / "frames", recording.rgb)
+        store.claim(*frame_names(f"{place / 'frames'}", len(recording.rgb)))
+        write_frames(store.path / place / "frames", recording.rgb)
 
 
 def write_verdict(

@@ -1,4 +1,4 @@
-"""Playing one scene into a folder."""
+"""Simulating one scene into a run folder."""
 
 from __future__ import annotations
 
@@ -6,22 +6,18 @@ import warnings
 from collections.abc import Callable
 from pathlib import Path
 
-from physagent_jax.core.files import write_text
 from physagent_jax.kernels import ahead
-from physagent_jax.output.motion_file import write_motion
 from physagent_jax.output.splats import splat_names, write_splat_frames
-from physagent_jax.output.video import frame_names, write_frames, write_video
-from physagent_jax.run.artifacts import motion_of
+from physagent_jax.run.artifacts import write_recording
 from physagent_jax.run.manifest import Stages
 from physagent_jax.run.provenance import make_manifest, settings_hash
 from physagent_jax.run.store import RunStore
-from physagent_jax.scene.body import Body, body_of
-from physagent_jax.scene.compile import CompiledScene, compile_scene
-from physagent_jax.scene.config import SceneConfig, dump_scene
+from physagent_jax.scene.body import body_of
+from physagent_jax.scene.compile import compile_scene
+from physagent_jax.scene.config import SceneConfig
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
 from physagent_jax.scene.load import file_sha256
 from physagent_jax.simulation.record import SimulationRecord
-from physagent_jax.simulation.recording import Recording
 from physagent_jax.simulation.simulate import Progress, simulate_scene
 from physagent_jax.simulation.stopwatch import Stopwatch
 
@@ -68,30 +64,11 @@ def replay_scene(
         recording = simulate_scene(scene, watch=watch, progress=progress)
         store.begin()
         with watch("write"):
-            _write(store, scene, body, recording, save_frames=save_frames, save_splats=save_splats)
+            write_recording(store, scene, recording, save_frames=save_frames)
+            if save_splats:
+                x, F = recording.x[:, scene.back], recording.F[:, scene.back]
+                store.claim(*splat_names("splats", len(x)))
+                write_splat_frames(store.path / "splats", body, x, F)
         stages = Stages(**watch.seconds())
         store.finish(stages=stages, warnings=tuple(str(each.message) for each in caught))
     return recording.record, stages
-
-
-def _write(
-    store: RunStore,
-    scene: CompiledScene,
-    body: Body,
-    recording: Recording,
-    *,
-    save_frames: bool,
-    save_splats: bool,
-) -> None:
-    write_text(store.claimed("scene.json"), dump_scene(scene.config))
-    store.write("simulation.json", recording.record)
-    write_video(store.claimed("video.mp4"), recording.rgb, 1 / scene.config.timing.frame_dt)
-    write_motion(store.claimed("motion.npz"), motion_of(scene, recording))
-    if save_frames:
-        store.claim(*frame_names("frames", len(recording.rgb)))
-        write_frames(store.path / "frames", recording.rgb)
-    if save_splats:
-        store.claim(*splat_names("splats", len(recording.rgb)))
-        write_splat_frames(
-            store.path / "splats", body, recording.x[:, scene.back], recording.F[:, scene.back]
-        )
