@@ -14,9 +14,8 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.report.html import write_report
 from physagent_jax.run.best import best_round
-from physagent_jax.run.loop import synthesize
 from physagent_jax.run.manifest import Manifest
-from tests.run.test_loop import request
+from tests.run.specs import made, small
 
 PROMPT = "push the robot to the left"
 
@@ -111,7 +110,7 @@ def told(tmp_path_factory, robot_path):
         executor=[rewrite(0.8), rewrite(1.2)],
     )
     out = tmp_path_factory.mktemp("chat") / "run"
-    return synthesize(request(robot_path, out, prompt=PROMPT), agents), agents
+    return made(small(robot_path, PROMPT), out, agents), agents
 
 
 def trace_of(path) -> Trace:
@@ -196,19 +195,19 @@ def test_the_report_tells_the_exchange(told):
 
 def test_without_scores_a_failed_run_ends_with_its_last_round(tmp_path, robot_path):
     agents = chat([push(0.5)], [FAIL, FAIL], [rewrite(0.8)])
-    store = synthesize(request(robot_path, tmp_path / "run", prompt=PROMPT, max_iterations=2), agents)
+    store = made(small(robot_path, PROMPT, rounds=2), tmp_path / "run", agents)
     assert (store.manifest.best_iteration, store.manifest.verdict) == (1, "FAIL")
     assert write_report(store.path).is_file()
 
 
 def test_what_was_spent_before_a_stop_stays_counted(tmp_path, robot_path):
-    asked = request(robot_path, tmp_path / "run", prompt=PROMPT)
+    asked, out = small(robot_path, PROMPT), tmp_path / "run"
     with pytest.raises(IndexError):  # the planner has no second answer
-        synthesize(asked, chat([push(0.5)], [FAIL], [rewrite(0.8)]))
+        made(asked, out, chat([push(0.5)], [FAIL], [rewrite(0.8)]))
     before = Manifest.model_validate_json((tmp_path / "run" / "manifest.json").read_bytes())
     assert {cost.agent: cost.calls for cost in before.agents} == {"semantic": 1, "planner": 1, "executor": 1}
     agents = chat([], [SUCCESS], [])
-    store = synthesize(asked, agents)
+    store = made(asked, out, agents)
     assert {cost.agent: cost.calls for cost in store.manifest.agents} == {
         "semantic": 1,
         "planner": 2,
@@ -223,7 +222,7 @@ def test_what_was_spent_before_a_stop_stays_counted(tmp_path, robot_path):
 def test_rules_and_models_take_turns(tmp_path, robot_path):
     """Rules read and rewrite, a model judges: without checks the rules have nothing to mend, and the run ends."""
     agents = dataclasses.replace(make_agents(), planner=ChatPlanner(FAIL))
-    store = synthesize(request(robot_path, tmp_path / "run", prompt=PROMPT), agents)
+    store = made(small(robot_path, PROMPT), tmp_path / "run", agents)
     assert (store.manifest.iterations, store.manifest.verdict) == (1, "FAIL")
     assert trace_of(store.path / "semantic_trace.json").is_empty
     assert trace_of(store.iteration(0) / "executor_trace.json").is_empty
@@ -233,7 +232,7 @@ def test_the_rules_alone_make_no_pictures(tmp_path, robot_path, monkeypatch):
     from physagent_jax.run import key_frames
 
     monkeypatch.setattr(key_frames, "read_video", lambda path: pytest.fail("a picture was asked for"))
-    store = synthesize(request(robot_path, tmp_path / "run", prompt=PROMPT, max_iterations=1), make_agents())
+    store = made(small(robot_path, PROMPT, rounds=1), tmp_path / "run", make_agents())
     page = write_report(store.path).read_text()
     assert store.manifest.complete and "came to it" not in page
 
