@@ -23,7 +23,9 @@ if TYPE_CHECKING:
     from physagent_jax.api import LoadedObject as LoadedObject
     from physagent_jax.api import build_scene as build_scene
     from physagent_jax.api import load_object as load_object
+    from physagent_jax.api import load_scene as load_scene
     from physagent_jax.api import synthesize as synthesize
+    from physagent_jax.forces.parameters import ForceFieldParameters as ForceFieldParameters
     from physagent_jax.forces.schema import ForceField as ForceField
     from physagent_jax.kernels.compile_cache import enable_compile_cache as enable_compile_cache
     from physagent_jax.render.camera import look_at as look_at
@@ -32,28 +34,33 @@ if TYPE_CHECKING:
     from physagent_jax.run.spec import RunSpec as RunSpec
     from physagent_jax.simulation.recording import Recording as Recording
     from physagent_jax.simulation.simulate import simulate_scene as simulate_scene
+    from physagent_jax.simulation.trajectory import trajectory as trajectory
     from physagent_jax.simulation.views import render_recording as render_recording
 
 _PLACES = {
     "FinishedRun": "run.finished",
     "ForceField": "forces.schema",
+    "ForceFieldParameters": "forces.parameters",
     "LoadedObject": "api",
     "Recording": "simulation.recording",
     "RunSpec": "run.spec",
     "build_scene": "api",
     "enable_compile_cache": "kernels.compile_cache",
     "load_object": "api",
+    "load_scene": "api",
     "look_at": "render.camera",
     "open_run": "run.finished",
     "render_recording": "simulation.views",
     "simulate_scene": "simulation.simulate",
     "synthesize": "api",
+    "trajectory": "simulation.trajectory",
 }
 """Where each name comes from."""
 
 __all__ = [
     "FinishedRun",
     "ForceField",
+    "ForceFieldParameters",
     "LoadedObject",
     "Recording",
     "RunSpec",
@@ -61,11 +68,13 @@ __all__ = [
     "build_scene",
     "enable_compile_cache",
     "load_object",
+    "load_scene",
     "look_at",
     "open_run",
     "render_recording",
     "simulate_scene",
     "synthesize",
+    "trajectory",
 ]
 
 

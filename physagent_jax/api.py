@@ -11,20 +11,23 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from physagent_jax.agents.context import AgentContext
+from physagent_jax.agents.protocols import Agents
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import validation_message
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.perception.protocols import PerceptionBackends
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.finished import FinishedRun, open_run
 from physagent_jax.run.loop import agents_of, run_loop
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.resolve import ResolvedRun, resolve
 from physagent_jax.run.spec import RunSpec
-from physagent_jax.scene.body import Body, make_body
+from physagent_jax.scene.body import Body, body_of, make_body
 from physagent_jax.scene.compile import CompiledScene, compile_scene
 from physagent_jax.scene.cost import Limits
 from physagent_jax.scene.fuse import fuse
+from physagent_jax.scene.scene_file import read_scene
 
 
 @dataclasses.dataclass(frozen=True)
@@ -136,10 +139,29 @@ def build_scene(
     return compile_scene(fuse(template, loaded.body, acting), loaded.body, run.base_dir)
 
 
+def load_scene(path: str | Path, *, object_path: str | Path | None = None) -> CompiledScene:
+    """A scene file, ready to be simulated: ``scene.json`` of a run, or a PhysGaussian config.
+
+    Args:
+        path: The file; relative paths in it start from its folder.
+        object_path: The object's file, where the scene does not name it (PhysGaussian) or it has moved.
+
+    Raises:
+        UserError: The file is not a scene, or the object that it needs is not given or cannot be used.
+    """
+    path = Path(path)
+    config, notes = read_scene(path, None if object_path is None else Path(object_path))
+    for text in notes:
+        warnings.warn(text, UserWarning, stacklevel=2)
+    return compile_scene(config, body_of(config, path.parent), path.parent)
+
+
 def synthesize(
     spec: RunSpec | ResolvedRun | str | Path,
     out: str | Path,
     *,
+    agents: Agents | None = None,
+    backends: PerceptionBackends | None = None,
     observer: Observer | None = None,
     limits: Limits | None = None,
     overwrite: bool = False,
@@ -149,6 +171,8 @@ def synthesize(
     Args:
         spec: The run, or a file that holds it.
         out: Run folder.
+        agents: Who reads, judges and rewrites; None = whom the spec names.
+        backends: What perception sees with; None = what the spec names.
         observer: Told of the progress.
         limits: What a round may take.
         overwrite: Replace another run in ``out``.
@@ -163,7 +187,9 @@ def synthesize(
 
         spec = resolve(read_spec(spec), Path(spec).parent)
     run = resolve(spec) if isinstance(spec, RunSpec) else spec
-    store = run_loop(run, out, observer=observer, limits=limits, overwrite=overwrite)
+    store = run_loop(
+        run, out, agents=agents, backends=backends, observer=observer, limits=limits, overwrite=overwrite
+    )
     write_report(store.path)
     return open_run(store.path)
 

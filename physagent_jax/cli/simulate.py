@@ -7,7 +7,6 @@ import json
 import shlex
 import sys
 import time
-import warnings
 from pathlib import Path
 from typing import Annotated
 
@@ -50,6 +49,8 @@ class Simulate:
         from physagent_jax.scene.cost import Limits
 
         begun = time.perf_counter()
+        from physagent_jax.scene.scene_file import read_scene
+
         config, notes = read_scene(self.scene, self.object)
         for text in notes:
             warn(text)
@@ -121,6 +122,7 @@ class ImportPhysGaussian:
         """Runs the command; returns the exit code."""
         from physagent_jax.core.files import write_new
         from physagent_jax.scene.config import dump_scene
+        from physagent_jax.scene.scene_file import read_scene
 
         scene, notes = read_scene(self.config, self.object)
         for text in notes:
@@ -129,42 +131,3 @@ class ImportPhysGaussian:
         stderr.print(f"{len(notes)} key(s) had no meaning here")
         print(self.out)
         return 0
-
-
-def read_scene(path: Path, object_path: Path | None):
-    """A scene file in either format, and warnings about what was not understood.
-
-    Raises:
-        UserError: The file is not a scene, or the object it needs is not given.
-    """
-    from physagent_jax.core.reading import read_json
-    from physagent_jax.scene.config import parse_scene
-    from physagent_jax.scene.load import check_object
-    from physagent_jax.scene.physgaussian import is_physgaussian
-
-    if object_path is not None:
-        check_object(object_path)
-    data = read_json(path, what="the scene file")
-    if not isinstance(data, dict) or not is_physgaussian(data):
-        scene = parse_scene(data, origin=str(path))
-        if object_path is not None:
-            source = scene.source.model_copy(update=dict(path=str(object_path.resolve())))
-            scene = scene.model_copy(update=dict(source=source))
-        return scene, []
-    if object_path is None:
-        raise UserError(f"{path} is a PhysGaussian config, which names no object", do="Pass --object x.ply")
-    return _import(data, object_path)
-
-
-def _import(data: dict, object_path: Path):
-    """Imports twice: the camera's radius is in file units, whose size is known once the object is placed."""
-    from physagent_jax.scene.load import load_object
-    from physagent_jax.scene.physgaussian import import_physgaussian
-    from physagent_jax.scene.placement import place
-
-    path = str(object_path.resolve())
-    scene, _ = import_physgaussian(data, object_path=path, file_units_per_metre=1.0)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # the same warnings come when the scene is played
-        _, placement = place(load_object(scene.source, "."), scene.source, scene.domain)
-    return import_physgaussian(data, object_path=path, file_units_per_metre=1 / placement.scale)

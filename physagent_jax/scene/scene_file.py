@@ -1,0 +1,43 @@
+"""Scene files: our own, or PhysGaussian's."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import read_json
+from physagent_jax.scene.config import SceneConfig, parse_scene
+from physagent_jax.scene.load import check_object, load_object
+from physagent_jax.scene.physgaussian import import_physgaussian, is_physgaussian
+from physagent_jax.scene.placement import place
+
+
+def read_scene(path: Path, object_path: Path | None = None) -> tuple[SceneConfig, list[str]]:
+    """A scene file in either format, and warnings about what was not understood.
+
+    Raises:
+        UserError: The file is not a scene, or the object it needs is not given.
+    """
+    if object_path is not None:
+        check_object(object_path)
+    data = read_json(path, what="the scene file")
+    if not isinstance(data, dict) or not is_physgaussian(data):
+        scene = parse_scene(data, origin=str(path))
+        if object_path is not None:
+            source = scene.source.model_copy(update=dict(path=str(object_path.resolve())))
+            scene = scene.model_copy(update=dict(source=source))
+        return scene, []
+    if object_path is None:
+        raise UserError(f"{path} is a PhysGaussian config, which names no object", do="Pass --object x.ply")
+    return _import(data, object_path)
+
+
+def _import(data: dict, object_path: Path) -> tuple[SceneConfig, list[str]]:
+    """Imports twice: the camera's radius is in file units, whose size is known once the object is placed."""
+    path = str(object_path.resolve())
+    scene, _ = import_physgaussian(data, object_path=path, file_units_per_metre=1.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # the same warnings come when the scene is played
+        _, placement = place(load_object(scene.source, "."), scene.source, scene.domain)
+    return import_physgaussian(data, object_path=path, file_units_per_metre=1 / placement.scale)
