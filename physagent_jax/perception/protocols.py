@@ -69,10 +69,10 @@ class Masks:
 class Segmenter(Backend, Protocol):
     """Finds the object in each frame.
 
-    SAM 2: ``needs_prompt``; ``SAM2VideoPredictor.init_state`` of the frames, then ``add_new_points_or_box(state,
-    frame_idx=prompt.frame, obj_id=1, points=..., labels=..., box=...)`` or ``add_new_mask(..., mask=...)``, then
-    ``propagate_in_video`` forwards, and with ``reverse=True`` if ``prompt.frame > 0``; the mask is where the logits
-    exceed 0.
+    SAM 2: ``needs_prompt``; ``SAM2VideoPredictor.init_state`` of a folder with the frames as JPEG, then
+    ``add_new_points_or_box(state, frame_idx=prompt.frame, obj_id=1, points=..., labels=..., box=...)`` or
+    ``add_new_mask(..., mask=...)``, then ``propagate_in_video`` forwards, and with ``reverse=True`` if ``prompt.frame``
+    is not the first; the mask is where the logits exceed 0.
     """
 
     @property
@@ -114,10 +114,10 @@ class Depth:
 class DepthEstimator(Backend, Protocol):
     """Says how far away the surface behind each pixel is.
 
-    Depth Anything V2: ``infer_image`` per frame. The metric checkpoints return metres: ``scale_known``. The relative
-    ones return an inverse depth of unknown scale and shift per frame: the adapter must fit both to one frame's over the
-    still background, and return its reciprocal with ``scale_known=False``. Neither tells its uncertainty; a spread over
-    flipped or rescaled pictures can stand for it.
+    Depth Anything V2: ``infer_image`` of each frame, in BGR. The metric checkpoints return metres: ``scale_known``. The
+    relative ones return an inverse depth of unknown scale and shift per frame: the adapter must fit both to one frame's
+    over the still background, and return its reciprocal with ``scale_known=False``. Neither tells its uncertainty; a
+    spread over flipped or rescaled pictures can stand for it.
     """
 
     def estimate(self, frames: np.ndarray, camera: Camera, measured: np.ndarray | None) -> Depth:
@@ -157,7 +157,8 @@ class EncodedClip(Protocol):
         """Follows points.
 
         Args:
-            queries: Points (t, x, y): a frame and a position in it [px], shape (N, 3).
+            queries: Points (t, x, y): a frame and a position in it [px], shape (N, 3). They need not be followed back
+                to frames before ``t``.
             until: Frame (exclusive) from which on the tracks are of no use; they may be left invisible there.
         """
         ...
@@ -166,10 +167,10 @@ class EncodedClip(Protocol):
 class Tracker(Backend, Protocol):
     """Follows points through the frames.
 
-    CoTracker 3: `encode` keeps the video tensor, and the features of its encoder if they are to be computed once;
-    ``track`` calls ``CoTrackerPredictor(video, queries=...)``, whose queries are (t, x, y) as well, with pixel centres
-    at integers: 0.5 is taken off and put back. The predictor returns visibility after a threshold; visibility and
-    confidence as numbers come from the model inside it.
+    CoTracker 3: `encode` keeps the video at the model's resolution with the features of its encoder; ``track`` does
+    what ``CoTrackerPredictor(video, queries=...)`` does after that. Its queries are (t, x, y) as well, with pixel
+    centres at integers: 0.5 is taken off and put back. The predictor itself encodes anew in each call and returns
+    visibility after a threshold; visibility and confidence as numbers come from the model inside it.
     """
 
     def encode(self, frames: np.ndarray, masks: np.ndarray) -> EncodedClip:

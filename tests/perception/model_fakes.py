@@ -5,6 +5,10 @@ The "networks" are told the scene's truth; the adapters around them are what ada
 
 from __future__ import annotations
 
+import tempfile
+from pathlib import Path
+
+import imageio.v3 as iio
 import numpy as np
 
 from physagent_jax.core.errors import UserError
@@ -28,8 +32,9 @@ class FakeSam2:
     def __init__(self, truth: np.ndarray):
         self.truth, self.directions = truth, []
 
-    def init_state(self, video):
-        return {"video": video, "prompts": {}}
+    def init_state(self, video_path):
+        assert len(list(Path(video_path).glob("*.jpg"))) == len(self.truth)
+        return {"prompts": {}}
 
     def add_new_points_or_box(self, inference_state, frame_idx, obj_id, points=None, labels=None, box=None):
         assert (points is None) == (labels is None)
@@ -67,7 +72,11 @@ class Sam2Segmenter(Segmenter):
         if prompt is None:
             raise UserError("SAM 2 must be told where the object is")
         self.prompts.append(prompt)
-        state, masks = self.predictor.init_state(frames), np.zeros(frames.shape[:3], bool)
+        masks = np.zeros(frames.shape[:3], bool)
+        with tempfile.TemporaryDirectory() as folder:
+            for index, frame in enumerate(frames):
+                iio.imwrite(Path(folder, f"{index:05d}.jpg"), frame)
+            state = self.predictor.init_state(folder)
         if prompt.mask is not None:
             self.predictor.add_new_mask(state, frame_idx=prompt.frame, obj_id=1, mask=prompt.mask)
         else:

@@ -20,6 +20,7 @@ from physagent_jax.agents.schema import (
     SemanticReply,
     Verdict,
 )
+from physagent_jax.agents.trace import Message, Trace
 from physagent_jax.forces.schema import (
     Action,
     ActionType,
@@ -50,6 +51,10 @@ def build_run(folder: Path, *, prompt: str = PROMPT, size: int = 48) -> Path:
     for index in range(last + 1):
         _build_iteration(folder / "iterations" / str(index), index, prompt, size, is_last=index == last)
     store(folder / "semantic.json", _reply())
+    store(
+        folder / "semantic_trace.json",
+        _trace("I read: a wind, to the left.", errors=("`magnitude` is missing",)),
+    )
     store(folder / "scene.json", _scene(prompt, _force_field(last)))
     store(folder / "manifest.json", _manifest(prompt))
     (folder / "video.mp4").write_bytes((folder / f"iterations/{last}/video.mp4").read_bytes())
@@ -96,13 +101,31 @@ def _build_iteration(folder: Path, index: int, prompt: str, size: int, *, is_las
     store(folder / "scene.json", _scene(prompt, field))
     store(folder / "force_field.json", field)
     store(folder / "motion_report.json", _motion(index))
+    store(folder / "planner_trace.json", _trace(f"Round {index}: too little < enough."))
     store(folder / "judgement.json", _judgement(index))
     store(folder / "simulation.json", _simulation(index))
     frames = moving_square(index, size)
     write_video(folder / "video.mp4", frames, 1 / FRAME_DT)
     iio.imwrite(folder / "overlay.png", np.concatenate(frames[::10], axis=1))
     if not is_last:
+        store(folder / "executor_trace.json", Trace())
         store(folder / "rewrite.json", _rewrite(index))
+
+
+def _trace(reply: str, errors: tuple[str, ...] = ()) -> Trace:
+    messages = (
+        Message(role="system", text="You answer in JSON."),
+        Message(role="user", text="What now?", pictures=2),
+    )
+    return Trace(
+        model="some-model",
+        messages=messages,
+        raw_reply=reply,
+        validation_errors=errors,
+        input_tokens=1204,
+        output_tokens=32,
+        latency_seconds=1.5,
+    )
 
 
 def _force_field(index: int) -> ForceField:

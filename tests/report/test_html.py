@@ -158,6 +158,24 @@ def test_every_check_and_change_is_shown(run, page):
     assert "anchored objects keep impulse" in page.text
 
 
+def test_the_agents_exchanges_are_shown(page):
+    for index in range(3):
+        assert f"Round {index}: too little < enough." in page.text
+    assert page.text.count("How the planner came to it") == 3
+    assert "How the semantic agent came to it" in page.text and "`magnitude` is missing" in page.text
+    assert "user, with 2 pictures" in page.text and "some-model" in page.text
+    assert "How the executor came to it" not in page.text  # rules, which left an empty trace
+
+
+def test_a_verdict_without_score_and_checks_is_shown(copy):
+    for index in range(3):
+        plain = {"verdict": "SUCCESS" if index == 2 else "FAIL"}
+        (copy / f"iterations/{index}/judgement.json").write_text(json.dumps(plain))
+    page = render(copy)
+    assert page.text.count("It gave its verdict without single checks.") == 3
+    assert "score" not in page.text.lower()
+
+
 def test_numbers_equal_those_in_the_files(run, page):
     record = SimulationRecord.model_validate_json((run / "iterations/2/simulation.json").read_text())
     assert f"particles {record.particle_count}" in page.text

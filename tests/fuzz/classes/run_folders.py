@@ -75,6 +75,7 @@ def _schemas() -> dict[str, dict]:
 
 def _models() -> dict[str, type[BaseModel]]:
     from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
+    from physagent_jax.agents.trace import Trace
     from physagent_jax.forces.schema import ForceField
     from physagent_jax.perception.schema import MotionReport
     from physagent_jax.scene.config import SceneConfig
@@ -83,5 +84,6 @@ def _models() -> dict[str, type[BaseModel]]:
     models = {
         "manifest": Manifest, "semantic": SemanticReply, "scene": SceneConfig, "force_field": ForceField,
         "motion_report": MotionReport, "judgement": Judgement, "rewrite": Rewrite, "simulation": SimulationRecord,
+        "semantic_trace": Trace, "planner_trace": Trace, "executor_trace": Trace,
     }  # fmt: skip
     return {f"{name}.json": model for name, model in models.items()}
