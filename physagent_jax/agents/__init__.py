@@ -1,5 +1,6 @@
 """The agents of the loop: semantic (sentence -> force field), planner (judges) and executor (rewrites).
 
-`schema` and `protocols` are the contracts; `rules` implements them offline. `hard_rules` repairs any force field,
+`protocols` are the contracts: each agent is called with a `context` and returns a `schema` value with a `trace` of how
+it came about. `registry` makes them by name; `rules` implements them offline. `hard_rules` repairs any force field,
 whoever wrote it. No arrays, no jax.
 """

@@ -91,9 +91,9 @@ class ConsoleObserver(Observer):
         self.close()
         good = judgement.verdict is Verdict.SUCCESS
         colour = "green" if good else "yellow"
+        score = "" if judgement.score is None else f" (score {judgement.score:.2f})"
         stderr.print(
-            f"[{colour}]{'✓' if good else '✗'}[/] {which}: [{colour}]{judgement.verdict.value}[/] "
-            + ("" if judgement.score is None else f"(score {judgement.score:.2f})")
+            f"[{colour}]{'✓' if good else '✗'}[/] {which}: [{colour}]{judgement.verdict.value}[/]{score}"
         )
         if judgement.suggestion:
             stderr.print(f"  {_plain(judgement.suggestion)}")

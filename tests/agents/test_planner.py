@@ -5,10 +5,11 @@ import math
 import pytest
 
 from physagent_jax.agents.rules.bands import expectation_windows
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind, Verdict
+from physagent_jax.agents.rules.planner import RulePlanner
+from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SemanticReply, Verdict
 from physagent_jax.core.turning import find_turning_points
 from physagent_jax.forces.schema import ForceField
-from tests.agents.scenes import brief, judge, read, report, seen_in, window
+from tests.agents.scenes import asked, brief, judge, read, report, seen_in, window
 
 
 def judged(prompt: str, scene=None, field: ForceField | None = None, seen=None, **motion):
@@ -200,3 +201,19 @@ def test_expectation_windows_are_whole_inside_and_unique():
     ]
     assert expectation_windows(expectations, 49) == [(0, 10), (47, 48), (0, 48)]
     assert expectation_windows(expectations[:1], 1) == [(0, 0)]
+
+
+def test_the_planner_asks_for_a_window_per_expectation():
+    """They come from the planner, which knows what it compares; without expectations it needs none."""
+    prompt = "push it left, then up"
+    reply = read(prompt)
+    context = asked(prompt, brief(), reply)
+    assert RulePlanner().windows(context) == expectation_windows(reply.expectations, 49)
+    assert RulePlanner().windows(asked(prompt, brief(), SemanticReply(force_field=reply.force_field))) == []
+
+
+def test_without_expectations_nothing_can_be_judged_by_rules():
+    """A reading without expectations is whole; the rules say that they have nothing to compare."""
+    reply = SemanticReply(force_field=ForceField())
+    judgement = judge("", reply, report([window(0, 48)]), brief()).judgement
+    assert judgement.verdict is Verdict.FAIL and "Nothing is expected" in judgement.suggestion
