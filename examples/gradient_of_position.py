@@ -22,7 +22,7 @@ def main(steps=3):
     scene = pa.build_scene(loaded, force_field=PUSH, frame_count=FRAMES)
     parameters = pa.ForceFieldParameters.of(scene.config.force_field, FRAMES)
     start = pa.trajectory(scene).x[0].mean(0)
-    target = start + jnp.array([0.02, 0.0, 0.02])  # [m]
+    target = start + jnp.array([0.5, 0.0, 0.5])  # [m]
 
     @jax.jit
     @jax.value_and_grad

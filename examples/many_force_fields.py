@@ -25,7 +25,7 @@ def main():
     angles = np.arange(0, 360, 45)
     directions = np.stack([np.cos(np.radians(angles)), np.sin(np.radians(angles)), 0 * angles], axis=-1)
     start = pa.trajectory(scene).x[0].mean(0)
-    target = start + 0.02 * jnp.array([1.0, -1.0, 0.0])
+    target = start + jnp.array([0.7, -0.7, 0.0])  # [m]
 
     def end(vector):
         pushed = pa.ForceFieldParameters(actions=(dataclasses.replace(action, vector=vector),))
