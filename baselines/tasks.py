@@ -37,7 +37,7 @@ from physagent_jax.scene.config import (
 from physagent_jax.scene.fuse import SceneTemplate, fuse
 from physagent_jax.scene.presets import Preset
 from physagent_jax.scene.procedural import make_jelly
-from physagent_jax.simulation.trajectory import static_substeps, trajectory
+from physagent_jax.simulation.trajectory import trajectory, with_static_step
 
 
 @dataclasses.dataclass(frozen=True)
@@ -149,8 +149,7 @@ class Task:
     Attributes:
         spec: Its definition.
         ingredients, body: For fusing the solution into a scene like any other.
-        scene: The scene with the action that a method begins with.
-        substeps: Per frame.
+        scene: The scene with the action that a method begins with; its step is fixed.
         target: Centroid path per frame, frame 0 left out [m], shape (frames - 1, 3).
     """
 
@@ -158,12 +157,16 @@ class Task:
     ingredients: SceneTemplate
     body: Body
     scene: CompiledScene
-    substeps: int
     target: jax.Array
+
+    @property
+    def substeps(self) -> int:
+        """Per frame."""
+        return self.scene.substeps
 
     def centroid_path(self, parameters: Parameters) -> jax.Array:
         """Centroid path under ``parameters`` [m], shape (frames - 1, 3); differentiable."""
-        return _path(self.scene, self.substeps, parameters)
+        return _path(self.scene, parameters)
 
     def loss(self, parameters: Parameters) -> jax.Array:
         """Mean squared distance to the target path, in squared body lengths."""
@@ -209,10 +212,9 @@ def make_task(spec: TaskSpec, folder: Path, *, frame_count: int = 26, particles:
         camera=CameraConfig(),
     )
     body = make_body(ingredients.source, preset.filling, preset.domain, folder)
-    scene = compile_scene(fuse(ingredients, body, spec.start), body, folder)
-    substeps = static_substeps(scene)
+    scene = with_static_step(compile_scene(fuse(ingredients, body, spec.start), body, folder))
     hidden = Parameters.of(spec.hidden_vector, spec.hidden_magnitude)
-    return Task(spec, ingredients, body, scene, substeps, _path(scene, substeps, hidden))
+    return Task(spec, ingredients, body, scene, _path(scene, hidden))
 
 
 def _preset(frame_count: int, particles: int) -> Preset:
@@ -226,6 +228,6 @@ def _preset(frame_count: int, particles: int) -> Preset:
     )
 
 
-def _path(scene: CompiledScene, substeps: int, parameters: Parameters) -> jax.Array:
+def _path(scene: CompiledScene, parameters: Parameters) -> jax.Array:
     values = parameters.of_force_field(scene.config.force_field, scene.config.timing.frame_count)
-    return trajectory(scene, values, substeps=substeps).centroid(scene.model.mass)[1:]
+    return trajectory(scene, values, substeps=scene.substeps).centroid(scene.model.mass)[1:]

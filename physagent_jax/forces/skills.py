@@ -103,7 +103,7 @@ def compile_force_field(
         frame_count: Frames of the clip; the last has index frame_count - 1.
         parameters: Numbers in place of the field's own, traced or not. Traced ones are not checked: a window must begin
             inside the clip and end after it begins. Every number of every skill and constraint has a derivative, with
-            one exception: velocity constraints begin and end between two substeps, so that a window's is zero.
+            one exception: `enforce_particle_translation` begins and ends between two substeps; its window's is zero.
 
     Raises:
         UserError: A region selects nothing, a window lies outside the clip, an object id is unknown, or the parameters
@@ -257,7 +257,8 @@ class _Bound:
 
     def held(self, k: float) -> PrescribedMotion:
         """The particles move with k M v during the window."""
-        particles = on_device(np.flatnonzero(self._mask), np.int32)
+        with jax.ensure_compile_time_eval():  # places are known, also where numbers are traced
+            particles = on_device(np.flatnonzero(self._mask), np.int32)
         zero = self.leaf(np.zeros(3))
         return PrescribedMotion(particles, self.vector(k), zero, zero, *self.window)
 

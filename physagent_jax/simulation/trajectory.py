@@ -59,21 +59,27 @@ def trajectory(
     Raises:
         UserError: ``substeps`` is below 1, or the parameters do not fit the scene's force field.
     """
-    if substeps is None:
-        substeps = static_substeps(scene)
-    if substeps < 1:
-        raise UserError("`substeps` must be at least 1", got=substeps)
+    scene = with_static_step(scene, substeps)
     if parameters is not None:
         scene = scene.with_parameters(parameters)
-    timing, domain, start = scene.config.timing, scene.config.domain, scene.state
-    model = scene.model.replace(
-        grid=Grid.whole(domain.size, domain.cells),
-        dt=jnp.asarray(timing.frame_dt / substeps, start.x.dtype),
-    )
-    _, states = rollout(model, start, frame_count=timing.frame_count - 1, substeps=substeps)
+    start, frame_count = scene.state, scene.config.timing.frame_count
+    _, states = rollout(scene.model, start, frame_count=frame_count - 1, substeps=scene.substeps)
     return Trajectory(
         *(_with_first(getattr(start, name), getattr(states, name)) for name in ("x", "F", "time"))
     )
+
+
+def with_static_step(scene: CompiledScene, substeps: int | None = None) -> CompiledScene:
+    """The scene with the grid and step that `trajectory` takes, for `mpm.rollout`; arguments and errors as there."""
+    substeps = static_substeps(scene) if substeps is None else substeps
+    if substeps < 1:
+        raise UserError("`substeps` must be at least 1", got=substeps)
+    timing, domain = scene.config.timing, scene.config.domain
+    model = scene.model.replace(
+        grid=Grid.whole(domain.size, domain.cells),
+        dt=jnp.asarray(timing.frame_dt / substeps, scene.state.x.dtype),
+    )
+    return dataclasses.replace(scene, model=model, substeps=substeps)
 
 
 def static_substeps(scene: CompiledScene) -> int:
