@@ -45,9 +45,9 @@ def _execute(arguments: list[str], simulates: bool) -> int:
 
         environment.prepare()
     if simulates:
-        from physagent_jax.kernels import ahead
+        from physagent_jax.simulation.ahead import compile_ahead
 
-        ahead.begin()  # while the rest is imported
+        compile_ahead()  # while the rest is imported
     import tyro
 
     from physagent_jax.cli.commands import COMMANDS, DESCRIPTION

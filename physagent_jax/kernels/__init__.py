@@ -1,9 +1,9 @@
 """Hand-written CPU kernels: what chooses them, and the plumbing that they share.
 
-The kernels themselves lie where their work is, in `mpm.kernels` (transfers, singular values) and `render.kernels`
-(blending). `Model.kernels` chooses for the simulator: "auto" takes them where the arrays lie on a CPU, or JAX puts
-them there, and Numba is installed, "reference" the pure JAX path, "cpu" insists; pictures of a scene are made as its
-model is. Both give the same numbers to round-off; forward-mode derivatives exist for the reference only.
+The kernels themselves lie where their work is: a package that has some has a folder ``kernels``, and nothing here
+knows which do. "auto" takes them where the arrays lie on a CPU, or JAX puts them there, and Numba is installed,
+"reference" the pure JAX path, "cpu" insists. Both give the same numbers to round-off; forward-mode derivatives exist
+for the reference only.
 
 Here: SIMD values (`lanes`), XLA's calling convention (`ffi`), threads and the store of compiled code.
 """
@@ -30,7 +30,7 @@ _chosen: ContextVar[Kernels] = ContextVar("kernels", default="auto")
 
 @contextmanager
 def using(choice: Kernels) -> Iterator[None]:
-    """Lets ``choice`` hold for what is traced within, where no `Model` is at hand (`linalg.svd`)."""
+    """Lets ``choice`` hold for what is traced within, where nobody passes it on."""
     token = _chosen.set(choice)
     try:
         yield

@@ -12,32 +12,26 @@ import select
 import signal
 import subprocess
 import sys
-from collections.abc import Iterable
 from threading import Lock
 
 from physagent_jax.kernels import load, use_cpu
 from physagent_jax.kernels.threads import cores
 
-_TRANSFERS, _BLENDING = "physagent_jax.mpm.kernels.handlers", "physagent_jax.render.kernels.handlers"
-PLAYING = {
-    "physagent_p2g_float32": (_TRANSFERS, "p2g", "float32"),
-    "physagent_g2p_float32": (_TRANSFERS, "g2p", "float32"),
-    "physagent_blend": (_BLENDING, "blend"),
-}
-"""What simulating and rendering any scene needs: target -> (module, arguments of its `handler`); the longest first."""
+Targets = dict[str, tuple[str, ...]]
+"""What to compile: target -> (module, arguments of its `handler`); the longest first."""
 
 _LOOK = 0.1  # seconds between two looks at whether a kernel is done
 _running: dict[str, subprocess.Popen[str]] = {}
 _reading = Lock()
 
 
-def begin() -> None:
-    """Starts compiling what `PLAYING` names and the disk does not have; does nothing where kernels are not used."""
+def begin(targets: Targets) -> None:
+    """Starts compiling those of ``targets`` that the disk does not have; does nothing where kernels are not used."""
     if not use_cpu():
         return
     from physagent_jax.kernels import store  # needs Numba, without which there is nothing to do
 
-    missing = [name for name in PLAYING if name not in _running and not store.has(name)]
+    missing = {name: made for name, made in targets.items() if name not in _running and not store.has(name)}
     if missing:
         script = f"from physagent_jax.kernels import ahead; ahead.compile_all({missing!r}, parent=0)"
         process = subprocess.Popen(
@@ -51,26 +45,26 @@ def begin() -> None:
         _running.update(dict.fromkeys(missing, process))
 
 
-def compile_all(names: Iterable[str], parent: int | None = None) -> None:
+def compile_all(targets: Targets, parent: int | None = None) -> None:
     """Compiles kernels into the store and prints the names of those done, in a process that was started for it.
 
     Args:
-        names: Of `PLAYING`.
+        targets: As `begin` has them.
         parent: A pipe that closes when whoever waits for the kernels is no more: then all processes of this one's
             session end. None = nobody's end matters.
     """
     at_work = 0
-    for name in names:
-        load(PLAYING[name][0])
+    for name, (module, *arguments) in targets.items():
+        load(module)
         if not hasattr(os, "fork"):
-            _compile(name)
+            _compile(name, module, *arguments)
             continue
         if at_work == cores():
             _wait_for_one(parent)
             at_work -= 1
         at_work += 1
         if os.fork() == 0:
-            _compile(name)
+            _compile(name, module, *arguments)
             os._exit(0)
     for _ in range(at_work):
         _wait_for_one(parent)
@@ -85,8 +79,7 @@ def _wait_for_one(parent: int | None) -> None:
         os.wait()
 
 
-def _compile(name: str) -> None:
-    module, *arguments = PLAYING[name]
+def _compile(name: str, module: str, *arguments: str) -> None:
     load(module).handler(*arguments)
     print(name, flush=True)
 

@@ -63,7 +63,7 @@ def check(kernel: str, operands: dict[str, Any], shapes: dict[str, tuple[int, ..
             raise UserError(
                 f"the kernel {kernel} takes `{name}` as {expected} of {shape}",
                 got=got,
-                do="Give model and state in one precision, as `mpm.conform` makes them",
+                do="Give all arrays in one precision",
             )
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from physagent_jax import kernels
+from physagent_jax.render import kernels
 from physagent_jax.render.layout import Layout
 from physagent_jax.render.project import ALPHA_MIN, Projected
 from physagent_jax.render.tiles import TileLists
@@ -62,7 +62,7 @@ def blend(
 
 def _kernels_for(layout: Layout, dtype) -> Any:
     """The module of the CPU kernels; None if they are not made for this."""
-    module = kernels.load("physagent_jax.render.kernels.cpu")
+    module = kernels.compiled()
     return module if module.fits(layout, dtype) else None
 
 

@@ -23,7 +23,6 @@ from physagent_jax.agents.trace import Reply, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.kernels import ahead
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.protocols import PerceptionBackends
@@ -44,6 +43,7 @@ from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import SceneConfig
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
 from physagent_jax.scene.fuse import SceneTemplate, fuse
+from physagent_jax.simulation.ahead import compile_ahead
 from physagent_jax.simulation.recording import RestartCache
 from physagent_jax.simulation.simulate import simulate_scene
 from physagent_jax.simulation.stopwatch import Stopwatch
@@ -117,7 +117,7 @@ def run_loop(
     with RunStore.open(out, manifest, overwrite=overwrite, needed=run.files) as store:
         if store.manifest.complete:
             return store
-        ahead.begin()  # while the sentence is read and the object loaded
+        compile_ahead()  # while the sentence is read and the object loaded
         loop = _Loop(run, agents, backends, observer or Observer(), store)
         reading = loop.read_sentence()
         reply = reading.value

@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Callable
 from pathlib import Path
 
-from physagent_jax.kernels import ahead
 from physagent_jax.output.splats import splat_names, write_splat_frames
 from physagent_jax.run.artifacts import write_recording
 from physagent_jax.run.manifest import Stages
@@ -17,6 +16,7 @@ from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import SceneConfig
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
 from physagent_jax.scene.load import file_sha256
+from physagent_jax.simulation.ahead import compile_ahead
 from physagent_jax.simulation.record import SimulationRecord
 from physagent_jax.simulation.simulate import Progress, simulate_scene
 from physagent_jax.simulation.stopwatch import Stopwatch
@@ -52,7 +52,7 @@ def replay_scene(
         record = store.read("simulation.json", SimulationRecord)
         if store.manifest.complete and record is not None:
             return record, store.manifest.stages
-        ahead.begin()
+        compile_ahead()
         watch = Stopwatch()
         with watch("prepare"), warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", UserWarning)

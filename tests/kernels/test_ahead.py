@@ -13,8 +13,11 @@ pytest.importorskip("numba")
 
 from physagent_jax.cli import main  # noqa: E402  (after the check for Numba)
 from physagent_jax.kernels import ahead, store  # noqa: E402
+from physagent_jax.mpm.kernels import AHEAD as TRANSFERS  # noqa: E402
+from physagent_jax.render.kernels import AHEAD as BLENDING  # noqa: E402
 
 P2G, G2P, BLEND = "physagent_p2g_float32", "physagent_g2p_float32", "physagent_blend"
+TARGETS = TRANSFERS | BLENDING
 
 
 @pytest.fixture
@@ -45,15 +48,15 @@ def test_one_process_compiles_what_is_missing(begun, tmp_path):
     """What is there is left alone, and what is being compiled is not begun twice."""
     (tmp_path / G2P).mkdir()
     store._seal(tmp_path / G2P)
-    ahead.begin()
-    ahead.begin()
+    ahead.begin(TARGETS)
+    ahead.begin(TARGETS)
     (script,) = begun
     assert P2G in script and BLEND in script and G2P not in script
 
 
 def test_waiting_ends_with_the_kernel_or_the_process(begun):
     """What is said of another kernel meanwhile is noted; what the process never made is nobody's any more."""
-    ahead.begin()
+    ahead.begin(TARGETS)
     ahead.wait_for(BLEND)
     assert set(ahead._running) == {P2G, G2P}
     ahead.wait_for(BLEND)
@@ -82,8 +85,8 @@ def in_a_process(script, folder):
 
 def test_every_target_ahead_is_one_that_a_handler_makes(tmp_path):
     """A process compiles the smallest of them and says so; what cannot be made it leaves out, and goes on."""
-    nonsense = f'ahead.PLAYING["nonsense"] = (ahead.PLAYING["{BLEND}"][0], "nonsense")'
-    script = f'{nonsense}; ahead.compile_all(["nonsense", "{BLEND}"])'
+    targets = {"nonsense": (BLENDING[BLEND][0], "nonsense"), **BLENDING}
+    script = f"ahead.compile_all({targets!r})"
     assert in_a_process(script, tmp_path) == [BLEND]
     assert in_a_process(f'print(store.has("{BLEND}"), store.has("nonsense"))', tmp_path) == ["True", "False"]
 
@@ -93,8 +96,10 @@ def test_every_target_ahead_is_one_that_a_handler_makes(tmp_path):
 def test_helpers_end_with_the_process_that_began_them(tmp_path, ending):
     """However it ends. They compile for ever here, and are a session of their own, which Ctrl-C does not reach."""
     slow = "import os, time; from physagent_jax.kernels import ahead\n"
-    slow += "ahead._compile = lambda name: (print(os.getpid(), flush=True), time.sleep(1000))\n"
-    slow += f"print(os.getpid(), flush=True); ahead.compile_all(['{P2G}', '{BLEND}'], parent=0)"
+    slow += "ahead._compile = lambda *target: (print(os.getpid(), flush=True), time.sleep(1000))\n"
+    slow += (
+        f"print(os.getpid(), flush=True); ahead.compile_all({dict(list(TARGETS.items())[::2])!r}, parent=0)"
+    )
     script = f"""
 import os, signal, subprocess, sys
 from physagent_jax.kernels import ahead
@@ -102,7 +107,7 @@ helper = ahead.subprocess.Popen
 def popen(command, **options):
     return helper([*command[:-1], {slow!r}], **options)
 ahead.subprocess.Popen = popen
-ahead.begin()
+ahead.begin({TARGETS!r})
 process = next(iter(ahead._running.values()))
 print(*(process.stdout.readline().strip() for _ in range(2)), flush=True)
 assert os.getsid(process.pid) == process.pid != os.getsid(0)
@@ -132,6 +137,6 @@ def test_nothing_here_needs_numba():
         "import sys; sys.modules['numba'] = None\n"
         "from physagent_jax.kernels import ahead\n"
         "import physagent_jax.run.replay, physagent_jax.run.loop\n"
-        "ahead.begin(); assert not ahead._running"
+        f"ahead.begin({TARGETS!r}); assert not ahead._running"
     )
     subprocess.run([sys.executable, "-c", script], check=True, capture_output=True)

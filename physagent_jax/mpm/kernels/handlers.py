@@ -1,4 +1,4 @@
-"""The kernels as XLA custom calls: operands in, results out.
+"""The transfer kernels as XLA custom calls: operands in, results out.
 
 A handler is compiled when it is first asked for, once per precision and machine: Numba keeps the result on disk.
 """
@@ -13,12 +13,11 @@ from numba import njit
 from physagent_jax.kernels import ffi
 from physagent_jax.kernels.numbers import BODY
 from physagent_jax.kernels.target import target
-from physagent_jax.mpm.kernels.svd import compose, decompose
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
 
 
 def handler(kernel: str, precision: str) -> str:
-    """Name under which XLA can call "p2g", "g2p", "decompose" or "compose" in "float32" or "float64"."""
+    """Name under which XLA can call "p2g" or "g2p" in "float32" or "float64"."""
     return target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
 
 
@@ -67,30 +66,6 @@ def _g2p(frame, number):
     )
 
 
-@njit(**BODY)
-def _decompose(frame, number):
-    control = ffi.operand(frame, 1, np.int32, 1)
-    decompose(
-        ffi.operand(frame, 0, number, 1),
-        control[0],
-        ffi.result(frame, 0, number, 2),
-        ffi.result(frame, 1, number, 3),
-        control[1],
-    )
-
-
-@njit(**BODY)
-def _compose(frame, number):
-    compose(
-        ffi.operand(frame, 0, number, 3),
-        ffi.operand(frame, 2, number, 2),
-        ffi.operand(frame, 3, number, 2),
-        ffi.result(frame, 0, number, 1),
-        ffi.result(frame, 1, number, 1),
-        ffi.operand(frame, 4, np.int32, 1)[1],
-    )
-
-
 # Written out one by one: Numba does not find again on disk what is made by a function for several kernels.
 
 
@@ -118,37 +93,9 @@ def _g2p_float64(frame):
     return 0
 
 
-def _decompose_float32(frame):
-    if not ffi.answers_query(frame):
-        _decompose(frame, np.float32)
-    return 0
-
-
-def _decompose_float64(frame):
-    if not ffi.answers_query(frame):
-        _decompose(frame, np.float64)
-    return 0
-
-
-def _compose_float32(frame):
-    if not ffi.answers_query(frame):
-        _compose(frame, np.float32)
-    return 0
-
-
-def _compose_float64(frame):
-    if not ffi.answers_query(frame):
-        _compose(frame, np.float64)
-    return 0
-
-
 _HANDLERS = {
     ("p2g", "float32"): _p2g_float32,
     ("p2g", "float64"): _p2g_float64,
     ("g2p", "float32"): _g2p_float32,
     ("g2p", "float64"): _g2p_float64,
-    ("decompose", "float32"): _decompose_float32,
-    ("decompose", "float64"): _decompose_float64,
-    ("compose", "float32"): _compose_float32,
-    ("compose", "float64"): _compose_float64,
 }

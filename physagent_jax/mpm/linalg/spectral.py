@@ -23,9 +23,10 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.mpm import kernels
+from physagent_jax.kernels import use_cpu
+from physagent_jax.mpm.linalg import kernels
 from physagent_jax.mpm.linalg.algebra import matmul, transpose
-from physagent_jax.mpm.linalg.svd import svd
+from physagent_jax.mpm.linalg.svd import SWEEPS, svd
 
 
 class Principal(NamedTuple):
@@ -62,7 +63,7 @@ def spectral(function: Callable[[jax.Array, Any], Principal], F: jax.Array, para
     Returns:
         `Principal` with (n, 3, 3) matrices for ``two_point``, ``change`` and ``spatial``.
     """
-    if F.size and kernels.use_cpu():
+    if F.size and use_cpu():
         return _by_kernels(function, F, parameters)
     U, s, V = svd(F)
     return _in_frames(_rows(function)(s, parameters), F, U, V)
@@ -147,7 +148,7 @@ def _in_frames(values: Principal, F: jax.Array, U: jax.Array, V: jax.Array) -> P
 def _by_kernels(function, F: jax.Array, parameters: Any) -> Principal:
     """`spectral` where there are kernels, to which the frames are not matrices."""
     count, kernel = F.shape[0], kernels.compiled()
-    s, basis = kernel.decompose(F)
+    s, basis = kernel.decompose(F, SWEEPS[F.dtype.itemsize])
     two_point, change, spatial, scalar = function(s[:, :count], parameters)
     start, added = (F, change) if two_point is None else (jnp.zeros_like(F), two_point)
     changed, stress = kernel.compose(basis, start, added, spatial)

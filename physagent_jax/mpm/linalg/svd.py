@@ -5,7 +5,8 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.mpm import kernels
+from physagent_jax.kernels import use_cpu
+from physagent_jax.mpm.linalg import kernels
 
 SWEEPS = {4: 4, 8: 5}  # by bytes per number; more change no error, also at condition numbers beyond 1e6
 
@@ -27,8 +28,8 @@ def svd(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     Returns:
         U, shape (..., 3, 3); s, shape (..., 3); V, shape (..., 3, 3). Not finite where F is not.
     """
-    if F.size and kernels.use_cpu():
-        return kernels.compiled().svd(F)
+    if F.size and use_cpu():
+        return kernels.compiled().svd(F, SWEEPS[F.dtype.itemsize])
     return _jacobi(F)
 
 

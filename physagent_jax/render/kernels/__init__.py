@@ -1,1 +1,11 @@
 """Blending by hand-written kernels, where there are some (see `physagent_jax.kernels`)."""
+
+from physagent_jax.kernels import load
+
+AHEAD = {"physagent_blend": (f"{__name__}.handlers", "blend")}
+"""For `kernels.ahead`: what every picture needs."""
+
+
+def compiled():
+    """The module of the CPU kernels, which needs Numba."""
+    return load(f"{__name__}.cpu")

@@ -1,4 +1,4 @@
-"""The SVD of `mpm.linalg.svd` on the CPU: the same Jacobi sweeps, two batches of particles at a time.
+"""The SVD of `linalg.svd` on the CPU: the same Jacobi sweeps, two batches of particles at a time.
 
 `decompose` leaves the frames as it has them, in batches, and `compose` takes them so: turning them into matrices and
 back costs more than the SVD itself.

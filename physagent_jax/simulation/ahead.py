@@ -1,0 +1,12 @@
+"""The kernels that every simulation needs, compiled while there is other work to do."""
+
+from __future__ import annotations
+
+from physagent_jax.kernels import ahead
+from physagent_jax.mpm import kernels as transfers
+from physagent_jax.render import kernels as blending
+
+
+def compile_ahead() -> None:
+    """Begins to compile what simulating and rendering any scene needs, unless the disk has it (`kernels.ahead`)."""
+    ahead.begin(transfers.AHEAD | blending.AHEAD)
