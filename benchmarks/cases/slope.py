@@ -13,6 +13,7 @@ from benchmarks.cases.bodies import body, half_space
 from benchmarks.cases.plane import sheet, sheet_grid, side_walls
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import Contact, DruckerPrager, lame_parameters
+from physagent_jax.mpm.protocols import Boundary
 
 _RHO, _G, _HEIGHT, _NU = 1600.0, 9.81, 0.1, 0.3
 _STIFFNESS = 1e3  # E over rho g H
@@ -27,7 +28,7 @@ _STILL, _FLOWING = 10.0, 1.5  # durations in sqrt(H / g)
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class Endless:
+class Endless(Boundary):
     """Makes the motion uniform along x: all nodes move like those of one column.
 
     What is uniform at first then stays so, like a layer without ends, as long as matter covers that column's

@@ -13,10 +13,9 @@ from benchmarks.skipping.base import Answer, Pair, Sizes, Skip, State, Way
 from benchmarks.skipping.scene import SIZE, both, cube, moved, reading, rolled, settled
 from physagent_jax.mpm import DomainBox, Fluid, Grid, Model, cell_order, simulate
 from physagent_jax.mpm import State as Particles
-from physagent_jax.mpm.rollout import Health, advance
+from physagent_jax.mpm.rollout import advance
 from physagent_jax.mpm.sorting import placed, renewed, restored
-from physagent_jax.mpm.step import initial_stress, substep
-from physagent_jax.mpm.transfer import Watch
+from physagent_jax.mpm.step import kirchhoff_stress, substep
 
 THROW = (1.5, 0.7, 0.0)  # [m/s]
 THROWN_FRAMES = 25  # of 0.04 s, after which the water has come back from the wall
@@ -84,7 +83,7 @@ def unwatched(model: Model, state: Particles, substeps: jax.Array) -> Particles:
     def body(_, carry):
         return substep(model, *carry)[:2]
 
-    return jax.lax.fori_loop(0, substeps, body, (state, initial_stress(model, state)))[0]
+    return jax.lax.fori_loop(0, substeps, body, (state, kirchhoff_stress(model, state)))[0]
 
 
 @jax.jit
@@ -94,17 +93,11 @@ def unstopped(model: Model, state: Particles, substeps: jax.Array) -> jax.Array:
     def body(_, carry):
         state, tau, good, count = carry
         state, tau, trace = substep(model, state, tau)
-        good = good & _health(trace.watch).good(model)
+        good = good & trace.health.good(model)
         return state, tau, good, count + good
 
-    start = state, initial_stress(model, state), jnp.array(True), jnp.zeros_like(substeps)
+    start = state, kirchhoff_stress(model, state), jnp.array(True), jnp.zeros_like(substeps)
     return jax.lax.fori_loop(0, substeps, body, start)[-1]
-
-
-def _health(watch: Watch) -> Health:
-    """Of one substep."""
-    extremes = watch.max_speed, watch.min_J, watch.max_J, watch.min_increment
-    return Health(*extremes, watch.outside, watch.finite)
 
 
 def _watching(sizes: Sizes) -> Pair:

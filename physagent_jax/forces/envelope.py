@@ -15,6 +15,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.mpm.fields import END, START
 from physagent_jax.mpm.protocols import window_fraction
 
 FOREVER = 1e9  # [s]; the end of a window that never closes
@@ -47,8 +48,8 @@ class Envelope:
     """
 
     kind: EnvelopeKind = dataclasses.field(metadata=dict(static=True))
-    start: Scalar
-    end: Scalar
+    start: Scalar = dataclasses.field(metadata=START)
+    end: Scalar = dataclasses.field(metadata=END)
     rise: Scalar = 0.0
     fall: Scalar = 0.0
     frequency: Scalar = 0.0

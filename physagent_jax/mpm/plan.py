@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from physagent_jax.mpm.fields import windows
 from physagent_jax.mpm.state import Model
 
 _SLACK = 1e-3  # of the stretch: the clock is a sum of substeps, and may be off by round-off
@@ -19,8 +20,7 @@ _SLACK = 1e-3  # of the stretch: the clock is a sum of substeps, and may be off 
 def acting(model: Model, begin: float, end: float) -> Model:
     """``model`` with only those forces, boundaries and constraints that may act between ``begin`` and ``end`` [s].
 
-    What has neither ``start`` and ``end`` nor an ``envelope`` with them always acts. The results are those of the
-    whole model.
+    What has no window (`fields.START`) always acts. The results are those of the whole model.
     """
     slack = _SLACK * (end - begin)
 
@@ -33,9 +33,8 @@ def acting(model: Model, begin: float, end: float) -> Model:
 
 
 def _meets(part: Any, begin: float, end: float) -> bool:
-    """Whether a part's window, or any of its windows, meets [begin, end]."""
-    window = getattr(part, "envelope", part)
-    if not hasattr(window, "start") or not hasattr(window, "end"):
-        return True
-    start, stop = np.asarray(window.start), np.asarray(window.end)
-    return bool(((start <= end) & (stop >= begin)).any())
+    """Whether a part has no window, or one of them meets [begin, end]."""
+    own = list(windows(part))
+    return not own or any(
+        np.any((np.asarray(start) <= end) & (np.asarray(stop) >= begin)) for start, stop in own
+    )

@@ -1,4 +1,8 @@
-"""What plugs into `Model`: body forces and boundaries. Implementations are registered dataclasses (pytrees)."""
+"""What plugs into `Model`: body forces, boundaries and constraints; registered dataclasses (pytrees).
+
+What there is one of per particle, and when a part acts, its fields say in their metadata (`mpm.fields`): `mpm.simulate`
+leaves out of a frame what does not act in it (`mpm.plan`), and sorts particles; `mpm.sharding` splits them.
+"""
 
 from __future__ import annotations
 
@@ -7,16 +11,14 @@ from typing import Protocol
 import jax
 import jax.numpy as jnp
 
+from physagent_jax.mpm.state import Grid, Model, State
+from physagent_jax.mpm.transfer import Stencil
+
 
 class BodyForce(Protocol):
     """An external acceleration field; forces per unit mass, so particle count does not change the motion.
 
-    For runs on several devices (`mpm.sharding`): what there is one of per particle is called ``weight``, and sums over
-    particles go through `mpm.reductions.summed`.
-
-    ``start`` and ``end`` [s], of the force or of its ``envelope``, are taken for its window: `mpm.simulate` leaves it
-    out of frames that do not meet it (`mpm.plan`), and likewise boundaries and constraints. What acts at other times
-    must not use these names.
+    For runs on several devices (`mpm.sharding`) sums over particles go through `mpm.reductions.summed`.
     """
 
     def acceleration(
@@ -35,10 +37,54 @@ class BodyForce(Protocol):
 
 
 class Boundary(Protocol):
-    """A condition on grid velocities."""
+    """A condition on the grid."""
 
-    def apply(self, velocity: jax.Array, grid, time: jax.Array) -> jax.Array:
+    def fold(self, nodes: jax.Array, grid: Grid) -> jax.Array:
+        """Momentum and mass with what the boundary adds, such as an image, shape (nx, ny, nz, 4); here nothing."""
+        del grid
+        return nodes
+
+    def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Velocities after the boundary [m/s], shape (nx, ny, nz, 3)."""
+        ...
+
+
+class Constraint(Protocol):
+    """What is done to chosen particles within a substep. Later constraints win over earlier ones."""
+
+    def before_p2g(self, model: Model, state: State) -> State:
+        """Gives the constrained particles the v and C that P2G is to see."""
+        ...
+
+    def on_grid(
+        self,
+        model: Model,
+        free: jax.Array,
+        velocity: jax.Array,
+        node_mass: jax.Array,
+        s: Stencil,
+        time: jax.Array,
+    ) -> jax.Array:
+        """Grid velocities after the constraint [m/s], shape (nx, ny, nz, 3).
+
+        Args:
+            model: Its ``boundaries`` have acted.
+            free: Node velocities before the boundaries [m/s], shape (nx, ny, nz, 3).
+            velocity: The same after them, and after earlier constraints.
+            node_mass: [kg], shape (nx, ny, nz).
+            s: Stencils of all particles.
+            time: At the start of the substep [s].
+        """
+        ...
+
+    def after_g2p(self, model: Model, before: State, after: State) -> State:
+        """Puts the constrained particles where they belong.
+
+        Args:
+            model: Its ``dt`` lies between the two states.
+            before: At the start of the substep.
+            after: As G2P and the return mapping left it.
+        """
         ...
 
 

@@ -19,18 +19,17 @@ import numpy as np
 
 from physagent_jax.core.arrays import on_device
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.kernels import programs
 from physagent_jax.mpm import kernels, reductions
 from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.conform import conform
+from physagent_jax.mpm.health import Health, count_outside
 from physagent_jax.mpm.ledger import Exchange, balanced, exchange
 from physagent_jax.mpm.plan import acting
 from physagent_jax.mpm.sorting import placed, renewed, restored
 from physagent_jax.mpm.state import Grid, Model, State
-from physagent_jax.mpm.step import body_acceleration, initial_stress, per_material, substep
+from physagent_jax.mpm.step import body_acceleration, kirchhoff_stress, per_material, substep
 from physagent_jax.mpm.timestep import SAFETY, check_explicit_dt, kinematic_dt, stable_dt, substeps_for
-from physagent_jax.mpm.transfer import Watch, outside
 from physagent_jax.mpm.window import fit_window
 
 MAX_RETRIES = 6  # halvings of the step before a frame is given up
@@ -40,33 +39,6 @@ MAX_CRUSHES = (
 MAX_SUBSTEPS = 100_000  # in one frame, retries included; more would look like a hang
 _LEFT = "particles left the grid window"
 _CRUSHED = "matter is crushed to nothing"
-
-
-@register_dataclass
-@dataclasses.dataclass(frozen=True)
-class Health:
-    """What went on during a frame's substeps, kept on the device.
-
-    Attributes:
-        max_speed: Largest particle speed in any substep [m/s].
-        min_J, max_J: Extremes of det F in any substep, before the return mapping.
-        min_increment: Least det(I + dt grad v), by which a substep scales volumes.
-        outside: Particle-steps with a stencil beyond the grid window, int32.
-        finite: Whether the last state is finite. What is not does not count for the extremes.
-    """
-
-    max_speed: jax.Array
-    min_J: jax.Array
-    max_J: jax.Array
-    min_increment: jax.Array
-    outside: jax.Array
-    finite: jax.Array
-
-    def good(self, model: Model) -> jax.Array:
-        """Whether the substeps so far can be trusted."""
-        upright = (self.min_J > 0) & (self.min_increment > 0)
-        slow = self.max_speed * model.dt < model.grid.dx
-        return self.finite & upright & slow & (self.outside == 0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -123,28 +95,15 @@ def advance(
         after, tau, trace = substep(model, state, tau)
         if total is not None:
             total = total + exchange(model, state, trace, after)
-        return done + 1, after, tau, _observed(health, trace.watch), total
+        return done + 1, after, tau, health + trace.health, total
 
     dtype = state.x.dtype
-    one = jnp.ones((), dtype)
-    health = Health(jnp.zeros((), dtype), one, one, one, jnp.zeros((), jnp.int32), jnp.array(True))
-    tau, total = initial_stress(model, state), Exchange.none(dtype) if ledger else None
-    start = (jnp.zeros_like(substeps), state, tau, health, total)
+    tau, total = kirchhoff_stress(model, state), Exchange.none(dtype) if ledger else None
+    start = (jnp.zeros_like(substeps), state, tau, Health.unharmed(dtype), total)
     _, after, _, health, total = jax.lax.while_loop(going, body, start)
     finite = reductions.every(jnp.isfinite(after.F).all(), model.axis)  # the return mapping included
     health = dataclasses.replace(health, finite=health.finite & finite)
     return after, health, None if total is None else balanced(model, state, after, total)
-
-
-def _observed(health: Health, watch: Watch) -> Health:
-    return Health(
-        max_speed=jnp.maximum(health.max_speed, watch.max_speed),
-        min_J=jnp.minimum(health.min_J, watch.min_J),
-        max_J=jnp.maximum(health.max_J, watch.max_J),
-        min_increment=jnp.minimum(health.min_increment, watch.min_increment),
-        outside=health.outside + watch.outside,
-        finite=watch.finite,
-    )
 
 
 def simulate(
@@ -364,7 +323,7 @@ def _rollout(model: Model, state: State, frame_count: int, substeps: int) -> tup
     @jax.checkpoint
     def one(carry, _):
         state, tau, _ = substep(model, *carry)
-        left = reductions.total(outside(state.x, model.grid), model.axis)
+        left = reductions.total(count_outside(state.x, model.grid), model.axis)
         poison = jnp.where(left > 0, jnp.nan, 0.0).astype(state.x.dtype)
         return (dataclasses.replace(state, x=state.x + poison), tau), None
 
@@ -373,5 +332,5 @@ def _rollout(model: Model, state: State, frame_count: int, substeps: int) -> tup
         carry, _ = jax.lax.scan(one, carry, None, length=substeps)
         return carry, carry[0]
 
-    (end, _), states = jax.lax.scan(frame, (state, initial_stress(model, state)), None, length=frame_count)
+    (end, _), states = jax.lax.scan(frame, (state, kirchhoff_stress(model, state)), None, length=frame_count)
     return end, states

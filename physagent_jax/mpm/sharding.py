@@ -23,10 +23,8 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.conform import conform
-from physagent_jax.mpm.constraints import PrescribedMotion, RigidBody
-from physagent_jax.mpm.materials import Rigid
+from physagent_jax.mpm.fields import COUNT, HELD, PER_HELD, marked, owner
 from physagent_jax.mpm.rollout import rollout
-from physagent_jax.mpm.sorting import per_particle
 from physagent_jax.mpm.state import Model, State
 
 AXIS = "particles"
@@ -90,10 +88,9 @@ def specs(split: tuple[Model, State]) -> tuple[Any, Any]:
     """How each array of a model and a state lies on the mesh."""
 
     def spec(path, leaf):
-        return PartitionSpec(AXIS) if per_particle(path, leaf) else PartitionSpec()
+        return PartitionSpec(AXIS) if jnp.ndim(leaf) and owner(split, path) else PartitionSpec()
 
-    model, state = split
-    return jax.tree.map_with_path(spec, model), jax.tree.map_with_path(spec, state)
+    return jax.tree.map_with_path(spec, split)
 
 
 def _at(function, specs):
@@ -160,7 +157,7 @@ class Layout:
             volume=volume,
             viscosity=None if model.viscosity is None else model.viscosity[self.order],
             materials=tuple(self._material(*both) for both in zip(model.materials, self.counts)),
-            forces=jax.tree.map_with_path(self._of_force, model.forces),
+            forces=self._forces(model.forces),
             kernels="reference",
             axis=AXIS,
         )
@@ -174,8 +171,9 @@ class Layout:
     def _material(self, material: Any, count: int) -> Any:
         places = self._block(count)
         share = len(places) // self.devices
-        if isinstance(material, Rigid):
-            return Rigid(share)
+        counted = marked(material, **COUNT)
+        if counted:
+            return dataclasses.replace(material, **dict.fromkeys(counted, share))
         leaves, structure = jax.tree.flatten(material)
         each = [jnp.ndim(leaf) > 0 for leaf in leaves]
         fits = all(len(leaf) == count for leaf, own in zip(leaves, each) if own)
@@ -190,25 +188,32 @@ class Layout:
             )
         return jax.tree.unflatten(structure, split)
 
-    def _of_force(self, path: tuple, leaf: Any) -> Any:
-        name = getattr(path[-1], "name", "")
-        if name == "weight":
-            return leaf[self.order]
-        if jnp.ndim(leaf) and len(leaf) == sum(self.counts):
-            raise UserError(
-                f"a body force has a field `{name}` as long as there are particles: is it one per particle?",
-                do="Call it `weight` if so; else let the two differ in length",
-            )
-        return leaf
+    def _forces(self, forces: tuple[Any, ...]) -> tuple[Any, ...]:
+        def split(path, leaf):
+            if owner(forces, path) == "particle":
+                return leaf[self.order]
+            if jnp.ndim(leaf) and len(leaf) == sum(self.counts):
+                raise UserError(
+                    f"a body force has a field `{getattr(path[-1], 'name', '')}` as long as there are particles: is "
+                    "it one per particle?",
+                    do="Mark it with `mpm.fields.PER_PARTICLE` if so; else let the two differ in length",
+                )
+            return leaf
+
+        return jax.tree.map_with_path(split, forces)
 
     def _constraint(self, constraint: Any) -> Any:
         """``constraint`` with the held places of each device, in terms of that device's particles.
 
         Devices with fewer than others fill up with a place beyond the last: what is written there is dropped.
         """
-        if not isinstance(constraint, PrescribedMotion | RigidBody):
-            raise UserError(f"the constraint {type(constraint).__name__} cannot be split over devices")
-        particles = _known(constraint.particles)
+        indices = marked(constraint, **HELD)
+        if len(indices) != 1:
+            raise UserError(
+                f"the constraint {type(constraint).__name__} cannot be split over devices",
+                do="Mark the field with the particles that it holds with `mpm.fields.HELD`",
+            )
+        particles = _known(getattr(constraint, indices[0]))
         claim = np.full(sum(self.counts), -1)
         real = np.flatnonzero(particles < len(claim))  # the others stand for no particle
         claim[particles[real]] = real
@@ -219,10 +224,11 @@ class Layout:
         for device, places in enumerate(held):
             local[device, : len(places)], which[device, : len(places)] = places, claims[device, places]
         places, which = jnp.asarray(local.ravel()), which.ravel()
-        if isinstance(constraint, RigidBody):
-            return RigidBody(places)
-        start, end = (jnp.broadcast_to(a, particles.shape)[which] for a in (constraint.start, constraint.end))
-        return dataclasses.replace(constraint, particles=places, start=start, end=end)
+        split = {
+            name: jnp.broadcast_to(getattr(constraint, name), particles.shape)[which]
+            for name in marked(constraint, **PER_HELD)
+        }
+        return dataclasses.replace(constraint, **split | {indices[0]: places})
 
 
 def _known(particles: jax.Array) -> np.ndarray:

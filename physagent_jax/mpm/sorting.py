@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from physagent_jax.mpm import kernels
+from physagent_jax.mpm.fields import owner
 from physagent_jax.mpm.state import Model, State
 
 MIXED = 0.25  # share of neighbours in memory that are no neighbours in space, from which sorting pays
@@ -69,8 +70,12 @@ def _sampled_pairs(order: np.ndarray | None, count: int) -> np.ndarray:
 
 
 def _particular(forces: tuple[Any, ...], count: int) -> bool:
-    """Whether a force has numbers per particle."""
-    return any(jnp.ndim(leaf) and len(leaf) == count for leaf in jax.tree.leaves(forces))
+    """Whether a force has numbers per particle; or may have, of which it does not say so: as long as there are any."""
+
+    def own(path, leaf):
+        return owner(forces, path) == "particle" or (jnp.ndim(leaf) > 0 and len(leaf) == count)
+
+    return any(jax.tree.leaves(jax.tree.map_with_path(own, forces)))
 
 
 def placed(order: np.ndarray | None, model: Model, state: State) -> tuple[Model, State]:
@@ -95,23 +100,10 @@ def _taken(part: _Part, order: jax.Array, counts: tuple[int, ...]) -> _Part:
     starts = np.cumsum((0, *counts))
 
     def take(path, leaf):
-        if not per_particle(path, leaf):
-            return leaf
-        if path[0].name not in ("materials", "history"):
-            return leaf[order]
-        first, last = starts[path[1].idx : path[1].idx + 2]
-        return leaf[order[first:last] - first] if len(leaf) == last - first else leaf
+        own = owner(part, path)
+        if own == "block" and jnp.ndim(leaf):
+            first, last = starts[path[1].idx : path[1].idx + 2]
+            return leaf[order[first:last] - first] if len(leaf) == last - first else leaf
+        return leaf[order] if own == "particle" else leaf
 
     return jax.tree.map_with_path(take, part)
-
-
-def per_particle(path: tuple, leaf: Any) -> bool:
-    """Whether a leaf of a `Model` or a `State` holds one entry per particle, or per particle of a material's block."""
-    first, last = path[0].name, getattr(path[-1], "name", "")
-    if first in ("mass", "volume", "viscosity", "x", "v", "C", "F"):
-        return True
-    if first in ("materials", "history"):
-        return jnp.ndim(leaf) > 0
-    if first == "forces":
-        return last == "weight"
-    return first == "constraints" and last in ("particles", "start", "end")

@@ -14,6 +14,7 @@ from physagent_jax.core.arrays import on_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import unknown_name
 from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.mpm.fields import PER_BLOCK, PER_PARTICLE
 from physagent_jax.mpm.materials.base import History, Material
 
 _STATIC = dict(static=True)
@@ -75,7 +76,7 @@ class Model:
         materials: One `Material` per contiguous block of particles, in particle order.
         forces: Body-force terms (`mpm.protocols.BodyForce`), summed.
         boundaries: `mpm.protocols.Boundary`, applied to grid velocities in order.
-        constraints: `mpm.constraints.PrescribedMotion`, later ones win.
+        constraints: `mpm.protocols.Constraint`, later ones win.
         viscosity: Dynamic viscosity eta [Pa s], shape (n,): a Newtonian stress 2 eta dev(sym grad v) beside the
             material's own, for fluids and as internal (Kelvin-Voigt) damping of solids; None = none (skipped).
         transfer: "apic" or "pic" (C is discarded), static.
@@ -94,13 +95,13 @@ class Model:
     grid: Grid
     dt: jax.Array
     gravity: jax.Array | None
-    mass: jax.Array
-    volume: jax.Array
-    materials: tuple[Material, ...]
+    mass: jax.Array = dataclasses.field(metadata=PER_PARTICLE)
+    volume: jax.Array = dataclasses.field(metadata=PER_PARTICLE)
+    materials: tuple[Material, ...] = dataclasses.field(metadata=PER_BLOCK)
     forces: tuple[Any, ...] = ()
     boundaries: tuple[Any, ...] = ()
     constraints: tuple[Any, ...] = ()
-    viscosity: jax.Array | None = None
+    viscosity: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
     transfer: Literal["apic", "pic"] = dataclasses.field(default="apic", metadata=_STATIC)
     stress_form: Literal["mls", "gradient"] = dataclasses.field(default="mls", metadata=_STATIC)
     rpic_damping: float = dataclasses.field(default=0.0, metadata=_STATIC)
@@ -140,11 +141,11 @@ class State:
         stopped: Particle-steps at which a particle was stopped at the domain's wall, int32 scalar.
     """
 
-    x: jax.Array
-    v: jax.Array
-    C: jax.Array
-    F: jax.Array
-    history: tuple[History, ...]
+    x: jax.Array = dataclasses.field(metadata=PER_PARTICLE)
+    v: jax.Array = dataclasses.field(metadata=PER_PARTICLE)
+    C: jax.Array = dataclasses.field(metadata=PER_PARTICLE)
+    F: jax.Array = dataclasses.field(metadata=PER_PARTICLE)
+    history: tuple[History, ...] = dataclasses.field(metadata=PER_BLOCK)
     time: jax.Array
     stopped: jax.Array
 

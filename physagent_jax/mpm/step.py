@@ -8,17 +8,15 @@ The stress comes last, so that it can share its work with the return mapping; `s
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import constraints, kernels, materials, reductions, transfer
-from physagent_jax.mpm.boundaries.symmetry_plane import SymmetryPlane
 from physagent_jax.mpm.conform import as_field, conform
+from physagent_jax.mpm.health import Health, measure_health
 from physagent_jax.mpm.linalg import determinant, transpose
-from physagent_jax.mpm.materials import NeoHookean
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import stencil
@@ -32,7 +30,7 @@ def step(model: Model, state: State) -> State:
     """
     model, state = conform(model, state)
     with kernels.beside(state.x):
-        return substep(model, state, initial_stress(model, state))[0]
+        return substep(model, state, kirchhoff_stress(model, state))[0]
 
 
 @register_dataclass
@@ -48,7 +46,7 @@ class Trace:
         velocity: Node velocities after boundaries and constraints [m/s], same shape.
         gathered: Particles after G2P and return mapping, before constraints.
         trial: F before the return mapping, shape (n, 3, 3).
-        watch: Extremes over the particles.
+        health: Extremes over the particles.
     """
 
     pushed: State
@@ -58,77 +56,60 @@ class Trace:
     velocity: jax.Array
     gathered: State
     trial: jax.Array
-    watch: transfer.Watch
+    health: Health
 
 
-def substep(model: Model, state: State, tau: jax.Array | None) -> tuple[State, jax.Array | None, Trace]:
+def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Array, Trace]:
     """`step` with the stress before and after it [Pa], shape (n, 3, 3), and the trace of what happened in it.
 
     Args:
         model: As in `step`.
         state: At the start.
-        tau: `initial_stress`, or what the substep before returned.
+        tau: `kirchhoff_stress`, or what the substep before returned.
     """
-    dt, grid = model.dt, model.grid
+    dt = model.dt
     with jax.named_scope("forces"):
-        C = affine(model, state)
-        pushed = dataclasses.replace(state, v=state.v + dt * body_acceleration(model, state), C=C)
+        v = state.v + dt * body_acceleration(model, state)
+        pushed = dataclasses.replace(state, v=v, C=affine(model, state))
         held = constraints.before_p2g(model, pushed)
     with jax.named_scope("p2g"):
-        viscous = None if model.viscosity is None else viscous_stress(model.viscosity, state)
-        nodes = scatter(model, state, held, tau if tau is None or viscous is None else tau + viscous)
+        total = tau if model.viscosity is None else tau + viscous_stress(model.viscosity, state)
+        nodes = scatter(model, state, held, total)
         nodes = reductions.total(nodes, model.axis)  # one grid, whichever device a particle is on
     with jax.named_scope("grid_update"):
-        node_mass = nodes[..., 3]
-        free = grid_velocity(model, nodes)
-        unmet = velocity = damped(model, folded_velocity(model, nodes, free))
-        for boundary in model.boundaries:
-            met = boundary.apply(velocity, grid, state.time)
-            velocity = as_field(met, velocity, f"velocities after {type(boundary).__name__}")
-        s = stencil(state.x, grid)  # compiled away where nothing is constrained
+        node_mass, free = nodes[..., 3], grid_velocity(model, nodes)
+        unmet = damped(model, grid_velocity(model, folded(model, nodes)))
+        velocity = bounded(model, unmet, state.time)
+        s = stencil(state.x, model.grid)  # compiled away where nothing is constrained
         velocity = constraints.on_grid(model, unmet, velocity, node_mass, s, state.time)
     with jax.named_scope("g2p"):
         moved = gather(model, state, velocity)
     with jax.named_scope("stress"):
-        F, history, stress = respond(model, moved.F, state.history)
+        F, history, tau = respond(model, moved.F, state.history)
         gathered = dataclasses.replace(
             state, x=moved.x, v=moved.v, C=moved.C, F=F, history=history, time=state.time + dt
         )
     with jax.named_scope("constraints"):
         after = constraints.after_g2p(model, state, gathered)
-        after, watch = stop_at_walls(model, after, moved.watch)
+        after, health = stop_at_walls(model, after, moved.health)
         if model.constraints:  # F may have been turned
-            stress = kirchhoff_stress(model, after)
-        tau = None if tau is None else stress
-    return after, tau, Trace(pushed, held, node_mass, free, velocity, gathered, moved.F, watch)
+            tau = kirchhoff_stress(model, after)
+    return after, tau, Trace(pushed, held, node_mass, free, velocity, gathered, moved.F, health)
 
 
-def scatter(model: Model, state: State, held: State, tau: jax.Array | None) -> jax.Array:
+def scatter(model: Model, state: State, held: State, tau: jax.Array) -> jax.Array:
     """Momentum and mass at the nodes, shape (nx, ny, nz, 4); ``held`` is ``state`` after forces and constraints."""
     v, push = held.v, jnp.zeros(3, held.v.dtype)
     if not model.forces and not model.constraints:  # gravity alone need not go through memory
         v, push = state.v, model.dt * body_acceleration(model, state)
-    form, grid, matter = model.stress_form, model.grid, (model.mass, model.volume, push, model.dt)
-    if tau is None:
-        law: Any = model.materials[0]
-        p2g = kernels.compiled().p2g_neo_hookean
-        mu, lam = (jnp.broadcast_to(parameter, model.mass.shape) for parameter in (law.mu, law.lam))
-        return p2g(form, grid, held.x, v, held.C, held.F, mu, lam, *matter)
-    p2g = kernels.compiled().p2g if kernels.use_cpu(model.kernels) else transfer.particles_to_grid
-    return p2g(form, grid, held.x, v, held.C, tau, *matter)
-
-
-def initial_stress(model: Model, state: State) -> jax.Array | None:
-    """What `substep` needs first: the Kirchhoff stress, or None where a kernel's P2G makes it from F."""
-    alone = len(model.materials) == 1 and isinstance(model.materials[0], NeoHookean)
-    if alone and model.viscosity is None and kernels.use_cpu(model.kernels):
-        return None
-    return kirchhoff_stress(model, state)
+    p2g = kernels.compiled().p2g if kernels.use_cpu(model.kernels) else transfer.p2g
+    matter = model.mass, model.volume
+    return p2g(model.stress_form, model.grid, held.x, v, held.C, tau, *matter, push, model.dt)
 
 
 def gather(model: Model, state: State, velocity: jax.Array) -> transfer.Moved:
     """Particles moved and deformed with the node velocities."""
-    g2p = kernels.compiled().g2p if kernels.use_cpu(model.kernels) else transfer.grid_to_particles
+    g2p = kernels.compiled().g2p if kernels.use_cpu(model.kernels) else transfer.g2p
     options = model.stress_form, model.wall, model.grid
     return g2p(*options, state.x, state.v, state.C, state.F, velocity, model.dt)
 
@@ -241,14 +222,19 @@ def _lightest(model: Model) -> jax.Array:
     return reductions.least(jnp.where(model.mass > 0, model.mass, jnp.inf).min(), model.axis)  # padding aside
 
 
-def folded_velocity(model: Model, nodes: jax.Array, free: jax.Array) -> jax.Array:
-    """``free``, or what it becomes where planes of symmetry add images of matter."""
-    mirrors = [boundary for boundary in model.boundaries if isinstance(boundary, SymmetryPlane)]
-    if not mirrors:
-        return free
-    for mirror in mirrors:
-        nodes = mirror.fold(nodes, model.grid)
-    return grid_velocity(model, nodes)
+def folded(model: Model, nodes: jax.Array) -> jax.Array:
+    """Momentum and mass at the nodes with what boundaries add to them, shape (nx, ny, nz, 4)."""
+    for boundary in model.boundaries:
+        nodes = boundary.fold(nodes, model.grid)
+    return nodes
+
+
+def bounded(model: Model, velocity: jax.Array, time: jax.Array) -> jax.Array:
+    """Node velocities after all boundaries [m/s]."""
+    for boundary in model.boundaries:
+        met = boundary.apply(velocity, model.grid, time)
+        velocity = as_field(met, velocity, f"velocities after {type(boundary).__name__}")
+    return velocity
 
 
 def damped(model: Model, velocity: jax.Array) -> jax.Array:
@@ -256,7 +242,7 @@ def damped(model: Model, velocity: jax.Array) -> jax.Array:
     return velocity * jnp.exp(-model.damping_rate * model.dt) if model.damping_rate > 0 else velocity
 
 
-def stop_at_walls(model: Model, state: State, watch: transfer.Watch) -> tuple[State, transfer.Watch]:
+def stop_at_walls(model: Model, state: State, health: Health) -> tuple[State, Health]:
     """Stops particles ``model.wall`` cells before the domain's faces, and counts them.
 
     The walls of `boundaries.DomainBox` act before; this is the last line of defence, because a particle
@@ -264,16 +250,18 @@ def stop_at_walls(model: Model, state: State, watch: transfer.Watch) -> tuple[St
     """
     if model.constraints:  # they have moved particles since
         strain = jnp.zeros((), state.x.dtype)
-        seen = transfer.watch(model.wall, model.grid, state.x, state.v, state.F, strain)
-        watch = dataclasses.replace(watch, max_speed=seen.max_speed, outside=seen.outside, beyond=seen.beyond)
+        seen = measure_health(model.wall, model.grid, state.x, state.v, state.F, strain)
+        health = dataclasses.replace(
+            health, max_speed=seen.max_speed, outside=seen.outside, beyond=seen.beyond
+        )
     low, high = model.wall * model.grid.dx, (model.grid.cells - model.wall) * model.grid.dx
     if model.axis is not None:
         beyond = ((state.x < low) | (state.x > high)).any(-1) & (model.mass > 0)  # padding does not count
-        watch = dataclasses.replace(watch, beyond=beyond.sum(dtype=jnp.int32)).over(model.axis)
+        health = dataclasses.replace(health, beyond=beyond.sum(dtype=jnp.int32)).over(model.axis)
 
     def stop(x, v):
         held = jnp.where(x < low, jnp.maximum(v, 0), jnp.where(x > high, jnp.minimum(v, 0), v))
         return jnp.clip(x, low, high), held
 
-    x, v = jax.lax.cond(watch.beyond > 0, stop, lambda x, v: (x, v), state.x, state.v)
-    return dataclasses.replace(state, x=x, v=v, stopped=state.stopped + watch.beyond), watch
+    x, v = jax.lax.cond(health.beyond > 0, stop, lambda x, v: (x, v), state.x, state.v)
+    return dataclasses.replace(state, x=x, v=v, stopped=state.stopped + health.beyond), health

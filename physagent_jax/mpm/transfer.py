@@ -13,8 +13,8 @@ import jax.numpy as jnp
 from jax import lax
 
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.mpm import reductions
-from physagent_jax.mpm.linalg import determinant, matmul
+from physagent_jax.mpm.health import Health, measure_health
+from physagent_jax.mpm.linalg import matmul
 from physagent_jax.mpm.state import Grid
 
 
@@ -51,7 +51,7 @@ def stencil(x: jax.Array, grid: Grid) -> Stencil:
     return Stencil(low.astype(jnp.int32) - grid.origin, weights, offsets, slopes)
 
 
-def p2g(
+def scatter_momentum(
     s: Stencil,
     grid: Grid,
     mass: jax.Array,
@@ -92,59 +92,24 @@ def p2g(
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class Watch:
-    """What a substep did at most, scalars; particles that are not finite do not count for the extremes.
-
-    Attributes:
-        min_J, max_J: Extremes of det F of the trial deformation.
-        min_increment: Least det(I + dt grad v), by which the substep scales volumes.
-        max_speed: [m/s].
-        finite: Whether all particles are.
-        outside: Particles with a stencil beyond the grid window, int32.
-        beyond: Particles behind the domain's walls, int32.
-    """
-
-    min_J: jax.Array
-    max_J: jax.Array
-    min_increment: jax.Array
-    max_speed: jax.Array
-    finite: jax.Array
-    outside: jax.Array
-    beyond: jax.Array
-
-    def over(self, axis: str | None) -> Watch:
-        """The same of the particles of all devices along ``axis``; a constant to derivatives."""
-        return Watch(
-            reductions.least(self.min_J, axis),
-            reductions.greatest(self.max_J, axis),
-            reductions.least(self.min_increment, axis),
-            reductions.greatest(self.max_speed, axis),
-            reductions.every(self.finite, axis),
-            reductions.total(self.outside, axis),
-            reductions.total(self.beyond, axis),
-        )
-
-
-@register_dataclass
-@dataclasses.dataclass(frozen=True)
 class Moved:
     """Particles after G2P.
 
     Attributes:
         x, v, C: As in `State`.
         F: Trial deformation gradients, before the return mapping, shape (n, 3, 3).
-        watch: Extremes over the particles.
+        health: Extremes over the particles.
     """
 
     x: jax.Array
     v: jax.Array
     C: jax.Array
     F: jax.Array
-    watch: Watch
+    health: Health
 
 
-def particles_to_grid(form: str, grid: Grid, x, v, C, tau, mass, volume, push, dt) -> jax.Array:
-    """`p2g` of momentum, affine momentum and the impulse -dt V0 tau of the stress, by either stress form.
+def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, push, dt) -> jax.Array:
+    """`scatter_momentum` of momentum, affine momentum and the impulse -dt V0 tau of the stress, by either stress form.
 
     Args:
         form: "mls" or "gradient".
@@ -164,16 +129,16 @@ def particles_to_grid(form: str, grid: Grid, x, v, C, tau, mass, volume, push, d
     s, impulse = stencil(x, grid), -dt * volume[:, None, None] * tau
     momentum, affine = mass[:, None] * (v + push), mass[:, None, None] * C
     if form == "mls":
-        return p2g(s, grid, mass, momentum, affine + (4 / grid.dx**2) * impulse)
-    return p2g(s, grid, mass, momentum, affine, impulse)
+        return scatter_momentum(s, grid, mass, momentum, affine + (4 / grid.dx**2) * impulse)
+    return scatter_momentum(s, grid, mass, momentum, affine, impulse)
 
 
-def grid_to_particles(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> Moved:
-    """`g2p`, and the particles moved and deformed with the velocities gathered.
+def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> Moved:
+    """`gather_affine`, and the particles moved and deformed with the velocities gathered.
 
     Args:
         form: Whose velocity gradient deforms: C for "mls", sum v_i (grad w_i)^T for "gradient".
-        wall: As in `Model`, for `Watch.beyond`.
+        wall: As in `Model`, for `Health.beyond`.
         grid: The window.
         x: Positions [m], shape (n, 3).
         v: Not used; a kernel may write the new ones in its place.
@@ -184,29 +149,10 @@ def grid_to_particles(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt
     """
     del v, C
     s = stencil(x, grid)
-    v, C = g2p(s, grid, velocity)
+    v, C = gather_affine(s, grid, velocity)
     grad_v = C if form == "mls" else velocity_gradient(s, grid, velocity)
     trial, x = F + dt * matmul(grad_v, F), x + dt * v
-    return Moved(x, v, C, trial, watch(wall, grid, x, v, trial, dt * grad_v))
-
-
-def watch(wall: int, grid: Grid, x, v, F, strain) -> Watch:
-    """The extremes of particles, ``strain`` being dt grad v, shape (n, 3, 3)."""
-    J, increment = determinant(F), determinant(jnp.eye(3, dtype=F.dtype) + strain)
-    finite = jnp.isfinite(J + increment + v.sum(-1))
-    sane_J, sane_increment = jnp.where(finite, J, 1.0), jnp.where(finite, increment, 1.0)
-    speed = jnp.sqrt(jnp.where(finite, (v**2).sum(-1), 0.0).max())
-    low, high = wall * grid.dx, (grid.cells - wall) * grid.dx
-    beyond = ((x < low) | (x > high)).any(-1).sum(dtype=jnp.int32)
-    within = jnp.clip(x, low, high)  # where the walls will stop them
-    extremes = sane_J.min(), sane_J.max(), sane_increment.min(), speed, finite.all()
-    return Watch(*extremes, outside(within, grid), beyond)
-
-
-def outside(x: jax.Array, grid: Grid) -> jax.Array:
-    """How many particles have a stencil that is not wholly inside the window, int32."""
-    low = jnp.floor(x / grid.dx - 0.5).astype(jnp.int32) - grid.origin
-    return ((low < 0) | (low + 3 > jnp.asarray(grid.shape))).any(-1).sum(dtype=jnp.int32)
+    return Moved(x, v, C, trial, measure_health(wall, grid, x, v, trial, dt * grad_v))
 
 
 def scatter_mass(s: Stencil, grid: Grid, mass: jax.Array) -> jax.Array:
@@ -215,7 +161,7 @@ def scatter_mass(s: Stencil, grid: Grid, mass: jax.Array) -> jax.Array:
     return _scatter(s.base, values[..., None], grid.shape)[..., 0]
 
 
-def g2p(s: Stencil, grid: Grid, velocity: jax.Array) -> tuple[jax.Array, jax.Array]:
+def gather_affine(s: Stencil, grid: Grid, velocity: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Gathers v = sum w_i v_i and C = 4/dx^2 sum w_i v_i (x_i - x)^T.
 
     Args:

@@ -14,7 +14,7 @@ from physagent_jax.mpm import Contact, DomainBox, HalfSpace, RigidBody, step
 from physagent_jax.mpm.constraints import before_p2g
 from physagent_jax.mpm.energy import angular_momentum, kinetic_energy, momentum
 from physagent_jax.mpm.linalg import skew
-from physagent_jax.mpm.transfer import p2g, stencil
+from physagent_jax.mpm.transfer import scatter_momentum, stencil
 from tests.mpm.blocks import block
 
 
@@ -78,7 +78,9 @@ def test_the_grid_gets_those_momenta_too(x64):
     model, state = rigid_block()
     rigid = before_p2g(model, noisy(state))
     grid, m = model.grid, model.mass
-    nodes = p2g(stencil(rigid.x, grid), grid, m, m[:, None] * rigid.v, m[:, None, None] * rigid.C)
+    nodes = scatter_momentum(
+        stencil(rigid.x, grid), grid, m, m[:, None] * rigid.v, m[:, None, None] * rigid.C
+    )
     x = np.stack(np.broadcast_arrays(*grid.node_positions(jnp.float64)), axis=-1)
     p = np.asarray(nodes[..., :3])
     np.testing.assert_allclose(p.sum((0, 1, 2)), momentum(model, rigid), rtol=1e-12)

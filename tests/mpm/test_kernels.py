@@ -10,11 +10,10 @@ import pytest
 
 import physagent_jax.kernels as choice
 from physagent_jax.core.errors import UserError
-from physagent_jax.mpm import Grid, kernels, materials, rollout, simulate
+from physagent_jax.mpm import Grid, kernels, materials, rollout, simulate, transfer
 from physagent_jax.mpm.linalg import isotropic, svd
 from physagent_jax.mpm.linalg.kernels import compiled
 from physagent_jax.mpm.linalg.svd import SWEEPS
-from physagent_jax.mpm.transfer import grid_to_particles, particles_to_grid
 from tests.mpm.blocks import block
 
 pytest.importorskip("numba")
@@ -63,9 +62,9 @@ def g2p_operands(c):
 def test_p2g_and_g2p_equal_the_reference(count, form, dtype, x64):
     c = cloud(count, dtype)
     got = jax.jit(lambda *o: cpu.p2g(form, GRID, *o))(*p2g_operands(c))
-    close(got, particles_to_grid(form, GRID, *p2g_operands(c)), TOLERANCE[dtype])
+    close(got, transfer.p2g(form, GRID, *p2g_operands(c)), TOLERANCE[dtype])
     got = jax.jit(lambda *o: cpu.g2p(form, 1, GRID, *o))(*g2p_operands(c))
-    expected = grid_to_particles(form, 1, GRID, *g2p_operands(c))
+    expected = transfer.g2p(form, 1, GRID, *g2p_operands(c))
     jax.tree.map(lambda a, b: close(a, b, TOLERANCE[dtype]), got, expected)
 
 
@@ -75,9 +74,9 @@ def test_particles_outside_and_not_finite_are_seen_and_write_nowhere_else():
     nodes = cpu.p2g("mls", GRID, *p2g_operands(c | {"x": x}))
     assert nodes[..., 3].sum() == pytest.approx(float(c["mass"].sum()), rel=0.2) or jnp.isnan(nodes).any()
     moved = cpu.g2p("mls", 1, GRID, *g2p_operands(c | {"x": x}))
-    reference = grid_to_particles("mls", 1, GRID, *g2p_operands(c | {"x": x}))
-    assert not moved.watch.finite and not reference.watch.finite
-    assert moved.watch.outside == reference.watch.outside == 3
+    reference = transfer.g2p("mls", 1, GRID, *g2p_operands(c | {"x": x}))
+    assert not moved.health.finite and not reference.health.finite
+    assert moved.health.outside == reference.health.outside == 3
     assert jnp.isnan(moved.x[9]).any()
 
 

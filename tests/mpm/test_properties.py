@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from physagent_jax.forces.terms import Torque, UniformAcceleration
 from physagent_jax.mpm import DomainBox, simulate, stable_dt, step
 from physagent_jax.mpm.energy import momentum
-from physagent_jax.mpm.transfer import p2g, stencil
+from physagent_jax.mpm.transfer import scatter_momentum, stencil
 from tests.mpm.blocks import block
 
 CELLS = 20
@@ -94,7 +94,9 @@ def test_momentum_is_kept_in_free_space(scene):
 def test_the_grid_has_the_particles_mass(scene):
     model, state = scene
     zero = jnp.zeros_like(state.F)
-    nodes = p2g(stencil(state.x, model.grid), model.grid, model.mass, model.mass[:, None] * state.v, zero)
+    nodes = scatter_momentum(
+        stencil(state.x, model.grid), model.grid, model.mass, model.mass[:, None] * state.v, zero
+    )
     np.testing.assert_allclose(nodes[..., 3].sum(), model.mass.sum(), rtol=1e-13)
     assert float(nodes[..., 3].min()) >= 0
 

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.terms.rigid import mass_centre
+from physagent_jax.mpm.fields import END, PER_PARTICLE, START
 from physagent_jax.mpm.linalg import cross, skew
 from physagent_jax.mpm.protocols import window_fraction
 
@@ -27,9 +28,9 @@ class Torque:
 
     axis: jax.Array
     magnitude: jax.Array
-    start: jax.Array
-    end: jax.Array
-    weight: jax.Array | None = None
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
+    weight: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""

@@ -12,6 +12,7 @@ import numpy as np
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope, Scalar
 from physagent_jax.forces.terms.region import confined
+from physagent_jax.mpm.fields import PER_PARTICLE
 
 _HIGHEST = jax.lax.Precision.HIGHEST  # phases of many radians do not survive a shortened mantissa
 
@@ -50,7 +51,7 @@ class Turbulence:
     frequencies: jax.Array
     phases: jax.Array
     envelope: Envelope
-    weight: jax.Array | None = None
+    weight: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
 
     @staticmethod
     def from_seed(

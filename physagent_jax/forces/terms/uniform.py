@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope
 from physagent_jax.forces.terms.region import confined
+from physagent_jax.mpm.fields import END, PER_PARTICLE, START
 from physagent_jax.mpm.protocols import window_fraction
 
 
@@ -25,9 +26,9 @@ class UniformAcceleration:
     """
 
     value: jax.Array
-    start: jax.Array
-    end: jax.Array
-    weight: jax.Array | None = None
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
+    weight: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
@@ -55,7 +56,7 @@ class UniformField:
 
     value: jax.Array
     envelope: Envelope
-    weight: jax.Array | None = None
+    weight: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope, Scalar
 from physagent_jax.forces.terms.region import confined
+from physagent_jax.mpm.fields import PER_PARTICLE
 from physagent_jax.mpm.linalg import cross, skew
 
 
@@ -46,7 +47,7 @@ class Vortex:
     core: Scalar
     power: Scalar
     envelope: Envelope
-    weight: jax.Array | None = None
+    weight: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""

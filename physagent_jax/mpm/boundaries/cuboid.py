@@ -10,11 +10,14 @@ import jax.numpy as jnp
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.boundaries.box import Box
 from physagent_jax.mpm.boundaries.contact import Contact
+from physagent_jax.mpm.fields import END, START
+from physagent_jax.mpm.protocols import Boundary
+from physagent_jax.mpm.state import Grid
 
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class Cuboid:
+class Cuboid(Boundary):
     """Imposes ``velocity`` on the nodes inside a box, for start <= time < end.
 
     This is sticky contact with a moving box. It starts at ``point`` at time ``start`` and moves with
@@ -31,10 +34,10 @@ class Cuboid:
     point: jax.Array
     half_size: jax.Array
     velocity: jax.Array
-    start: jax.Array
-    end: jax.Array
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
 
-    def apply(self, velocity: jax.Array, grid, time: jax.Array) -> jax.Array:
+    def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Overwrites the velocities inside the box."""
         frictionless = jnp.zeros((), velocity.dtype)  # sticky contact has no use for it
         box = Box(

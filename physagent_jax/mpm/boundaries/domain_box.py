@@ -8,11 +8,13 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.mpm.protocols import Boundary
+from physagent_jax.mpm.state import Grid
 
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class DomainBox:
+class DomainBox(Boundary):
     """Separating, frictionless walls: within ``padding`` cells of a face, no velocity towards it.
 
     Attributes:
@@ -21,7 +23,7 @@ class DomainBox:
 
     padding: int = dataclasses.field(default=3, metadata=dict(static=True))
 
-    def apply(self, velocity: jax.Array, grid, time: jax.Array) -> jax.Array:
+    def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Removes outward velocity components in the walls."""
         del time
         components = []

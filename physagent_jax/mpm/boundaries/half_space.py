@@ -8,11 +8,14 @@ import jax
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.boundaries.contact import Contact, carried, collide, in_window, touching
+from physagent_jax.mpm.fields import END, START
+from physagent_jax.mpm.protocols import Boundary
+from physagent_jax.mpm.state import Grid
 
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class HalfSpace:
+class HalfSpace(Boundary):
     """The solid half-space behind a plane, active for start <= time < end.
 
     Attributes:
@@ -27,12 +30,12 @@ class HalfSpace:
     point: jax.Array
     normal: jax.Array
     friction: jax.Array
-    start: jax.Array
-    end: jax.Array
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
     contact: Contact = dataclasses.field(default=Contact.SEPARATE, metadata=dict(static=True))
     velocity: jax.Array | None = None
 
-    def apply(self, velocity: jax.Array, grid, time: jax.Array) -> jax.Array:
+    def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Velocities after contact with what lies behind the plane."""
         x, y, z = grid.node_positions(velocity.dtype)
         n, p = self.normal, carried(self.point, self.velocity, self.start, time)

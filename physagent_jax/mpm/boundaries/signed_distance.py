@@ -9,11 +9,14 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.boundaries.contact import Contact, carried, collide, in_window, touching, unit
+from physagent_jax.mpm.fields import END, START
+from physagent_jax.mpm.protocols import Boundary
+from physagent_jax.mpm.state import Grid
 
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class SignedDistance:
+class SignedDistance(Boundary):
     """The solid where phi <= 0; active for start <= time < end.
 
     Between samples phi is trilinear, and the normal is the normalised central difference of that interpolant
@@ -33,13 +36,13 @@ class SignedDistance:
     values: jax.Array
     origin: jax.Array
     friction: jax.Array
-    start: jax.Array
-    end: jax.Array
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
     spacing: float = dataclasses.field(metadata=dict(static=True))
     contact: Contact = dataclasses.field(default=Contact.SEPARATE, metadata=dict(static=True))
     velocity: jax.Array | None = None
 
-    def apply(self, velocity: jax.Array, grid, time: jax.Array) -> jax.Array:
+    def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Velocities after contact with the solid."""
         distance, normal = self.distance_and_normal(grid.node_positions(velocity.dtype), time)
         inside = touching(distance, grid.dx) & in_window(self.start, self.end, time)

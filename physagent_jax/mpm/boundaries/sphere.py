@@ -9,11 +9,14 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.boundaries.contact import Contact, carried, collide, in_window, touching, unit
+from physagent_jax.mpm.fields import END, START
+from physagent_jax.mpm.protocols import Boundary
+from physagent_jax.mpm.state import Grid
 
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class Sphere:
+class Sphere(Boundary):
     """A solid ball, or the solid around a spherical hollow; active for start <= time < end.
 
     Attributes:
@@ -29,13 +32,13 @@ class Sphere:
     point: jax.Array
     radius: jax.Array
     friction: jax.Array
-    start: jax.Array
-    end: jax.Array
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
     contact: Contact = dataclasses.field(default=Contact.SEPARATE, metadata=dict(static=True))
     container: bool = dataclasses.field(default=False, metadata=dict(static=True))
     velocity: jax.Array | None = None
 
-    def apply(self, velocity: jax.Array, grid, time: jax.Array) -> jax.Array:
+    def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Velocities after contact with the sphere."""
         x, y, z = grid.node_positions(velocity.dtype)
         p = carried(self.point, self.velocity, self.start, time)

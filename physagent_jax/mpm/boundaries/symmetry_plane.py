@@ -8,11 +8,13 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.mpm.protocols import Boundary
+from physagent_jax.mpm.state import Grid
 
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class SymmetryPlane:
+class SymmetryPlane(Boundary):
     """What lies behind the plane is the mirror image of what lies before it.
 
     A slip wall that only stops its nodes is accurate to first order: the layer of nodes behind it sees but the
@@ -31,7 +33,7 @@ class SymmetryPlane:
     axis: int = dataclasses.field(metadata=dict(static=True))
     side: int = dataclasses.field(metadata=dict(static=True))
 
-    def fold(self, nodes: jax.Array, grid) -> jax.Array:
+    def fold(self, nodes: jax.Array, grid: Grid) -> jax.Array:
         """Momentum and mass with the image's added, shape (nx, ny, nz, 4)."""
         layer = self._layer(grid)
         # Not every window reaches behind the plane; what would come round its other end is not an image.
@@ -40,7 +42,7 @@ class SymmetryPlane:
         nodes = jnp.where(layer == -1, 0, nodes + image)
         return nodes.at[..., self.axis].set(jnp.where(layer[..., 0] == 0, 0, nodes[..., self.axis]))
 
-    def apply(self, velocity: jax.Array, grid, time: jax.Array) -> jax.Array:
+    def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """No normal velocity on the plane, mirrored velocities behind it."""
         del time
         layer = self._layer(grid)

@@ -25,29 +25,14 @@ def before_p2g(model: Model, state: State) -> State:
 def on_grid(
     model: Model, free: jax.Array, velocity: jax.Array, node_mass: jax.Array, s: Stencil, time: jax.Array
 ) -> jax.Array:
-    """Constrains grid velocities.
-
-    Args:
-        model: Its ``boundaries`` have acted.
-        free: Node velocities before the boundaries [m/s], shape (nx, ny, nz, 3).
-        velocity: The same after them.
-        node_mass: [kg], shape (nx, ny, nz).
-        s: Stencils of all particles.
-        time: At the start of the substep [s].
-    """
+    """Grid velocities after all constraints [m/s]; arguments as in `protocols.Constraint`."""
     for constraint in model.constraints:
         velocity = constraint.on_grid(model, free, velocity, node_mass, s, time)
     return velocity
 
 
 def after_g2p(model: Model, before: State, after: State) -> State:
-    """Puts the constrained particles where they belong.
-
-    Args:
-        model: Its ``dt`` lies between the two states.
-        before: At the start of the substep.
-        after: As G2P and the return mapping left it.
-    """
+    """Puts the constrained particles where they belong."""
     for constraint in model.constraints:
         after = constraint.after_g2p(model, before, after)
     return after

@@ -9,7 +9,9 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.constraints.rotation import rotate
+from physagent_jax.mpm.fields import END, HELD, PER_HELD, START
 from physagent_jax.mpm.linalg import cross, skew
+from physagent_jax.mpm.protocols import Constraint
 from physagent_jax.mpm.reductions import total
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, scatter_mass
@@ -17,7 +19,7 @@ from physagent_jax.mpm.transfer import Stencil, scatter_mass
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class PrescribedMotion:
+class PrescribedMotion(Constraint):
     """A rigid velocity field u(x) = velocity + angular_velocity x (x - center) for some particles.
 
     It acts on the particles before P2G, on the grid nodes that carry mostly their mass (otherwise the free
@@ -32,12 +34,12 @@ class PrescribedMotion:
         start, end: Active for start <= time < end [s], scalars or one per particle, shape (k,).
     """
 
-    particles: jax.Array
+    particles: jax.Array = dataclasses.field(metadata=HELD)
     velocity: jax.Array
     angular_velocity: jax.Array
     center: jax.Array
-    start: jax.Array
-    end: jax.Array
+    start: jax.Array = dataclasses.field(metadata={**PER_HELD, **START})
+    end: jax.Array = dataclasses.field(metadata={**PER_HELD, **END})
 
     @staticmethod
     def fixed(particles: jax.Array, dtype=jnp.float32) -> PrescribedMotion:

@@ -9,7 +9,9 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.constraints.rotation import rotate, rotation_matrix
+from physagent_jax.mpm.fields import HELD
 from physagent_jax.mpm.linalg import cofactor, cross, determinant, matmul, matvec, skew, transpose
+from physagent_jax.mpm.protocols import Constraint
 from physagent_jax.mpm.reductions import total
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, scatter_mass
@@ -93,7 +95,7 @@ class RigidMotion:
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class RigidBody:
+class RigidBody(Constraint):
     """Makes some particles move as one rigid body.
 
     Before P2G, on the nodes that carry mostly its mass, and after G2P, velocities are replaced by the rigid
@@ -112,7 +114,7 @@ class RigidBody:
             single particle.
     """
 
-    particles: jax.Array
+    particles: jax.Array = dataclasses.field(metadata=HELD)
 
     def before_p2g(self, model: Model, state: State) -> State:
         """Replaces v and C by the rigid field of equal momenta."""

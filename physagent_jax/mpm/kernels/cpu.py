@@ -12,9 +12,9 @@ from physagent_jax.kernels import ffi
 from physagent_jax.kernels.numbers import SHARES
 from physagent_jax.kernels.threads import thread_count
 from physagent_jax.mpm import transfer
+from physagent_jax.mpm.health import Health
 from physagent_jax.mpm.kernels.handlers import handler
 from physagent_jax.mpm.kernels.transfer import NUMBERS, PADDING, WATCHED
-from physagent_jax.mpm.materials.neo_hookean import NeoHookean
 from physagent_jax.mpm.state import Grid
 
 _BY_NUMBER = (3, 0, 1, 2)  # how the kernels want arrays over the grid, major to minor
@@ -22,25 +22,13 @@ _BY_NUMBER = (3, 0, 1, 2)  # how the kernels want arrays over the grid, major to
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
 def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, push, dt) -> jax.Array:
-    """As `transfer.particles_to_grid`."""
-    nothing = jnp.zeros(1, x.dtype)
-    return _scatter(form, grid, x, v, C, tau, nothing, nothing, mass, volume, push, dt, neo_hookean=False)
-
-
-@partial(jax.custom_vjp, nondiff_argnums=(0,))
-def p2g_neo_hookean(form: str, grid: Grid, x, v, C, F, mu, lam, mass, volume, push, dt) -> jax.Array:
-    """`p2g` with the stress of `materials.NeoHookean`, which never goes through memory."""
-    return _scatter(form, grid, x, v, C, F, mu, lam, mass, volume, push, dt, neo_hookean=True)
-
-
-def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, push, dt, *, neo_hookean: bool) -> jax.Array:
+    """As `transfer.p2g`."""
     count = len(x)
     _check(
         "p2g",
         grid,
-        dict(x=x, v=v, C=C, tau=tau, mu=mu, lam=lam, mass=mass, volume=volume, push=push),
+        dict(x=x, v=v, C=C, tau=tau, mass=mass, volume=volume, push=push),
         dict(x=(count, 3), v=(count, 3), C=(count, 3, 3), tau=(count, 3, 3), mass=(count,), volume=(count,))
-        | dict.fromkeys(("mu", "lam"), (count,) if neo_hookean else (1,))
         | dict(push=(3,)),
     )
     parts, size = thread_count(), NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
@@ -52,13 +40,13 @@ def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, push, dt, *, neo_h
         vmap_method="sequential",
         output_layouts=(_BY_NUMBER, None),
     )
-    scalars = _scalars(x.dtype, dt, grid.dx, form == "gradient", neo_hookean)
-    return call(x, v, C, tau, mu, lam, mass, volume, push, grid.origin, scalars)[0]
+    scalars = _scalars(x.dtype, dt, grid.dx, form == "gradient")
+    return call(x, v, C, tau, mass, volume, push, grid.origin, scalars)[0]
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0, 1))
 def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.Moved:
-    """As `transfer.grid_to_particles`. ``v`` and ``C`` only lend their memory."""
+    """As `transfer.g2p`. ``v`` and ``C`` only lend their memory."""
     count = len(x)
     _check(
         "g2p",
@@ -83,7 +71,7 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.
     least_J, most_J, least_increment, speed, strange, outside, beyond = watched.T
     return transfer.Moved(
         *(x, v, C, F),
-        transfer.Watch(
+        Health(
             least_J.min(),
             most_J.max(),
             least_increment.min(),
@@ -115,22 +103,8 @@ def _p2g_forward(form, grid, *operands):
 
 def _p2g_backward(form, residuals, cotangent):
     grid, operands = residuals
-    _, pull = jax.vjp(lambda *operands: transfer.particles_to_grid(form, grid, *operands), *operands)
+    _, pull = jax.vjp(lambda *operands: transfer.p2g(form, grid, *operands), *operands)
     return (None, *pull(cotangent))
-
-
-def _p2g_neo_hookean_forward(form, grid, *operands):
-    return p2g_neo_hookean(form, grid, *operands), (grid, operands)
-
-
-def _p2g_neo_hookean_backward(form, residuals, cotangent):
-    grid, operands = residuals
-
-    def reference(x, v, C, F, mu, lam, mass, volume, push, dt):
-        tau = NeoHookean(mu, lam).stress(F)
-        return transfer.particles_to_grid(form, grid, x, v, C, tau, mass, volume, push, dt)
-
-    return (None, *jax.vjp(reference, *operands)[1](cotangent))
 
 
 def _g2p_forward(form, wall, grid, *operands):
@@ -139,10 +113,9 @@ def _g2p_forward(form, wall, grid, *operands):
 
 def _g2p_backward(form, wall, residuals, cotangent):
     grid, operands = residuals
-    _, pull = jax.vjp(lambda *operands: transfer.grid_to_particles(form, wall, grid, *operands), *operands)
+    _, pull = jax.vjp(lambda *operands: transfer.g2p(form, wall, grid, *operands), *operands)
     return (None, *pull(cotangent))
 
 
 p2g.defvjp(_p2g_forward, _p2g_backward)
-p2g_neo_hookean.defvjp(_p2g_neo_hookean_forward, _p2g_neo_hookean_backward)
 g2p.defvjp(_g2p_forward, _g2p_backward)

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.mpm.fields import COUNT
 from physagent_jax.mpm.materials.base import History
 
 
@@ -20,7 +21,7 @@ class Rigid:
         particles: Particles in the block, static.
     """
 
-    particles: int = dataclasses.field(metadata=dict(static=True))
+    particles: int = dataclasses.field(metadata=COUNT)
 
     @property
     def count(self) -> int:

@@ -1,0 +1,75 @@
+"""What the fields of a model, a state and their parts say of themselves, as metadata of the dataclasses.
+
+Sorting, splitting over devices, and leaving out what does not act go by these marks. A part of one's own carries them
+as the built-in ones do: ``weight: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import jax
+
+PER_PARTICLE: Mapping[str, Any] = dict(per="particle")
+"""One entry per particle of the simulation, along the first axis."""
+
+PER_BLOCK: Mapping[str, Any] = dict(per="block")
+"""A tuple with a pytree per material, whose arrays have one entry per particle of that material's block."""
+
+PER_HELD: Mapping[str, Any] = dict(per="held")
+"""One entry per particle that a constraint holds, or a scalar for all of them."""
+
+HELD: Mapping[str, Any] = dict(per="held", indices=True)
+"""Which particles a constraint holds: their indices."""
+
+COUNT: Mapping[str, Any] = dict(static=True, count=True)
+"""How many particles a material has that has no arrays to tell; belongs to the structure."""
+
+START: Mapping[str, Any] = dict(window="start")
+END: Mapping[str, Any] = dict(window="end")
+"""Of the time in which a part acts [s]; outside [start, end) it changes nothing."""
+
+
+def owner(part: Any, path: tuple) -> str | None:
+    """Of what a leaf has one entry each: "particle", "block" or "held"; None = of nothing that is counted.
+
+    Args:
+        part: A pytree.
+        path: To the leaf, as `jax.tree_util.tree_map_with_path` has it. The outermost mark counts.
+    """
+    for key in path:
+        if isinstance(key, jax.tree_util.GetAttrKey):
+            per = _metadata(part, key.name).get("per")
+            if per is not None:
+                return per
+            part = getattr(part, key.name)
+        elif isinstance(key, jax.tree_util.SequenceKey):
+            part = part[key.idx]
+        elif isinstance(key, jax.tree_util.DictKey):
+            part = part[key.key]
+        else:  # a node of somebody's own, which does not say what lies where
+            return None
+    return None
+
+
+def marked(part: Any, **mark: Any) -> list[str]:
+    """The names of a dataclass's own fields whose metadata has all of ``mark``."""
+    return [field.name for field in _fields(part) if mark.items() <= dict(field.metadata).items()]
+
+
+def windows(part: Any) -> Iterator[tuple[Any, Any]]:
+    """Start and end [s] of every window of ``part`` and of the dataclasses in its fields."""
+    for start, end in zip(marked(part, **START), marked(part, **END)):
+        yield getattr(part, start), getattr(part, end)
+    for field in _fields(part):
+        yield from windows(getattr(part, field.name))
+
+
+def _fields(part: Any) -> tuple[dataclasses.Field, ...]:
+    return dataclasses.fields(part) if dataclasses.is_dataclass(part) else ()
+
+
+def _metadata(part: Any, name: str) -> Mapping[str, Any]:
+    return next((field.metadata for field in _fields(part) if field.name == name), {})
