@@ -100,7 +100,6 @@ def test_derivatives_agree_with_central_differences(name, folder, x64):
         assert np.abs(window).min() > 0
 
 
-@pytest.mark.xfail(strict=False, reason="the largest speed of matter at rest has no derivative")
 def test_what_is_at_rest_at_first_has_derivatives_too(folder):
     scene = make_scene(folder, force_field("translation"))
     numbers = ForceFieldParameters.of(scene.config.force_field, 3)
