@@ -12,8 +12,7 @@ from benchmarks.cases.base import Numerics, Problem, Signal, observed_steps
 from benchmarks.cases.bodies import body, half_space
 from benchmarks.cases.plane import sheet, sheet_grid, side_walls
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.mpm import Contact, DruckerPrager, lame_parameters
-from physagent_jax.mpm.protocols import Boundary
+from physagent_jax.mpm import Boundary, Contact, DruckerPrager, lame_parameters
 
 _RHO, _G, _HEIGHT, _NU = 1600.0, 9.81, 0.1, 0.3
 _STIFFNESS = 1e3  # E over rho g H

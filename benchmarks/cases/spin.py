@@ -12,8 +12,8 @@ from benchmarks.cases.base import Numerics, Problem, Signal, lattice
 from benchmarks.cases.bodies import body
 from benchmarks.cases.elastic import grid_for, neo_hookean_body
 from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.mpm import Boundary
 from physagent_jax.mpm.materials import Fluid
-from physagent_jax.mpm.protocols import Boundary
 
 _E, _NU, _RHO, _DX = 1e6, 0.3, 1000.0, 0.1
 _MARGIN = 6  # cells: corners sweep outwards as the cube turns

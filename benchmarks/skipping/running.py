@@ -13,7 +13,7 @@ from benchmarks.skipping.base import Answer, Pair, Sizes, Skip, State, Way
 from benchmarks.skipping.scene import SIZE, both, cube, moved, reading, rolled, settled
 from physagent_jax.mpm import DomainBox, Fluid, Grid, Model, cell_order, simulate
 from physagent_jax.mpm import State as Particles
-from physagent_jax.mpm.rollout import advance
+from physagent_jax.mpm.frame import advance
 from physagent_jax.mpm.sorting import placed, renewed, restored
 from physagent_jax.mpm.step import kirchhoff_stress, substep
 
@@ -78,7 +78,7 @@ def _ledger(sizes: Sizes) -> Pair:
 
 @jax.jit
 def unwatched(model: Model, state: Particles, substeps: jax.Array) -> Particles:
-    """`mpm.rollout.advance` without looking at what goes on."""
+    """`mpm.frame.advance` without looking at what goes on."""
 
     def body(_, carry):
         return substep(model, *carry)[:2]
@@ -88,7 +88,7 @@ def unwatched(model: Model, state: Particles, substeps: jax.Array) -> Particles:
 
 @jax.jit
 def unstopped(model: Model, state: Particles, substeps: jax.Array) -> jax.Array:
-    """`mpm.rollout.advance` to the end, come what may: how many substeps went well before the first that did not."""
+    """`mpm.frame.advance` to the end, come what may: how many substeps went well before the first that did not."""
 
     def body(_, carry):
         state, tau, good, count = carry

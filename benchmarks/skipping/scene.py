@@ -20,8 +20,8 @@ from physagent_jax.mpm import (
     smallest_window,
     stable_dt,
 )
+from physagent_jax.mpm.frame import advance
 from physagent_jax.mpm.materials import Material
-from physagent_jax.mpm.rollout import advance
 
 SIZE = 2.0  # side of the domain [m]
 SIDE = 0.6  # of the cube [m]

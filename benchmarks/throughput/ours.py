@@ -25,8 +25,8 @@ from physagent_jax.mpm import (
     simulate,
 )
 from physagent_jax.mpm import materials as laws
+from physagent_jax.mpm.frame import advance
 from physagent_jax.mpm.materials.von_mises import yield_stress_from_deviator_norm
-from physagent_jax.mpm.rollout import advance
 from physagent_jax.mpm.window import fit_window, smallest_window
 
 _TOGETHER = 20  # substeps that `stages` times as one call

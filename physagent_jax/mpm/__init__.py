@@ -9,6 +9,7 @@ from physagent_jax.mpm.boundaries import SignedDistance as SignedDistance
 from physagent_jax.mpm.boundaries import Sphere as Sphere
 from physagent_jax.mpm.constraints import PrescribedMotion as PrescribedMotion
 from physagent_jax.mpm.constraints import RigidBody as RigidBody
+from physagent_jax.mpm.frame import Frame as Frame
 from physagent_jax.mpm.materials import DruckerPrager as DruckerPrager
 from physagent_jax.mpm.materials import FixedCorotated as FixedCorotated
 from physagent_jax.mpm.materials import Fluid as Fluid
@@ -20,10 +21,12 @@ from physagent_jax.mpm.materials import Snow as Snow
 from physagent_jax.mpm.materials import Viscoplastic as Viscoplastic
 from physagent_jax.mpm.materials import VonMises as VonMises
 from physagent_jax.mpm.materials import lame_parameters as lame_parameters
-from physagent_jax.mpm.rollout import Frame as Frame
+from physagent_jax.mpm.protocols import BodyForce as BodyForce
+from physagent_jax.mpm.protocols import Boundary as Boundary
+from physagent_jax.mpm.protocols import Constraint as Constraint
 from physagent_jax.mpm.rollout import rollout as rollout
-from physagent_jax.mpm.rollout import simulate as simulate
 from physagent_jax.mpm.sharding import rollout_sharded as rollout_sharded
+from physagent_jax.mpm.simulate import simulate as simulate
 from physagent_jax.mpm.sorting import cell_order as cell_order
 from physagent_jax.mpm.state import Grid as Grid
 from physagent_jax.mpm.state import Model as Model

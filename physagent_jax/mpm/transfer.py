@@ -63,7 +63,7 @@ def scatter_momentum(
 
     Args:
         s: Stencils of the n particles.
-        grid: The window; particles outside it deposit on its rim (`rollout` notices and redoes the frame).
+        grid: The window; particles outside it deposit on its rim (`simulate` notices and redoes the frame).
         mass: [kg], shape (n,).
         momentum: [kg m/s], shape (n, 3).
         affine: m C plus, in MLS-MPM, the stress impulse (Hu et al. 2018, eq. 29) [kg/s], shape (n, 3, 3).

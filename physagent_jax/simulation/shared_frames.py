@@ -7,7 +7,7 @@ because nothing in a frame depends on what comes after it:
   know when its window will close; an impulse is spread over its window and a stretch grows with it, so these are
   compared as a whole.
 * A held particle is held within its window only.
-* The time step looks ahead (`mpm.rollout`), but to the end of the frame that is about to be simulated.
+* The time step looks ahead (`mpm.frame`), but to the end of the frame that is about to be simulated.
 * The grid window goes by the particles.
 
 The clock sums substeps in single precision, so a window may open a little before or after its frame: one frame is given

@@ -26,7 +26,7 @@ from physagent_jax.mpm import (
     stable_dt,
 )
 from physagent_jax.mpm.energy import angular_momentum, elastic_energy, momentum, total_energy
-from physagent_jax.mpm.rollout import advance
+from physagent_jax.mpm.frame import advance
 from physagent_jax.mpm.sharding import AXIS, Layout, specs
 from physagent_jax.mpm.timestep import kinematic_dt
 from tests.mpm.blocks import block

@@ -8,8 +8,8 @@ import pytest
 from physagent_jax.forces.envelope import Envelope
 from physagent_jax.forces.terms import UniformAcceleration, Wind
 from physagent_jax.mpm import Contact, DomainBox, HalfSpace, PrescribedMotion, RigidBody, simulate
+from physagent_jax.mpm.frame import advance
 from physagent_jax.mpm.plan import acting
-from physagent_jax.mpm.rollout import advance
 from tests.mpm.blocks import block
 
 FRAME = 0.02

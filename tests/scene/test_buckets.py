@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.mpm.rollout import advance
+from physagent_jax.mpm.frame import advance
 from physagent_jax.render.renderer import _rasterize
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body

@@ -217,9 +217,9 @@ def test_plastic_memory_and_a_grown_window_are_taken_over(robot):
 def test_shared_frames_are_neither_simulated_nor_rendered_again(robot, monkeypatch):
     before, after = (compiled(robot, LEFT, item) for item in LATER["stronger blow"])
     calls = []
-    rollout = importlib.import_module("physagent_jax.mpm.rollout")  # the package has a function of that name
+    frame = importlib.import_module("physagent_jax.mpm.frame")
     renderer = importlib.import_module("physagent_jax.render.renderer")
-    for module, name in ((rollout, "advance"), (renderer, "render")):
+    for module, name in ((frame, "advance"), (renderer, "render")):
         counted(monkeypatch, calls, module, name)
     first = simulate_scene(before)
     assert (calls.count("advance"), calls.count("render")) == (FRAMES - 1, FRAMES)

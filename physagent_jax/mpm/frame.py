@@ -1,0 +1,226 @@
+"""One frame of `mpm.simulate`: planned, attempted, and planned again until `mpm.diagnosis` finds no fault."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import time
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from physagent_jax.core.arrays import on_device
+from physagent_jax.core.errors import UserError
+from physagent_jax.mpm import reductions
+from physagent_jax.mpm.diagnosis import MAX_SUBSTEPS, Breach, Fault, explain_failure, find_breach, is_hopeless
+from physagent_jax.mpm.health import Health
+from physagent_jax.mpm.ledger import Exchange, balanced, exchange
+from physagent_jax.mpm.plan import acting
+from physagent_jax.mpm.sorting import placed, renewed, restored
+from physagent_jax.mpm.state import Grid, Model, State
+from physagent_jax.mpm.step import kirchhoff_stress, substep
+from physagent_jax.mpm.timestep import kinematic_dt, stable_dt, substeps_for
+from physagent_jax.mpm.window import fit_window
+
+_WIDER = 2.5  # times the room that a window had which particles have left
+
+
+@dataclasses.dataclass(frozen=True)
+class Frame:
+    """One frame handed to the host.
+
+    Attributes:
+        index: Frame number; 0 is the initial state.
+        state: The state at the end of the frame, on the device.
+        substeps: Substeps that led here from the frame before.
+        dt: Their length [s].
+        min_J, max_J: Extremes of det F on the way.
+        retries: Reasons for which this frame was redone, oldest first.
+        grid: The window used; the next frame's is fitted from it.
+        seconds: Wall time of the frame, redone attempts included [s].
+        exchange: What forces, boundaries and dissipation exchanged since the frame before; None = not asked for.
+        order: In which the particles lay in memory meanwhile, shape (n,); None = as they are in ``state``.
+    """
+
+    index: int
+    state: State
+    substeps: int
+    dt: float
+    min_J: float
+    max_J: float
+    retries: tuple[str, ...]
+    grid: Grid
+    seconds: float
+    exchange: Exchange | None = None
+    order: np.ndarray | None = None
+
+    @property
+    def grid_shape(self) -> tuple[int, int, int]:
+        """Nodes of the window."""
+        return self.grid.shape
+
+
+@dataclasses.dataclass(frozen=True)
+class Pace:
+    """How long frames and substeps are, as in `simulate`; ``fixed`` = the substep is forced."""
+
+    frame_dt: float
+    substep_dt: float | None
+    safety: float
+    fixed: bool
+
+
+def next_frame(model: Model, before: Frame, pace: Pace, ledger: bool) -> Frame:
+    """The frame after ``before``, redone with shorter steps or a wider window until it can be trusted.
+
+    Raises:
+        UserError: It cannot be.
+    """
+    begun = time.perf_counter()
+    plan = plan_frame(model, before, pace)
+    breaches: list[Breach] = []
+    while True:
+        after, health, total = attempt_frame(plan, before.state, ledger)
+        breach = find_breach(plan.model, after, health, pace.fixed)
+        if breach is None:
+            break
+        breaches.append(breach)
+        if is_hopeless(breaches, plan.substeps, pace.fixed):
+            raise explain_failure(before.index + 1, breaches, pace.fixed, plan.model, before.state)
+        plan = plan_again(plan, breach, before.state)
+    return Frame(
+        before.index + 1,
+        after,
+        plan.substeps,
+        plan.dt,
+        float(health.min_J),
+        float(health.max_J),
+        tuple(breach.words for breach in breaches),
+        plan.model.grid,
+        time.perf_counter() - begun,
+        total,
+        plan.order,
+    )
+
+
+# Plan
+
+
+@dataclasses.dataclass(frozen=True)
+class FramePlan:
+    """How a frame is to be attempted.
+
+    Attributes:
+        model: With the step and the grid window of the attempt.
+        frame_dt: Length of the frame [s].
+        substeps: How many.
+        margin: Factor on the room that particles have in the window.
+        order: In which particles are to lie in memory, shape (n,); None = as they do.
+    """
+
+    model: Model
+    frame_dt: float
+    substeps: int
+    margin: float
+    order: np.ndarray | None
+
+    @property
+    def dt(self) -> float:
+        """Length of a substep [s]."""
+        return self.frame_dt / self.substeps
+
+
+def plan_frame(model: Model, before: Frame, pace: Pace) -> FramePlan:
+    """The first attempt at the frame after ``before``.
+
+    Raises:
+        UserError: It would take more than MAX_SUBSTEPS.
+    """
+    model = model.replace(grid=before.grid)
+    substeps = count_substeps(model, before.state, pace)
+    order = renewed(before.order, model, before.state)
+    return _fitted(FramePlan(model, pace.frame_dt, substeps, 1.0, order), before.state)
+
+
+def plan_again(plan: FramePlan, breach: Breach, state: State) -> FramePlan:
+    """The next attempt from ``state``: a wider window if that was too small, else steps half as long."""
+    if breach.fault is Fault.LEFT:
+        return _fitted(dataclasses.replace(plan, margin=_WIDER * plan.margin), state)
+    return _fitted(dataclasses.replace(plan, substeps=2 * plan.substeps), state)
+
+
+def count_substeps(model: Model, state: State, pace: Pace) -> int:
+    """Substeps for the coming frame.
+
+    Raises:
+        UserError: They would be more than MAX_SUBSTEPS.
+    """
+    frame_dt = pace.frame_dt
+    if pace.fixed and pace.substep_dt is not None:
+        return substeps_for(frame_dt, pace.substep_dt)
+    elastic = pace.substep_dt or pace.safety * float(stable_dt(model, state))
+    horizon = on_device(frame_dt, state.x.dtype)
+    # With the frame as the step, forces give their mean over it: blows within the frame are foreseen.
+    kinematic = float(kinematic_dt(model.replace(dt=horizon), state, horizon))
+    dt = elastic if math.isnan(kinematic) else min(elastic, kinematic)
+    if frame_dt > MAX_SUBSTEPS * dt:
+        reason = "the material is so stiff" if dt == elastic else "matter moves so fast"
+        raise UserError(
+            f"a frame of {frame_dt:.3g} s would take more than {MAX_SUBSTEPS:,} substeps: {reason}",
+            got=f"a step of {dt:.3g} s",
+            do="Use shorter frames, a softer or denser material, weaker forces, or fewer grid cells",
+        )
+    return substeps_for(frame_dt, dt)
+
+
+def _fitted(plan: FramePlan, state: State) -> FramePlan:
+    """``plan`` with its model's step, and the window that the particles need during the frame."""
+    model, x = plan.model, np.asarray(state.x)
+    speed = float(np.linalg.norm(np.asarray(state.v), axis=-1).max())
+    reach = plan.margin * (speed * plan.frame_dt + 2 * model.grid.dx)
+    grid = fit_window(model.grid, x.min(0), x.max(0), reach)
+    return dataclasses.replace(plan, model=model.replace(grid=grid, dt=on_device(plan.dt, state.x.dtype)))
+
+
+# Attempt
+
+
+def attempt_frame(plan: FramePlan, state: State, ledger: bool) -> tuple[State, Health, Exchange | None]:
+    """`advance` from ``state`` with what acts during the frame, the particles sorted meanwhile."""
+    begin = float(state.time)
+    present = acting(plan.model, begin, begin + plan.frame_dt)
+    substeps = on_device(plan.substeps, np.int32)
+    after, health, total = advance(*placed(plan.order, present, state), substeps, ledger)
+    return restored(plan.order, plan.model, after), health, total
+
+
+@partial(jax.jit, static_argnames="ledger")
+def advance(
+    model: Model, state: State, substeps: jax.Array, ledger: bool = False
+) -> tuple[State, Health, Exchange | None]:
+    """``substeps`` steps in a row (a traced count: no recompilation when it changes), watched.
+
+    Stops where `Health` says that the frame has to be redone: its remaining steps would be wasted. With ``ledger``,
+    what was exchanged is summed too; without, it is not computed.
+    """
+
+    def going(carry):
+        done, _, _, health, _ = carry
+        return (done < substeps) & health.good(model)
+
+    def body(carry):
+        done, state, tau, health, total = carry
+        after, tau, trace = substep(model, state, tau)
+        if total is not None:
+            total = total + exchange(model, state, trace, after)
+        return done + 1, after, tau, health + trace.health, total
+
+    dtype = state.x.dtype
+    tau, total = kirchhoff_stress(model, state), Exchange.none(dtype) if ledger else None
+    start = (jnp.zeros_like(substeps), state, tau, Health.unharmed(dtype), total)
+    _, after, _, health, total = jax.lax.while_loop(going, body, start)
+    finite = reductions.every(jnp.isfinite(after.F).all(), model.axis)  # the return mapping included
+    health = dataclasses.replace(health, finite=health.finite & finite)
+    return after, health, None if total is None else balanced(model, state, after, total)
