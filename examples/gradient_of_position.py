@@ -12,13 +12,13 @@ import jax.numpy as jnp
 import physagent_jax as pa
 
 ROBOT = Path(__file__).parent / "assets" / "robot.ply"
-FRAMES = 5
+FRAMES = 3
 PUSH = {"actions": [{"action_type": "translation", "vector": [1, 0, 0], "magnitude": 0.8}]}
 
 
 def main(steps=3):
     """Returns the distance to the target before each step [m]."""
-    loaded = pa.load_object(ROBOT, max_particles=500)
+    loaded = pa.load_object(ROBOT, max_particles=300)
     scene = pa.build_scene(loaded, force_field=PUSH, frame_count=FRAMES)
     parameters = pa.ForceFieldParameters.of(scene.config.force_field, FRAMES)
     start = pa.trajectory(scene).x[0].mean(0)

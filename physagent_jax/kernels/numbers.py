@@ -115,6 +115,28 @@ def times(factor, a):
     return factor * a[0], factor * a[1], factor * a[2]
 
 
+@njit(**INLINE)
+def dot(a, b):
+    """A . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@njit(**INLINE)
+def row(matrices, p, i):
+    """Row i of particle p's matrix."""
+    return matrices[p, i, 0], matrices[p, i, 1], matrices[p, i, 2]
+
+
+@njit(**INLINE)
+def determinant(a, b, c):
+    """Of the matrix with rows a, b, c."""
+    return (
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+        - a[1] * (b[0] * c[2] - b[2] * c[0])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
+    )
+
+
 @intrinsic
 def take(typing, counter):
     """The next number of a counter that threads share, an array of one word: 0, 1, 2 and so on, each given once."""

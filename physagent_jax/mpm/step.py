@@ -17,6 +17,7 @@ from physagent_jax.mpm import constraints, kernels, materials, reductions, trans
 from physagent_jax.mpm.conform import as_field, conform
 from physagent_jax.mpm.health import Health, measure_health
 from physagent_jax.mpm.linalg import determinant, transpose
+from physagent_jax.mpm.materials import NeoHookean
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import stencil
@@ -102,9 +103,15 @@ def scatter(model: Model, state: State, held: State, tau: jax.Array) -> jax.Arra
     v, push = held.v, jnp.zeros(3, held.v.dtype)
     if not model.forces and not model.constraints:  # gravity alone need not go through memory
         v, push = state.v, model.dt * body_acceleration(model, state)
-    p2g = kernels.compiled().p2g if kernels.use_cpu(model.kernels) else transfer.p2g
-    matter = model.mass, model.volume
-    return p2g(model.stress_form, model.grid, held.x, v, held.C, tau, *matter, push, model.dt)
+    form, grid, matter = model.stress_form, model.grid, (model.mass, model.volume, push, model.dt)
+    if not kernels.use_cpu(model.kernels):
+        return transfer.p2g(form, grid, held.x, v, held.C, tau, *matter)
+    cpu, law = kernels.compiled(), model.materials[0]
+    if isinstance(law, NeoHookean) and len(model.materials) == 1 and model.viscosity is None:
+        # The kernel makes this stress on the way, and ``tau`` is never computed: XLA sees that nobody reads it.
+        lame = (jnp.broadcast_to(parameter, model.mass.shape) for parameter in (law.mu, law.lam))
+        return cpu.p2g_neo_hookean(form, grid, held.x, v, held.C, held.F, *lame, *matter)
+    return cpu.p2g(form, grid, held.x, v, held.C, tau, *matter)
 
 
 def gather(model: Model, state: State, velocity: jax.Array) -> transfer.Moved:

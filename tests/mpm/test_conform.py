@@ -182,6 +182,7 @@ def test_kernels_refuse_what_they_would_misread(x64):
         "push": lambda: cpu.p2g("mls", grid, x, v, C, F, good, good, jnp.zeros((N, 3), jnp.float32), dt),
         "origin": lambda: cpu.p2g("mls", origin, x, v, C, F, good, good, push, dt),
         "three nodes": lambda: cpu.p2g("mls", narrow, x, v, C, F, good, good, push, dt),
+        "lam": lambda: cpu.p2g_neo_hookean("mls", grid, x, v, C, F, good, good[0], good, good, push, dt),
         "velocity": lambda: cpu.g2p("mls", 1, grid, x, v, C, F, node[:-1], dt),
         "`F`": lambda: cpu.g2p("mls", 1, grid, x, v, C, F.astype(jnp.float64), node, dt),
         "basis": lambda: linalg_kernels.compiled().compose(jnp.zeros((1, 2, 3), jnp.float32), F, None, None),

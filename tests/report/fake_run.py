@@ -101,7 +101,7 @@ def _build_iteration(folder: Path, index: int, prompt: str, size: int, *, is_las
     store(folder / "scene.json", _scene(prompt, field))
     store(folder / "force_field.json", field)
     store(folder / "motion_report.json", _motion(index))
-    store(folder / "planner_trace.json", _trace(f"Round {index}: too little < enough."))
+    store(folder / "planner_trace.json", _trace(f"Round {index + 1}: too little < enough."))
     store(folder / "judgement.json", _judgement(index))
     store(folder / "simulation.json", _simulation(index))
     frames = moving_square(index, size)

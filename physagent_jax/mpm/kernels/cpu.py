@@ -15,6 +15,7 @@ from physagent_jax.mpm import transfer
 from physagent_jax.mpm.health import Health
 from physagent_jax.mpm.kernels.handlers import handler
 from physagent_jax.mpm.kernels.transfer import NUMBERS, PADDING, WATCHED
+from physagent_jax.mpm.materials.neo_hookean import NeoHookean
 from physagent_jax.mpm.state import Grid
 
 _BY_NUMBER = (3, 0, 1, 2)  # how the kernels want arrays over the grid, major to minor
@@ -23,12 +24,24 @@ _BY_NUMBER = (3, 0, 1, 2)  # how the kernels want arrays over the grid, major to
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
 def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, push, dt) -> jax.Array:
     """As `transfer.p2g`."""
+    nothing = jnp.zeros(1, x.dtype)
+    return _scatter(form, grid, x, v, C, tau, nothing, nothing, mass, volume, push, dt, neo_hookean=False)
+
+
+@partial(jax.custom_vjp, nondiff_argnums=(0,))
+def p2g_neo_hookean(form: str, grid: Grid, x, v, C, F, mu, lam, mass, volume, push, dt) -> jax.Array:
+    """`p2g` with the stress of `materials.NeoHookean`, which never goes through memory."""
+    return _scatter(form, grid, x, v, C, F, mu, lam, mass, volume, push, dt, neo_hookean=True)
+
+
+def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, push, dt, *, neo_hookean: bool) -> jax.Array:
     count = len(x)
     _check(
         "p2g",
         grid,
-        dict(x=x, v=v, C=C, tau=tau, mass=mass, volume=volume, push=push),
+        dict(x=x, v=v, C=C, tau=tau, mu=mu, lam=lam, mass=mass, volume=volume, push=push),
         dict(x=(count, 3), v=(count, 3), C=(count, 3, 3), tau=(count, 3, 3), mass=(count,), volume=(count,))
+        | dict.fromkeys(("mu", "lam"), (count,) if neo_hookean else (1,))
         | dict(push=(3,)),
     )
     parts, size = thread_count(), NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
@@ -40,8 +53,8 @@ def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, push, dt) -> jax.Arra
         vmap_method="sequential",
         output_layouts=(_BY_NUMBER, None),
     )
-    scalars = _scalars(x.dtype, dt, grid.dx, form == "gradient")
-    return call(x, v, C, tau, mass, volume, push, grid.origin, scalars)[0]
+    scalars = _scalars(x.dtype, dt, grid.dx, form == "gradient", neo_hookean)
+    return call(x, v, C, tau, mu, lam, mass, volume, push, grid.origin, scalars)[0]
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0, 1))
@@ -107,6 +120,20 @@ def _p2g_backward(form, residuals, cotangent):
     return (None, *pull(cotangent))
 
 
+def _p2g_neo_hookean_forward(form, grid, *operands):
+    return p2g_neo_hookean(form, grid, *operands), (grid, operands)
+
+
+def _p2g_neo_hookean_backward(form, residuals, cotangent):
+    grid, operands = residuals
+
+    def reference(x, v, C, F, mu, lam, mass, volume, push, dt):
+        tau = NeoHookean(mu, lam).stress(F)
+        return transfer.p2g(form, grid, x, v, C, tau, mass, volume, push, dt)
+
+    return (None, *jax.vjp(reference, *operands)[1](cotangent))
+
+
 def _g2p_forward(form, wall, grid, *operands):
     return g2p(form, wall, grid, *operands), (grid, operands)
 
@@ -118,4 +145,5 @@ def _g2p_backward(form, wall, residuals, cotangent):
 
 
 p2g.defvjp(_p2g_forward, _p2g_backward)
+p2g_neo_hookean.defvjp(_p2g_neo_hookean_forward, _p2g_neo_hookean_backward)
 g2p.defvjp(_g2p_forward, _g2p_backward)

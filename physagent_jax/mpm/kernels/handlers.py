@@ -23,7 +23,7 @@ def handler(kernel: str, precision: str) -> str:
 
 @njit(**BODY)
 def _p2g(frame, number):
-    scalars = ffi.operand(frame, 8, number, 1)
+    scalars = ffi.operand(frame, 10, number, 1)
     p2g(
         ffi.operand(frame, 0, number, 2),
         ffi.operand(frame, 1, number, 2),
@@ -32,10 +32,13 @@ def _p2g(frame, number):
         ffi.operand(frame, 4, number, 1),
         ffi.operand(frame, 5, number, 1),
         ffi.operand(frame, 6, number, 1),
-        ffi.operand(frame, 7, np.int32, 1),
+        ffi.operand(frame, 7, number, 1),
+        ffi.operand(frame, 8, number, 1),
+        ffi.operand(frame, 9, np.int32, 1),
         scalars[0],
         scalars[1],
         scalars[2] != 0,
+        scalars[3] != 0,
         ffi.result(frame, 0, number, 4),
         ffi.result(frame, 1, number, 2),
     )

@@ -42,9 +42,12 @@ from physagent_jax.kernels.numbers import (
     OPTIONS,
     SHARES,
     columns,
+    determinant,
+    dot,
     like,
     lowest_node,
     put_vector,
+    row,
     share,
     slopes,
     spline,
@@ -59,12 +62,13 @@ WATCHED = 7  # as `mpm.health.Health`, in its order
 
 
 @njit(parallel=True, **OPTIONS)
-def p2g(x, v, C, tau, mass, volume, push, origin, dt, dx, classical, nodes, private):
+def p2g(x, v, C, tau, mu, lam, mass, volume, push, origin, dt, dx, classical, neo_hookean, nodes, private):
     """Fills ``nodes`` with momentum and mass; ``private`` has room for a grid and `PADDING` per thread.
 
     All nodes' first numbers come first in ``nodes``, then the second ones, and so on: what XLA does with them it can
     vectorise then. Particles want them side by side.
 
+    Where all matter is neo-Hookean, ``tau`` is F and the stress is made on the way: it never goes through memory.
     ``push`` is added to all velocities on the way.
     """
     shape, parts = nodes.shape, private.shape[0]
@@ -76,7 +80,8 @@ def p2g(x, v, C, tau, mass, volume, push, origin, dt, dx, classical, nodes, priv
         touched[part, 0], touched[part, 1] = low, high
         own = private[part]
         clear(own, low * plane, max(low, high) * plane + PADDING)
-        scatter(x, v, C, tau, mass, volume, push, origin, dt, dx, classical, own, shape, first, last)
+        options = classical, neo_hookean
+        scatter(x, v, C, tau, mu, lam, mass, volume, push, origin, dt, dx, options, own, shape, first, last)
     for i in prange(shape[0]):
         add_up(private, touched, numbers, np.int64(i), shape)
 
@@ -115,9 +120,9 @@ def add_up(private, touched, nodes, i, shape):
 
 
 @njit(**OPTIONS)
-def scatter(x, v, C, tau, mass, volume, push, origin, dt, dx, classical, nodes, shape, first, last):
+def scatter(x, v, C, tau, mu, lam, mass, volume, push, origin, dt, dx, options, nodes, shape, first, last):
     """Adds the particles ``first`` to ``last`` to ``nodes``, a flat array with four numbers per node."""
-    zero, rows = like(0, dx), NUMBERS * shape[2]
+    zero, rows, (classical, neo_hookean) = like(0, dx), NUMBERS * shape[2], options
     pushed = push[0], push[1], push[2]
     for p in range(first, last):
         start, f0, f1, f2 = place(x, p, origin, dx, shape)
@@ -126,7 +131,7 @@ def scatter(x, v, C, tau, mass, volume, push, origin, dt, dx, classical, nodes, 
         # Node (i, j, k) of the stencil gets w_i (q + A (i, j, k)), with q the momentum at the lowest node.
         m, impulse = mass[p], -dt * volume[p] / dx
         k = zero if classical else like(4, dx) * impulse
-        t0, t1, t2 = columns(tau, p)
+        t0, t1, t2 = neo_hookean_stress(tau, mu[p], lam[p], p) if neo_hookean else columns(tau, p)
         a0, a1, a2 = affine(t0, t1, t2, k, C, m * dx, p)
         q = momentum(v, pushed, m, a0, a1, a2, p, f0, f1, f2)
         row0 = per_number(q, m) * along + per_number(a2, zero) * per_node((zero, Z[1], Z[2] + Z[2]))
@@ -339,6 +344,19 @@ def passes(x, p, low, high):
         if x[p, d] < low or x[p, d] > high:
             return 1
     return 0
+
+
+@njit(**INLINE)
+def neo_hookean_stress(F, mu, lam, p):
+    """Columns of the Kirchhoff stress of `materials.NeoHookean`."""
+    a, b, c = row(F, p, 0), row(F, p, 1), row(F, p, 2)
+    pressure = lam * np.log(determinant(a, b, c)) - mu
+    ab, ac, bc = mu * dot(a, b), mu * dot(a, c), mu * dot(b, c)
+    return (
+        (mu * dot(a, a) + pressure, ab, ac),
+        (ab, mu * dot(b, b) + pressure, bc),
+        (ac, bc, mu * dot(c, c) + pressure),
+    )
 
 
 @njit(**INLINE)
