@@ -160,7 +160,7 @@ def test_every_check_and_change_is_shown(run, page):
 
 def test_the_agents_exchanges_are_shown(page):
     for index in range(3):
-        assert f"Round {index}: too little < enough." in page.text
+        assert f"Round {index + 1}: too little < enough." in page.text
     assert page.text.count("How the planner came to it") == 3
     assert "How the semantic agent came to it" in page.text and "`magnitude` is missing" in page.text
     assert "user, with 2 pictures" in page.text and "some-model" in page.text
