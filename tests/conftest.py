@@ -26,8 +26,10 @@ def compile_quickly() -> None:
     For this process only: what tests start (the command line, the README's code) is compiled as users have it.
     XLA reads its flags once, and ends the program at one that it does not know.
     """
+    if not QUICK_TO_COMPILE:
+        return
     given = os.environ.get("XLA_FLAGS")
-    os.environ["XLA_FLAGS"] = f"{given or ''} {QUICK_TO_COMPILE}"
+    os.environ["XLA_FLAGS"] = f"{given or ''} {QUICK_TO_COMPILE}".strip()
     jax.jit(lambda: 0)()
     if given is None:
         del os.environ["XLA_FLAGS"]

@@ -107,7 +107,9 @@ def scatter(model: Model, state: State, held: State, tau: jax.Array) -> jax.Arra
     if not kernels.use_cpu(model.kernels):
         return transfer.p2g(form, grid, held.x, v, held.C, tau, *matter)
     cpu, law = kernels.compiled(), model.materials[0]
-    if isinstance(law, NeoHookean) and len(model.materials) == 1 and model.viscosity is None:
+    if (
+        type(law) is NeoHookean and len(model.materials) == 1 and model.viscosity is None
+    ):  # a subclass may differ
         # The kernel makes this stress on the way, and ``tau`` is never computed: XLA sees that nobody reads it.
         lame = (jnp.broadcast_to(parameter, model.mass.shape) for parameter in (law.mu, law.lam))
         return cpu.p2g_neo_hookean(form, grid, held.x, v, held.C, held.F, *lame, *matter)

@@ -10,6 +10,7 @@ import pytest
 
 import physagent_jax.kernels as choice
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import Grid, kernels, materials, rollout, simulate, transfer
 from physagent_jax.mpm.linalg import isotropic, svd
 from physagent_jax.mpm.linalg.kernels import compiled
@@ -166,6 +167,27 @@ def test_a_simulation_of_every_law_equals_the_reference(law, x64):
     np.testing.assert_allclose(one.state.x, other.state.x, atol=1e-10)
     np.testing.assert_allclose(one.state.F, other.state.F, atol=1e-8)
     assert one.min_J == pytest.approx(other.min_J, abs=1e-8)
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True)
+class TwiceAsStiff(materials.NeoHookean):
+    """A law that the kernels know by its base only."""
+
+    def stress(self, F, history=()):
+        return 2 * super().stress(F, history)
+
+
+def test_a_subclass_of_a_law_that_kernels_know_keeps_its_own_stress(x64):
+    def end(choice):
+        model, state = block((2, 2, 2), dtype=np.float64, kernels=choice)
+        model = model.replace(materials=(TwiceAsStiff(model.materials[0].mu, model.materials[0].lam),))
+        F = state.F.at[:, 0, 1].set(0.1)
+        return rollout(model, dataclasses.replace(state, F=F), frame_count=1, substeps=5)[0]
+
+    one, other = end("cpu"), end("reference")
+    assert float(jnp.abs(other.v).max()) > 1e-3
+    np.testing.assert_allclose(one.v, other.v, atol=1e-10)
 
 
 @pytest.mark.parametrize("dtype", ["float32", "float64"])

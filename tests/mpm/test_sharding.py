@@ -25,7 +25,7 @@ def computed(which, file):
         JAX_PLATFORMS="cpu",
         JAX_ENABLE_X64="1",
         JAX_DISABLE_MOST_OPTIMIZATIONS="1",  # compiling takes longer than running
-        XLA_FLAGS=f"--xla_force_host_platform_device_count=4 {QUICK_TO_COMPILE}",
+        XLA_FLAGS=f"--xla_force_host_platform_device_count=4 {QUICK_TO_COMPILE}".strip(),
     )
     command = [sys.executable, "-m", "tests.mpm.sharded_runs", which, str(file)]
     done = subprocess.run(command, cwd=REPOSITORY, env=variables, capture_output=True, text=True)
