@@ -62,7 +62,7 @@ def read_video(path: str | Path) -> np.ndarray:
     try:
         with av.open(str(path)) as file:
             pictures = [frame.to_ndarray(format="rgb24") for frame in file.decode(video=0)]
-    except (OSError, FFmpegError, IndexError) as error:
+    except (OSError, FFmpegError, IndexError, UnicodeError) as error:  # names of codecs may be damaged too
         raise UserError(
             f"cannot read the video {path}", got=error, do="Check that it is a finished mp4"
         ) from None
