@@ -38,6 +38,6 @@ def _import(data: dict, object_path: Path) -> tuple[SceneConfig, list[str]]:
     path = str(object_path.resolve())
     scene, _ = import_physgaussian(data, object_path=path, file_units_per_metre=1.0)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # the same warnings come when the scene is played
+        warnings.simplefilter("ignore", UserWarning)  # the same warnings come when the scene's body is made
         _, placement = place(load_object(scene.source, "."), scene.source, scene.domain)
     return import_physgaussian(data, object_path=path, file_units_per_metre=1 / placement.scale)
