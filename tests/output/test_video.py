@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 
 import av
 import imageio.v3 as iio
@@ -106,4 +108,22 @@ def test_the_bytes_do_not_depend_on_the_cores_that_are_free(tmp_path):
             files.append(write_video(tmp_path / "clip.mp4", frames, 25).read_bytes())
     finally:
         os.sched_setaffinity(0, cores)
+    assert files[0] == files[1] == files[2]
+
+
+def test_the_bytes_do_not_depend_on_what_memory_held_before(tmp_path):
+    """x264's macroblock tree read memory that nobody had written (with AVX-512); glibc fills it with what we say."""
+    program = (
+        "import sys; import numpy as np; from physagent_jax.output.video import write_video\n"
+        "y, x = np.mgrid[:160, :160]\n"
+        "discs = [(x - 48 - 5 * i) ** 2 + (y - 80) ** 2 < 40**2 for i in range(12)]\n"
+        "grey = np.where(discs, 200, 40).astype(np.uint8)\n"
+        "write_video(sys.argv[1], np.stack([grey] * 3, -1), 25)"
+    )
+    files = []
+    for fill in (1, 170, 255):
+        path = tmp_path / f"{fill}.mp4"
+        environment = {**os.environ, "MALLOC_PERTURB_": str(fill)}
+        subprocess.run([sys.executable, "-c", program, str(path)], check=True, env=environment)
+        files.append(path.read_bytes())
     assert files[0] == files[1] == files[2]
