@@ -14,15 +14,13 @@ from physagent_jax.scene.config import Filling
 from physagent_jax.scene.density import CellGrid, interior, overlap_density
 
 SURFACE_SHARE = 0.5  # of the cap that surface particles may take if the inside needs the rest
-WALL_WEIGHT = (
-    0.5  # share of an outer wall cell that is matter: the surface runs through it, on average midway
-)
-WALL_DEPTH = 2.0  # cells from outside up to which cells are outer ones
+OUTSIDE, OUTER, INNER = 0, 1, 2  # layers of cells; outer ones are solid and at most two cells from outside
 INSIDE_JITTER = 0.35  # half width of the random offset, in strata
 WALL_JITTER = 0.15  # less near the surface, so that particles do not stick out
 MAX_CELLS = 512  # along the longest side
-MOST_CELLS = 64_000_000  # in all: about 4 GB
-MOST_PLACES = 100_000_000  # about 2 GB
+MOST_CELLS = 64_000_000  # in all: about 2 GB where most are solid
+MOST_PLACES = 100_000_000  # of which particles take theirs at random: seconds, no memory
+_AT_ONCE = 1_000_000  # random numbers
 
 
 @dataclasses.dataclass(frozen=True)
@@ -97,17 +95,19 @@ def fill(cloud: GaussianCloud, config: Filling, *, dx: float) -> Particles:
         inside = interior(
             wall, exclude=config.exclude_direction, cast=config.ray_cast_direction, search=search
         )
-    depth = np.asarray(ndimage.distance_transform_edt(wall | inside))  # cells to the outside
-    present = np.zeros(grid.shape, np.int32)
-    np.add.at(present, tuple(cells.T), 1)
-    added = _added_points(grid, depth, present, config) if config.enabled else np.zeros((0, 3))
-    surface, filled = _capped(means, added, grid, config.max_particles)
-    x = np.concatenate([means[surface], added[filled]])
-    index = np.concatenate([surface, np.full(len(filled), -1)])
+    layer = _layers(wall | inside)
+    hollow, lack = _lacking(layer, cells, config)
+    lacking = int(lack.sum())
+    room = config.max_particles - lacking  # for the surface
+    surface = even_subset(cells, max(room, int(SURFACE_SHARE * config.max_particles)))
+    kept = _even_counts(hollow, lack, config.max_particles - len(surface))
+    added = _stratified_points(grid, hollow, lack, kept, layer[tuple(hollow.T)] == INNER, config)
+    x = np.concatenate([means[surface], added])
+    index = np.concatenate([surface, np.full(len(added), -1)])
     if config.volumes == "cells":
         volume = _cell_shares(x, dx)
     else:
-        volume = _volumes(grid.cells(x), wall, depth, grid.spacing)
+        volume = _volumes(grid.cells(x), wall, layer, grid.spacing)
     return Particles(x.astype(np.float32), volume.astype(np.float32), index.astype(np.int32))
 
 
@@ -145,45 +145,96 @@ def _walls(cloud, config: Filling, grid: CellGrid, cells: np.ndarray) -> tuple[n
     if config.smooth:
         density = ndimage.gaussian_filter(density, 1.0, mode="constant")
     if config.density_unit == "coverage":
-        density = -10.0 * np.expm1(-density)
+        density = np.expm1(np.negative(density, out=density), out=density)
+        density *= -10.0
     wall, search = density > config.density_threshold, density > config.search_threshold
     wall[tuple(cells.T)] = True
     return wall, search | wall
 
 
-def _added_points(grid: CellGrid, depth, present, config: Filling) -> np.ndarray:
-    """Stratified positions [m] that top cells up to ``particles_per_cell``, shape (n, 3)."""
-    rng = np.random.default_rng(config.seed)
-    wanted = config.particles_per_cell
-    lack = np.where(depth > 0, np.maximum(wanted - present, 0), 0)
-    cells = np.argwhere(lack > 0)
-    strata = int(np.ceil(wanted ** (1 / 3) - 1e-9))
-    if len(cells) * strata**3 > MOST_PLACES:
+def _layers(solid: np.ndarray) -> np.ndarray:
+    """`OUTSIDE`, `OUTER` or `INNER` for each cell, uint8."""
+    outside = ~solid
+    near = ndimage.binary_dilation(outside, ndimage.generate_binary_structure(3, 1), iterations=2)
+    near |= ndimage.binary_dilation(
+        outside, np.ones((3, 3, 3), bool)
+    )  # with these, all within two cells' length
+    return np.where(solid, np.where(near, OUTER, INNER), OUTSIDE).astype(np.uint8)
+
+
+def _lacking(layer: np.ndarray, cells: np.ndarray, config: Filling) -> tuple[np.ndarray, np.ndarray]:
+    """Solid cells that hold fewer particles than wanted, shape (n, 3), and how many they lack, shape (n,).
+
+    Args:
+        layer: Of each cell.
+        cells: Those of the Gaussians, shape (g, 3).
+        config: How to fill.
+    """
+    if not config.enabled:
+        return np.zeros((0, 3), np.int16), np.zeros(0, np.int8)
+    lack = np.where(layer == OUTSIDE, 0, config.particles_per_cell).astype(np.int8).ravel()
+    occupied, count = np.unique(np.ravel_multi_index(tuple(cells.T), layer.shape), return_counts=True)
+    lack[occupied] = np.maximum(lack[occupied] - count, 0)
+    where = np.flatnonzero(lack).astype(np.int32)
+    places = len(where) * _strata(config) ** 3
+    if places > MOST_PLACES:
         raise UserError(
             "filling the object takes too many places for particles",
-            got=f"{len(cells):,} cells of {strata**3}, at most {MOST_PLACES:,} in all",
+            got=f"{len(where):,} cells of {_strata(config) ** 3}, at most {MOST_PLACES:,} in all",
             do="Use fewer `filling.particles_per_cell` or `filling.cells`",
         )
-    # Each cell's first ``lack`` strata in a random order of its own.
-    order = np.argsort(rng.random((len(cells), strata**3)), axis=1, kind="stable")
-    taken = np.arange(strata**3) < lack[tuple(cells.T)][:, None]
-    row = np.nonzero(taken)[0]
-    corner = np.stack(np.unravel_index(order[taken], (strata,) * 3), axis=1)
-    width = np.where(depth[tuple(cells[row].T)] > WALL_DEPTH, INSIDE_JITTER, WALL_JITTER)[:, None]
-    jitter = width * rng.uniform(-1, 1, (len(row), 3))
-    return grid.low + (cells[row] + (corner + 0.5 + jitter) / strata) * grid.spacing
+    hollow = np.empty((len(where), 3), np.int16)
+    column, hollow[:, 2] = np.divmod(where, layer.shape[2])
+    hollow[:, 0], hollow[:, 1] = np.divmod(column, layer.shape[1])
+    return hollow, lack[where]
 
 
-def _capped(means, added, grid: CellGrid, cap: int) -> tuple[np.ndarray, np.ndarray]:
-    """Indices of the Gaussians and of the added points that are kept, increasing."""
-    total = len(means) + len(added)
-    if total <= cap:
-        return np.arange(len(means)), np.arange(len(added))
-    surface = min(len(means), max(cap - len(added), int(SURFACE_SHARE * cap)))
-    return (
-        even_subset(grid.cells(means), surface),
-        even_subset(grid.cells(added), min(len(added), cap - surface)),
-    )
+def _strata(config: Filling) -> int:
+    """Along an edge of a cell."""
+    return int(np.ceil(config.particles_per_cell ** (1 / 3) - 1e-9))
+
+
+def _stratified_points(grid: CellGrid, cells, lack, kept, inner, config: Filling) -> np.ndarray:
+    """The first ``kept`` of the ``lack`` stratified positions in each of ``cells`` [m], shape (kept.sum(), 3).
+
+    The rest are drawn too, and dropped: a point is where it is whatever the cap.
+    """
+    rng = np.random.default_rng(config.seed)
+    strata = _strata(config)
+    step = max(_AT_ONCE // strata**3, 1)
+    parts = [slice(first, first + step) for first in range(0, len(cells), step)]
+    corners = []
+    for part in parts:  # each cell's strata in a random order of its own
+        order = np.argsort(rng.random((len(lack[part]), strata**3)), axis=1, kind="stable")
+        chosen = order[np.arange(strata**3) < kept[part][:, None]]
+        corners.append(np.stack(np.unravel_index(chosen, (strata,) * 3), axis=1))
+    points = [np.zeros((0, 3))]
+    for part, corner in zip(parts, corners):
+        jitter = rng.uniform(-1, 1, (lack[part].sum(), 3))[
+            _ranks(lack[part]) < np.repeat(kept[part], lack[part])
+        ]
+        row = np.repeat(np.arange(len(lack[part])), kept[part])
+        jitter *= np.where(inner[part][row], INSIDE_JITTER, WALL_JITTER)[:, None]
+        points.append(grid.low + (cells[part][row] + (corner + 0.5 + jitter) / strata) * grid.spacing)
+    return np.concatenate(points)
+
+
+def _ranks(counts: np.ndarray) -> np.ndarray:
+    """0, 1, ... within each group, for groups of ``counts`` in a row; shape (counts.sum(),)."""
+    return np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
+def _even_counts(cells: np.ndarray, available: np.ndarray, count: int) -> np.ndarray:
+    """How many of each cell's ``available`` points to keep, spread as by `even_subset`; at most ``count`` in all."""
+    if available.sum() <= count:
+        return available
+    layers = np.cumsum([(available > taken).sum() for taken in range(available.max())])
+    whole = int(np.searchsorted(layers, count, side="right"))
+    kept = np.minimum(available, whole)
+    last = np.flatnonzero(available > whole)
+    last = last[np.argsort(_morton(cells[last]), kind="stable")]
+    kept[_evenly(last, count - int(kept.sum()))] += 1
+    return kept
 
 
 def even_subset(cells: np.ndarray, count: int) -> np.ndarray:
@@ -202,41 +253,50 @@ def even_subset(cells: np.ndarray, count: int) -> np.ndarray:
     order = np.argsort(code, kind="stable")
     sorted_code = code[order]
     starts = np.flatnonzero(np.concatenate([[True], sorted_code[1:] != sorted_code[:-1]]))
-    rank = np.arange(len(order)) - np.repeat(starts, np.diff(np.append(starts, len(order))))
+    rank = _ranks(np.diff(np.append(starts, len(order))))
     layers = np.cumsum(np.bincount(rank))
     whole = int(np.searchsorted(layers, count, side="right"))  # layers that fit
     kept = order[rank < whole]
-    layer = order[rank == whole]
-    rest = count - len(kept)
-    return np.sort(np.concatenate([kept, layer[(np.arange(rest) * 2 + 1) * len(layer) // max(2 * rest, 1)]]))
+    return np.sort(np.concatenate([kept, _evenly(order[rank == whole], count - len(kept))]))
+
+
+def _evenly(values: np.ndarray, count: int) -> np.ndarray:
+    """``count`` of ``values``, at equal steps."""
+    return values[(np.arange(count) * 2 + 1) * len(values) // max(2 * count, 1)]
 
 
 def _morton(cells: np.ndarray) -> np.ndarray:
-    """Interleaves the low ten bits of the indices, so that near codes are near cells; shape (n,)."""
-    code = np.zeros(len(cells), np.int64)
-    for bit in range(10):
-        for axis in range(3):
-            code |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
+    """Interleaves the low ten bits of the indices, so that near codes are near cells; uint32, shape (n,)."""
+    code = np.zeros(len(cells), np.uint32)
+    for axis in range(3):
+        bits = cells[:, axis].astype(np.uint32)
+        for shift, mask in ((16, 0x030000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249)):
+            bits |= bits << shift  # halves move apart, until two empty bits follow each
+            bits &= mask
+        code |= bits << axis
     return code
 
 
-def _volumes(cells: np.ndarray, wall: np.ndarray, depth: np.ndarray, spacing: float) -> np.ndarray:
+def _volumes(cells: np.ndarray, wall: np.ndarray, layer: np.ndarray, spacing: float) -> np.ndarray:
     """Volume of each particle [m^3], shape (n,).
 
+    A solid cell is matter; of an outer wall cell half is, because the surface runs through it, on average midway.
     Cells' matter is shared within blocks of 1, 2, 4, ... cells, the smallest for which nearly all matter lies
     in blocks that hold particles (1 unless the cap thinned them); the rest is spread over all.
     """
-    matter = np.where(wall & (depth <= WALL_DEPTH), WALL_WEIGHT, depth > 0) * spacing**3
-    total = matter.sum()
+    matter = np.where(layer == OUTSIDE, 0, np.where(wall & (layer == OUTER), 1, 2)).astype(
+        np.uint8
+    )  # half cells
+    total = matter.sum(dtype=np.int64)
     block = 1
     while True:
-        shape = tuple(-(-s // block) for s in wall.shape)
-        key = np.ravel_multi_index(tuple((cells // block).T), shape)
-        count = np.bincount(key, minlength=np.prod(shape))
-        held = _block_sums(matter, block, shape).ravel()
-        covered = held[count > 0].sum()
-        if covered >= 0.98 * total or max(shape) == 1:
-            return held[key] / count[key] * (total / covered)
+        sums = _block_sums(matter, block)
+        key = np.ravel_multi_index(tuple((cells // block).T), sums.shape)
+        occupied, where, count = np.unique(key, return_inverse=True, return_counts=True)
+        held = sums.ravel()[occupied]
+        covered = held.sum(dtype=np.int64)
+        if covered >= 0.98 * total or max(sums.shape) == 1:
+            return (held / count * (total / covered * 0.5 * spacing**3))[where]
         block *= 2
 
 
@@ -246,7 +306,11 @@ def _cell_shares(x: np.ndarray, dx: float) -> np.ndarray:
     return dx**3 / count[cell.ravel()]
 
 
-def _block_sums(values: np.ndarray, block: int, shape: tuple[int, ...]) -> np.ndarray:
-    padded = np.pad(values, [(0, n * block - s) for n, s in zip(shape, values.shape)])
+def _block_sums(values: np.ndarray, block: int) -> np.ndarray:
+    """Sums of ``values`` over cubes of ``block`` cells along each side, from the low corner on."""
+    if block == 1:
+        return values
+    shape = [-(-side // block) for side in values.shape]
+    padded = np.pad(values, [(0, n * block - side) for n, side in zip(shape, values.shape)])
     split = padded.reshape(shape[0], block, shape[1], block, shape[2], block)
-    return split.sum(axis=(1, 3, 5))
+    return split.sum(axis=(1, 3, 5), dtype=np.int64)

@@ -1,5 +1,6 @@
 import dataclasses
 import time
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -49,6 +50,20 @@ def test_volumes_survive_the_cap():
         assert particles.count == cap
         assert particles.volume.sum() == pytest.approx(whole.volume.sum(), rel=1e-4)
         assert particles.volume.max() < 40 * particles.volume.sum() / cap  # none stands for a whole region
+
+
+def test_filling_takes_forty_bytes_a_cell(monkeypatch):
+    """So that as many cells as are accepted fit into a laptop's memory; working arrays beside are of fixed size."""
+    monkeypatch.setattr("physagent_jax.scene.density._BATCH", 50_000)
+    monkeypatch.setattr("physagent_jax.scene.filling._AT_ONCE", 50_000)
+    cloud, config = box_shell((1, 1, 1), 40_000), Filling(cells=96, particles_per_cell=4, max_particles=1000)
+    tracemalloc.start()
+    try:
+        fill(cloud, config, dx=0.1)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 40 * 101**3 + 20e6
 
 
 def test_a_sphere_is_filled_uniformly():
