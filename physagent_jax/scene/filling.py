@@ -155,10 +155,9 @@ def _walls(cloud, config: Filling, grid: CellGrid, cells: np.ndarray) -> tuple[n
 def _layers(solid: np.ndarray) -> np.ndarray:
     """`OUTSIDE`, `OUTER` or `INNER` for each cell, uint8."""
     outside = ~solid
-    near = ndimage.binary_dilation(outside, ndimage.generate_binary_structure(3, 1), iterations=2)
-    near |= ndimage.binary_dilation(
-        outside, np.ones((3, 3, 3), bool)
-    )  # with these, all within two cells' length
+    diamond, cube = ndimage.generate_binary_structure(3, 1), np.ones((3, 3, 3), bool)
+    near = np.asarray(ndimage.binary_dilation(outside, diamond, iterations=2))
+    near |= np.asarray(ndimage.binary_dilation(outside, cube))  # with these, all within two cells' length
     return np.where(solid, np.where(near, OUTER, INNER), OUTSIDE).astype(np.uint8)
 
 
