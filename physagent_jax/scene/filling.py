@@ -156,8 +156,9 @@ def _layers(solid: np.ndarray) -> np.ndarray:
     """`OUTSIDE`, `OUTER` or `INNER` for each cell, uint8."""
     outside = ~solid
     diamond, cube = ndimage.generate_binary_structure(3, 1), np.ones((3, 3, 3), bool)
-    near = np.asarray(ndimage.binary_dilation(outside, diamond, iterations=2))
-    near |= np.asarray(ndimage.binary_dilation(outside, cube))  # with these, all within two cells' length
+    near = np.logical_or(  # all within two cells' length
+        ndimage.binary_dilation(outside, diamond, iterations=2), ndimage.binary_dilation(outside, cube)
+    )
     return np.where(solid, np.where(near, OUTER, INNER), OUTSIDE).astype(np.uint8)
 
 
