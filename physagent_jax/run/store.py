@@ -77,10 +77,7 @@ class RunStore:
             if earlier.inputs == manifest.inputs and not (overwrite and earlier.complete):
                 return RunStore(path, earlier, lock)
             if not overwrite:
-                raise UserError(
-                    f"{path} holds another run ({earlier.prompt!r}, or other settings)",
-                    do="Choose another --out, or pass --overwrite to replace it",
-                )
+                raise _another_run(path, earlier)
             _check_needed(path, earlier, needed)
             return RunStore(path, manifest, lock, replaced=earlier)
         except BaseException:
@@ -208,6 +205,20 @@ def _give_way(path: Path, unfinished: Manifest) -> Manifest | None:
     """Removes an unfinished run; returns the one that it was to replace, which stands again, if there is one."""
     previous.remove(path, unfinished.files)
     return _recover(path)
+
+
+def _another_run(path: Path, earlier: Manifest) -> UserError:
+    what = f"{path} holds another run ({earlier.prompt!r}, or other settings)"
+    if previous.exists(path):
+        replaced = _read(previous.manifest_of(path), Manifest)
+        assert replaced is not None
+        return UserError(
+            what,
+            got=f"it was stopped before it had replaced the run of {replaced.prompt!r}",
+            do="Repeat its command to finish it, or pass --overwrite to drop it: the earlier run stands again until "
+            "the new one is complete",
+        )
+    return UserError(what, do="Choose another --out, or pass --overwrite to replace it")
 
 
 def _check_needed(path: Path, earlier: Manifest, needed: Iterable[Path]) -> None:

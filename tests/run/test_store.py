@@ -179,6 +179,8 @@ def test_an_unfinished_run_goes_on_with_overwrite_and_gives_way_to_what_it_was_t
         write_text(store.claimed("semantic.json"), "two")
     with RunStore.open(path, manifest("two"), overwrite=True) as store:
         assert "semantic.json" in store.manifest.files and not store.manifest.complete
+    with pytest.raises(UserError, match="'two'.*before it had replaced the run of 'one'.*stands again"):
+        RunStore.open(path, manifest("one"))
     assert make(path, "one", overwrite=True).manifest.complete  # it stands again: nothing is made anew
     assert contents(path) == of("one")
 
