@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
@@ -13,7 +13,6 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import validation_message
 
 if TYPE_CHECKING:
-    from physagent_jax.cli.run import Run
     from physagent_jax.run.spec import RunSpec
 
 OPTIONS = {
@@ -52,22 +51,22 @@ OPTIONS = {
 _BESIDE = {"out", "spec", "max_minutes", "max_memory", "overwrite", "json_line"}  # not what a run is
 
 
-def to_spec(command: Run) -> RunSpec:
-    """What the options say.
+def to_spec(options: Mapping[str, Any]) -> RunSpec:
+    """What the ``options`` say, by the names of `Run`'s fields.
 
     Raises:
         UserError: An option is missing, out of range, excluded by another or meaningless without it.
     """
     from physagent_jax.run.spec import RunSpec
 
-    missing = [f"--{name}" for name in ("object", "prompt") if getattr(command, name) is None]
+    missing = [f"--{name}" for name in ("object", "prompt") if options[name] is None]
     if missing:
         raise UserError(f"{' and '.join(missing)} must be given", do="Give them, or --spec file.json")
-    _check_pairs(command)
-    values = {field: _plain(getattr(command, _attribute(option))) for field, option in OPTIONS.items()}
+    _check_pairs(options)
+    values = {field: _plain(options[_attribute(option)]) for field, option in OPTIONS.items()}
     values["overrides.height"] = values["overrides.width"]
-    if command.anchor_box is not None:
-        values["anchor.point"], values["anchor.half_size"] = command.anchor_box[:3], command.anchor_box[3:]
+    if (box := options["anchor_box"]) is not None:
+        values["anchor.point"], values["anchor.half_size"] = box[:3], box[3:]
     try:
         return RunSpec.model_validate(_nested(values))
     except ValidationError as error:
@@ -76,24 +75,26 @@ def to_spec(command: Run) -> RunSpec:
         ) from None
 
 
-def read_whole_spec(command: Run) -> RunSpec:
+def read_whole_spec(path: Path, changed: Iterable[str]) -> RunSpec:
     """The spec in the file of ``--spec``.
+
+    Args:
+        path: The file.
+        changed: Names of the fields of `Run` that are not at their defaults.
 
     Raises:
         UserError: The file is no spec, or an option says what the file says.
     """
     from physagent_jax.run.spec import read_spec
 
-    assert command.spec is not None
-    fields = [field for field in dataclasses.fields(command) if field.name not in _BESIDE]
-    given = [_option(field.name) for field in fields if getattr(command, field.name) != field.default]
+    given = [_option(name) for name in changed if name not in _BESIDE]
     if given:
         raise UserError(
             "`--spec` says all of the run, and so do other options",
             got=", ".join(given),
             do="Leave them out, or write them into the file",
         )
-    return read_spec(command.spec)
+    return read_spec(path)
 
 
 @contextmanager
@@ -114,21 +115,21 @@ def in_words(text: str) -> str:
     return text
 
 
-def _check_pairs(command: Run) -> None:
+def _check_pairs(options: Mapping[str, Any]) -> None:
     """Refuses options that exclude each other, or that mean nothing without another."""
-    if command.physgm is not None and command.material is not None:
+    if options["physgm"] is not None and options["material"] is not None:
         raise UserError(
             "`--physgm` and `--material` both say what the object is made of", do="Pass one of them"
         )
     for kind in ("box", "mask"):
-        option, given = f"--anchor-{kind}", getattr(command, f"anchor_{kind}") is not None
-        if given and command.anchor != kind:
+        option, given = f"--anchor-{kind}", options[f"anchor_{kind}"] is not None
+        if given and options["anchor"] != kind:
             raise UserError(
                 f"`{option}` means nothing without `--anchor {kind}`",
-                got=f"--anchor {command.anchor}",
+                got=f"--anchor {options['anchor']}",
                 do=f"Pass `--anchor {kind}`, or leave `{option}` out",
             )
-        if command.anchor == kind and not given:
+        if options["anchor"] == kind and not given:
             example = "x y z hx hy hz" if kind == "box" else "mask.npy"
             raise UserError(f"`--anchor {kind}` needs a {kind}", do=f"Pass {option} {example}")
 

@@ -114,9 +114,12 @@ class Run:
         limits = Limits(self.max_minutes, self.max_memory)
         if self.spec is None:
             with in_options():
-                run = resolve(to_spec(self), origin="command line")
+                run = resolve(to_spec(vars(self)), origin="command line")
         else:
-            run = resolve(read_whole_spec(self), self.spec.parent, origin=str(self.spec))
+            changed = [
+                each.name for each in dataclasses.fields(self) if getattr(self, each.name) != each.default
+            ]
+            run = resolve(read_whole_spec(self.spec, changed), self.spec.parent, origin=str(self.spec))
         for text in run.warnings:  # now, while the run can still be stopped
             warn(in_words(text) if self.spec is None else text)
         observer = ConsoleObserver()

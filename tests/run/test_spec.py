@@ -112,7 +112,7 @@ def test_options_say_what_a_spec_says(tmp_path, robot_path):
         anchor=dict(kind="box", point=(2, 2, 2), half_size=(1, 1, 0.5)),
         material=dict(soften=3.0), save=dict(splats=True),
     )  # fmt: skip
-    assert to_spec(command) == spec
+    assert to_spec(vars(command)) == spec
 
 
 def test_every_option_sets_a_field():
