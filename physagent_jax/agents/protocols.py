@@ -1,7 +1,8 @@
 """The three agents of the loop as protocols; offline rules and language models implement them alike.
 
 Each is called with one `AgentContext` and returns its answer with a `Trace`. An agent that keeps nothing between calls
-lets a stopped run resume anywhere.
+lets a stopped run resume anywhere. One that finds no answer raises `AgentError` with the trace until then: the run
+keeps that and ends, and the same command asks again.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ class SemanticAgent(Agent, Protocol):
 
         Raises:
             UserError: The prompt is empty or nothing in it can be understood.
+            AgentError: There is no answer.
         """
         ...
 
@@ -47,7 +49,11 @@ class PlannerAgent(Agent, Protocol):
         return ()
 
     def judge(self, context: AgentContext, seen: Observation) -> Reply[Judgement]:
-        """Compares what was ``seen`` with what ``context.prompt`` asked for."""
+        """Compares what was ``seen`` with what ``context.prompt`` asked for.
+
+        Raises:
+            AgentError: There is no answer.
+        """
         ...
 
 
@@ -58,6 +64,9 @@ class ExecutorAgent(Agent, Protocol):
         """Mends the force field of the round that has just ``failed``.
 
         The same force field again means that there is nothing left to try.
+
+        Raises:
+            AgentError: There is no answer.
         """
         ...
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Generic, Literal, TypeVar
 
+from physagent_jax.core.errors import UserError
 from physagent_jax.core.strict import Count, NonNegative, Strict
 
 Value = TypeVar("Value")
@@ -63,3 +64,30 @@ class Reply(Generic[Value]):
 
     value: Value
     trace: Trace = Trace()
+
+
+class FailedCall(Strict):
+    """A call of an agent that gave no answer.
+
+    Attributes:
+        error: Why.
+        trace: What was tried, and what that cost.
+    """
+
+    error: str
+    trace: Trace
+
+
+class AgentError(UserError):
+    """An agent has no answer, after whatever it tried to repair; the run keeps what was tried and ends.
+
+    Args:
+        what: What is wrong.
+        trace: The exchange until then, refused replies and tokens included.
+        got: The offending value, if showing it helps.
+        do: What to do about it; the loop adds that the same command asks again.
+    """
+
+    def __init__(self, what: str, *, trace: Trace, got: object = None, do: str = ""):
+        super().__init__(what, got=got, do=do)
+        self.trace = trace

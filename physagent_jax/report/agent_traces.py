@@ -2,31 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from physagent_jax.agents.trace import Message, Trace
+from physagent_jax.agents.trace import FailedCall, Message, Trace
 from physagent_jax.report.formats import count, plural, seconds
 from physagent_jax.report.layout import facts, fold, listing
-from physagent_jax.report.markup import Markup, div, tag
+from physagent_jax.report.markup import Child, Markup, div, tag
 
 
-def agent_traces(traces: Mapping[str, Trace | None]) -> list[Markup]:
-    """A fold for each agent that asked a model; rules leave no trace and take no room.
+def agent_traces(
+    traces: Mapping[str, Trace | None], failed: Mapping[str, Sequence[FailedCall]]
+) -> list[Markup]:
+    """A fold for each agent that asked a model, and for each call without an answer; rules leave no trace and no fold.
 
     Args:
-        traces: By the agent's role.
+        traces: How the answers came about, by the agent's role.
+        failed: Calls that gave no answer, by the agent's role.
     """
-    return [_trace(role, trace) for role, trace in traces.items() if trace is not None and not trace.is_empty]
+    folds = [
+        fold(
+            f"A call of the {role} that gave no answer",
+            tag("p", call.error, class_="missing"),
+            *_trace(call.trace),
+        )
+        for role, calls in failed.items()
+        for call in calls
+    ]
+    for role, trace in traces.items():
+        if trace is not None and not trace.is_empty:
+            folds.append(fold(f"How the {role} came to it", *_trace(trace)))
+    return folds
 
 
-def _trace(role: str, trace: Trace) -> Markup:
+def _trace(trace: Trace) -> list[Child]:
     rows = [
         ("model", trace.model) if trace.model else None,
         ("tokens", f"{count(trace.input_tokens)} in, {count(trace.output_tokens)} out"),
         ("waited", seconds(trace.latency_seconds)),
     ]
-    return fold(
-        f"How the {role} came to it",
+    return [
         facts(rows),
         listing("Replies that were refused", trace.validation_errors),
         listing("What was repaired", trace.repairs),
@@ -34,7 +48,7 @@ def _trace(role: str, trace: Trace) -> Markup:
         fold(plural(len(trace.messages), "message"), *map(_message, trace.messages))
         if trace.messages
         else None,
-    )
+    ]
 
 
 def _message(message: Message) -> Markup:

@@ -321,7 +321,7 @@ def _agents(agents: tuple[AgentCost, ...]) -> Markup:
         [
             a.agent,
             a.implementation,
-            count(a.calls),
+            f"{count(a.calls)}, {count(a.failed_calls)} failed" if a.failed_calls else count(a.calls),
             count(a.input_tokens),
             count(a.output_tokens),
             seconds(a.seconds),

@@ -189,7 +189,7 @@ def _words(run: FinishedRun) -> Markup:
         body = [missing("semantic.json is missing: what was understood is not known.")]
     else:
         body = words_section(run.prompt, run.semantic, setting_of(run.best_scene))
-    traces = agent_traces({"semantic agent": run.semantic_trace})
+    traces = agent_traces({"semantic agent": run.semantic_trace}, {"semantic agent": run.semantic_failed})
     return section("words", SECTIONS["words"], *body, *traces, lead=lead)
 
 

@@ -77,7 +77,9 @@ def iteration_card(
         _overlay(iteration),
         _judgement(iteration.judgement),
         _rewrite(iteration.rewrite, iteration.number + 1),
-        agent_traces({"planner": iteration.planner_trace, "executor": iteration.executor_trace}),
+        agent_traces(
+            {"planner": iteration.planner_trace, "executor": iteration.executor_trace}, iteration.failed_calls
+        ),
         _perception(iteration.motion),
         _plots(iteration) if with_plots else None,
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeVar
 
@@ -11,7 +12,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
-from physagent_jax.agents.trace import Trace
+from physagent_jax.agents.trace import FailedCall, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import parse_model, read_json, shortened
 from physagent_jax.forces.schema import ForceField
@@ -32,7 +33,8 @@ Model = TypeVar("Model", bound=BaseModel)
 class Iteration:
     """One round of the loop; None where the file is missing or broken.
 
-    People count rounds from 1, as the terminal does; ``index``, which names the folder, counts from 0.
+    People count rounds from 1, as the terminal does; ``index``, which names the folder, counts from 0. ``failed_calls``
+    are those that gave no answer, by the agent's role.
     """
 
     index: int
@@ -47,6 +49,7 @@ class Iteration:
     reused_frames: int = 0
     planner_trace: Trace | None = None
     executor_trace: Trace | None = None
+    failed_calls: Mapping[str, tuple[FailedCall, ...]] = dataclasses.field(default_factory=dict)
 
     @property
     def number(self) -> int:
@@ -72,6 +75,7 @@ class FinishedRun:
         probe: Rounds on a coarse version of the scene, which came before.
         problems: What is missing or broken, a sentence each.
         semantic_trace: How the semantic agent came to its reply.
+        semantic_failed: Its calls that gave no answer.
     """
 
     folder: Path
@@ -84,6 +88,7 @@ class FinishedRun:
     probe: tuple[Iteration, ...]
     problems: tuple[str, ...]
     semantic_trace: Trace | None = None
+    semantic_failed: tuple[FailedCall, ...] = ()
 
     @property
     def best(self) -> Iteration | None:
@@ -159,6 +164,7 @@ def open_run(folder: str | Path) -> FinishedRun:
     manifest = reader.model("manifest.json", Manifest)
     semantic = reader.model("semantic.json", SemanticReply)
     semantic_trace = reader.model("semantic_trace.json", Trace, optional=True)
+    semantic_failed = reader.failed_calls("semantic")
     scene = reader.model("scene.json", SceneConfig)
     video = reader.file("video.mp4")
     reused = manifest.reused_frames if manifest else {}
@@ -170,7 +176,17 @@ def open_run(folder: str | Path) -> FinishedRun:
         reader.problems.append("No round has been stored yet.")
     problems = tuple(reader.problems)
     return FinishedRun(
-        folder, spec, manifest, semantic, scene, video, iterations, probe, problems, semantic_trace
+        folder,
+        spec,
+        manifest,
+        semantic,
+        scene,
+        video,
+        iterations,
+        probe,
+        problems,
+        semantic_trace,
+        semantic_failed,
     )
 
 
@@ -197,6 +213,7 @@ def _iteration(reader: _Reader, name: str, index: int, reused: dict[str, int], *
         reused_frames=reused.get(base, 0),
         planner_trace=reader.model(f"{base}/planner_trace.json", Trace, optional=True),
         executor_trace=reader.model(f"{base}/executor_trace.json", Trace, optional=True),
+        failed_calls={role: reader.failed_calls(f"{base}/{role}") for role in ("planner", "executor")},
     )
 
 
@@ -224,3 +241,11 @@ class _Reader:
         except UserError as error:
             self.problems.append(str(error))
         return None
+
+    def failed_calls(self, agent: str) -> tuple[FailedCall, ...]:
+        """Of the agent whose files begin with ``agent``, in the order of the calls."""
+        paths = sorted(
+            self.folder.glob(f"{agent}_failed_*.json"), key=lambda path: (len(path.name), path.name)
+        )
+        calls = [self.model(path.relative_to(self.folder).as_posix(), FailedCall) for path in paths]
+        return tuple(call for call in calls if call is not None)

@@ -19,7 +19,7 @@ from physagent_jax.agents.context import AgentContext, Observation, Round
 from physagent_jax.agents.protocols import Agents
 from physagent_jax.agents.registry import make_agents
 from physagent_jax.agents.schema import Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
-from physagent_jax.agents.trace import Reply, Trace
+from physagent_jax.agents.trace import AgentError, FailedCall, Reply, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
@@ -108,6 +108,8 @@ def run_loop(
     Raises:
         UserError: Input that a person can mend; a run folder is only begun once object and sentence
             are understood.
+        AgentError: An agent gave no answer. What it tried is in the run folder, its tokens are counted there, and the
+            same call goes on with the same question.
     """
     agents, backends = agents or agents_of(run.spec), backends or backends_of(run.spec)
     named = {"agents": settings_hash(agents.names), "perception": settings_hash(backends.names)}
@@ -128,7 +130,7 @@ def run_loop(
         store.begin()
         loop.save_costs()
         try:
-            store.write("run.json", run.spec.located(run.base_dir))
+            loop.write_spec()
             store.write("semantic_trace.json", reading.trace)
             store.write("semantic.json", reply)
             force_field = reply.force_field
@@ -136,6 +138,8 @@ def run_loop(
                 force_field = loop.probe(template, body, reply)
             series = _Series(store, template, body, "round", loop.observer.judged)
             attempts = list(loop.rounds(series, force_field, reply))
+        except AgentError:
+            raise
         except UserError:
             store.discard_if_barren()
             raise
@@ -185,8 +189,12 @@ class _Loop:
         reply = self._store.read("semantic.json", SemanticReply)
         if reply is None:
             self.observer.stage("reading the sentence")
-            return self._ask("semantic", "compile", self._context())
+            return self._ask(self._store, "", "semantic", "compile", self._context())
         return Reply(reply, self._store.read("semantic_trace.json", Trace) or Trace())
+
+    def write_spec(self) -> None:
+        """Leaves what was asked for."""
+        self._store.write("run.json", self._run.spec.located(self._run.base_dir))
 
     def load_object(self) -> Body:
         """The object at rest, filled and bound."""
@@ -214,6 +222,8 @@ class _Loop:
                 series = self._coarse(template, body)
                 for attempt in self.rounds(series, reply.force_field, reply):
                     attempts.append(attempt)  # one by one: those before an error count
+        except AgentError:
+            raise  # no fault of the coarse scene's: rounds in earnest would ask the same agent
         except UserError as error:
             self._warnings += (f"coarse rounds were left out: {error}",)
         if not attempts:
@@ -283,7 +293,8 @@ class _Loop:
                 backends=self._backends,
             )
         key_frames = VideoKeyFrames(series.store.iteration(index) / "video.mp4")
-        answer = self._ask("planner", "judge", context, Observation(force_field, seen.report, key_frames))
+        observation = Observation(force_field, seen.report, key_frames)
+        answer = self._ask(series.store, f"iterations/{index}/", "planner", "judge", context, observation)
         with self._watch("write"):
             series.store.write(f"iterations/{index}/planner_trace.json", answer.trace)
             write_verdict(series.store, index, recording.rgb, seen, answer.value)
@@ -303,13 +314,13 @@ class _Loop:
 
     def rewrite(self, series: _Series, index: int, context: AgentContext, failed: Round) -> Rewrite:
         """The executor's next force field, from the folder if it is there."""
-        name = f"iterations/{index}/rewrite.json"
-        rewrite = series.store.read(name, Rewrite)
+        folder = f"iterations/{index}/"
+        rewrite = series.store.read(f"{folder}rewrite.json", Rewrite)
         if rewrite is None:
-            answer = self._ask("executor", "rewrite", context, failed)
+            answer = self._ask(series.store, folder, "executor", "rewrite", context, failed)
             rewrite = answer.value
-            series.store.write(f"iterations/{index}/executor_trace.json", answer.trace)
-            series.store.write(name, rewrite)
+            series.store.write(f"{folder}executor_trace.json", answer.trace)
+            series.store.write(f"{folder}rewrite.json", rewrite)
             self.save_costs()
         return rewrite
 
@@ -334,23 +345,42 @@ class _Loop:
         )
         self._store.finish()
 
-    def _ask(self, role: str, method: str, *arguments) -> Reply:
-        """Calls an agent and notes what it cost."""
+    def _ask(self, store: RunStore, folder: str, role: str, method: str, *arguments) -> Reply:
+        """Calls an agent and notes what it cost; if it has no answer, what it tried is left in ``folder``."""
         agent = getattr(self._agents, role)
         begun = time.perf_counter()
-        with self._watch("agents"):
-            answer = getattr(agent, method)(*arguments)
-        seconds = time.perf_counter() - begun
-        cost = self._costs.get(role) or AgentCost(agent=role, implementation=agent.name)
+        try:
+            with self._watch("agents"):
+                answer = getattr(agent, method)(*arguments)
+        except AgentError as error:
+            cost = self._charge(role, error.trace, time.perf_counter() - begun, failed=True)
+            self._store.begin()
+            self.write_spec()
+            name = f"{folder}{role}_failed_{cost.failed_calls}.json"
+            store.write(name, FailedCall(error=str(error), trace=error.trace))
+            self.save_costs()
+            do = f"{error.do or 'The same command asks again'}; {store.path / name} holds the exchange"
+            raise AgentError(
+                f"the {role} ({agent.name}) gave no answer: {error.what}",
+                trace=error.trace, got=error.got, do=do,
+            ) from error  # fmt: skip
+        self._charge(role, answer.trace, time.perf_counter() - begun)
+        return answer
+
+    def _charge(self, role: str, trace: Trace, seconds: float, *, failed: bool = False) -> AgentCost:
+        """Adds a call to what the agent has cost."""
+        implementation = getattr(self._agents, role).name
+        cost = self._costs.get(role) or AgentCost(agent=role, implementation=implementation)
         self._costs[role] = cost.model_copy(
             update=dict(
                 calls=cost.calls + 1,
-                input_tokens=cost.input_tokens + answer.trace.input_tokens,
-                output_tokens=cost.output_tokens + answer.trace.output_tokens,
+                failed_calls=cost.failed_calls + failed,
+                input_tokens=cost.input_tokens + trace.input_tokens,
+                output_tokens=cost.output_tokens + trace.output_tokens,
                 seconds=round(cost.seconds + seconds, 4),
             )
         )
-        return answer
+        return self._costs[role]
 
     def save_costs(self, **changes) -> None:
         """Writes what the run has cost so far into the manifest, with ``changes`` to it."""

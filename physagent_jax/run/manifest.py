@@ -11,6 +11,8 @@ run/iterations/k/judgement.json        what the planner concluded
 run/iterations/k/rewrite.json          what the executor changed for k + 1 (absent after the last)
 run/iterations/k/planner_trace.json    how the judgement came about
 run/iterations/k/executor_trace.json   how the rewrite came about
+run/iterations/k/planner_failed_n.json executor's and, at the top, semantic's likewise: a call without an answer,
+                                       `agents.trace.FailedCall`; n counts those of the agent
 run/iterations/k/simulation.json       `SimulationRecord`
 run/iterations/k/video.mp4, motion.npz
 run/probe/iterations/k/...             the same but motion.npz, on a coarse version of the scene, if that was asked for
@@ -51,11 +53,21 @@ class Stages(Strict):
 
 
 class AgentCost(Strict):
-    """What an agent has cost: calls, tokens (zero for the offline rules), seconds; ``implementation`` is its name."""
+    """What an agent has cost.
+
+    Attributes:
+        agent: Its role.
+        implementation: Its name.
+        calls: Those without an answer included.
+        failed_calls: Those without an answer.
+        input_tokens, output_tokens: Of all calls; zero for the offline rules.
+        seconds: Of all calls [s].
+    """
 
     agent: str
     implementation: str
     calls: int = 0
+    failed_calls: int = 0
     input_tokens: int = 0
     output_tokens: int = 0
     seconds: float = 0.0

@@ -113,8 +113,13 @@ class RunStore:
         _recover(self.path)
 
     def discard_if_barren(self) -> None:
-        """Removes what the run has written if it has simulated nothing: what it was to replace stands again."""
-        if self._replaced is None and not any("iterations/" in name for name in self.manifest.files):
+        """Removes what the run has written if it has simulated nothing: what it was to replace stands again.
+
+        Calls of agents that failed are no less worth keeping: they are paid for.
+        """
+        kept = any("iterations/" in name for name in self.manifest.files)
+        kept |= any(cost.failed_calls for cost in self.manifest.agents)
+        if self._replaced is None and not kept:
             _give_way(self.path, self.manifest)
 
     def update(self, **changes) -> None:

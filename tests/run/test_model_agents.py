@@ -9,7 +9,7 @@ import pytest
 from physagent_jax.agents.protocols import Agents, ExecutorAgent, PlannerAgent, SemanticAgent
 from physagent_jax.agents.registry import make_agents
 from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply, Verdict
-from physagent_jax.agents.trace import Message, Reply, Trace
+from physagent_jax.agents.trace import AgentError, FailedCall, Message, Reply, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.report.html import write_report
@@ -36,8 +36,8 @@ class Chat:
 
     name = "scripted-chat-1"
 
-    def __init__(self, *replies: str):
-        self.model, self.contexts = ChatModel(*replies), []
+    def __init__(self, *replies: str, tries: int = 5):
+        self.model, self.contexts, self.tries = ChatModel(*replies), [], tries
 
     def ask(self, schema, context, text: str, pictures: int = 0) -> Reply:
         self.contexts.append(context)
@@ -53,6 +53,13 @@ class Chat:
                 value = schema.model_validate_json(raw.removeprefix("```json"))
             except ValueError as error:
                 errors.append(str(error))
+                if len(errors) == self.tries:
+                    trace = Trace(
+                        model="scripted-chat-1-2026", messages=tuple(messages), raw_reply=raw,
+                        validation_errors=tuple(errors), input_tokens=spent[0], output_tokens=spent[1],
+                        latency_seconds=0.5,
+                    )  # fmt: skip
+                    raise AgentError(f"{len(errors)} replies were refused", trace=trace, got=raw) from None
                 messages += [Message(role="assistant", text=raw), Message(role="user", text=str(error))]
                 continue
             if raw.startswith("```json"):
@@ -217,6 +224,101 @@ def test_what_was_spent_before_a_stop_stays_counted(tmp_path, robot_path):
     (context,) = agents.planner.contexts
     assert len(context.rounds) == 1 and len(context.rounds[0].key_frames.pick()) == 6
     assert trace_of(store.path / "semantic_trace.json").raw_reply == push(0.5)
+
+
+GOOD = {"semantic": push(0.5), "planner": FAIL, "executor": rewrite(0.8)}
+KIND = {"semantic": ChatSemantic, "planner": ChatPlanner, "executor": ChatExecutor}
+PLACE = {"semantic": "", "planner": "iterations/0/", "executor": "iterations/0/"}
+
+
+def failing(role: str) -> Agents:
+    """Agents of which one has only refused replies, and gives up after two."""
+    bad = KIND[role]("what?", "<b>no</b>", tries=2)
+    return dataclasses.replace(chat([push(0.5)], [FAIL], [rewrite(0.8)]), **{role: bad})
+
+
+def costs_of(out):
+    manifest = Manifest.model_validate_json((out / "manifest.json").read_bytes())
+    return {cost.agent: cost for cost in manifest.agents}
+
+
+@pytest.mark.parametrize("role", KIND)
+def test_an_agent_that_fails_for_good_leaves_what_it_tried_and_the_run_goes_on_later(
+    role, tmp_path, robot_path
+):
+    asked, out = small(robot_path, PROMPT, rounds=2), tmp_path / "run"
+    spent = 0
+    for count in (1, 2):  # twice in a row
+        with pytest.raises(AgentError, match=f"the {role} .*gave no answer: 2 replies were refused"):
+            made(asked, out, failing(role))
+        path = out / f"{PLACE[role]}{role}_failed_{count}.json"
+        call = FailedCall.model_validate_json(path.read_bytes())
+        assert call.trace.raw_reply == "<b>no</b>" and len(call.trace.validation_errors) == 2
+        assert [m.role for m in call.trace.messages] == ["system", "user", "assistant", "user"]
+        spent += call.trace.input_tokens
+        cost = costs_of(out)[role]
+        assert (cost.calls, cost.failed_calls, cost.input_tokens) == (count, count, spent)
+    assert (out / "run.json").is_file() and call.trace.latency_seconds == 0.5
+    page = write_report(out).read_text()  # of what there is so far
+    name = "semantic agent" if role == "semantic" else role
+    assert page.count(f"A call of the {name} that gave no answer") == 2
+    assert "&lt;b&gt;no" in page and "<b>no" not in page
+
+    good = chat([push(0.5)], [SUCCESS], []) if role != "executor" else chat([], [SUCCESS], [rewrite(0.8)])
+    store = made(asked, out, good)
+    assert store.manifest.complete and store.manifest.verdict == "SUCCESS"
+    cost = {cost.agent: cost for cost in store.manifest.agents}[role]
+    assert (cost.calls, cost.failed_calls) == (3, 2) and cost.input_tokens > spent
+    assert path.is_file() and path.relative_to(out).as_posix() in store.manifest.files
+    assert "2 failed" in write_report(out).read_text()
+
+
+def test_an_agent_that_fails_in_a_coarse_round_ends_the_run(tmp_path, robot_path):
+    asked, out = small(robot_path, PROMPT, particles=1800, probe=True), tmp_path / "run"
+    with pytest.raises(AgentError):
+        made(asked, out, failing("planner"))
+    assert (out / "probe/iterations/0/planner_failed_1.json").is_file()
+    assert not (out / "iterations").exists() and costs_of(out)["planner"].failed_calls == 1
+
+
+def test_a_failed_call_is_kept_when_what_comes_next_is_refused(tmp_path, robot_path, monkeypatch):
+    from physagent_jax.run import loop
+
+    asked, out = small(robot_path, PROMPT), tmp_path / "run"
+    with pytest.raises(AgentError):
+        made(asked, out, failing("semantic"))
+
+    def refuse(*_, **__):
+        raise UserError("the disk is full")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(loop, "write_rollout", refuse)
+        with pytest.raises(UserError, match="disk"):
+            made(asked, out, chat([push(0.5)]))
+    assert costs_of(out)["semantic"].calls == 2 and (out / "semantic_failed_1.json").is_file()
+
+
+def test_a_run_that_is_to_be_replaced_stands_until_the_agent_answers(tmp_path, robot_path):
+    out = tmp_path / "run"
+    first = made(small(robot_path, PROMPT, rounds=1), out, chat([push(0.5)], [SUCCESS]))
+    video = (first.path / "video.mp4").read_bytes()
+    with pytest.raises(AgentError):
+        made(small(robot_path, "push the robot up", rounds=1), out, failing("semantic"), overwrite=True)
+    assert (out / ".previous" / "video.mp4").read_bytes() == video
+    again = made(small(robot_path, "push the robot up", rounds=1), out, chat([push(0.5)], [SUCCESS]))
+    assert again.manifest.complete and not (out / ".previous").exists()
+
+
+def test_a_failed_call_is_one_line_of_the_terminal(tmp_path, robot_path, monkeypatch, capsys):
+    from physagent_jax.cli import main
+    from physagent_jax.run import loop
+
+    monkeypatch.setattr(loop, "agents_of", lambda spec: failing("semantic"))
+    command = ["run", "--object", str(robot_path), "--prompt", PROMPT, "--out", str(tmp_path / "run")]
+    assert main(command) == 2
+    lines = [line for line in capsys.readouterr().err.splitlines() if "gave no answer" in line]
+    assert len(lines) == 1 and "The same command asks again" in lines[0]
+    assert str(tmp_path / "run" / "semantic_failed_1.json") in lines[0]
 
 
 def test_rules_and_models_take_turns(tmp_path, robot_path):
