@@ -20,5 +20,5 @@ class UserError(ValueError):
         message = what if got is None else f"{what} (got {got})"
         message = message.rstrip(".") + "."
         if do:
-            message += f" {do.rstrip('.')}."
+            message += f" {do}" if do.endswith("?") else f" {do.rstrip('.')}."
         super().__init__(" ".join(message.split()))
