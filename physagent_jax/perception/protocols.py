@@ -80,6 +80,11 @@ class Segmenter(Backend, Protocol):
         """Whether it must be told where the object is; without a prompt, `perceive` then makes one."""
         return False
 
+    @property
+    def takes_prompt(self) -> bool:
+        """Whether it can be told; a run that has a prompt for one that cannot is refused before it begins."""
+        return self.needs_prompt
+
     def segment(self, frames: np.ndarray, prompt: SegmentPrompt | None) -> Masks:
         """Masks of the object.
 

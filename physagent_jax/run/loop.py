@@ -25,14 +25,16 @@ from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.measure import perceive
-from physagent_jax.perception.protocols import PerceptionBackends
+from physagent_jax.perception.protocols import PerceptionBackends, SegmentPrompt
 from physagent_jax.perception.schema import MotionReport
+from physagent_jax.render.camera import Camera
 from physagent_jax.run.artifacts import write_best, write_rollout, write_verdict
 from physagent_jax.run.best import best_round
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.key_frames import VideoKeyFrames
 from physagent_jax.run.manifest import AgentCost, Stages
 from physagent_jax.run.observer import Observer
+from physagent_jax.run.prompt import make_prompt, read_mask
 from physagent_jax.run.provenance import make_manifest, settings_hash
 from physagent_jax.run.resolve import ResolvedRun
 from physagent_jax.run.spec import RunSpec
@@ -73,7 +75,7 @@ def backends_of(spec: RunSpec) -> PerceptionBackends:
     Raises:
         UserError: As `agents_of`.
     """
-    chosen = {role: getattr(spec.perception, role) for role in type(spec.perception).model_fields}
+    chosen = {role: getattr(spec.perception, role) for role in ("segmenter", "depth", "tracker")}
     return make_backends(**{role: (each.name, each.options) for role, each in chosen.items()})
 
 
@@ -112,6 +114,12 @@ def run_loop(
             same call goes on with the same question.
     """
     agents, backends = agents or agents_of(run.spec), backends or backends_of(run.spec)
+    if run.spec.perception.prompt is not None and not backends.segmenter.takes_prompt:
+        raise UserError(
+            "`perception.prompt` means nothing to this segmenter",
+            got=backends.segmenter.name,
+            do="Leave it out, or choose another `perception.segmenter`",
+        )
     named = {"agents": settings_hash(agents.names), "perception": settings_hash(backends.names)}
     inputs = {**run.inputs, **named}
     manifest = make_manifest(command=command, prompt=run.spec.prompt, seed=run.spec.seed, inputs=inputs)
@@ -291,6 +299,7 @@ class _Loop:
                 frame_dt=config.timing.frame_dt,
                 windows=windows,
                 backends=self._backends,
+                prompt=self._prompt(scene.camera),
             )
         key_frames = VideoKeyFrames(series.store.iteration(index) / "video.mp4")
         observation = Observation(force_field, seen.report, key_frames)
@@ -386,6 +395,15 @@ class _Loop:
         """Writes what the run has cost so far into the manifest, with ``changes`` to it."""
         costs = dict(stages=Stages(**self._watch.seconds()), agents=tuple(self._costs.values()))
         self._store.update(**costs, reused_frames=self._reused, **changes)
+
+    def _prompt(self, camera: Camera) -> SegmentPrompt | None:
+        """Which object is meant, in the pictures of ``camera``; None if the spec leaves it open."""
+        choice, preset = self._run.spec.perception.prompt, self._run.template.preset
+        if choice is None:
+            return None
+        size = (preset.rendering.width, preset.rendering.height)
+        mask = read_mask(choice, *size, preset.timing.frame_count, self._run.base_dir)
+        return make_prompt(choice, camera.width, camera.height, mask)
 
     def _context(self, reading: SemanticReply | None = None, rounds: Iterable[Round] = ()) -> AgentContext:
         """What an agent is told."""

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from physagent_jax.agents.schema import AnchorRequest
 from physagent_jax.core.reading import check_regular, validation_message
 from physagent_jax.run.material import resolve_material
+from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import settings_hash
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
 from physagent_jax.scene.anchor import MASK_BYTES
@@ -92,6 +93,9 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
         warnings += (
             "the file's up axis is not known: +z assumed; pass --up if the object lies or stands on its head",
         )
+    if spec.perception.prompt is not None:
+        rendering, timing = template.preset.rendering, template.preset.timing
+        read_mask(spec.perception.prompt, rendering.width, rendering.height, timing.frame_count, base_dir)
     inputs = {what: file_sha256(file) for what, file in spec.files(base_dir).items()}
     inputs["settings"] = settings_hash([spec.identity(), _resolved_identity(template)])
     return ResolvedRun(spec, base_dir, template, inputs, warnings)

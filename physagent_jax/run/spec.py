@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, JsonValue, ValidationError, model_validator
 
@@ -13,7 +13,7 @@ from physagent_jax.core.reading import YAML_SUFFIXES, read_json, read_yaml, vali
 from physagent_jax.core.strict import Seed, Strict
 from physagent_jax.perception import backends
 from physagent_jax.run.manifest import MOST_ROUNDS
-from physagent_jax.scene.config import SignedAxis
+from physagent_jax.scene.config import MOST_FRAMES, SignedAxis
 from physagent_jax.scene.config.common import Degrees, Friction, HalfSize, Point
 from physagent_jax.scene.config.common import Path as FilePath
 from physagent_jax.scene.presets import PresetName
@@ -149,12 +149,55 @@ class AgentChoice(Strict):
         return self
 
 
+Share = Annotated[float, Field(ge=0, le=1)]  # of the picture's width or height, from its upper left corner
+MOST_POINTS = 256
+
+
+class PromptChoice(Strict):
+    """Where the object is in one frame, for a segmenter that is told: by points, a box, both, or a mask alone.
+
+    Shares of the picture rather than pixels, so that it holds at any resolution, that of coarse rounds too.
+
+    Attributes:
+        frame: The frame that it speaks of.
+        points: Positions (x, y) [share of width, height].
+        labels: True where a point is on the object, False where it is on something else; None = all on it.
+        box: Corners (x0, y0, x1, y1) [share of width, height].
+        mask_path: ``.npy`` of one bool per pixel, shape (height, width).
+    """
+
+    frame: int = Field(default=0, ge=0, lt=MOST_FRAMES)
+    points: Annotated[tuple[tuple[Share, Share], ...], Field(min_length=1, max_length=MOST_POINTS)] | None = (
+        None
+    )
+    labels: Annotated[tuple[bool, ...], Field(max_length=MOST_POINTS)] | None = None
+    box: tuple[Share, Share, Share, Share] | None = None
+    mask_path: FilePath | None = None
+
+    @model_validator(mode="after")
+    def _says_one_thing(self) -> PromptChoice:
+        outlined = self.points is not None or self.box is not None
+        if outlined == (self.mask_path is not None):
+            raise ValueError("a prompt is points, a box, both, or a mask alone: give one of these")
+        if self.labels is not None and len(self.labels) != len(self.points or ()):
+            raise ValueError("`labels` are one per point: give as many, or none")
+        if self.box is not None and not (self.box[0] < self.box[2] and self.box[1] < self.box[3]):
+            raise ValueError(f"`box` is x0 y0 x1 y1 with x0 < x1 and y0 < y1 (got {self.box})")
+        return self
+
+
 class PerceptionChoice(Strict):
-    """What finds the object in the pictures, how far away it is, and how its points move."""
+    """What finds the object in the pictures, how far away it is, and how its points move.
+
+    Attributes:
+        segmenter, depth, tracker: By name.
+        prompt: Which object is meant; None = the one that stands out by colour, if the segmenter has to be told.
+    """
 
     segmenter: Implementation = Implementation(name="colour")
     depth: Implementation = Implementation(name="sensor")
     tracker: Implementation = Implementation(name="flow")
+    prompt: PromptChoice | None = None
 
     @model_validator(mode="after")
     def _known(self) -> PerceptionChoice:
@@ -221,23 +264,33 @@ class RunSpec(Strict):
             "object": self.object.path,
             "physgm": self.material.physgm,
             "anchor_mask": self.anchor.mask_path,
+            "prompt_mask": self.perception.prompt and self.perception.prompt.mask_path,
         }
         return {what: Path(base_dir) / path for what, path in named.items() if path is not None}
 
     def located(self, base_dir: str | Path) -> RunSpec:
         """The spec with absolute paths, so that it can be read from anywhere."""
         paths = {what: str(path.resolve()) for what, path in self.files(base_dir).items()}
+        prompt = self.perception.prompt
+        if prompt is not None:
+            prompt = prompt.model_copy(update=dict(mask_path=paths.get("prompt_mask")))
         return self.model_copy(
             update=dict(
                 object=self.object.model_copy(update=dict(path=paths["object"])),
                 material=self.material.model_copy(update=dict(physgm=paths.get("physgm"))),
                 anchor=self.anchor.model_copy(update=dict(mask_path=paths.get("anchor_mask"))),
+                perception=self.perception.model_copy(update=dict(prompt=prompt)),
             )
         )
 
     def identity(self) -> dict[str, Any]:
         """What tells this run from others; where its files lie on the disk is not part of it."""
-        paths = {"object": {"path"}, "material": {"physgm"}, "anchor": {"mask_path"}}
+        paths: dict[str, Any] = {
+            "object": {"path"},
+            "material": {"physgm"},
+            "anchor": {"mask_path"},
+            "perception": {"prompt": {"mask_path"}},
+        }
         return self.model_dump(mode="json", exclude=paths)
 
 

@@ -261,3 +261,57 @@ def test_a_run_with_another_perception_is_another_run(tmp_path, robot_path):
     backends = dataclasses.replace(make_backends(), segmenter=OtherSegmenter())
     with pytest.raises(UserError, match="holds another run"):
         made(asked, out, scripted([1.0]), backends=backends)
+
+
+class ToldSegmenter(ColorSegmenter):
+    """Takes a prompt, keeps it, and goes by colour."""
+
+    takes_prompt = True
+
+    def __init__(self):
+        super().__init__()
+        object.__setattr__(self, "prompts", [])
+
+    def segment(self, frames, prompt):
+        self.prompts.append((frames.shape[1:3], prompt))
+        return super().segment(frames, None)
+
+
+def prompted(robot_path, prompt, **parts):
+    return small(robot_path, particles=1800, resolution=288, perception={"prompt": prompt}, **parts)
+
+
+def test_a_prompt_of_the_spec_reaches_the_segmenter_at_every_resolution(tmp_path, robot_path):
+    backends = dataclasses.replace(make_backends(), segmenter=ToldSegmenter())
+    prompt = {"frame": 2, "points": [[0.5, 0.25], [0, 1]], "labels": [True, False], "box": [0, 0.1, 1, 0.9]}
+    spec = prompted(robot_path, prompt, probe=True, rounds=1)
+    made(spec, tmp_path / "run", scripted([1.0, 1.0]), backends=backends)
+    assert [size for size, _ in backends.segmenter.prompts] == [(96, 96), (288, 288)]
+    for (height, width), told in backends.segmenter.prompts:
+        assert told.frame == 2 and told.labels.tolist() == [True, False] and told.mask is None
+        np.testing.assert_allclose(told.points, [[0.5 * width, 0.25 * height], [0, height]])
+        np.testing.assert_allclose(told.box, [0, 0.1 * height, width, 0.9 * height])
+
+
+def test_a_mask_of_the_spec_reaches_the_segmenter(tmp_path, robot_path):
+    mask = np.zeros((288, 288), bool)
+    mask[100:190, 50:240] = True
+    np.save(tmp_path / "mask.npy", mask)
+    backends = dataclasses.replace(make_backends(), segmenter=ToldSegmenter())
+    spec = prompted(robot_path, {"mask_path": str(tmp_path / "mask.npy")}, probe=True, rounds=1)
+    made(spec, tmp_path / "run", scripted([1.0, 1.0]), backends=backends)
+    (_, coarse), (_, fine) = backends.segmenter.prompts
+    np.testing.assert_array_equal(fine.mask, mask)
+    np.testing.assert_array_equal(coarse.mask, mask[1::3, 1::3])
+
+
+def test_without_a_prompt_the_segmenter_gets_none(tmp_path, robot_path):
+    backends = dataclasses.replace(make_backends(), segmenter=ToldSegmenter())
+    made(small(robot_path, rounds=1), tmp_path / "run", scripted([1.0]), backends=backends)
+    assert [prompt for _, prompt in backends.segmenter.prompts] == [None]
+
+
+def test_a_prompt_for_a_segmenter_that_takes_none_is_refused_before_the_run_begins(tmp_path, robot_path):
+    with pytest.raises(UserError, match="means nothing to this segmenter .got ColorSegmenter."):
+        made(prompted(robot_path, {"points": [[0.5, 0.5]]}), tmp_path / "run", scripted([1.0]))
+    assert not (tmp_path / "run" / "manifest.json").exists()

@@ -5,6 +5,7 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 import yaml
 from pydantic import ValidationError
@@ -37,6 +38,7 @@ OTHERS = {
     "camera.azimuth_degrees": 30.0,
     "camera.elevation_degrees": 30.0,
     "friction": 0.5,
+    "perception.prompt": {"frame": 3, "points": [[0.5, 0.25]], "labels": [True], "box": [0.1, 0.1, 0.9, 0.9]},
     "rounds": 2,
     "probe": True,
     "seed": 7,
@@ -95,6 +97,72 @@ ROLES = {role: "agents" for role in ("semantic", "planner", "executor")}
 ROLES |= {role: "perception" for role in ("segmenter", "depth", "tracker")}
 
 
+PROMPTS = {
+    "none": None,
+    "point": {"points": [[0.5, 0.5]]},
+    "elsewhere": {"points": [[0.5, 0.6]]},
+    "not the object": {"points": [[0.5, 0.5]], "labels": [False]},
+    "later": {"frame": 2, "points": [[0.5, 0.5]]},
+    "box": {"box": [0, 0, 1, 1]},
+    "both": {"points": [[0.5, 0.5]], "box": [0, 0, 1, 1]},
+    "mask": {"mask_path": "mask.npy"},
+    "another mask": {"mask_path": "other.npy"},
+    "a copy of the mask": {"mask_path": "far/copy.npy"},
+}
+
+
+@pytest.fixture
+def prompted(tmp_path, robot_path):
+    """Makes a resolved run with a prompt of `PROMPTS`, in a folder with the masks."""
+    left, whole = np.zeros((96, 96), bool), np.ones((96, 96), bool)
+    left[:, :40] = True
+    (tmp_path / "far").mkdir()
+    for name, mask in {"mask.npy": left, "other.npy": whole, "far/copy.npy": left}.items():
+        np.save(tmp_path / name, mask)
+    return lambda prompt: resolve(small(robot_path.resolve(), perception={"prompt": prompt}), tmp_path)
+
+
+def test_another_prompt_is_another_run_and_another_place_of_its_mask_is_not(prompted):
+    inputs = {name: prompted(prompt).inputs for name, prompt in PROMPTS.items()}
+    assert inputs.pop("a copy of the mask") == inputs["mask"]
+    assert len({json.dumps(each, sort_keys=True) for each in inputs.values()}) == len(inputs)
+
+
+def test_a_run_keeps_its_prompt_and_where_the_mask_is(prompted, tmp_path):
+    run = prompted(PROMPTS["mask"])
+    kept = run.spec.located(run.base_dir)
+    assert kept.perception.prompt.mask_path == str(tmp_path.resolve() / "mask.npy")
+    assert tmp_path.resolve() / "mask.npy" in run.files
+    assert resolve(RunSpec.model_validate_json(dump_spec(kept)), "/").inputs == run.inputs
+
+
+@pytest.mark.parametrize(
+    ("prompt", "words"),
+    [
+        ({}, "points, a box, both, or a mask alone"),
+        ({"box": [0, 0, 1, 1], "mask_path": "mask.npy"}, "a mask alone"),
+        ({"labels": [True], "box": [0, 0, 1, 1]}, "one per point"),
+        ({"points": [[0.5, 0.5]], "labels": [True, False]}, "one per point"),
+        ({"points": [[48, 48]]}, "less than or equal to 1"),
+        ({"points": []}, "at least 1"),
+        ({"box": [0.5, 0, 0.5, 1]}, "x0 < x1"),
+        ({"frame": -1, "box": [0, 0, 1, 1]}, "greater than or equal to 0"),
+        ({"frame": 10, "box": [0, 0, 1, 1]}, "Stay within 0..9"),
+        ({"mask_path": "none.npy"}, "none.npy"),
+        ({"mask_path": "small.npy"}, "shape (96, 96)"),
+        ({"mask_path": "numbers.npy"}, "one bool per pixel"),
+        ({"mask_path": "empty.npy"}, "shows no object"),
+    ],
+)
+def test_a_prompt_that_says_nothing_is_refused(prompt, words, prompted, tmp_path):
+    np.save(tmp_path / "small.npy", np.ones((9, 9), bool))
+    np.save(tmp_path / "numbers.npy", np.ones((96, 96)))
+    np.save(tmp_path / "empty.npy", np.zeros((96, 96), bool))
+    with pytest.raises((UserError, ValidationError)) as caught:
+        prompted(prompt)
+    assert words in str(caught.value)
+
+
 def test_where_the_object_lies_makes_no_other_run(tmp_path, robot_path):
     for name in (robot_path.name, robot_path.with_suffix(".card.json").name):
         (tmp_path / name).write_bytes((robot_path.parent / name).read_bytes())
@@ -130,6 +198,8 @@ def test_every_option_sets_a_field():
         ("object: {path: a.ply}\nprompt: push\nperception: {tracker: {name: flo}}\n", "`flow`"),
         ("object: &a {path: a.ply}\nprompt: push\nmaterial: *a\n", "references"),
         ("object: {path: 2001-01-01}\nprompt: push\n", "YAML"),
+        ("object: {path: a.ply}\nprompt: push\nperception: {prompt: {frame: 1}}\n", "a mask alone"),
+        ("object: {path: a.ply}\nprompt: push\nperception: {prompt: {box: [0, 0, 2, 1]}}\n", "box.2"),
         ("object: {path: a.ply}\nprompt: push\nfriction: .nan\n", "number"),
         ("a: [", "YAML"),
         ("!!python/object/apply:os.system [true]", "YAML"),

@@ -12,6 +12,7 @@ from physagent_jax.agents.schema import Judgement, Rewrite, SceneBrief, Semantic
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField, SkillScaling
 from physagent_jax.perception.schema import MotionReport
+from physagent_jax.run.spec import PerceptionChoice
 from physagent_jax.scene import config as c
 from physagent_jax.scene.card import ObjectCard
 
@@ -30,7 +31,7 @@ def numbers(schema, place=""):
             yield from numbers(value, f"{place}/{index}")
 
 
-@pytest.mark.parametrize("model", [*INPUTS, MotionReport], ids=lambda model: model.__name__)
+@pytest.mark.parametrize("model", [*INPUTS, PerceptionChoice, MotionReport], ids=lambda model: model.__name__)
 def test_every_number_of_every_schema_has_its_range(model: type[BaseModel]):
     """The magnitude of an action is checked by its own rule, and is the one exception."""
     found = list(numbers(model.model_json_schema()))

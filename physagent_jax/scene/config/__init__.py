@@ -33,6 +33,7 @@ from physagent_jax.scene.config.forces import Wind as Wind
 from physagent_jax.scene.config.material import Material as Material
 from physagent_jax.scene.config.material import MaterialModel as MaterialModel
 from physagent_jax.scene.config.material import MaterialRegion as MaterialRegion
+from physagent_jax.scene.config.numerics import MOST_FRAMES as MOST_FRAMES
 from physagent_jax.scene.config.numerics import Domain as Domain
 from physagent_jax.scene.config.numerics import Timing as Timing
 from physagent_jax.scene.config.numerics import Transfer as Transfer

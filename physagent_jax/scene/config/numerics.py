@@ -9,6 +9,8 @@ from pydantic import Field
 from physagent_jax.core.strict import Strict
 from physagent_jax.scene.config.common import Rate
 
+MOST_FRAMES = 10_000
+
 
 class Domain(Strict):
     """The cubic domain [0, size]^3 and its resolution.
@@ -38,7 +40,7 @@ class Timing(Strict):
         force_substep: Run ``substep_dt`` even above the stable bound; a frame that then fails ends the run.
     """
 
-    frame_count: int = Field(default=50, ge=2, le=10_000)
+    frame_count: int = Field(default=50, ge=2, le=MOST_FRAMES)
     frame_dt: float = Field(default=0.04, ge=1e-6, le=100)
     substep_dt: Annotated[float, Field(ge=1e-12, le=100)] | Literal["auto"] = "auto"
     safety: float = Field(default=0.9, ge=1e-3, le=1)  # as `mpm.timestep.SAFETY`
