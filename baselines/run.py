@@ -10,9 +10,9 @@ from typing import Literal
 
 import tyro
 
+import physagent_jax as pa
 from baselines.oracle_gradient import Step, optimise
 from baselines.tasks import TASKS, Parameters, Task, make_task
-from physagent_jax import enable_compile_cache
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
 from physagent_jax.report.html import write_report
@@ -20,8 +20,6 @@ from physagent_jax.run.artifacts import write_best, write_rollout
 from physagent_jax.run.manifest import Stages
 from physagent_jax.run.provenance import make_manifest, settings_hash
 from physagent_jax.run.store import RunStore
-from physagent_jax.scene.compile import compile_scene
-from physagent_jax.simulation.simulate import simulate_scene
 from physagent_jax.simulation.stopwatch import Stopwatch
 
 
@@ -50,7 +48,7 @@ class Command:
 def main(arguments: list[str] | None = None) -> int:
     """Runs the command line; returns the exit code."""
     command = tyro.cli(Command, prog="python -m baselines.run", args=arguments)
-    enable_compile_cache()
+    pa.enable_compile_cache()
     try:
         solve(command)
     except UserError as error:
@@ -112,13 +110,12 @@ def _write(
     store: RunStore, task: Task, parameters: Parameters, history: list[Step], watch: Stopwatch
 ) -> None:
     """Leaves the files of a run with one iteration: the solution, played with the adaptive driver."""
-    config = task.solution(parameters)
-    scene = compile_scene(config, task.body, store.path)
+    scene = task.solution(parameters)
     print("simulating the solution")
-    recording = simulate_scene(scene, watch=watch)
+    recording = pa.simulate_scene(scene, watch=watch)
     with watch("write"):
         write_rollout(store, 0, scene, recording)
-        write_best(store, 0, task.body, save_frames=False, save_splats=False)
+        write_best(store, 0, scene.body, save_frames=False, save_splats=False)
         steps = [dataclasses.asdict(step) for step in history]
         write_text(store.claimed("optimisation.json"), json.dumps(steps, indent=2) + "\n")
     store.finish(stages=Stages(**watch.seconds()), iterations=1, best_iteration=0)

@@ -8,36 +8,21 @@ magnitude, inside the library's range, so that the result is a force field that 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from pathlib import Path
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from pydantic import ValidationError
 
+import physagent_jax as pa
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.core.reading import validation_message
-from physagent_jax.forces.parameters import ForceFieldParameters
-from physagent_jax.forces.schema import MAGNITUDE_MAX, MAGNITUDE_MIN, Action, ActionType, ForceField
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.schema import Action, ActionType, ForceField
 from physagent_jax.gaussians.formats.ply import write_ply
-from physagent_jax.scene.body import Body, make_body
-from physagent_jax.scene.compile import CompiledScene, compile_scene
-from physagent_jax.scene.config import (
-    Anchor,
-    CameraConfig,
-    Domain,
-    Filling,
-    Material,
-    Rendering,
-    SceneConfig,
-    Source,
-    Timing,
-    Transfer,
-)
-from physagent_jax.scene.fuse import SceneTemplate, fuse
-from physagent_jax.scene.presets import Preset
+from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.scene.procedural import make_jelly
-from physagent_jax.simulation.trajectory import trajectory, with_static_step
+from physagent_jax.simulation.trajectory import with_static_step
 
 
 @dataclasses.dataclass(frozen=True)
@@ -131,9 +116,9 @@ class Parameters:
         """Unit vector, shape (3,)."""
         return self.push / self.magnitude
 
-    def of_force_field(self, force_field: ForceField, frame_count: int) -> ForceFieldParameters:
+    def of_force_field(self, force_field: ForceField, frame_count: int) -> pa.ForceFieldParameters:
         """As the numbers of a force field of one action, whose window is kept."""
-        known = ForceFieldParameters.of(force_field, frame_count)
+        known = pa.ForceFieldParameters.of(force_field, frame_count)
         action = dataclasses.replace(known.actions[0], vector=self.direction, magnitude=self.magnitude)
         return dataclasses.replace(known, actions=(action,))
 
@@ -148,14 +133,13 @@ class Task:
 
     Attributes:
         spec: Its definition.
-        ingredients, body: For fusing the solution into a scene like any other.
+        build: Makes the scene in which a force field acts.
         scene: The scene with the action that a method begins with; its step is fixed.
         target: Centroid path per frame, frame 0 left out [m], shape (frames - 1, 3).
     """
 
     spec: TaskSpec
-    ingredients: SceneTemplate
-    body: Body
+    build: Callable[[ForceField], CompiledScene]
     scene: CompiledScene
     target: jax.Array
 
@@ -171,20 +155,24 @@ class Task:
     def loss(self, parameters: Parameters) -> jax.Array:
         """Mean squared distance to the target path, in squared body lengths."""
         miss = self.centroid_path(parameters) - self.target
-        return (miss**2).sum(-1).mean() / self.body.extent**2
+        return (miss**2).sum(-1).mean() / self.scene.body.extent**2
 
     def force_field(self, parameters: Parameters) -> ForceField:
         """The parameters as the JSON that an agent would have written."""
         begun, frame_count = self.scene.config.force_field, self.scene.config.timing.frame_count
         return parameters.of_force_field(begun, frame_count).to_force_field(begun, frame_count)
 
-    def solution(self, parameters: Parameters) -> SceneConfig:
-        """The complete scene with the found force field."""
-        return fuse(self.ingredients, self.body, self.force_field(parameters))
+    def solution(self, parameters: Parameters) -> CompiledScene:
+        """The complete scene with the found force field, and the sentence for the record."""
+        scene = self.build(self.force_field(parameters))
+        config = scene.config.model_copy(update=dict(prompt=self.spec.prompt))
+        return dataclasses.replace(scene, config=config)
 
 
 def make_task(spec: TaskSpec, folder: Path, *, frame_count: int = 26, particles: int = 1500) -> Task:
     """Builds the scene (a jelly, written to ``folder``) and its target path.
+
+    Coarse on purpose: a gradient costs several rollouts per iteration.
 
     Args:
         spec: Which task.
@@ -195,39 +183,27 @@ def make_task(spec: TaskSpec, folder: Path, *, frame_count: int = 26, particles:
     Raises:
         UserError: ``frame_count`` or ``particles`` is out of range.
     """
-    try:
-        preset = _preset(frame_count, particles)
-    except ValidationError as error:
-        raise validation_message(error, "the task", do="Choose another --frames or --particles") from None
-    path = folder / "object.ply"
+    path = folder / "jelly.ply"
     folder.mkdir(parents=True, exist_ok=True)
     write_ply(path, make_jelly(0, count=2500))
-    ingredients = SceneTemplate(
-        prompt=spec.prompt,
-        preset_name="baseline",
-        preset=preset,
-        source=Source(path=str(path.resolve()), name="jelly", kind="jelly", extent=0.8),
-        material=Material(youngs_modulus=5e4, poissons_ratio=0.3, density=400.0, reason="benchmark task"),
-        anchor=Anchor(reason="benchmark task"),
-        camera=CameraConfig(),
-    )
-    body = make_body(ingredients.source, preset.filling, preset.domain, folder)
-    scene = with_static_step(compile_scene(fuse(ingredients, body, spec.start), body, folder))
+    jelly = pa.load_object(path, up="+z", kind="jelly", extent=0.8, cells=48, max_particles=particles)
+
+    def build(force_field: ForceField) -> CompiledScene:
+        return pa.build_scene(
+            jelly,
+            force_field=force_field,
+            material=dict(youngs_modulus=5e4, poissons_ratio=0.3, density=400.0),
+            anchor="none",
+            frame_count=frame_count,
+            width=320,
+            height=240,
+        )
+
+    scene = with_static_step(build(spec.start))
     hidden = Parameters.of(spec.hidden_vector, spec.hidden_magnitude)
-    return Task(spec, ingredients, body, scene, _path(scene, hidden))
-
-
-def _preset(frame_count: int, particles: int) -> Preset:
-    """Coarse on purpose: a gradient costs several rollouts per iteration."""
-    return Preset(
-        Domain(size=4.0, cells=48),
-        Filling(max_particles=particles),
-        Timing(frame_count=frame_count, frame_dt=0.04),
-        Transfer(),
-        Rendering(width=320, height=240),
-    )
+    return Task(spec, build, scene, _path(scene, hidden))
 
 
 def _path(scene: CompiledScene, parameters: Parameters) -> jax.Array:
     values = parameters.of_force_field(scene.config.force_field, scene.config.timing.frame_count)
-    return trajectory(scene, values, substeps=scene.substeps).centroid(scene.model.mass)[1:]
+    return pa.trajectory(scene, values, substeps=scene.substeps).centroid(scene.model.mass)[1:]

@@ -49,7 +49,9 @@ def load_object(
     up: str | None = None,
     kind: str | None = None,
     opacity_threshold: float = 0.02,
+    extent: float = 1.0,
     preset: str = "fast",
+    cells: int | None = None,
     max_particles: int | None = None,
     seed: int = 0,
 ) -> LoadedObject:
@@ -60,7 +62,9 @@ def load_object(
         up: The file's own up axis ("-y"); None = its card's, else "+z".
         kind: Class with a physical prior ("plant", "food", ...); None = its card's, else from the file's name.
         opacity_threshold: Gaussians with a lower opacity are dropped.
+        extent: Its longest side in the domain [m].
         preset: "fast" or "paper": domain, grid, particles, frames.
+        cells: Cells along a side of the domain; None = the preset's.
         max_particles: Particles at most; None = the preset's.
         seed: Of everything random.
 
@@ -68,10 +72,10 @@ def load_object(
         UserError: The file cannot be used, or a value is out of range.
     """
     spec = _valid(
-        object=dict(path=str(path), up=up, kind=kind, opacity_threshold=opacity_threshold),
+        object=dict(path=str(path), up=up, kind=kind, opacity_threshold=opacity_threshold, extent=extent),
         prompt="",
         preset=preset,
-        overrides=dict(max_particles=max_particles),
+        overrides=dict(cells=cells, max_particles=max_particles),
         seed=seed,
     )
     template = resolve(spec).template

@@ -58,7 +58,7 @@ def edges() -> Iterator[Edge]:
     for material in EVERY_KIND:
         calm = Scenario(material)
         yield Edge("F = diag(-1, 1, 1)", calm, lambda run: _strained(run, 0, (-1.0, 1.0, 1.0)), "refused")
-        yield Edge("squeezed to nothing", calm, _squeezed, "either")
+        yield Edge("squeezed to nothing", calm, squeezed, "either")
     for material in ("fluid", "cohesive-fluid", "sand", "neo-hookean"):
         yield Edge("thrown into a corner at 17 m/s", Scenario(material, wall="corner"), _hurled)
     calm = Scenario("neo-hookean")
@@ -121,7 +121,7 @@ def _hurled(run: Run) -> Run:
     return _with_state(run, v=jnp.full_like(run.state.v, -10.0))
 
 
-def _squeezed(run: Run) -> Run:
+def squeezed(run: Run) -> Run:
     """Between two walls that meet at the end of the clip."""
     x, dtype, dx = run.state.x, run.state.x.dtype, _dx(run)
     duration = 8 * run.frame_dt

@@ -88,11 +88,12 @@ def _missing() -> str:
     """Why there are no CPU kernels; "" if there are."""
     if platform() != "cpu":
         return f"JAX runs on {platform()}"
-    return _numba_missing()
+    return numba_missing()
 
 
 @cache
-def _numba_missing() -> str:
+def numba_missing() -> str:
+    """Why Numba's kernels cannot be had; "" if they can."""
     try:
         load("physagent_jax.kernels.lanes")
     except ImportError as error:

@@ -21,7 +21,7 @@ Targets = dict[str, tuple[str, ...]]
 """What to compile: target -> (module, arguments of its `handler`); the longest first."""
 
 _LOOK = 0.1  # seconds between two looks at whether a kernel is done
-_running: dict[str, subprocess.Popen[str]] = {}
+running: dict[str, subprocess.Popen[str]] = {}
 _reading = Lock()
 
 
@@ -31,7 +31,7 @@ def begin(targets: Targets) -> None:
         return
     from physagent_jax.kernels import store  # needs Numba, without which there is nothing to do
 
-    missing = {name: made for name, made in targets.items() if name not in _running and not store.has(name)}
+    missing = {name: made for name, made in targets.items() if name not in running and not store.has(name)}
     if missing:
         script = f"from physagent_jax.kernels import ahead; ahead.compile_all({missing!r}, parent=0)"
         process = subprocess.Popen(
@@ -42,7 +42,7 @@ def begin(targets: Targets) -> None:
             text=True,
             start_new_session=True,
         )
-        _running.update(dict.fromkeys(missing, process))
+        running.update(dict.fromkeys(missing, process))
 
 
 def compile_all(targets: Targets, parent: int | None = None) -> None:
@@ -87,11 +87,11 @@ def _compile(name: str, module: str, *arguments: str) -> None:
 def wait_for(name: str) -> None:
     """Returns when nobody is compiling ``name``; whoever failed has left it to the caller."""
     with _reading:
-        while name in _running:
-            process = _running[name]
+        while name in running:
+            process = running[name]
             done = process.stdout.readline().strip() if process.stdout else ""
-            ended = [each for each in _running if _running[each] is process]
+            ended = [each for each in running if running[each] is process]
             for each in [done] if done else ended:
-                _running.pop(each, None)
-            if process not in _running.values():
+                running.pop(each, None)
+            if process not in running.values():
                 process.communicate()

@@ -26,11 +26,11 @@ One simulation adds thousands at most; so many are some 30,000, at which a proce
 """
 _ALLOWED = 65_530  # Linux's default
 _MAPS, _LIMIT = Path("/proc/self/maps"), Path("/proc/sys/vm/max_map_count")
-_LOOK = 16  # programs compiled between two looks: counting mappings takes some 20 ms
+LOOK = 16  # programs compiled between two looks: counting mappings takes some 20 ms
 _MISMATCH = re.compile(rb"[^\n]*cpu_aot_loader[^\n]*Target machine feature \+([\w.-]+) is not[^\n]*\n")
 _TUNING = (b"prefer-", b"fast-")  # how to generate code, not which instructions a processor has
 
-_compiled = _looked_at = 0
+compiled_count = looked_at = 0
 _reading = Lock()
 
 
@@ -44,11 +44,11 @@ def bound(mappings: int | None = None) -> bool:
     Args:
         mappings: How many are too many; None = `SHARE` of what a process may have.
     """
-    global _looked_at
-    if not trace_state_clean() or (mappings is None and _compiled - _looked_at < _LOOK):
+    global looked_at
+    if not trace_state_clean() or (mappings is None and compiled_count - looked_at < LOOK):
         return False
-    _looked_at = _compiled
-    if mapped() <= (SHARE * _granted() if mappings is None else mappings):
+    looked_at = compiled_count
+    if mapped() <= (SHARE * count_granted() if mappings is None else mappings):
         return False
     log.info("compiled programs are let go: they take too many memory mappings")
     jax.clear_caches()
@@ -60,7 +60,8 @@ def mapped() -> int:
     return _MAPS.read_bytes().count(b"\n") if _MAPS.is_file() else 0
 
 
-def _granted() -> int:
+def count_granted() -> int:
+    """Memory mappings that the system lets a process have."""
     try:
         return int(_LIMIT.read_text())
     except (OSError, ValueError):
@@ -69,8 +70,8 @@ def _granted() -> int:
 
 def _count(event: str, duration_secs: float, **_) -> None:
     del duration_secs
-    global _compiled
-    _compiled += event == "/jax/core/compile/backend_compile_duration"
+    global compiled_count
+    compiled_count += event == "/jax/core/compile/backend_compile_duration"
 
 
 jax.monitoring.register_event_duration_secs_listener(_count)
@@ -91,7 +92,7 @@ def keep_on_disk(folder: Path) -> None:
         if not path.is_file():
             return None, None
         try:
-            with _machine_compared() as foreign:
+            with compare_machine() as foreign:
                 program = read(key, *arguments)
         except Exception as error:  # JAX, too, goes on from here whatever it is
             why = f"cannot be read ({type(error).__name__})"
@@ -108,7 +109,7 @@ def keep_on_disk(folder: Path) -> None:
 
 
 @contextlib.contextmanager
-def _machine_compared() -> Iterator[list[str]]:
+def compare_machine() -> Iterator[list[str]]:
     """Yields which features of the processor a program that is read within needs and this one lacks.
 
     XLA compares the machine that a program was compiled for with this one, and writes a line of 2 KB to stderr for

@@ -31,12 +31,12 @@ _SEAL = "seal.json"
 
 def has(target: str) -> bool:
     """Whether a target has been compiled from these sources on this machine."""
-    return _sealed(_folder() / target)
+    return _sealed(find_folder() / target)
 
 
 def compiled(target: str, signature, function):
     """The C function that Numba makes of ``function``: from the disk, or compiled and kept."""
-    place = _folder() / target
+    place = find_folder() / target
     if place.exists() and not _sealed(place):
         log.warning("%s is damaged: %s is compiled again", place, target)
         _remove(place)
@@ -47,13 +47,13 @@ def compiled(target: str, signature, function):
             log.warning("%s cannot be read (%s): %s is compiled again", place, type(error).__name__, target)
             _remove(place)
     try:
-        filled = Path(tempfile.mkdtemp(prefix=f".{target}.", dir=_folder()))
+        filled = Path(tempfile.mkdtemp(prefix=f".{target}.", dir=find_folder()))
     except OSError:  # a full disk costs a compilation each time, nothing else
         return _compiled_in(None, signature, function)
     try:
         made = _compiled_in(filled, signature, function)
         with contextlib.suppress(OSError):  # whoever was first has the same
-            _seal(filled)
+            seal(filled)
             filled.rename(place)
         return made
     except OSError:
@@ -77,7 +77,8 @@ def _numba_keeps_in(folder: Path | None) -> Iterator[None]:
         numba.config.CACHE_DIR = before  # type: ignore[attr-defined]
 
 
-def _seal(folder: Path) -> None:
+def seal(folder: Path) -> None:
+    """Notes the digests of a folder's files, as the last thing that is written into it."""
     (folder / _SEAL).write_text(json.dumps(_digests(folder)))
 
 
@@ -103,7 +104,7 @@ def _remove(folder: Path) -> None:
 
 
 @cache
-def _folder() -> Path:
+def find_folder() -> Path:
     """A folder that belongs to exactly these sources, where they lie, and this processor.
 
     Numba's own cache notices a changed file by its time, but not that a function calls one from another file that

@@ -83,7 +83,7 @@ def follow(
             path.poses[start], path.chain[start] = base, chain
             path.kept[start] = path.kept[start] or 1.0
             span = slice(start, min(start + horizon, count))
-            reached = _link(path, span, base, chain, seeds, clip, depths, camera)
+            reached = link(path, span, base, chain, seeds, clip, depths, camera)
         if reached > start:
             horizon = max(
                 4, 2 * (reached - start)
@@ -94,7 +94,7 @@ def follow(
     return path
 
 
-def _link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> int:
+def link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> int:
     """Follows one set of seeds, writes what it finds into ``path``; returns the last frame that it reached."""
     start = reached = span.start
     queries = np.concatenate([np.full((len(seeds), 1), start), seeds], 1)

@@ -28,7 +28,7 @@ _MAX_CAPACITY = 1 << 28
 
 # Capacity that sufficed for clouds of this size at this resolution: the next frame needs about as much,
 # and the same capacity means the same compiled program.
-_capacities: dict[tuple[int, int, int], int] = {}
+capacities: dict[tuple[int, int, int], int] = {}
 
 
 @register_dataclass
@@ -63,12 +63,12 @@ def render(
             to be had.
     """
     key = _key(splats, camera)
-    capacity = _capacities.get(key) or pair_capacity(splats, camera)
+    capacity = capacities.get(key) or pair_capacity(splats, camera)
     rendering, total = rasterize(splats, camera, background, capacity=capacity, kernels=kernels)
     if int(total) > capacity:  # not what is noted by now: another thread may have noted more since
-        capacity = _roomy(int(total))
+        capacity = round_up(int(total))
         rendering, _ = rasterize(splats, camera, background, capacity=capacity, kernels=kernels)
-    _capacities[key] = max(capacity, _capacities.get(key, 0))
+    capacities[key] = max(capacity, capacities.get(key, 0))
     return rendering
 
 
@@ -83,7 +83,7 @@ def render_all(
     def one(splats: Splats) -> Rendering:
         return jax.block_until_ready(render(splats, camera, background=background, kernels=kernels))
 
-    alone = [splats for splats in frames[:1] if _key(splats, camera) not in _capacities]
+    alone = [splats for splats in frames[:1] if _key(splats, camera) not in capacities]
     done = [one(splats) for splats in alone]  # so that what has to be compiled is compiled once
     with ThreadPoolExecutor(frames_at_once()) as pool:
         return done + list(pool.map(one, frames[len(done) :]))
@@ -102,7 +102,7 @@ def pair_capacity(splats: Splats, camera: Camera) -> int:
     Raises:
         UserError: The Gaussians overlap so many tiles that the image does not fit into memory.
     """
-    return _roomy(int(_count(_project(splats, camera), camera.width, camera.height)))
+    return round_up(int(_count(_project(splats, camera), camera.width, camera.height)))
 
 
 def rasterize(
@@ -139,7 +139,7 @@ def rasterize(
     layout = Layout(camera.width, camera.height, tile_size, lanes)
     projected = _project(splats, camera)
     background = _in_precision(background, splats.means.dtype)
-    return _rasterize(projected, background, capacity, layout, use_cpu(kernels))
+    return draw(projected, background, capacity, layout, use_cpu(kernels))
 
 
 def _project(splats: Splats, camera: Camera) -> Projected:
@@ -153,9 +153,10 @@ def _in_precision(array, dtype) -> np.ndarray | jax.Array:
 
 
 @functools.partial(jax.jit, static_argnums=(2, 3, 4))
-def _rasterize(
+def draw(
     projected: Projected, background: np.ndarray | jax.Array, capacity: int, layout: Layout, native: bool
 ):
+    """The program behind `rasterize`: tile lists, then blending; NaN everywhere if ``capacity`` is too small."""
     width, height = layout.width, layout.height
     with jax.named_scope("tile_lists"):
         lists = build_tile_lists(projected, width, height, capacity=capacity, tile_size=layout.tile_size)
@@ -177,7 +178,7 @@ def _key(splats: Splats, camera: Camera) -> tuple[int, int, int]:
     return splats.means.shape[0], camera.width, camera.height
 
 
-def _roomy(total: int) -> int:
+def round_up(total: int) -> int:
     """A quarter more than ``total``, rounded up to a few steps per power of two to compile rarely."""
     if total > _MAX_CAPACITY:
         raise UserError(

@@ -109,6 +109,7 @@ def resolve_preset(spec: RunSpec) -> Preset:
     """
     preset, changed = PRESETS[spec.preset], spec.overrides
     changes = {
+        "domain": {"cells": changed.cells},
         "timing": {"frame_count": changed.frame_count},
         "filling": {"max_particles": changed.max_particles, "seed": spec.seed},
         "rendering": {"width": changed.width, "height": changed.height},
@@ -159,6 +160,7 @@ def _source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str) -> Source:
         kind=kind,
         up=spec.object.up or card.up or "+z",
         opacity_threshold=spec.object.opacity_threshold,
+        extent=spec.object.extent,
     )
 
 

@@ -14,7 +14,7 @@ from physagent_jax.core.strict import Seed, Strict
 from physagent_jax.perception import backends
 from physagent_jax.run.manifest import MOST_ROUNDS
 from physagent_jax.scene.config import MOST_FRAMES, SignedAxis
-from physagent_jax.scene.config.common import Degrees, Friction, HalfSize, Point
+from physagent_jax.scene.config.common import Degrees, Friction, HalfSize, Length, Point
 from physagent_jax.scene.config.common import Path as FilePath
 from physagent_jax.scene.presets import PresetName
 
@@ -27,23 +27,27 @@ class ObjectChoice(Strict):
         up: The file's own up axis; None = its card's, else +z.
         kind: Class with a physical prior (`scene.priors`); None = its card's, else from the file's name.
         opacity_threshold: Gaussians with a lower opacity are dropped.
+        extent: Longest side in the domain [m].
     """
 
     path: FilePath
     up: SignedAxis | None = None
     kind: str | None = None
     opacity_threshold: float = Field(default=0.02, ge=0, lt=1)
+    extent: Length = 1.0
 
 
 class Overrides(Strict):
     """What differs from the preset; None = nothing. Ranges are those of the scene's schema.
 
     Attributes:
+        cells: Cells along a side of the domain.
         frame_count: Frames of the clip.
         max_particles: Particles at most.
         width, height: Of the pictures [px].
     """
 
+    cells: int | None = None
     frame_count: int | None = None
     max_particles: int | None = None
     width: int | None = None

@@ -51,7 +51,7 @@ def test_parameters_mean_what_the_skill_library_means(tmp_path):
     """The optimiser's force, written as JSON and compiled by the library, gives the same path."""
     task = make_task(TASKS["drop"], tmp_path, frame_count=6, particles=300)
     sought = Parameters.of((0.2, -0.5, 0.4), 1.1)
-    config = task.solution(sought)
+    config = task.solution(sought).config
     rest = np.asarray(task.scene.state.x)
     volume = np.asarray(task.scene.model.volume)
     forces, _ = compile_force_field(

@@ -38,8 +38,8 @@ def begun(tmp_path, monkeypatch):
         def communicate(self):
             scripts.append("over")
 
-    monkeypatch.setattr(store, "_folder", lambda: tmp_path)
-    monkeypatch.setattr(ahead, "_running", {})
+    monkeypatch.setattr(store, "find_folder", lambda: tmp_path)
+    monkeypatch.setattr(ahead, "running", {})
     monkeypatch.setattr(ahead.subprocess, "Popen", Process)
     return scripts
 
@@ -47,7 +47,7 @@ def begun(tmp_path, monkeypatch):
 def test_one_process_compiles_what_is_missing(begun, tmp_path):
     """What is there is left alone, and what is being compiled is not begun twice."""
     (tmp_path / G2P).mkdir()
-    store._seal(tmp_path / G2P)
+    store.seal(tmp_path / G2P)
     ahead.begin(TARGETS)
     ahead.begin(TARGETS)
     (script,) = begun
@@ -58,11 +58,11 @@ def test_waiting_ends_with_the_kernel_or_the_process(begun):
     """What is said of another kernel meanwhile is noted; what the process never made is nobody's any more."""
     ahead.begin(TARGETS)
     ahead.wait_for(BLEND)
-    assert set(ahead._running) == {P2G, G2P}
+    assert set(ahead.running) == {P2G, G2P}
     ahead.wait_for(BLEND)
     assert "over" not in begun
     ahead.wait_for(G2P)
-    assert not ahead._running and begun[1:] == ["over"]
+    assert not ahead.running and begun[1:] == ["over"]
 
 
 def test_commands_that_play_begin_before_they_read_their_arguments(begun):
@@ -108,7 +108,7 @@ def popen(command, **options):
     return helper([*command[:-1], {slow!r}], **options)
 ahead.subprocess.Popen = popen
 ahead.begin({TARGETS!r})
-process = next(iter(ahead._running.values()))
+process = next(iter(ahead.running.values()))
 print(*(process.stdout.readline().strip() for _ in range(2)), flush=True)
 assert os.getsid(process.pid) == process.pid != os.getsid(0)
 {ending}"""
@@ -137,6 +137,6 @@ def test_nothing_here_needs_numba():
         "import sys; sys.modules['numba'] = None\n"
         "from physagent_jax.kernels import ahead\n"
         "import physagent_jax.run.replay, physagent_jax.run.loop\n"
-        f"ahead.begin({TARGETS!r}); assert not ahead._running"
+        f"ahead.begin({TARGETS!r}); assert not ahead.running"
     )
     subprocess.run([sys.executable, "-c", script], check=True, capture_output=True)

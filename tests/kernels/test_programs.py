@@ -48,8 +48,8 @@ def test_programs_are_let_go_when_they_take_too_many_mappings():
 def test_a_simulation_begins_by_looking_whether_there_are_too_many(monkeypatch):
     play(61)
     held = programs.mapped()
-    monkeypatch.setattr(programs, "_granted", lambda: (held - 1) / programs.SHARE)
-    monkeypatch.setattr(programs, "_compiled", programs._looked_at + programs._LOOK)
+    monkeypatch.setattr(programs, "count_granted", lambda: (held - 1) / programs.SHARE)
+    monkeypatch.setattr(programs, "compiled_count", programs.looked_at + programs.LOOK)
     play(61)
     assert programs.mapped() < held
 
@@ -65,7 +65,7 @@ def test_nothing_is_let_go_while_something_is_traced():
 def test_many_different_runs_stay_within_their_mappings(monkeypatch):
     """150 runs of different shapes in one process."""
     limit = programs.mapped() + 6000
-    monkeypatch.setattr(programs, "_granted", lambda: limit / programs.SHARE)
+    monkeypatch.setattr(programs, "count_granted", lambda: limit / programs.SHARE)
     most = 0
     for count in range(62, 212):
         play(count)
@@ -76,7 +76,7 @@ def test_many_different_runs_stay_within_their_mappings(monkeypatch):
 @pytest.mark.parametrize("feature, foreign", [("prefer-no-gather", []), ("avx512f", ["avx512f"])])
 def test_of_what_xla_writes_only_differences_in_tuning_are_left_out(capfd, feature, foreign):
     """A feature that the processor lacks is told, so that the program is not used."""
-    with programs._machine_compared() as found:
+    with programs.compare_machine() as found:
         os.write(2, f"one\n{MISMATCH.format(feature)}two\n".encode())
     assert found == foreign
     assert capfd.readouterr().err == "one\ntwo\n"

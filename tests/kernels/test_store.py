@@ -22,7 +22,7 @@ def handler(frame):
 @pytest.fixture
 def place(tmp_path, monkeypatch):
     """The folder of `handler`, once compiled."""
-    monkeypatch.setattr(store, "_folder", lambda: tmp_path)
+    monkeypatch.setattr(store, "find_folder", lambda: tmp_path)
     assert not store.has(NAME)
     assert store.compiled(NAME, ffi.HANDLER, handler).ctypes(1) == 42
     assert store.has(NAME)
@@ -73,13 +73,13 @@ def test_a_damaged_file_costs_a_compilation_and_one_line(place, which, damage, c
 def test_what_is_sealed_but_not_numbas_costs_a_compilation(place, caplog):
     """Such as files of another version that somebody copied, seal and all."""
     files(place)[0].write_bytes(b"nonsense")
-    store._seal(place)
+    store.seal(place)
     assert store.compiled(NAME, ffi.HANDLER, handler).ctypes(1) == 42
     assert "cannot be read" in caplog.text and store.has(NAME)
 
 
 def test_a_full_disk_costs_nothing_but_time(tmp_path, monkeypatch):
-    monkeypatch.setattr(store, "_folder", lambda: tmp_path / "not there")
+    monkeypatch.setattr(store, "find_folder", lambda: tmp_path / "not there")
     assert store.compiled(NAME, ffi.HANDLER, handler).ctypes(1) == 42
 
 

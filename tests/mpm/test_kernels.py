@@ -205,7 +205,7 @@ def test_svd_and_isotropic_functions_equal_numpy_for_any_number_of_matrices(coun
 
 
 def test_without_numba_the_reference_serves_and_says_so_once(monkeypatch, caplog):
-    choice._numba_missing.cache_clear()
+    choice.numba_missing.cache_clear()
     monkeypatch.setattr(choice, "importlib", Absent)
     try:
         with caplog.at_level(logging.WARNING):
@@ -215,7 +215,7 @@ def test_without_numba_the_reference_serves_and_says_so_once(monkeypatch, caplog
         with pytest.raises(UserError, match='"cpu"` cannot be used'):
             kernels.use_cpu("cpu")
     finally:
-        choice._numba_missing.cache_clear()
+        choice.numba_missing.cache_clear()
 
 
 class Absent:

@@ -215,7 +215,7 @@ def test_seeds_without_depth_do_not_stop_the_measurement():
     still = Tracks(np.broadcast_to(seeds, (2, *seeds.shape)), everywhere, everywhere.astype(float))
     path = follow.Path([None, None], np.full(2, -1), np.zeros(2), np.zeros((2, 0, 2)), np.zeros((2, 0), bool))
     clip = SimpleNamespace(track=lambda queries, until: still)
-    reached = follow._link(
+    reached = follow.link(
         path,
         slice(0, 2),
         fit.Affine.identity(),

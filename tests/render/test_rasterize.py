@@ -108,18 +108,18 @@ def test_too_small_a_capacity_gives_nan_and_the_need():
 
 def test_render_grows_its_capacity_once_and_remembers_it():
     splats, far, near = random_splats(700, scale=0.2, dtype=np.float32), camera(distance=30.0), camera()
-    renderer._capacities.pop((700, 50, 37), None)
+    renderer.capacities.pop((700, 50, 37), None)
     render(splats, far)
-    small = renderer._capacities[700, 50, 37]
+    small = renderer.capacities[700, 50, 37]
     image = render(splats, near)
-    large = renderer._capacities[700, 50, 37]
+    large = renderer.capacities[700, 50, 37]
     assert small < pair_capacity(splats, near) <= large
     assert not np.isnan(image.rgb).any()
-    compiled = renderer._rasterize._cache_size()
+    compiled = renderer.draw._cache_size()
     render(splats, far)
     render(splats, near)
-    assert renderer._capacities[700, 50, 37] == large
-    assert renderer._rasterize._cache_size() <= compiled + 1  # the far view, once, with the new capacity
+    assert renderer.capacities[700, 50, 37] == large
+    assert renderer.draw._cache_size() <= compiled + 1  # the far view, once, with the new capacity
 
 
 def test_impossible_numbers_of_pairs_are_refused_not_wrapped():
@@ -127,7 +127,7 @@ def test_impossible_numbers_of_pairs_are_refused_not_wrapped():
     rectangles = jnp.asarray([[0, 0, 60000, 60000]] * 3, jnp.int32) // jnp.asarray([1, 1, 2, 2])
     assert count_pairs(rectangles) == np.iinfo(np.int32).max
     with pytest.raises(UserError, match="too many tiles"):
-        renderer._roomy(int(count_pairs(rectangles)))
+        renderer.round_up(int(count_pairs(rectangles)))
 
 
 @pytest.mark.parametrize(("tiles", "count"), [(400, 5000), (40_000, 1_000_000)])
@@ -189,17 +189,17 @@ def test_a_picture_that_needs_more_room_gets_it_whatever_another_thread_has_note
     """Between a picture that lacks room and the second attempt, another thread notes enough for both."""
     splats, view = random_splats(200, scale=0.3, dtype=np.float32), camera()
     key = (200, view.width, view.height)
-    monkeypatch.setattr(renderer, "_capacities", {key: 64})
+    monkeypatch.setattr(renderer, "capacities", {key: 64})
     first = renderer.rasterize
 
     def and_another_thread(*arguments, **options):
         result = first(*arguments, **options)
-        renderer._capacities[key] = 1 << 16
+        renderer.capacities[key] = 1 << 16
         return result
 
     monkeypatch.setattr(renderer, "rasterize", and_another_thread)
     assert np.isfinite(np.asarray(render(splats, view).rgb)).all()
-    assert renderer._capacities[key] == 1 << 16
+    assert renderer.capacities[key] == 1 << 16
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from physagent_jax.agents.protocols import ExecutorAgent, PlannerAgent
-from physagent_jax.agents.schema import Check, Judgement, Rewrite, SemanticReply, Verdict
+from physagent_jax.agents.schema import Check, Judgement, Rewrite, Verdict
 from physagent_jax.agents.trace import Reply
 from physagent_jax.cli import main
-from physagent_jax.cli.console import ConsoleObserver
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import link_or_copy
 from physagent_jax.forces.schema import Action, ForceField
@@ -129,18 +128,6 @@ def test_assumptions_and_unknown_words_are_in_the_line_of_json(finished, robot_p
     told = json.loads(capsys.readouterr().out)
     reply = json.loads((finished / "semantic.json").read_text())
     assert told["not_understood"] == reply["not_understood"] and told["assumptions"] == reply["notes"]
-
-
-def test_the_terminal_tells_what_was_assumed_and_not_understood(capsys):
-    reply = SemanticReply(
-        force_field=ForceField(),
-        expectations=(),
-        notes=("left is [the viewer's].",),
-        not_understood=("purple",),
-    )
-    ConsoleObserver().understood(reply)
-    told = capsys.readouterr().err
-    assert "assumed: left is [the viewer's]." in told and "not understood: purple" in told
 
 
 def test_the_same_command_gives_the_same_scene_bytes(finished, tmp_path, robot_path):

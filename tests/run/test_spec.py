@@ -1,6 +1,5 @@
 """A run as data: written, read, compared; the same whichever way it is said."""
 
-import dataclasses
 import json
 import subprocess
 import sys
@@ -11,8 +10,6 @@ import yaml
 from pydantic import ValidationError
 
 from physagent_jax.cli import main
-from physagent_jax.cli.options import OPTIONS, to_spec
-from physagent_jax.cli.run import Run
 from physagent_jax.core.errors import UserError
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import RunSpec, dump_spec, read_spec
@@ -23,8 +20,10 @@ OTHERS = {
     "object.up": "-y",
     "object.kind": "plant",
     "object.opacity_threshold": 0.1,
+    "object.extent": 0.8,
     "prompt": "drop it",
     "preset": "paper",
+    "overrides.cells": 64,
     "overrides.frame_count": 12,
     "overrides.max_particles": 900,
     "overrides.width": 64,
@@ -168,26 +167,6 @@ def test_where_the_object_lies_makes_no_other_run(tmp_path, robot_path):
         (tmp_path / name).write_bytes((robot_path.parent / name).read_bytes())
     elsewhere = resolve(small(robot_path.name), tmp_path)
     assert elsewhere.inputs == resolve(small(robot_path)).inputs
-
-
-def test_options_say_what_a_spec_says(tmp_path, robot_path):
-    command = Run(
-        out=tmp_path, object=robot_path, prompt="drop it", frames=12, particles=900, resolution=64, seed=7,
-        anchor="box", anchor_box=(2, 2, 2, 1, 1, 0.5), soften=3.0, save_splats=True, max_iterations=2,
-    )  # fmt: skip
-    spec = small(
-        robot_path, "drop it", frames=12, particles=900, resolution=64, seed=7, rounds=2,
-        anchor=dict(kind="box", point=(2, 2, 2), half_size=(1, 1, 0.5)),
-        material=dict(soften=3.0), save=dict(splats=True),
-    )  # fmt: skip
-    assert to_spec(vars(command)) == spec
-
-
-def test_every_option_sets_a_field():
-    """But those that say where, at what price, and how it is told."""
-    beside = {"out", "spec", "anchor_box", "max_minutes", "max_memory", "overwrite", "json_line"}
-    attributes = {option.removeprefix("--").replace("-", "_") for option in OPTIONS.values()}
-    assert attributes | beside == {field.name for field in dataclasses.fields(Run)}
 
 
 @pytest.mark.parametrize(

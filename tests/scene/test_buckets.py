@@ -8,7 +8,7 @@ import pytest
 
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.mpm.frame import advance
-from physagent_jax.render.renderer import _rasterize
+from physagent_jax.render.renderer import draw
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import buckets, compile_scene
@@ -144,7 +144,7 @@ def test_an_object_of_nearly_the_same_size_compiles_nothing_anew(robot_path, par
         scene = compile_scene(scene, body_of(scene))
         assert scene.body.particles.count != len(scene.order)
         simulate_scene(scene)
-        programs.append((advance._cache_size(), _rasterize._cache_size(), len(scene.order)))  # type: ignore[attr-defined]
+        programs.append((advance._cache_size(), draw._cache_size(), len(scene.order)))  # type: ignore[attr-defined]
     assert programs[0] == programs[1]
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.stability.comparisons import permuted, shifted
 from benchmarks.stability.criteria import Result, examine, watch
-from benchmarks.stability.degenerate import MALFORMED, Edge, _squeezed
+from benchmarks.stability.degenerate import MALFORMED, Edge, squeezed
 from benchmarks.stability.dt_crit import REQUIRED, measure
 from benchmarks.stability.matrix import pairwise
 from benchmarks.stability.pairwise import covering_array, uncovered
@@ -61,7 +61,7 @@ def test_senseless_input_is_refused_in_words(name):
 
 
 def test_squeezed_to_nothing_is_not_wrong_in_silence():
-    edge = Edge("squeezed", Scenario("neo-hookean", most_steps=500), _squeezed)
+    edge = Edge("squeezed", Scenario("neo-hookean", most_steps=500), squeezed)
     result = examine(edge.scenario, edge.name, edge.build)
     assert result.verdict != "FAIL", result.message
 

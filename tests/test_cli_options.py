@@ -1,0 +1,42 @@
+"""The options of `physagent run` against the spec that they say, and what the terminal tells."""
+
+import dataclasses
+
+from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.cli.console import ConsoleObserver
+from physagent_jax.cli.options import OPTIONS, to_spec
+from physagent_jax.cli.run import Run
+from physagent_jax.forces.schema import ForceField
+from tests.run.specs import small
+
+
+def test_options_say_what_a_spec_says(tmp_path, robot_path):
+    command = Run(
+        out=tmp_path, object=robot_path, prompt="drop it", frames=12, particles=900, resolution=64, seed=7,
+        anchor="box", anchor_box=(2, 2, 2, 1, 1, 0.5), soften=3.0, save_splats=True, max_iterations=2,
+    )  # fmt: skip
+    spec = small(
+        robot_path, "drop it", frames=12, particles=900, resolution=64, seed=7, rounds=2,
+        anchor=dict(kind="box", point=(2, 2, 2), half_size=(1, 1, 0.5)),
+        material=dict(soften=3.0), save=dict(splats=True),
+    )  # fmt: skip
+    assert to_spec(vars(command)) == spec
+
+
+def test_every_option_sets_a_field():
+    """But those that say where, at what price, and how it is told."""
+    beside = {"out", "spec", "anchor_box", "max_minutes", "max_memory", "overwrite", "json_line"}
+    attributes = {option.removeprefix("--").replace("-", "_") for option in OPTIONS.values()}
+    assert attributes | beside == {field.name for field in dataclasses.fields(Run)}
+
+
+def test_the_terminal_tells_what_was_assumed_and_not_understood(capsys):
+    reply = SemanticReply(
+        force_field=ForceField(),
+        expectations=(),
+        notes=("left is [the viewer's].",),
+        not_understood=("purple",),
+    )
+    ConsoleObserver().understood(reply)
+    told = capsys.readouterr().err
+    assert "assumed: left is [the viewer's]." in told and "not understood: purple" in told
