@@ -20,9 +20,8 @@ from physagent_jax.agents.matching import agrees, all_causes, own_causes
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, normalised, scaled
 from physagent_jax.core.strict import Vector
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import (
-    MAGNITUDE_MAX,
-    MAGNITUDE_MIN,
     Action,
     ActionType,
     ConstraintType,

@@ -10,15 +10,8 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
-from physagent_jax.forces.schema import (
-    MAGNITUDE_MAX,
-    MAGNITUDE_MIN,
-    Action,
-    ActionType,
-    ConstraintType,
-    ForceField,
-    VelocityConstraint,
-)
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField, VelocityConstraint
 
 _MEANING = {
     ActionType.TRANSLATION: "a steady push along `vector`; at magnitude 1, over the whole clip and unopposed, it moves "

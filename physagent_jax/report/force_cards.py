@@ -7,10 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 from physagent_jax.agents.schema import DirectionTable
-from physagent_jax.forces.calibration import meaning
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, meaning
 from physagent_jax.forces.schema import (
-    MAGNITUDE_MAX,
-    MAGNITUDE_MIN,
     Action,
     ActionType,
     ConstraintType,

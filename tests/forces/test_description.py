@@ -4,16 +4,9 @@ import json
 import subprocess
 import sys
 
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.description import describe_skills
-from physagent_jax.forces.schema import (
-    MAGNITUDE_MAX,
-    MAGNITUDE_MIN,
-    Action,
-    ActionType,
-    ConstraintType,
-    ForceField,
-    VelocityConstraint,
-)
+from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField, VelocityConstraint
 
 
 def test_the_text_names_every_skill_field_and_limit():

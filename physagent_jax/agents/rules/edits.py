@@ -13,16 +13,8 @@ from physagent_jax.agents.rules.language.schedule import divide
 from physagent_jax.agents.rules.language.timing import BRIEF
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import clamp, scaled
-from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL
-from physagent_jax.forces.schema import (
-    MAGNITUDE_MAX,
-    MAGNITUDE_MIN,
-    Action,
-    ActionType,
-    ConstraintType,
-    ForceField,
-    VelocityConstraint,
-)
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, PRESCRIBED_TRAVEL
+from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField, VelocityConstraint
 from physagent_jax.perception.schema import MotionReport
 
 _SLAB = 0.85  # where an end slab begins, as a fraction of the extent

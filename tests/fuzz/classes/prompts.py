@@ -6,7 +6,8 @@ import numpy as np
 
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.schema import MAGNITUDE_MAX, MAGNITUDE_MIN, ForceField
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.schema import ForceField
 from physagent_jax.forces.skills import closed_form_scaling, compile_force_field
 from tests.agents.scenes import IDENTITY, brief, judge, read, rewrite, seen_in, table
 from tests.agents.sentences import SENTENCES

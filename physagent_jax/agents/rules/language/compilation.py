@@ -15,7 +15,8 @@ from physagent_jax.agents.rules.language.verbs import Doing
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import add, clamp, dot, normalised, scaled
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.schema import MAGNITUDE_MAX, MAGNITUDE_MIN, ActionType
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.schema import ActionType
 
 _IMPULSE_FRAMES = 1.0
 _SHORTEST_SWING = 2.0  # frames; faster swings alias in the pictures

@@ -9,14 +9,8 @@ from physagent_jax.agents.rules.language.schedule import Window
 from physagent_jax.agents.schema import Evidence, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import clamp
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.schema import (
-    MAGNITUDE_MAX,
-    MAGNITUDE_MIN,
-    Action,
-    ActionType,
-    ForceField,
-    is_too_short,
-)
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.schema import Action, ActionType, ForceField, is_too_short
 
 MAX_ACTIONS = 60  # more would only slow the simulation; no sentence for a clip of a few seconds needs them
 

@@ -17,13 +17,8 @@ from physagent_jax.agents.rules.language.verbs import PICTURE_PLANE_TURNS, VERBS
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, cross, dot, normalised, scaled
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.schema import (
-    MAGNITUDE_MAX,
-    MAGNITUDE_MIN,
-    BoxRegion,
-    HalfSpaceRegion,
-    Region,
-)
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region
 
 _WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 ASSUMED = "left"
