@@ -1,4 +1,4 @@
-# make demo: from a fresh machine to the first video.   make test: the test suite.
+# make demo: from a fresh machine to the first video.   make test: the test suite.   make pictures: the README's.
 PYTHON ?= python3
 VENV ?= .venv
 RUN := $(VENV)/bin
@@ -6,7 +6,7 @@ PYTEST_ARGS ?= -n auto --dist worksteal
 DEMO_OUT ?= runs/demo
 DEMO_PROMPT ?= a strong wind pushes the robot to the left
 
-.PHONY: demo test lint clean
+.PHONY: demo test lint pictures clean
 
 demo: $(VENV)/.installed
 	$(RUN)/physagent run --object examples/assets/robot.ply --prompt "$(DEMO_PROMPT)" --out $(DEMO_OUT) --overwrite
@@ -19,6 +19,9 @@ lint: $(VENV)/.installed
 	$(RUN)/ruff format --check .
 	$(RUN)/pyright --pythonpath $(RUN)/python
 	$(RUN)/lint-imports --no-logo
+
+pictures: $(VENV)/.installed
+	$(RUN)/python examples/make_pictures.py docs/images
 
 $(VENV)/.installed: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

@@ -1,0 +1,82 @@
+"""The README's pictures: three sentences, each run through the closed loop, as a GIF and as a strip of frames.
+
+Run: python examples/make_pictures.py               # small and coarse, into ./pictures: a minute
+     python examples/make_pictures.py docs/images   # the README's own, with the default settings: some minutes
+"""
+
+import sys
+import tempfile
+from pathlib import Path
+
+import cv2
+import imageio.v3 as iio
+import numpy as np
+
+import physagent_jax as pa
+from physagent_jax.gaussians.formats.ply import write_ply
+from physagent_jax.scene.procedural import PROCEDURAL
+
+ROBOT = Path(__file__).parent / "assets" / "robot.ply"
+SENTENCES = {
+    "plant": "a strong wind bends the plant to the left, then lets go",
+    "jelly": "drop the jelly",
+    "robot": "a strong wind pushes the robot to the left",
+}
+SMALL = dict(rounds=1, overrides=dict(frame_count=12, max_particles=1500, width=160, height=120))
+GIF_WIDTH, STRIP_WIDTH = 320, 240  # [px], of a frame
+MOST_BYTES = 1_500_000
+
+
+def film(name, prompt, folder, settings):
+    """The frames that a run leaves, uint8, shape (T, height, width, 3), and its verdict."""
+    path = ROBOT
+    if name in PROCEDURAL:  # as `physagent make` does
+        path = folder / f"{name}.ply"
+        write_ply(path, PROCEDURAL[name](0))
+    chosen = dict(path=str(path), up=None if path == ROBOT else "+z")
+    spec = pa.RunSpec.model_validate(dict(object=chosen, prompt=prompt, **settings))
+    run = pa.synthesize(spec, folder / name)
+    return run.frames(), run.manifest.verdict
+
+
+def crop(frames, margin=0.06):
+    """The 4:3 part of the pictures in which something is ever seen."""
+    rows, columns = np.nonzero((frames < 245).any(axis=(0, 3)))
+    low, high = np.array([columns.min(), rows.min()]), np.array([columns.max(), rows.max()]) + 1
+    width = (1 + 2 * margin) * max(high[0] - low[0], (high[1] - low[1]) * 4 / 3)
+    half, center = np.array([width, 0.75 * width]) / 2, (low + high) / 2
+    room = int(width)  # so that the part may reach beyond the picture's border, which is white
+    padded = np.pad(frames, ((0, 0), (room, room), (room, room), (0, 0)), constant_values=255)
+    (x0, y0), (x1, y1) = (center - half + room).astype(int), (center + half + room).astype(int)
+    return padded[:, y0:y1, x0:x1]
+
+
+def resize(frames, width):
+    """Frames of another width, 4:3."""
+    size = (width, width * 3 // 4)
+    return np.stack([cv2.resize(frame, size, interpolation=cv2.INTER_AREA) for frame in frames])
+
+
+def main(out, settings):
+    """Writes a GIF per sentence, and one picture with five frames of each."""
+    out.mkdir(parents=True, exist_ok=True)
+    strips = []
+    for name, prompt in SENTENCES.items():
+        with tempfile.TemporaryDirectory() as folder:
+            frames, verdict = film(name, prompt, Path(folder), settings)
+        frames = crop(frames)
+        path = out / f"{name}.gif"
+        iio.imwrite(path, resize(frames, GIF_WIDTH), plugin="pillow", duration=40, loop=0)
+        chosen = np.linspace(0, len(frames) - 1, 5).round().astype(int)
+        strips.append(np.concatenate(list(resize(frames[chosen], STRIP_WIDTH)), axis=1))
+        print(f"{path}: {prompt!r}, {verdict}, {path.stat().st_size / 1e3:.0f} kB")
+        assert np.ptp(frames.astype(int), axis=0).max() > 100 and path.stat().st_size < MOST_BYTES
+        assert iio.immeta(path)["duration"] == 40 and len(iio.imread(path)) == len(frames)
+    iio.imwrite(out / "frames.png", np.concatenate(strips))
+    print(out / "frames.png")
+
+
+if __name__ == "__main__":
+    pa.enable_compile_cache()
+    given = sys.argv[1:]
+    main(Path(given[0]), {}) if given else main(Path("pictures"), SMALL)
