@@ -1,9 +1,12 @@
 """Every example runs as its first lines say, and finds what it says; its own assertions are the test."""
 
 import os
+import re
 import subprocess
 import sys
+from pathlib import Path
 
+import imageio.v3 as iio
 import pytest
 
 from tests.conftest import REPOSITORY
@@ -32,3 +35,16 @@ def test_an_example_finds_what_it_says(path, tmp_path):
     )
     assert done.returncode == 0, done.stderr[-2000:]
     assert done.stdout.strip()
+
+
+def test_the_readme_shows_pictures_that_the_example_makes():
+    readme = (REPOSITORY / "README.md").read_text()
+    source = (REPOSITORY / "examples" / "make_pictures.py").read_text()
+    shown = re.findall(r"!\[.+?\]\((docs/images/.+?)\)", readme)
+    assert {Path(place).name for place in shown} == {"plant.gif", "jelly.gif", "robot.gif", "frames.png"}
+    for place in shown:
+        assert (REPOSITORY / place).stat().st_size < 1_500_000
+        if place.endswith(".gif"):
+            assert len(iio.imread(REPOSITORY / place)) == 50
+    sentences = re.findall(r'^    "(?:plant|jelly|robot)": "(.+)",$', source, re.MULTILINE)
+    assert len(sentences) == 3 and all(f"`{sentence}`" in readme for sentence in sentences)
