@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.peers.drop import CELLS, DT, FRAME_DT
 from benchmarks.peers.scene import Material
 from benchmarks.throughput.measure import Child, ChildError, Contender, open_child, store
 from benchmarks.throughput.parts import DEFAULT, Rows, Sizes, Tell, row_of
-from benchmarks.throughput.scene import CELLS, DT, FRAME_DT
 
 FINER = 1.5  # times as many cells along the domain, for the reference of the error
 CHUNK = 50  # substeps by which a peer's seconds are extrapolated, five times

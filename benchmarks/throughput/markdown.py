@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from benchmarks.throughput.scene import CELLS, DT, FRAME_DT
+from benchmarks.peers.drop import CELLS, DT, FRAME_DT
 
 PARTS = ("materials", "sizes", "grids", "stages", "memory", "job", "error")
 

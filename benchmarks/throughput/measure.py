@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from benchmarks.peers.base import PYTHON_VARIABLE
+from benchmarks.peers.drop import CELLS, DT, drop, floor_as_wall
 from benchmarks.peers.scene import Material, PeerScene
-from benchmarks.throughput.scene import CELLS, DT, drop, floor_as_wall
 
 _ROOT = Path(__file__).resolve().parents[2]
 _MULTIPLE = 10  # Genesis advances by ten substeps at a time

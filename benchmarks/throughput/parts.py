@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.peers.base import PEERS
+from benchmarks.peers.drop import CELLS, DT, FRAMES
 from benchmarks.peers.scene import Material
 from benchmarks.throughput.measure import (
     ChildError,
@@ -20,7 +21,6 @@ from benchmarks.throughput.measure import (
     open_child,
     store,
 )
-from benchmarks.throughput.scene import CELLS, DT, FRAMES
 
 Rows = list[dict[str, Any]]
 Tell = Callable[[str], None]

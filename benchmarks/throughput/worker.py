@@ -98,7 +98,7 @@ class Worker:
 
     def _make(self) -> Any:
         if self._code == "ours":
-            from benchmarks.throughput.ours import Ours
+            from benchmarks.peers.ours import Ours
 
             return Ours(self._kernels, self._sort)
         return make_peer(self._code)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from benchmarks.peers import Contact, Material, PeerScene, Plane
+from benchmarks.peers.drop import drop
 from benchmarks.peers.jax_naive import JaxNaive
+from benchmarks.peers.ours import Ours
 from benchmarks.peers.warp_classical import WarpClassical
-from benchmarks.throughput.ours import Ours
-from benchmarks.throughput.scene import drop
 
 DX = 0.05
 DT = 1e-3

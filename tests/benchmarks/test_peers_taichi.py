@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from benchmarks.peers import Contact, Material, PeerScene, Plane
+from benchmarks.peers.drop import drop
+from benchmarks.peers.ours import Ours
 from benchmarks.peers.taichi_mls import TaichiMLS
 from benchmarks.peers.warp_classical import WarpClassical
-from benchmarks.throughput.ours import Ours
-from benchmarks.throughput.scene import drop
 
 DX = 0.05
 DT = 1e-3

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from benchmarks.peers import Contact, Material
+from benchmarks.peers.drop import CELLS, DT, FLOOR, SIDE, drop, floor_as_wall
+from benchmarks.peers.ours import Ours, build
 from benchmarks.throughput import job as whole_job
 from benchmarks.throughput import measure, parts
 from benchmarks.throughput.markdown import PARTS, document
 from benchmarks.throughput.measure import Contender, Effort, compare, interleaved
-from benchmarks.throughput.ours import Ours, build, job, stages
-from benchmarks.throughput.scene import CELLS, DT, FLOOR, SIDE, drop, floor_as_wall
+from benchmarks.throughput.ours import job, stages
 
 SHORT = Effort(rounds=2, round_seconds=0.0, least=10, slowest=1e9)
 

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from benchmarks.rendering import sphere
+from benchmarks.cases.splats import sphere
 from physagent_jax.render import look_at, pair_capacity, rasterize
 from physagent_jax.render.layout import Layout
 from physagent_jax.render.project import project

@@ -1,4 +1,4 @@
-"""The scene that is timed: an elastic cube dropped on a sticky floor, as customary for 3D Gaussians."""
+"""The scene that codes are timed on: an elastic cube dropped on a sticky floor, as customary for 3D Gaussians."""
 
 from __future__ import annotations
 
