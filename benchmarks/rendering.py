@@ -1,4 +1,4 @@
-"""`python -m benchmarks.rendering --json OUT [--quick]`: milliseconds per image, forward and with the gradient.
+"""`python -m benchmarks.rendering --json OUT [--markdown OUT] [--quick]`: milliseconds per image and gradient.
 
 A sphere covered with overlapping Gaussians fills most of the picture, as an object does. Medians of warm images with
 the range; compilation apart. "gradient" is the forward image and the derivative of a mean squared difference with
@@ -9,53 +9,82 @@ renders images of its own.
 from __future__ import annotations
 
 import dataclasses
-import json
 import os
 import sys
 import time
+from functools import partial
 from pathlib import Path
+from typing import Literal
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import tyro
-from rich.console import Console
 
+from benchmarks import harness
 from benchmarks.cases.splats import sphere
-from benchmarks.machine import circumstances
-from physagent_jax.core.files import write_text
+from benchmarks.harness import Job, link, number, provenance, table
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.render import Camera, frames_at_once, look_at, pair_capacity, rasterize, render, render_all
 
 CASES = ((20_000, 256, 40.0), (100_000, 512, 200.0))  # Gaussians, side of the picture [px], aim [ms]
+_MEANING = """What a picture costs, by `python -m benchmarks.rendering`. A sphere covered with overlapping Gaussians
+fills most of the picture, as an object does. Medians of warm images with the range; first calls compile. "gradient"
+is the image and the derivative of a mean squared difference with respect to centres, covariances, opacities and
+colours; "together" the time per image where one thread per core renders images of its own.
+"""
 RATIO = 3.5  # aimed at: time with gradient over time of the image
-console = Console(stderr=True)
+COLUMNS = {
+    "Gaussians": lambda row: f"{row['gaussians']:,}",
+    "pixels": lambda row: f"{row['pixels']:,}",
+    "image [ms]": lambda row: f"{number(row['forward_ms'])} ({_range(row['forward_range_ms'])})",
+    "aim [ms]": lambda row: number(row["aims"]["forward_ms"]),
+    "gradient [ms]": lambda row: f"{number(row['gradient_ms'])} ({_range(row['gradient_range_ms'])})",
+    "over image": lambda row: number(row["gradient_over_forward"]),
+    "aim": lambda row: number(row["aims"]["gradient_over_forward"]),
+    "together [ms]": lambda row: number(row["together_ms"]),
+    "first calls [s]": lambda row: ", ".join(map(number, row["first_seconds"])),
+}
 
 
 @dataclasses.dataclass(frozen=True)
-class Command:
+class Command(harness.Command):
     """Measure what a picture costs."""
 
-    json: Path
-    """File to write."""
+    parts: tuple[Literal["images"], ...] = ("images",)
+    """There is one."""
     repeats: int = 15
-    """Timed images."""
-    quick: bool = False
-    """One small case, few repeats."""
+    """Timed images; quick: three."""
 
 
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
+    return harness.main(command, {"images": lambda: _jobs(command)}, document)
+
+
+def document(result: dict, json_path: Path, target: Path) -> str:
+    """The tables as Markdown."""
+    text = f"# Pictures\n\n{_MEANING}\nEvery row is in [{json_path.name}]({link(json_path, target)}).\n"
+    text += provenance(result, ("images",))
+    rows = result["images"]["rows"] if "images" in result else []
+    return text + table(tuple(COLUMNS), [[show(row) for show in COLUMNS.values()] for row in rows])
+
+
+def _jobs(command: Command) -> list[Job]:
     cases = ((2_000, 64, 40.0),) if command.quick else CASES
-    rows = [measured(*case, 3 if command.quick else command.repeats) for case in cases]
-    for row in rows:
-        console.print(row, highlight=False)
-    write_text(
-        command.json, json.dumps({**circumstances(), "quick": command.quick, "rows": rows}, indent=1) + "\n"
-    )
-    print(command.json)
-    return 0
+    repeats = 3 if command.quick else command.repeats
+    return [Job(f"{case[0]} Gaussians", partial(_told, *case, repeats)) for case in cases]
+
+
+def _told(*case) -> list[dict]:
+    row = measured(*case)
+    harness.say(str(row))
+    return [row]
+
+
+def _range(values: list[float]) -> str:
+    return " to ".join(map(number, values))
 
 
 def measured(count: int, side: int, aim: float, repeats: int) -> dict:

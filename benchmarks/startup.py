@@ -17,14 +17,15 @@ import subprocess
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
+from typing import Literal
 
 import trimesh
 import tyro
-from rich.console import Console
 
-from benchmarks.machine import circumstances
-from physagent_jax.core.files import write_text
+from benchmarks import harness
+from benchmarks.harness import Job, Row, Rows, link, provenance, table
 
 OBJECT = Path(__file__).resolve().parents[1] / "examples" / "assets" / "robot.ply"
 JOB = ("--object", str(OBJECT), "--prompt", "a strong wind pushes the robot to the left")
@@ -33,63 +34,48 @@ ITERATION = ("simulate", "render", "perceive", "agents")  # stages
 SMALL = ("--frames", "8", "--particles", "1000", "--resolution", "96", "--max-iterations", "1")
 AIM = 0.5  # greatest share of the first result's time that compilation may have
 ITERATION_AIM = 10.0  # most seconds of an iteration
-console = Console(stderr=True)
+PARTS = ("first", "iteration")
 
 
 @dataclasses.dataclass(frozen=True)
-class Command:
+class Command(harness.Command):
     """Measure how long the first result takes, and the next."""
 
-    json: Path
-    """File to write."""
-    markdown: Path | None = None
-    """Also write the tables here."""
+    parts: tuple[Literal["first", "iteration"], ...] = PARTS
+    """The job of `make demo`, and one iteration of the loop."""
     rounds: int = 3
-    """Pairs of a cold and a warm run."""
-    quick: bool = False
-    """One round of a small job."""
+    """Pairs of a cold and a warm run, and iterations; quick: one."""
 
 
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
-    job = (*JOB, *SMALL) if command.quick else JOB
-    rows = []
-    for number in range(1 if command.quick else command.rounds):
-        with tempfile.TemporaryDirectory() as folder:
-            for state in ("cold", "warm"):
-                rows.append({"round": number, "programs": state, **run(job, Path(folder))})
-                console.print(rows[-1], highlight=False)
-    iterations = measure_iterations(1 if command.quick else command.rounds, SMALL if command.quick else ())
-    found = {
-        "rows": rows,
-        "summary": summary(rows),
-        "iterations": iterations,
-        "iteration": iteration(iterations),
+    rounds, small = (1, SMALL) if command.quick else (command.rounds, ())
+    parts = {
+        "first": lambda: [Job(f"round {n + 1}", partial(_first, n, (*JOB, *small))) for n in range(rounds)],
+        "iteration": lambda: [Job("iterations", partial(_iterations, rounds, small))],
     }
-    report = {**circumstances(), "quick": command.quick, **found}
-    write_text(command.json, json.dumps(report, indent=1) + "\n")
-    if command.markdown:
-        write_text(command.markdown, document(report))
-    print(command.json)
-    return 0
+    return harness.main(command, parts, document)
 
 
-def measure_iterations(rounds: int, options: tuple[str, ...]) -> list[dict]:
-    """The rows of ``rounds`` warm runs of one iteration each, with a solid ring in place of the robot."""
-    rows = []
+def _first(number: int, job: tuple[str, ...]) -> Rows:
+    """A cold and a warm run."""
+    with tempfile.TemporaryDirectory() as folder:
+        states = ("cold", "warm")
+        return [{"round": number, "programs": state, **run(job, Path(folder))} for state in states]
+
+
+def _iterations(rounds: int, options: tuple[str, ...]) -> Rows:
+    """Warm runs of one iteration each, with a solid ring in place of the robot."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         trimesh.creation.torus(major_radius=0.35, minor_radius=0.15).export(folder / "ring.obj")
         job = ("--object", str(folder / "ring.obj"), *LARGEST, *options)
         run(job, folder)  # compiles
-        for number in range(rounds):
-            rows.append({"round": number, **run(job, folder)})
-            console.print(rows[-1], highlight=False)
-    return rows
+        return [{"round": number, **run(job, folder)} for number in range(rounds)]
 
 
-def run(job: tuple[str, ...], folder: Path) -> dict:
+def run(job: tuple[str, ...], folder: Path) -> Row:
     """The row of one run, whose compiled programs are kept in ``folder``."""
     out, load = folder / "run", os.getloadavg()[0]
     environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache")}
@@ -109,6 +95,7 @@ def run(job: tuple[str, ...], folder: Path) -> dict:
     stages = {stage: round(took, 2) for stage, took in told["wall_s"].items() if stage != "total"}
     row = {"seconds": round(seconds, 2), "stages": stages, "load_average": round(load, 2)}
     sizes = {"particles": told["particle_count"], "frames": told["frames"], "substeps": told["substeps"]}
+    harness.say(str(row))
     return {**row, **sizes}
 
 
@@ -130,57 +117,61 @@ def iteration(rows: list[dict]) -> dict:
     return {**found, "aim": ITERATION_AIM, **sizes}
 
 
-def document(report: dict) -> str:
-    """The tables as Markdown."""
-    found = report["summary"]
-    stages = list(report["rows"][0]["stages"])
+def document(result: dict, json_path: Path, target: Path) -> str:
+    """The text of docs/startup.md."""
     text = f"""# How long results take
 
-The job of `make demo`, installation excluded, in a new process: *cold* without any compiled program on disk, *warm*
-with those that the run before left. Made by `{report["command"]}` on {report["machine"]},
-revision {report["git_revision"]}.
+Every row is in [{json_path.name}]({link(json_path, target)}), written by `python -m benchmarks.startup`.
+{provenance(result, PARTS)}"""
+    for part, tables in (("first", _first_result), ("iteration", _iteration)):
+        text += tables(result[part]["rows"]) if part in result else ""
+    return text
 
-| programs | median [s] | range [s] |
-|---|---|---|
+
+def _first_result(rows: Rows) -> str:
+    found, stages = summary(rows), list(rows[0]["stages"])
+    text = """
+## The first result
+
+The job of `make demo`, installation excluded, in a new process: *cold* without any compiled program on disk, *warm*
+with those that the run before left.
 """
-    for state in ("cold", "warm"):
-        low, high = found[state]["range"]
-        text += f"| {state} | {found[state]['median']:.1f} | {low:.1f} to {high:.1f} |\n"
+    lines = [(state, f"{found[state]['median']:.1f}", _range(found[state])) for state in ("cold", "warm")]
+    text += table(("programs", "median [s]", "range [s]"), lines)
     text += f"""
 Compilation is {found["share_of_compilation"]:.0%} of the first result's time (aim: at most {AIM:.0%}).
 
 Seconds per stage, as the run's manifest has them. "compile" is the time that stages spent waiting for compilers or
 loading what these made before, and belongs to no other stage; "rest" is Python starting up and shutting down.
-
-| round | programs | {" | ".join(stages)} | rest | all |
-|---|---|{"---|" * (len(stages) + 2)}
 """
-    for row in report["rows"]:
+    lines = []
+    for row in rows:
         parts = [row["stages"][stage] for stage in stages]
-        rest = row["seconds"] - sum(parts)
-        numbers = " | ".join(f"{part:.1f}" for part in (*parts, rest, row["seconds"]))
-        text += f"| {row['round'] + 1} | {row['programs']} | {numbers} |\n"
-    return text + _iterations(report)
+        numbers = [f"{part:.1f}" for part in (*parts, row["seconds"] - sum(parts), row["seconds"])]
+        lines.append([row["round"] + 1, row["programs"], *numbers])
+    return text + table(("round", "programs", *stages, "rest", "all"), lines)
 
 
-def _iterations(report: dict) -> str:
-    found, stages = report["iteration"], list(report["iterations"][0]["stages"])
-    low, high = found["range"]
+def _iteration(rows: Rows) -> str:
+    found, stages = iteration(rows), list(rows[0]["stages"])
     text = f"""
 ## An iteration of the loop
 
 A solid ring of {found["particles"]:,} particles, {found["frames"]} frames, preset fast. Once all is compiled,
-simulating, rendering, perceiving and deciding take **{found["median"]:.1f} s** ({low:.1f} to {high:.1f}; aim: at most
+simulating, rendering, perceiving and deciding take **{found["median"]:.1f} s** ({_range(found)}; aim: at most
 {found["aim"]:.0f}).
 Seconds per stage of these runs, each in a new process:
-
-| round | {" | ".join(stages)} | substeps |
-|---|{"---|" * (len(stages) + 1)}
 """
-    for row in report["iterations"]:
-        numbers = " | ".join(f"{row['stages'][stage]:.1f}" for stage in stages)
-        text += f"| {row['round'] + 1} | {numbers} | {row['substeps']} |\n"
-    return text
+    lines = [
+        [row["round"] + 1, *(f"{row['stages'][stage]:.1f}" for stage in stages), row["substeps"]]
+        for row in rows
+    ]
+    return text + table(("round", *stages, "substeps"), lines)
+
+
+def _range(found: dict) -> str:
+    low, high = found["range"]
+    return f"{low:.1f} to {high:.1f}"
 
 
 if __name__ == "__main__":

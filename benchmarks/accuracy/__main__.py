@@ -9,16 +9,17 @@ same problems on the peers that are installed, in the same run. Wall times are w
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
 import sys
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
 import tyro
-from rich.console import Console
 
-from benchmarks.accuracy.markdown import document
+from benchmarks import harness
+from benchmarks.accuracy.markdown import PARTS, document
 from benchmarks.accuracy.peers import theirs
 from benchmarks.accuracy.study import (
     NEAR_BOUND,
@@ -32,12 +33,10 @@ from benchmarks.accuracy.study import (
     work_precision,
 )
 from benchmarks.cases.catalogue import CASES, EXPENSIVE, STUDIED, Studied
-from benchmarks.machine import circumstances
+from benchmarks.harness import Job
 from benchmarks.peers.base import Found, find
-from physagent_jax.core.files import write_text
 from physagent_jax.mpm.timestep import CLASSICAL_SHARE
 
-console = Console(stderr=True)
 _PEERS = (
     "warp_classical",
     "genesis",
@@ -46,25 +45,13 @@ _PEER_STEP = ("bound", round(NEAR_BOUND[1] * CLASSICAL_SHARE, 3))  # as near the
 
 
 @dataclasses.dataclass(frozen=True)
-class Command:
+class Command(harness.Command):
     """Measure error against wall time."""
 
-    json: Path
-    """File to write."""
+    parts: tuple[Literal["verification", "work_precision", "quadrature"], ...] = PARTS
+    """Which tables to measure; the file's others are kept."""
     plot: Path | None = None
     """Also draw the work-precision plot here (PNG)."""
-    markdown: Path | None = None
-    """Also write the tables here (docs/accuracy.md)."""
-    parts: tuple[Literal["verification", "work_precision", "quadrature"], ...] = (
-        "verification",
-        "work_precision",
-        "quadrature",
-    )
-    """Which tables to measure; the file's others are kept."""
-    quick: bool = False
-    """Coarse grids and cheap cases only: a few minutes."""
-    only: str = ""
-    """Only cases whose name contains this."""
     repeats: int = 3
     """Timed runs of each work-precision row; the median counts."""
 
@@ -72,102 +59,84 @@ class Command:
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
-    result = json.loads(command.json.read_text()) if command.json.is_file() else {}
-    for part in command.parts:
-        rows: list[dict] = []
-        result[part] = section = {**circumstances(), "rows": rows}
-        if part == "verification":
-            found = ((row, None) for row in _verification(command))
-        elif part == "quadrature":
-            found = ((row, QUADRATURE_ERROR) for row in _quadrature(command))
-        else:
-            section["peers"], usable = _peers()
-            found = _studies(command, usable)
-        for row, primary in found:
-            rows.append(_shown(row, primary))
-            write_text(command.json, json.dumps(result, indent=1) + "\n")
-    _present(command, result)
-    rows = result.get("verification", {}).get("rows", [])
-    failing = [row["case"] for row in rows if not row["within"]]
-    console.print(f"{len(rows)} cases verified, outside their bar: {', '.join(failing) or 'none'}")
-    print(command.json)
-    return 0
+    peers = {name: find(name) for name in _PEERS} if "work_precision" in command.parts else {}
+    usable = {name: found for name, found in peers.items() if found.reason is None}
+    parts = {
+        "verification": lambda: _verification(command),
+        "work_precision": lambda: _studies(command, usable),
+        "quadrature": lambda: _quadrature(command),
+    }
+    about = {"peers": {name: found.reason or found.version for name, found in peers.items()}}
+    return harness.main(command, parts, partial(_present, command), about)
 
 
-def _verification(command: Command):
+def _verification(command: Command) -> Iterator[Job]:
     """A row for every case."""
     for verified in CASES:
-        name = verified.case.name
-        if command.only in name and not (command.quick and name in EXPENSIVE):
-            numerics = verified.coarse if command.quick else verified.fine
-            yield ours(verified.case, verified.note, numerics, judged=True)
+        case, numerics = verified.case, verified.coarse if command.quick else verified.fine
+        if command.quick and case.name in EXPENSIVE:
+            continue
+        name = f"{case.name}, {verified.note}" if verified.note else case.name
+        yield _job(name, None, partial(ours, case, verified.note, numerics, judged=True))
 
 
-def _quadrature(command: Command):
+def _quadrature(command: Command) -> Iterator[Job]:
     """A row for every density of particles, grid and stress form."""
     for numerics in quadrature((4,) if command.quick else (4, 8)):
         label = f"{numerics.stress_form}, {numerics.per_axis} per axis"
-        yield ours(QUADRATURE_CASE, label, numerics)
+        work = partial(ours, QUADRATURE_CASE, label, numerics)
+        yield _job(f"{label}, {numerics.resolution} cells", QUADRATURE_ERROR, work)
 
 
-def _peers() -> tuple[dict[str, str], dict[str, Found]]:
-    """Version of each peer, or why it cannot run; and where those are that can."""
-    found = {name: find(name) for name in _PEERS}
-    for name, where in found.items():
-        if where.reason:
-            console.print(f"peer {name} is left out: {where.reason}")
-    words = {name: where.reason or where.version for name, where in found.items()}
-    return words, {name: where for name, where in found.items() if where.reason is None}
-
-
-def _studies(command: Command, peers: dict[str, Found]):
-    """(row, the error that it is about) of every studied case."""
+def _studies(command: Command, peers: dict[str, Found]) -> Iterator[Job]:
     for studied in STUDIED:
-        if command.only in studied.case.name:
-            for row in _study(studied, command, peers):
-                yield row, studied.error
+        yield from _study(studied, command, peers)
 
 
-def _study(studied: Studied, command: Command, peers: dict[str, Found]):
+def _study(studied: Studied, command: Command, peers: dict[str, Found]) -> Iterator[Job]:
     """Rows of one case: ours, and each peer at two steps where ours is near the bound."""
     case, repeats = studied.case, 1 if command.quick else command.repeats
     resolutions = studied.resolutions[:2] if command.quick else studied.resolutions
     for label, numerics in work_precision(resolutions, studied.base):
-        yield ours(case, label, numerics, repeats=repeats)
-        if label == rule_words(NEAR_BOUND):
-            for name, found in peers.items():
-                for rule in (_PEER_STEP, ("fixed", REFERENCE_DT)):
-                    yield theirs(
-                        case, rule_words(rule), dataclasses.replace(numerics, step=rule), name, found
-                    )
+        name = f"{case.name}, {numerics.resolution} cells"
+        yield _job(
+            f"{name}, ours, {label}", studied.error, partial(ours, case, label, numerics, repeats=repeats)
+        )
+        if label != rule_words(NEAR_BOUND):
+            continue
+        for peer, found in peers.items():
+            for rule in (_PEER_STEP, ("fixed", REFERENCE_DT)):
+                theirs_too = dataclasses.replace(numerics, step=rule)
+                work = partial(theirs, case, rule_words(rule), theirs_too, peer, found)
+                yield _job(f"{name}, {peer}, {rule_words(rule)}", studied.error, work)
+
+
+def _job(name: str, primary: str | None, work) -> Job:
+    return Job(name, lambda: [_shown(work(), primary)])
 
 
 def _shown(row: Row, primary: str | None = None) -> dict:
-    """The row for the JSON, told on the way."""
+    """The row for the JSON, told on the way; ``primary`` is the error that it is about, None = all."""
     names = [primary] if primary else list(row.bars) or list(row.errors)
     errors = ", ".join(f"{name} {row.errors[name]:.3g}" for name in names if name in row.errors)
     verdict = row.failed or ("within" if row.within else "OUTSIDE") if row.bars or row.failed else ""
-    console.print(
+    harness.say(
         f"{row.case:>16} {row.resolution:>4}  {row.code}, {row.label}: {errors}  "
-        f"[{row.particles} particles, {row.steps} steps, {row.wall:.3g} s] {verdict}",
-        highlight=False,
-        markup=False,
-        soft_wrap=True,
+        f"[{row.particles} particles, {row.steps} steps, {row.wall:.3g} s] {verdict}"
     )
-    data = dataclasses.asdict(row) | {"within": row.within}
+    data = dataclasses.asdict(row) | {"within": row.within, "good": row.within or primary is not None}
     numbers = {key: value for key, value in data.items() if isinstance(value, float)}
     return data | {key: None for key, value in numbers.items() if not math.isfinite(value)}
 
 
-def _present(command: Command, result: dict) -> None:
-    """The plot and the document, as far as they are asked for."""
+def _present(command: Command, result: dict, json_path: Path, target: Path) -> str:
+    """The document; the plot too, if it is asked for."""
     primary = {studied.case.name: studied.error for studied in STUDIED}
     if command.plot is not None and "work_precision" in result:
         from benchmarks.accuracy.plot import plot
 
         plot(result["work_precision"]["rows"], primary, command.plot)
-    if command.markdown is not None:
-        write_text(command.markdown, document(result, command.json, command.plot, primary, command.markdown))
+    return document(result, json_path, command.plot, primary, target)
 
 
 if __name__ == "__main__":

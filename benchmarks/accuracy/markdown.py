@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 from benchmarks.accuracy.study import QUADRATURE_CASE, QUADRATURE_ERROR
 from benchmarks.cases.catalogue import CASES
+from benchmarks.harness import link, number, provenance, table
+
+PARTS = ("verification", "work_precision", "quadrature")
 
 _INTRODUCTION = """# Accuracy
 
-Every figure is in [{name}]({name_link}), written by `python -m benchmarks.accuracy`.
-
+Every figure is in [{name}]({link}), written by `python -m benchmarks.accuracy`.
+{provenance}
 ## Cases with exact answers
 
 Each case is one object in `benchmarks/cases/` (set-up, exact answer, bar, source), and the same object is a test in
 `tests/verification/`. MLS-MPM stress, APIC, float32 (free motion and spin: float64); wall time
-warm, compilation apart. {origin}
-
-| case | what moves, what is measured | cells | particles | error | bar | wall [s] | compile [s] |
-|---|---|---|---|---|---|---|---|
+warm, compilation apart.
 """
 
 _WORK = """
@@ -30,12 +29,9 @@ customary in PhysGaussian scenes. "signal (rms)" is the deviation of the whole m
 periods, damping included; "returned" the rms distance of the particles from their exact positions at the end (forces
 that hold a motion to a formula have no counterpart in the peers). Wall time is the median of several warm runs of
 ours, with the range, and one run of a peer.
-Peers run the same particles on the same grid in the same process tree: {peers}. {origin}
+Peers run the same particles on the same grid in the same process tree: {peers}.
 
 ![Error over wall time]({plot})
-
-| case | code | numerics | cells | steps | dt / bound | {error} | wall [s] | compile [s] |
-|---|---|---|---|---|---|---|---|---|
 """
 
 _QUADRATURE = """
@@ -46,11 +42,20 @@ error is one of quadrature: where particles have moved across cells, the sums ov
 off, and in the MLS form of the stress that makes matter too soft in bending. It falls with more particles in a cell,
 not with smaller cells. Scenes are filled with about two per cell and axis, so expect what bends in them to bend that
 much too far; the gradient form (`transfer.stress_form = "gradient"` in a scene) has less of it and takes steps
-0.71 times as long. {origin}
-
-| cells through the height | stress form | 2 per axis | 3 per axis | 4 per axis |
-|---|---|---|---|---|
+0.71 times as long.
 """
+_DENSITIES = ("cells through the height", "stress form", "2 per axis", "3 per axis", "4 per axis")
+_CASES = (
+    "case",
+    "what moves, what is measured",
+    "cells",
+    "particles",
+    "error",
+    "bar",
+    "wall [s]",
+    "compile [s]",
+)
+_RUNS = ("case", "code", "numerics", "cells", "steps", "dt / bound", "error", "wall [s]", "compile [s]")
 
 _LIMITS = """
 ## Known limits
@@ -69,58 +74,42 @@ def document(
     result: dict, json_path: Path, plot_path: Path | None, primary: dict[str, str], target: Path
 ) -> str:
     """The text of docs/accuracy.md."""
-    verification, work = result.get("verification"), result.get("work_precision")
-    link = _relative(json_path, target)
-    text = _INTRODUCTION.format(name=json_path.name, name_link=link, origin=_origin(verification))
+    rows = result.get("verification", {}).get("rows", [])
+    text = _INTRODUCTION.format(
+        name=json_path.name, link=link(json_path, target), provenance=provenance(result, PARTS)
+    )
     titles = {(verified.case.name, verified.note): verified.case.title for verified in CASES}
-    rows = verification["rows"] if verification else []
-    for row in rows:
-        text += _verified(row, titles.get((row["case"], row["label"]), ""))
+    text += table(_CASES, [_verified(row, titles.get((row["case"], row["label"]), "")) for row in rows])
     outside = [row for row in rows if not row["within"]]
     text += "\nEvery case is within its bars.\n" if not outside else _outside(outside)
-    if work:
-        peers = "; ".join(f"{name}: {words}" for name, words in work["peers"].items())
-        plot = _relative(plot_path, target) if plot_path else ""
-        text += _WORK.format(peers=peers, plot=plot, error="error", origin=_origin(work))
-        for row in work["rows"]:
-            text += _studied(row, primary[row["case"]])
+    if work := result.get("work_precision"):
+        known = {name: words for run in work["runs"] for name, words in run["peers"].items()}
+        peers = "; ".join(f"{name}: {words}" for name, words in known.items())
+        text += _WORK.format(peers=peers, plot=link(plot_path, target) if plot_path else "")
+        text += table(_RUNS, [_studied(row, primary[row["case"]]) for row in work["rows"]])
         text += _findings(work["rows"], primary)
-    if quadrature := result.get("quadrature"):
-        text += _QUADRATURE.format(title=QUADRATURE_CASE.title, origin=_origin(quadrature))
-        text += _densities(quadrature["rows"])
+    if densities := result.get("quadrature"):
+        text += _QUADRATURE.format(title=QUADRATURE_CASE.title)
+        text += table(_DENSITIES, _densities(densities["rows"]))
     return text + _LIMITS
 
 
-def _densities(rows: list[dict]) -> str:
+def _densities(rows: list[dict]) -> list[list]:
     """One line per grid and stress form, one column per density; rows come in this order."""
-    text = ""
+    lines = []
     for first in range(0, len(rows) - len(rows) % 3, 3):
         cells = [f"{100 * row['errors'][QUADRATURE_ERROR]:.2g} %" for row in rows[first : first + 3]]
-        form = rows[first]["label"].split(",")[0]
-        text += f"| {rows[first]['resolution']} | {form} | {' | '.join(cells)} |\n"
-    return text
+        lines.append([rows[first]["resolution"], rows[first]["label"].split(",")[0], *cells])
+    return lines
 
 
-def _origin(section: dict | None) -> str:
-    """Command, machine and revision of a table."""
-    if section is None:
-        return ""
-    versions = section["versions"]
-    return (
-        f"Made by `{section['command']}` on {section['machine']} (load {section['load_average'][0]} at the start), "
-        f"jax {versions['jax']}, revision {section['git_revision']}. {section.get('remark', '')}"
-    )
-
-
-def _verified(row: dict, title: str) -> str:
+def _verified(row: dict, title: str) -> list:
     name = f"{row['case']}, {row['label']}" if row["label"] else row["case"]
     names = list(row["bars"]) or list(row["errors"])
     errors = "<br>".join(f"{name}: {row['errors'][name]:.3g}" for name in names if name in row["errors"])
     bars = "<br>".join(f"{row['bars'][name]:.3g}" for name in names if name in row["bars"])
-    return (
-        f"| {name} | {title} | {row['resolution']} | {row['particles']} | {row['failed'] or errors} "
-        f"| {bars} | {_number(row['wall'])} | {_number(row['compile'])} |\n"
-    )
+    start = [name, title, row["resolution"], row["particles"], row["failed"] or errors, bars]
+    return [*start, number(row["wall"]), number(row["compile"])]
 
 
 def _outside(rows: list[dict]) -> str:
@@ -128,24 +117,22 @@ def _outside(rows: list[dict]) -> str:
     return "\nOutside their bars:\n\n" + "\n".join(lines) + "\n"
 
 
-def _studied(row: dict, primary: str) -> str:
+def _studied(row: dict, primary: str) -> list:
     error = f"{row['errors'][primary]:.3g}" if primary in row["errors"] else row["failed"]
     label = f"**{row['label']}** (reference)" if row["reference"] else row["label"]
-    return (
-        f"| {row['case']} | {row['code']} | {label} | {row['resolution']} | {row['steps']} "
-        f"| {_number(row['dt_over_bound'])} | {error} | {_wall(row)} | {_number(row['compile'])} |\n"
-    )
+    start = [row["case"], row["code"], label, row["resolution"], row["steps"], number(row["dt_over_bound"])]
+    return [*start, error, _wall(row), number(row["compile"])]
 
 
 def _wall(row: dict) -> str:
-    shown = " to ".join(_number(value) for value in dict.fromkeys(row["wall_range"]))
-    return f"{_number(row['wall'])} ({shown})" if " to " in shown else _number(row["wall"])
+    shown = " to ".join(number(value) for value in dict.fromkeys(row["wall_range"]))
+    return f"{number(row['wall'])} ({shown})" if " to " in shown else number(row["wall"])
 
 
 def _findings(rows: list[dict], primary: dict[str, str]) -> str:
     """What the near-bound step gains over the fixed one, and over each peer, case by case."""
-    text = "\nAt the finest grid of each case, relative to our own step at 0.9 of the bound:\n\n"
-    text += "| case | against | time ratio | error ratio |\n|---|---|---|---|\n"
+    text = "\nAt the finest grid of each case, relative to our own step at 0.9 of the bound:\n"
+    lines = []
     for case in dict.fromkeys(row["case"] for row in rows):
         mine = [row for row in rows if row["case"] == case and primary[case] in row["errors"]]
         best = [row for row in mine if row["code"] == "ours" and row["label"] == "0.9 x bound"]
@@ -159,13 +146,5 @@ def _findings(rows: list[dict], primary: dict[str, str]) -> str:
                 continue
             time = row["wall"] / base["wall"]
             error = abs(row["errors"][primary[case]] / base["errors"][primary[case]])
-            text += f"| {case} | {row['code']}, {row['label']} | {time:.3g} | {error:.3g} |\n"
-    return text
-
-
-def _number(value: float | None) -> str:
-    return "" if value is None else f"{value:.3g}"
-
-
-def _relative(path: Path, target: Path) -> str:
-    return Path(os.path.relpath(path.resolve(), target.resolve().parent)).as_posix()
+            lines.append([case, f"{row['code']}, {row['label']}", f"{time:.3g}", f"{error:.3g}"])
+    return text + table(("case", "against", "time ratio", "error ratio"), lines)

@@ -93,20 +93,20 @@ class Ours:
 
 
 def build(scene: PeerScene, kernels: Any = "auto") -> tuple[Model, State]:
-    """``scene`` in our terms, with the smallest window and no step yet.
+    """``scene`` in our terms and the precision of its positions, with the smallest window and no step yet.
 
     Raises:
         NotImplementedError: The transfer has no counterpart with these options.
     """
-    f32 = lambda values: jnp.asarray(values, jnp.float32)  # noqa: E731
-    material = _law(scene, f32)
+    own = lambda values: jnp.asarray(values, scene.x.dtype)  # noqa: E731
+    material = _law(scene, own)
     planes = [
         HalfSpace(
-            point=f32(plane.point),
-            normal=f32(plane.unit_normal()),
-            friction=f32(plane.friction),
-            start=f32(-math.inf),
-            end=f32(math.inf),
+            point=own(plane.point),
+            normal=own(plane.unit_normal()),
+            friction=own(plane.friction),
+            start=own(-math.inf),
+            end=own(math.inf),
             contact=Contact(plane.contact.value),
         )
         for plane in scene.planes
@@ -114,32 +114,32 @@ def build(scene: PeerScene, kernels: Any = "auto") -> tuple[Model, State]:
     walls = [] if scene.domain_box is None else [DomainBox(scene.domain_box)]
     model = Model(
         grid=smallest_window(scene.size, scene.cells),
-        dt=f32(0),
-        gravity=f32(scene.gravity),
-        mass=f32(scene.mass),
-        volume=f32(scene.volume),
+        dt=own(0),
+        gravity=own(scene.gravity),
+        mass=own(scene.mass),
+        volume=own(scene.volume),
         materials=(material,),
         boundaries=(*planes, *walls),
         transfer=scene.transfer,
         rpic_damping=scene.rpic_damping,
         kernels=kernels,
     )
-    state = State.at_rest(f32(scene.x), f32(scene.v), materials=(material,))
-    return model, state.__class__(**(vars(state) | {"C": f32(scene.C)}))
+    state = State.at_rest(own(scene.x), own(scene.v), materials=(material,))
+    return model, state.__class__(**(vars(state) | {"C": own(scene.C)}))
 
 
-def _law(scene: PeerScene, f32: Any) -> Any:
-    mu, lam = (f32(values) for values in lame_parameters(scene.youngs_modulus, scene.poissons_ratio))
+def _law(scene: PeerScene, own: Any) -> Any:
+    mu, lam = (own(values) for values in lame_parameters(scene.youngs_modulus, scene.poissons_ratio))
     match scene.material:
         case Material.NEO_HOOKEAN:
             return laws.NeoHookean(mu, lam)
         case Material.JELLY:
             return laws.FixedCorotated(mu, lam)
         case Material.METAL:
-            bound = f32(yield_stress_from_deviator_norm(scene.yield_stress))
+            bound = own(yield_stress_from_deviator_norm(scene.yield_stress))
             return laws.VonMises(mu, lam, bound, jnp.zeros_like(bound))
         case Material.SAND:
             angle = jnp.full_like(mu, math.radians(scene.friction_angle_degrees))
             return laws.DruckerPrager(mu, lam, angle, jnp.zeros_like(mu))
         case Material.FLUID:
-            return laws.Fluid(f32(scene.bulk_modulus), tension=True)
+            return laws.Fluid(own(scene.bulk_modulus), tension=True)

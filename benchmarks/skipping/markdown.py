@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
+from benchmarks.harness import link, number, one_line, provenance, table
 from benchmarks.skipping.base import State
 from benchmarks.skipping.catalogue import GROUPS, SKIPS
 from benchmarks.skipping.measure import CHANCE, LEAST, NOT_MEASURABLE
@@ -32,44 +32,26 @@ chance in less than {chance:.0%} of cases (sign test); all else is "{none}".
 - *{missing}*: the product computes it; the lean way was made by hand, and the row shows what a skip would save.
 - *{kept}*: likewise, and it is to stay: the row shows the price.
 - *{choice}*: both ways are right; the row shows time and error.
-
-| run | rows | seconds | command, machine, revision |
-|---|---|---|---|
-"""
-
-_TABLE = """
-## {title}
-
-| skip | | particles | per | with [ms] | without [ms] | saving | {difference} | tolerated | compilation, both [s] |
-|---|---|---|---|---|---|---|---|---|---|
 """
 
 
 def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
     """The text of docs/skipping.md."""
-    link = Path(os.path.relpath(json_path.resolve(), target.resolve().parent)).as_posix()
     words = {state.name.lower(): state.value for state in State}
     text = _HEAD.format(
-        name=json_path.name, link=link, least=LEAST, chance=CHANCE, none=NOT_MEASURABLE, **words
+        name=json_path.name,
+        link=link(json_path, target),
+        least=LEAST,
+        chance=CHANCE,
+        none=NOT_MEASURABLE,
+        **words,
     )
-    rows: dict[str, Row] = {row["name"]: row for row in result["rows"]}
-    text += _runs(result["runs"], rows)
-    text += _summary(rows)
+    rows: dict[str, Row] = {row["name"]: row for section in result.values() for row in section["rows"]}
+    text += provenance(result, tuple(GROUPS)) + _summary(rows)
     for title, skips in GROUPS.items():
         members = [rows[skip.name] for skip in skips if skip.name in rows]
         if members:
             text += _table(title, members)
-    return text
-
-
-def _runs(runs: list[dict[str, Any]], rows: dict[str, Row]) -> str:
-    text = ""
-    for index, run in enumerate(runs):
-        count = sum(row["run"] == index for row in rows.values())
-        if count:  # the rows of others have been measured anew
-            quick = " (quick: not to be quoted)" if run["quick"] else ""
-            origin = f"`{run['command']}`; {run['machine']}; {run['git_revision']}"
-            text += f"| {index + 1}{quick} | {count} | {run.get('seconds', '')} | {origin} |\n"
     return text
 
 
@@ -90,34 +72,34 @@ def _summary(rows: dict[str, Row]) -> str:
 def _table(title: str, rows: list[Row]) -> str:
     errors = any("lean_error" in row for row in rows)
     difference = "difference, or errors with and without" if errors else "largest difference"
-    text = _TABLE.format(title=title, difference=difference)
-    text += "".join(_line(row) for row in rows) + "\n"
+    columns = ("skip", "", "particles", "per", "with [ms]", "without [ms]", "saving", difference)
+    columns += ("tolerated", "compilation, both [s]")
+    text = f"\n## {title}\n" + table(columns, [_line(row) for row in rows]) + "\n"
     for row in rows:
         reason = f" Tolerated: {row['reason']}." if row["reason"] else ""
         note = f" Here: {row['note']}." if row.get("note") else ""
-        text += _plain(
+        text += one_line(
             f"- **{row['name']}** leaves out {row['left_out']}. Without: {row['forced']}.{reason}{note}"
         )
         text += "\n"
     return text
 
 
-def _line(row: Row) -> str:
-    start = f"| {row['name']} | {row['state']} "
+def _line(row: Row) -> list:
+    start = [row["name"], row["state"]]
     if "saving" not in row:
-        return f"{start}| | | **failed**: {_plain(row['message'])} | | | | | |\n"
+        return [*start, "", "", f"**failed**: {one_line(row['message'])}", "", "", "", "", ""]
     verdict = {"saves": "", "costs": " (costs)"}.get(row["verdict"], f" ({row['verdict']})")
-    message = "" if row["good"] else f" **FAILS**: {_plain(row['message'])}"
-    return (
-        f"{start}| {row['particles']:,} | {row['unit']} | {_time(row, 'lean')} | {_time(row, 'full')} "
-        f"| {row['saving']:.2f} x{verdict} | {_difference(row)}{message} | {row['tolerance']:.0e} "
-        f"| {row['lean_compile_seconds']:.3g}, {row['full_compile_seconds']:.3g} |\n"
-    )
+    message = "" if row["good"] else f" **FAILS**: {one_line(row['message'])}"
+    compiled = f"{row['lean_compile_seconds']:.3g}, {row['full_compile_seconds']:.3g}"
+    start += [f"{row['particles']:,}", row["unit"], _time(row, "lean"), _time(row, "full")]
+    start += [f"{row['saving']:.2f} x{verdict}", _difference(row) + message]
+    return [*start, f"{row['tolerance']:.0e}", compiled]
 
 
 def _time(row: Row, way: str) -> str:
     low, high = row[f"{way}_range_ms"]
-    return f"{_number(row[f'{way}_ms'])} ({_number(low)} to {_number(high)})"
+    return f"{number(row[f'{way}_ms'])} ({number(low)} to {number(high)})"
 
 
 def _difference(row: Row) -> str:
@@ -126,11 +108,3 @@ def _difference(row: Row) -> str:
     if row["disagreement"] is None:
         return "infinite"
     return "0" if row["disagreement"] == 0 else f"{row['disagreement']:.1e} ({row['where']})"
-
-
-def _number(value: float) -> str:
-    return f"{value:.3g}" if abs(value) < 1000 else f"{value:,.0f}"
-
-
-def _plain(text: str) -> str:
-    return " ".join(text.split()).replace("|", "/")

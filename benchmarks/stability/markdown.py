@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from collections import defaultdict
+from functools import partial
 from pathlib import Path
 
+from benchmarks.harness import link, one_line, provenance, table
 from benchmarks.stability.dt_crit import CONFIGURATIONS, REQUIRED
 
+VERDICTS = ("pass", "refused", "FAIL")
 PARTS = ("critical", "matrix", "pairwise", "stiffness", "degenerate")
 
 _HEAD = """# Stability
@@ -15,9 +17,6 @@ _HEAD = """# Stability
 What was tried to break the simulator, as measured; every row is in [{name}]({link}), written by `python -m
 benchmarks.stability`. A run *passes* if it meets the criteria below in every frame, is *refused* if it ends with an
 error in words, and *fails* otherwise: a wrong result without a word is a failure.
-
-| part | rows | pass | refused | fail | seconds | command, machine, revision |
-|---|---|---|---|---|---|---|
 """
 
 _CRITERIA = """
@@ -35,28 +34,13 @@ _CRITICAL = """
 Lone particles, a drifting spray of them, a plate one cell thick and a block, float64; "MLS / classical form". The
 step is bisected until a strain of one in a million no longer grows a thousandfold. Required: at least {required}.
 "2+" is stable at twice the bound.
-
-| material | {configurations} |
-|---|{rule}|
 """
 
 
 def document(result: dict, json_path: Path, target: Path) -> str:
     """The text of docs/stability.md."""
-    link = Path(os.path.relpath(json_path.resolve(), target.resolve().parent)).as_posix()
-    text = _HEAD.format(name=json_path.name, link=link)
-    for part, section in result.items():
-        counts = section["counts"]
-        figures = [len(section["rows"]), *(counts.get(verdict, 0) for verdict in ("pass", "refused", "FAIL"))]
-        origin = f"`{section['command']}`; {section['machine']}; {section['git_revision']}"
-        later = [run["git_revision"] for run in section.get("taken_up", [])]
-        origin += f"; stopped and taken up at {', '.join(later)}" if later else ""
-        part = part if section["complete"] else f"{part} (stopped before its end)"
-        origin += f". {section['remark']}" if "remark" in section else ""
-        text += f"| {part} | {' | '.join(map(str, figures))} | {section['seconds']} | {origin} |\n"
-    absent = [part for part in PARTS if part not in result]
-    if absent:
-        text += f"\nNot measured yet: {', '.join(absent)}.\n"
+    text = _HEAD.format(name=json_path.name, link=link(json_path, target))
+    text += provenance(result, PARTS, {verdict.lower(): partial(_count, verdict) for verdict in VERDICTS})
     text += _CRITERIA
     if "critical" in result:
         text += _critical(result["critical"]["rows"])
@@ -71,22 +55,24 @@ def document(result: dict, json_path: Path, target: Path) -> str:
     return text
 
 
+def _count(verdict: str, rows: list[dict]) -> int:
+    return sum(row["verdict"] == verdict for row in rows)
+
+
 def _critical(rows: list[dict]) -> str:
-    text = _CRITICAL.format(
-        required=REQUIRED,
-        configurations=" | ".join(CONFIGURATIONS),
-        rule="|".join(["---"] * len(CONFIGURATIONS)),
-    )
+    text = _CRITICAL.format(required=REQUIRED)
     found: dict[str, dict] = defaultdict(dict)
     for row in rows:
         ratio = f"{row['ratio']:.0f}+" if row["unlimited"] else f"{row['ratio']:.3f}"
         found[row["subject"]][row["configuration"], row["form"]] = ratio
-    for subject, ratios in found.items():
-        cells = [
-            f"{ratios.get((place, 'mls'), '')} / {ratios.get((place, 'gradient'), '')}"
-            for place in CONFIGURATIONS
+    lines = [
+        [
+            subject,
+            *(f"{ratios.get((p, 'mls'), '')} / {ratios.get((p, 'gradient'), '')}" for p in CONFIGURATIONS),
         ]
-        text += f"| {subject} | {' | '.join(cells)} |\n"
+        for subject, ratios in found.items()
+    ]
+    text += table(("material", *CONFIGURATIONS), lines)
     least = min(rows, key=lambda row: row["ratio"])
     return text + (
         f"\nLeast: {least['ratio']:.3f} ({least['subject']}, {least['configuration']}, {least['form']}).\n"
@@ -102,10 +88,10 @@ def _part(title: str, rows: list[dict], whole: bool) -> str:
         refused = [row for row in rows if row["verdict"] == "refused"]
         if refused:
             text += f"\nRefused ({len(refused)}), for example:\n\n"
-            text += "".join(f"- {row['name']}: {_line(row['message'])}\n" for row in refused[:6])
+            text += "".join(f"- {row['name']}: {one_line(row['message'])}\n" for row in refused[:6])
     if shown:
-        text += "\n| run | verdict | what happened |\n|---|---|---|\n"
-        text += "".join(f"| {row['name']} | {row['verdict']} | {_line(row['message'])} |\n" for row in shown)
+        lines = [[row["name"], row["verdict"], one_line(row["message"])] for row in shown]
+        text += table(("run", "verdict", "what happened"), lines)
     return text
 
 
@@ -121,7 +107,3 @@ def _extremes(rows: list[dict]) -> str:
         f"{steps:,} substeps; the worst gain of energy is {max(0.0, -least):.1e} of what was supplied, the worst "
         f"momentum error {momentum:.1e} M v; in {redone} runs the simulator redid frames with a smaller step."
     )
-
-
-def _line(text: str) -> str:
-    return " ".join(text.split()).replace("|", "/")

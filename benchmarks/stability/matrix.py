@@ -72,9 +72,12 @@ def stiffness() -> list[Scenario]:
     return [Scenario(m, youngs_modulus=E, wall="corner") for m in MATERIALS for E in MODULI]
 
 
-def degenerate() -> list[Callable[[], Result]]:
-    """Inputs at the edge of sense, and the criteria that compare runs."""
-    return [*(partial(_judged, edge) for edge in edges()), *(check for _, check in comparisons())]
+def degenerate() -> list[tuple[str, Callable[[], Result]]]:
+    """Inputs at the edge of sense, and the criteria that compare runs, by name."""
+    return [
+        *((f"{edge.name}: {edge.scenario.material}", partial(_judged, edge)) for edge in edges()),
+        *comparisons(),
+    ]
 
 
 def _judged(edge: Edge) -> Result:

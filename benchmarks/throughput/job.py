@@ -7,46 +7,46 @@ import os
 import statistics
 import tempfile
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from benchmarks.harness import Job, Row, Rows, say
 from benchmarks.peers.drop import CELLS, DT, FRAME_DT
 from benchmarks.peers.scene import Material
 from benchmarks.throughput.measure import Child, ChildError, Contender, open_child, store
-from benchmarks.throughput.parts import DEFAULT, Rows, Sizes, Tell, row_of
+from benchmarks.throughput.parts import DEFAULT, Sizes, row_of
 
 FINER = 1.5  # times as many cells along the domain, for the reference of the error
 CHUNK = 50  # substeps by which a peer's seconds are extrapolated, five times
 
 
-def job(sizes: Sizes, tell: Tell) -> Iterator[Rows]:
+def job(sizes: Sizes) -> list[Job]:
     """What a whole clip costs: ours with the automatic step, peers with the customary fixed one."""
-    for law in (DEFAULT, Material.JELLY):
-        yield [_own_job(law, sizes, tell)]
+    jobs = [Job(f"ours, {law.value}", partial(_own_job, law, sizes)) for law in (DEFAULT, Material.JELLY)]
     for code, law, threads in (
         ("warp_classical", Material.JELLY, 1),
         ("warp_classical", DEFAULT, 1),
         ("taichi_mls", Material.JELLY, sizes.most_threads),
     ):
-        yield [_peer_job(Contender(code, law, threads), sizes, tell)]
+        jobs.append(Job(f"{code}, {law.value}", partial(_peer_job, Contender(code, law, threads), sizes)))
+    return jobs
 
 
-def error(sizes: Sizes, tell: Tell) -> Iterator[Rows]:
+def error(sizes: Sizes) -> list[Job]:
     """How far the same clip is from a finer one: heights of the mass centre, every substep run, nothing timed.
 
     The reference is ours with `FINER` times the cells and as many particles in each.
     """
     finest = dict(particles=round(FINER**3 * sizes.main), cells=round(FINER * CELLS))
-    reference = _own_heights(sizes, tell, label=f"ours, {finest['cells']} cells", **finest)
-    yield [reference]
-    for follow in (_own_heights, _peer_heights):
-        row = follow(sizes, tell, particles=sizes.main, cells=CELLS)
-        if row["heights"] and reference["heights"]:
-            row |= _errors(row["heights"], reference["heights"])
-            tell(f"error, {row['code']}: {1e3 * row['error']:.3g} mm")
-        yield [row]
+    label = f"ours, {finest['cells']} cells"
+    return [
+        Job("reference", partial(_own_heights, sizes, label=label, **finest)),
+        Job("ours", partial(_own_heights, sizes, particles=sizes.main, cells=CELLS)),
+        Job("warp_classical", partial(_peer_heights, sizes, particles=sizes.main, cells=CELLS)),
+    ]
 
 
 @contextlib.contextmanager
@@ -63,18 +63,18 @@ def _child_with(
     row["load_average"] = round(os.getloadavg()[0], 2)
 
 
-def _own_job(law: Material, sizes: Sizes, tell: Tell) -> dict[str, Any]:
+def _own_job(law: Material, sizes: Sizes) -> Rows:
     contender = Contender("ours", law, sizes.most_threads)
     row = row_of("job", contender, sizes.main, seconds=None, extrapolated=False)
     with _child_with(row, contender, sizes.main, CELLS) as (child, scene):
         cold = child.ask("job", scene=scene, frames=sizes.frames)
         warm = child.ask("job", scene=scene, frames=sizes.frames)
         row |= warm | {"setup_seconds": cold["seconds"] - warm["seconds"]}
-    tell(f"job, ours, {law.value}: {row['message'] or row['seconds']} s")
-    return row
+    say(f"job, ours, {law.value}: {row['message'] or row['seconds']} s")
+    return [row]
 
 
-def _peer_job(contender: Contender, sizes: Sizes, tell: Tell) -> dict[str, Any]:
+def _peer_job(contender: Contender, sizes: Sizes) -> Rows:
     """A peer's row, extrapolated from a part of the substeps."""
     row = row_of("job", contender, sizes.main, seconds=None, extrapolated=True)
     total = round(FRAME_DT / DT) * sizes.frames
@@ -83,21 +83,21 @@ def _peer_job(contender: Contender, sizes: Sizes, tell: Tell) -> dict[str, Any]:
         row["setup_seconds"] = child.ask("load", scene=scene, dt=DT)["seconds"]
         took = [child.ask("run", steps=CHUNK)["seconds"] / CHUNK for _ in range(5)]
         row["seconds"] = total * statistics.median(took)
-    tell(f"job, {contender.label}, {contender.law.value}: {row['message'] or row['seconds']} s")
-    return row
+    say(f"job, {contender.label}, {contender.law.value}: {row['message'] or row['seconds']} s")
+    return [row]
 
 
-def _own_heights(sizes: Sizes, tell: Tell, particles: int, cells: int, label: str = "ours") -> dict[str, Any]:
+def _own_heights(sizes: Sizes, particles: int, cells: int, label: str = "ours") -> Rows:
     contender = Contender("ours", Material.JELLY, sizes.most_threads)
     row = row_of("error", contender, particles, heights=None, error=None) | {"code": label, "cells": cells}
     with _child_with(row, contender, particles, cells) as (child, scene):
         found = child.ask("job", scene=scene, frames=sizes.frames)
         row |= {key: found[key] for key in ("substeps", "least_dt", "largest_dt", "heights")}
-    tell(f"error, {label}: {row['message'] or 'done'}")
-    return row
+    say(f"error, {label}: {row['message'] or 'done'}")
+    return [row]
 
 
-def _peer_heights(sizes: Sizes, tell: Tell, particles: int, cells: int) -> dict[str, Any]:
+def _peer_heights(sizes: Sizes, particles: int, cells: int) -> Rows:
     contender, frame = Contender("warp_classical", Material.JELLY, 1), round(FRAME_DT / DT)
     row = row_of("error", contender, particles, heights=None, error=None) | {"cells": cells}
     row |= {"substeps": frame * sizes.frames, "least_dt": DT, "largest_dt": DT}
@@ -107,21 +107,31 @@ def _peer_heights(sizes: Sizes, tell: Tell, particles: int, cells: int) -> dict[
         for index in range(sizes.frames):
             child.ask("run", steps=frame)
             heights.append(child.ask("height")["height"])
-            tell(f"error, {contender.label}: frame {index + 1} of {sizes.frames}")
+            say(f"error, {contender.label}: frame {index + 1} of {sizes.frames}")
         row["heights"] = heights
-    return row
+    return [row]
 
 
-def _errors(heights: list[float], reference: list[float]) -> dict[str, float]:
-    """Root mean square and largest deviation of the heights [m]."""
-    deviation = np.asarray(heights) - np.asarray(reference)
-    return {"error": float(np.sqrt((deviation**2).mean())), "largest_error": float(np.abs(deviation).max())}
+def errors(rows: Rows) -> Rows:
+    """The rows of `error` with their root mean square and largest deviation from the first one's heights [m]."""
+    reference, *others = rows
+    found = [reference]
+    for row in others:
+        if row["heights"] and reference["heights"]:
+            deviation = np.asarray(row["heights"]) - np.asarray(reference["heights"])
+            rms, largest = float(np.sqrt((deviation**2).mean())), float(np.abs(deviation).max())
+            row = row | {"error": rms, "largest_error": largest}
+        found.append(row)
+    return found
 
 
-def ratios(rows: Rows) -> None:
-    """Adds to the rows of a job their time over ours: with the same law, and with our default jelly."""
+def ratios(rows: Rows) -> Rows:
+    """The rows of a job with their time over ours: with the same law, and with our default jelly."""
     mine = {row["law"]: row["seconds"] for row in rows if row["code"] == "ours"}
-    for row in rows:
-        for name, law in (("over_ours", row["law"]), ("over_default", DEFAULT.value)):
-            known = row["seconds"] and mine.get(law)
-            row[name] = round(row["seconds"] / mine[law], 2) if known else None
+
+    def over(row: Row, law: str) -> float | None:
+        return round(row["seconds"] / mine[law], 2) if row["seconds"] and mine.get(law) else None
+
+    return [
+        row | {"over_ours": over(row, row["law"]), "over_default": over(row, DEFAULT.value)} for row in rows
+    ]

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
+from benchmarks.harness import Rows, link, number, one_line, provenance, table
 from benchmarks.peers.drop import CELLS, DT, FRAME_DT
+from benchmarks.throughput.job import errors, ratios
+from benchmarks.throughput.strict import same_job, same_law, steps
 
-PARTS = ("materials", "sizes", "grids", "stages", "memory", "job", "error")
+PARTS = ("same_law", "same_job", "materials", "sizes", "grids", "stages", "memory", "job", "error")
 
 AIMED_AT = 200_000  # particles
-
-Rows = list[dict[str, Any]]
 
 _HEAD = """# Throughput
 
@@ -34,19 +33,21 @@ processor time over wall time.
 
 Laws are the same to the letter (`benchmarks/peers/scene.py`), with two exceptions: our sand also corrects the volume
 that it gained in tension, which the peers' does not; and Warp has the classical stress form, the others MLS.
-
-| part | rows | seconds | command, machine, revision |
-|---|---|---|---|
 """
 
-_TABLE = """
-| code | law | threads | {key} | ms / substep | fastest, slowest | x ours | x default | set-up [s] | busy cores | load |
-|---|---|---|---|---|---|---|---|---|---|---|
-"""
+_TIMES = ("ms / substep", "fastest, slowest", "x ours", "x default", "set-up [s]", "busy cores", "load")
 
 _SPARSE = """
 A substep also clears, updates and sums every node of its window, whatever lies in it: where particles are few, that is
 what is left.
+"""
+
+_AIMS = """
+## Machine against machine
+
+Each code as a machine's owner would run it, from here on. Aims, at {particles:,} particles; quick runs do not count.
+Warp has one thread on a CPU: against it the aims are for the whole machine, ours with all threads; with one thread each
+beside it.
 """
 
 _STAGES = """
@@ -55,9 +56,6 @@ _STAGES = """
 Each stage function of `mpm.step` jitted alone on the same state, median ms. A substep consists of p2g, grid update,
 g2p, projection and stress. Within one, stages share work, and a stage alone pays for a call and for writing its result
 to memory: the sum can differ from the substep.
-
-| law | particles | threads | {names} |
-|---|---|---|{rule}|
 """
 
 _JOB = """
@@ -65,10 +63,19 @@ _JOB = """
 
 {frames} frames of {frame_dt:g} s. Ours: `mpm.simulate` with its automatic step, warm, host work included; peers: the
 customary fixed step of {dt:g} s, warm.
-
-| code | law | threads | substeps | dt [s] | seconds | x ours | x default | set-up [s] | load |
-|---|---|---|---|---|---|---|---|---|---|
 """
+_JOBS = (
+    "code",
+    "law",
+    "threads",
+    "substeps",
+    "dt [s]",
+    "seconds",
+    "x ours",
+    "x default",
+    "set-up [s]",
+    "load",
+)
 
 _ERROR = """
 ## Error of the job
@@ -77,10 +84,8 @@ The same clip with the fixed-corotated law, every substep run, and the height of
 mean square and largest difference from the first row, which has finer cells, as many particles in each, and the
 shorter step that goes with them. That row is ours, of the MLS form; the peer's classical form tends to the same limit,
 but has no row of its own this fine (it would take three hours). Nothing is timed here.
-
-| code | cells | particles | substeps | dt [s] | error [mm] | largest [mm] |
-|---|---|---|---|---|---|---|
 """
+_ERRORS = ("code", "cells", "particles", "substeps", "dt [s]", "error [mm]", "largest [mm]")
 
 _TARGETS: tuple[tuple[str, float, str, Callable[[dict], bool]], ...] = (
     (
@@ -124,44 +129,37 @@ _TARGETS: tuple[tuple[str, float, str, Callable[[dict], bool]], ...] = (
 
 def document(result: dict, json_path: Path, target: Path) -> str:
     """The text of docs/throughput.md."""
-    link = Path(os.path.relpath(json_path.resolve(), target.resolve().parent)).as_posix()
-    text = _HEAD.format(name=json_path.name, link=link, cells=CELLS, dt=DT)
-    for part, section in result.items():
-        origin = f"`{section['command']}`; {section['machine']}; {section['git_revision']}"
-        quick = " (quick: not to be quoted)" if section["quick"] else ""
-        stopped = "" if section["complete"] else " (stopped before its end)"
-        seconds = section.get("seconds", "")
-        text += f"| {part}{quick}{stopped} | {len(section['rows'])} | {seconds} | {origin} |\n"
-    absent = [part for part in PARTS if part not in result]
-    if absent:
-        text += f"\nNot measured yet: {', '.join(absent)}.\n"
-    text += _targets(result)
-    for part, key, title in (
-        ("materials", "particles", "Materials"),
-        ("sizes", "particles", "Number of particles"),
-        ("grids", "cells", "Cells along the domain"),
+    text = _HEAD.format(name=json_path.name, link=link(json_path, target), cells=CELLS, dt=DT)
+    text += provenance(result, PARTS)
+    rows = {part: result[part]["rows"] for part in PARTS if part in result}
+    if "error" in rows:
+        rows["error"] = errors(rows["error"])
+    if "job" in rows:
+        rows["job"] = ratios(rows["job"])
+    for part, show in (
+        ("same_law", same_law),
+        ("same_job", same_job),
+        ("", lambda _: _targets(result, rows)),
+        ("materials", lambda rows: _table("Materials", "particles", rows)),
+        ("sizes", lambda rows: _table("Number of particles", "particles", rows)),
+        ("grids", lambda rows: _table("Cells along the domain", "cells", rows)),
+        ("stages", _stages),
+        ("memory", _memory),
+        ("job", _job),
+        ("error", _error),
     ):
-        if part in result:
-            text += _table(title, key, result[part]["rows"])
-    if "stages" in result:
-        text += _stages(result["stages"]["rows"])
-    if "memory" in result:
-        text += _memory(result["memory"]["rows"])
-    if "job" in result:
-        text += _job(result["job"]["rows"])
-    if "error" in result:
-        text += _error(result["error"]["rows"])
+        if part in rows or not part:
+            text += show(rows.get(part, []))
     return text + _versions(result)
 
 
-def _targets(result: dict) -> str:
+def _targets(result: dict, parts: dict[str, Rows]) -> str:
     """What was aimed at, and what was reached. Only full-size rows count: an aim says nothing of a quick look."""
-    rows = [row for section in result.values() if not section["quick"] for row in section["rows"]]
+    slow = {part for part, section in result.items() if not any(run["quick"] for run in section["runs"])}
+    rows = [row for part in parts if part in slow for row in parts[part] if not part.startswith("same")]
     full = _on_the_machine([row for row in rows if row["particles"] == AIMED_AT])
-    text = f"\n## Aims\n\nAt {AIMED_AT:,} particles; quick runs do not count. Warp has one thread on a CPU:\n"
-    text += "against it the aims are for the whole machine, ours with all threads; with one thread each beside it.\n"
-    text += "\n| times slower than ours | aim | measured | |\n|---|---|---|---|\n"
-    short = []
+    text = _AIMS.format(particles=AIMED_AT)
+    short, lines = [], []
     for words, aim, name, wanted in _TARGETS:
         found = [row for row in full if wanted(row) and row.get(name)]
         shown = ", ".join(f"{row[name]:.1f} ({_how(row, full)})" for row in found)
@@ -172,7 +170,8 @@ def _targets(result: dict) -> str:
         reached = bool(found) and min(row[name] for row in found) >= aim
         verdict = ("reached" if reached else "**falls short**") if found else "not measured"
         short += [words] if found and not reached else []
-        text += f"| {words} | {aim} | {shown} | {verdict} |\n"
+        lines.append((words, aim, shown, verdict))
+    text += table(("times slower than ours", "aim", "measured", ""), lines)
     text += f"\nFalls short: {'; '.join(short)}.\n" if short else ""
     return text + _no_larger_error(full)
 
@@ -218,86 +217,78 @@ def _how(row: dict, rows: Rows) -> str:
 
 def _table(title: str, key: str, rows: Rows) -> str:
     text = f"\n## {title}\n" + (_SPARSE if title == "Number of particles" else "")
-    for group in dict.fromkeys(row["group"] for row in rows):
-        members = [row for row in rows if row["group"] == group]
-        heading = f", {members[0]['particles']:,} particles" if key == "cells" or title == "Materials" else ""
-        text += f"\n### {group}{heading}\n" if title == "Materials" else ""
-        text += _TABLE.format(key=key)
-        text += "".join(_line(row, key) for row in members)
+    groups = [title] if title != "Materials" else dict.fromkeys(row["group"] for row in rows)
+    for group in groups:
+        members = [row for row in rows if title != "Materials" or row["group"] == group]
+        for_all = f", {members[0]['particles']:,} particles"
+        text += f"\n### {group}{for_all}\n" if title == "Materials" else ""
+        columns = ("code", "law", "threads", key, *_TIMES)
+        text += table(columns, [_line(row, key) for row in members])
     return text
 
 
-def _line(row: dict, key: str) -> str:
-    start = f"| {row['code']} | {row['law']} | {row['threads']} | {row[key]:,} "
+def _line(row: dict, key: str) -> list:
+    return [row["code"], row["law"], row["threads"], f"{row[key]:,}", *_timed(row)]
+
+
+def _timed(row: dict) -> list:
+    """Time per substep and what goes with it."""
     if row["median_ms"] is None:
-        return f"{start}| {_plain(row['message'])} | | | | {_number(row['setup_seconds'])} | | |\n"
-    remark = row["message"] or row["note"]
-    remark = f" ({_plain(remark)})" if remark else ""
-    return (
-        f"{start}| {_number(row['median_ms'])}{remark} | {_number(row['min_ms'])} to {_number(row['max_ms'])} "
-        f"| {_number(row['over_ours'])} | {_number(row['over_default'])} | {_number(row['setup_seconds'])} "
-        f"| {_number(row['busy'])} | {_number(row['load_average'])} |\n"
-    )
+        return [one_line(row["message"]), "", "", "", number(row["setup_seconds"]), "", ""]
+    remark = one_line(row["message"] or row["note"])
+    median = number(row["median_ms"]) + (f" ({remark})" if remark else "")
+    names = ("over_ours", "over_default", "setup_seconds", "busy", "load_average")
+    return [median, f"{number(row['min_ms'])} to {number(row['max_ms'])}", *(number(row[n]) for n in names)]
 
 
 def _stages(rows: Rows) -> str:
     names = next((list(row["milliseconds"]) for row in rows if row["milliseconds"]), [])
-    text = _STAGES.format(names=" | ".join(names), rule="|".join(["---"] * len(names)))
+    lines = []
     for row in rows:
-        figures = row["milliseconds"] or {}
-        cells = " | ".join(_number(figures.get(name)) for name in names)
-        text += f"| {row['law']} | {row['particles']:,} | {row['threads']} | {_plain(row['message']) or cells} |\n"
-    return text
+        figures = [number((row["milliseconds"] or {}).get(name)) for name in names]
+        if row["message"]:
+            figures = [one_line(row["message"]), *figures[1:]]
+        lines.append([row["law"], f"{row['particles']:,}", row["threads"], *figures])
+    return _STAGES + table(("law", "particles", "threads", *names), lines)
 
 
 def _memory(rows: Rows) -> str:
     text = "\n## Memory\n\nPeak resident memory of each code's process, libraries and compilation included.\n"
-    text += "\n| code | law | threads | particles | peak [MB] |\n|---|---|---|---|---|\n"
-    for row in rows:
-        peak = _plain(row["message"]) or f"{row['peak_mb']:,}"
-        text += f"| {row['code']} | {row['law']} | {row['threads']} | {row['particles']:,} | {peak} |\n"
-    return text
+    lines = [
+        [row["code"], row["law"], row["threads"], f"{row['particles']:,}"]
+        + [one_line(row["message"]) or f"{row['peak_mb']:,}"]
+        for row in rows
+    ]
+    return text + table(("code", "law", "threads", "particles", "peak [MB]"), lines)
 
 
 def _job(rows: Rows) -> str:
-    frames = max((len(row.get("heights", [])) - 1 for row in rows), default=0)
-    text = _JOB.format(frames=frames, frame_dt=FRAME_DT, dt=DT)
+    frames, lines = max((len(row.get("heights", [])) - 1 for row in rows), default=0), []
     for row in rows:
-        start = f"| {row['code']} | {row['law']} | {row['threads']} "
+        line = [row["code"], row["law"], row["threads"]]
         if row["seconds"] is None:
-            text += f"{start}| | | {_plain(row['message'])} | | | | |\n"
+            lines.append([*line, "", "", one_line(row["message"]), "", "", "", ""])
             continue
-        seconds = _number(row["seconds"])
+        seconds = number(row["seconds"])
         if row["extrapolated"]:
             seconds += f" (extrapolated from {row['measured_substeps']} substeps)"
-        text += (
-            f"{start}| {row['substeps']:,} | {_steps(row)} | {seconds} | {_number(row['over_ours'])} "
-            f"| {_number(row['over_default'])} | {_number(row['setup_seconds'])} "
-            f"| {_number(row['load_average'])} |\n"
-        )
-    return text
+        line += [f"{row['substeps']:,}", steps(row), seconds]
+        names = ("over_ours", "over_default", "setup_seconds", "load_average")
+        lines.append([*line, *(number(row[name]) for name in names)])
+    return _JOB.format(frames=frames, frame_dt=FRAME_DT, dt=DT) + table(_JOBS, lines)
 
 
 def _error(rows: Rows) -> str:
-    text = _ERROR
+    lines = []
     for row in rows:
-        start = f"| {row['code']} | {row['cells']} | {row['particles']:,} "
+        line = [row["code"], row["cells"], f"{row['particles']:,}"]
         if row["heights"] is None:
-            text += f"{start}| | | {_plain(row['message'])} | |\n"
+            lines.append([*line, "", "", one_line(row["message"]), ""])
             continue
-        errors = (
-            " | | "
-            if row["error"] is None
-            else " | ".join(_number(1e3 * row[name]) for name in ("error", "largest_error"))
-        )
-        text += f"{start}| {row['substeps']:,} | {_steps(row)} | {errors.strip()} |\n"
-    return text
-
-
-def _steps(row: dict) -> str:
-    """The step, or the smallest and the largest [s]."""
-    least, largest = _number(row["least_dt"]), _number(row["largest_dt"])
-    return least if least == largest else f"{least} to {largest}"
+        both = [row["error"], row.get("largest_error")]
+        figures = [number(None if value is None else 1e3 * value) for value in both]
+        lines.append([*line, f"{row['substeps']:,}", steps(row), *figures])
+    return _ERROR + table(_ERRORS, lines)
 
 
 def _versions(result: dict) -> str:
@@ -309,11 +300,3 @@ def _versions(result: dict) -> str:
         if row.get("version")
     }
     return "\nVersions: " + "; ".join(f"{code}: {version}" for code, version in sorted(said)) + ".\n"
-
-
-def _number(value: float | None) -> str:
-    return "" if value is None else f"{value:.3g}" if abs(value) < 1000 else f"{value:,.0f}"
-
-
-def _plain(text: str) -> str:
-    return " ".join(text.split()).replace("|", "/")

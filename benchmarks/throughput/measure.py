@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import functools
 import json
 import math
 import os
@@ -15,9 +16,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Literal
 
-from benchmarks.peers.base import PYTHON_VARIABLE
+from benchmarks.peers.base import PEERS, find
 from benchmarks.peers.drop import CELLS, DT, drop, floor_as_wall
 from benchmarks.peers.scene import Material, PeerScene
+from physagent_jax.mpm import cell_order
 
 _ROOT = Path(__file__).resolve().parents[2]
 _MULTIPLE = 10  # Genesis advances by ten substeps at a time
@@ -33,19 +35,30 @@ class Contender:
         law: What it simulates.
         threads: Cores it may use.
         kernels: As in `Model`, of ours.
-        sort: Whether ours sorts the particles first, as it does when a scene is compiled.
+        order: "own" = particles in random order, which ours sorts first, as compiling a scene does; "sorted" = by
+            cell, for whichever code; "random" = nobody sorts.
+        floor: "own" = the sticky plane, or the domain's frictionless wall where planes are refused; "wall" = the wall.
+        double: Whether ours computes in float64.
     """
 
     code: str
     law: Material
     threads: int
     kernels: Literal["auto", "reference"] = "auto"
-    sort: bool = True
+    order: Literal["own", "sorted", "random"] = "own"
+    floor: Literal["own", "wall"] = "own"
+    double: bool = False
 
     @property
     def label(self) -> str:
         """As tables name it."""
-        special = ", reference path" if self.kernels == "reference" else "" if self.sort else ", unsorted"
+        special = (
+            ", reference path"
+            if self.kernels == "reference"
+            else ", unsorted"
+            if self.order == "random"
+            else ""
+        )
         return self.code + special
 
 
@@ -104,12 +117,18 @@ class Child:
 def open_child(contender: Contender) -> Iterator[Child]:
     """A process for ``contender``; ended on leaving.
 
-    Genesis runs in the interpreter that ``PEER_PYTHON`` names, if it does; all else in this one.
+    Peers that this interpreter lacks run in the one that ``PEER_PYTHON`` names.
     """
-    elsewhere = os.environ.get(PYTHON_VARIABLE) if contender.code == "genesis" else None
-    command = [elsewhere or sys.executable, "-m", "benchmarks.throughput.worker", "--code", contender.code]
+    command = [
+        _elsewhere(contender.code) or sys.executable,
+        "-m",
+        "benchmarks.throughput.worker",
+        "--code",
+        contender.code,
+    ]
     command += ["--threads", str(contender.threads), "--kernels", contender.kernels]
-    command += [] if contender.sort else ["--unsorted"]
+    command += [] if contender.order == "own" else ["--unsorted"]
+    command += ["--double"] if contender.double else []
     threads = {name: str(contender.threads) for name in _THREAD_VARIABLES}
     with tempfile.TemporaryFile("w+") as complaints:
         process = subprocess.Popen(
@@ -135,14 +154,22 @@ def open_child(contender: Contender) -> Iterator[Child]:
             process.stdout.close()
 
 
+@functools.cache
+def _elsewhere(code: str) -> str | None:
+    return find(code).python if code in PEERS else None
+
+
 def store(folder: Path, contender: Contender, particles: int, cells: int) -> tuple[str, str]:
     """The file with the contender's scene, written once, and what is special about it."""
-    walls = contender.code == "genesis"
-    path = folder / f"{contender.law.value}-{particles}-{cells}{'-walls' if walls else ''}.npz"
-    if not path.is_file():
+    refused = contender.code == "genesis" and contender.floor == "own"
+    walls = refused or contender.floor == "wall"
+    name = f"{contender.law.value}-{particles}-{cells}-{contender.order}{'-walls' if walls else ''}.npz"
+    if not (path := folder / name).is_file():
         scene: PeerScene = drop(particles, contender.law, cells)
+        if contender.order == "sorted":
+            scene = scene.take(cell_order(scene.x, scene.dx))
         (floor_as_wall(scene) if walls else scene).save(path)
-    return str(path), "the floor is the domain's frictionless wall: planes are refused" if walls else ""
+    return str(path), "the floor is the domain's frictionless wall: planes are refused" if refused else ""
 
 
 def interleaved(
@@ -182,6 +209,7 @@ def _blank(contender: Contender, particles: int, cells: int) -> dict[str, Any]:
         "code": contender.label,
         "law": contender.law.value,
         "threads": contender.threads,
+        "order": contender.order,
         "particles": particles,
         "cells": cells,
         "version": "",
@@ -246,7 +274,15 @@ def compare(rows: list[dict[str, Any]]) -> None:
             base = [
                 ours["median_ms"]
                 for ours in rows
-                if ours["code"] == "ours" and ours["law"] == law and ours["threads"] == row["threads"]
+                if ours["code"] == _counterpart(row)
+                and ours["law"] == law
+                and ours["threads"] == row["threads"]
             ]
             known = base and base[0] and row["median_ms"]
             row[name] = round(row["median_ms"] / base[0], 3) if known else None
+
+
+def _counterpart(row: dict[str, Any]) -> str:
+    """What a row is set against: ours as the product runs, or as unsorted where the particles of all are."""
+    everybody = row["order"] == "random" and not row["code"].startswith("ours")
+    return "ours, unsorted" if everybody else "ours"

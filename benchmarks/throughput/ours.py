@@ -56,21 +56,40 @@ def stages(ours: Ours, repeats: int) -> dict[str, float]:
     return timed
 
 
-def job(scene: PeerScene, frames: int = FRAMES) -> dict[str, Any]:
+def job(
+    scene: PeerScene,
+    frames: int = FRAMES,
+    frame_dt: float | None = None,
+    *,
+    sort: bool = True,
+    out: str | None = None,
+) -> dict[str, Any]:
     """A clip of ``frames`` frames after the initial one, by `mpm.simulate` with its own choice of step.
+
+    Args:
+        scene: What is simulated, in the precision of its positions.
+        frames: How many.
+        frame_dt: [s]; None = that of the dropped cube.
+        sort: Whether particles are sorted first, as compiling a scene does.
+        out: A file for the positions of every frame, shape (frames + 1, n, 3), in the scene's order.
 
     Returns:
         Wall seconds, substeps, redone frames, the smallest and largest step [s], and the height of the mass
         centre at every frame [m].
     """
-    model, state = build(scene.take(cell_order(scene.x, scene.dx)))
+    order = cell_order(scene.x, scene.dx) if sort else np.arange(scene.particle_count)
+    model, state = build(scene.take(order))
     begun = time.perf_counter()
-    heights, substeps, steps, retries = [], 0, [], 0
-    for frame in simulate(model, state, frame_count=frames + 1, frame_dt=FRAME_DT):
-        heights.append(float(np.asarray(frame.state.x)[:, 2].mean(dtype=float)))
+    heights, substeps, steps, retries, paths = [], 0, [], 0, []
+    for frame in simulate(model, state, frame_count=frames + 1, frame_dt=frame_dt or FRAME_DT):
+        x = np.asarray(frame.state.x)
+        heights.append(float(x[:, 2].mean(dtype=float)))
+        paths += [x] if out else []
         substeps += frame.substeps
         retries += len(frame.retries)
         steps += [frame.dt] if frame.index else []
     seconds = time.perf_counter() - begun
+    if out:
+        np.save(out, np.stack(paths)[:, np.argsort(order)])
     found = dict(seconds=seconds, substeps=substeps, redone=retries)
     return found | dict(least_dt=min(steps), largest_dt=max(steps), heights=heights)

@@ -1,11 +1,12 @@
 """One code in a process of its own, kept alive and driven by a line of JSON at a time.
 
-    python -m benchmarks.throughput.worker --code NAME --threads N [--kernels KERNELS] [--unsorted]
+    python -m benchmarks.throughput.worker --code NAME --threads N [--kernels KERNELS] [--unsorted] [--double]
 
 Every request is answered by one line: {"do": "load", "scene": FILE, "dt": DT}, {"do": "run", "steps": N},
-{"do": "height"}, {"do": "memory"}; of "ours" also {"do": "stages", "repeats": N} and {"do": "job", "scene": FILE,
-"frames": N}. What goes wrong is answered with "error". Imports numpy and the code's own library only, so that a
-peer may live in another interpreter. What libraries print goes to the standard error stream.
+{"do": "height"}, {"do": "positions", "out": FILE}, {"do": "memory"}; of "ours" also {"do": "stages", "repeats": N} and
+{"do": "job", "scene": FILE, "frames": N, "frame_dt": DT, "out": FILE}. What goes wrong is answered with "error".
+Imports numpy and the code's own library only, so that a peer may live in another interpreter. What libraries print
+goes to the standard error stream.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ import time
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from benchmarks.peers.base import PeerScene, make_peer
 
 
@@ -29,7 +32,10 @@ def main() -> int:
     parser.add_argument("--threads", required=True, type=int)
     parser.add_argument("--kernels", default="auto", help="of ours")
     parser.add_argument("--unsorted", action="store_true", help="ours takes the particles as they come")
+    parser.add_argument("--double", action="store_true", help="ours computes in float64")
     options = parser.parse_args()
+    if options.double:
+        os.environ["JAX_ENABLE_X64"] = "1"
     answers = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)
     _restrict(options.threads)
@@ -57,14 +63,14 @@ class Worker:
         self._code, self._kernels, self._sort = code, kernels, sort
         self._peer: Any = None
 
-    def load(self, scene: str, dt: float) -> dict:
+    def load(self, scene: str, dt: float, granule: int = 0) -> dict:
         """Imports, compiles and warms up."""
         begun = time.perf_counter()
         self._peer = self._make()
         reason = self._peer.available()
         if reason is not None:
             return {"error": reason}
-        self._peer.load(PeerScene.load(Path(scene)), dt)
+        self._peer.load(PeerScene.load(Path(scene)), dt, granule)
         return {"seconds": time.perf_counter() - begun, "version": self._peer.version()}
 
     def run(self, steps: int) -> dict:
@@ -80,6 +86,11 @@ class Worker:
         """Height of the mass centre of equal particles [m]."""
         return {"height": float(self._peer.x()[:, 2].mean(dtype=float))}
 
+    def positions(self, out: str) -> dict:
+        """Writes the positions [m], in the scene's order."""
+        np.save(out, self._peer.x())
+        return {}
+
     def memory(self) -> dict:
         """The most memory that this process has held [MB]."""
         return {"peak_mb": peak_mb()}
@@ -90,11 +101,11 @@ class Worker:
 
         return {"milliseconds": stages(self._peer, repeats)}
 
-    def job(self, scene: str, frames: int) -> dict:
-        """A whole clip of ours."""
+    def job(self, scene: str, frames: int, frame_dt: float | None = None, out: str | None = None) -> dict:
+        """A whole clip of ours; ``out`` gets the positions of every frame [m]."""
         from benchmarks.throughput.ours import job
 
-        return job(PeerScene.load(Path(scene)), frames)
+        return job(PeerScene.load(Path(scene)), frames, frame_dt, sort=self._sort, out=out)
 
     def _make(self) -> Any:
         if self._code == "ours":

@@ -112,9 +112,9 @@ def test_errors_are_judged_by_their_bar():
 
 def run(monkeypatch, skips, *arguments):
     """The command line with ``skips`` for a catalogue; its exit code."""
-    monkeypatch.setattr(command, "SKIPS", skips)
+    monkeypatch.setattr(command, "GROUPS", {"Made up": tuple(skips.values())})
     monkeypatch.setattr(command.jax, "clear_caches", lambda: None)  # other tests would have to compile again
-    monkeypatch.setattr("sys.argv", ["skipping", "--quick", *map(str, arguments)])
+    monkeypatch.setattr("sys.argv", ["skipping", "--quick", "--parts", "Made up", *map(str, arguments)])
     return command.main()
 
 
@@ -124,26 +124,28 @@ def test_the_command_fails_with_its_worst_row_and_keeps_the_others(monkeypatch, 
     assert run(monkeypatch, ROWS, "--json", out, "--only", "nothing") == 2
     assert run(monkeypatch, ROWS, "--json", out, "--only", "astray", "broken") == 1
     result = json.loads(out.read_text())
-    assert [entry["name"] for entry in result["rows"]] == ["same", "astray", "broken"]
-    assert [entry["run"] for entry in result["rows"]] == [0, 1, 1]
-    assert [entry["good"] for entry in result["rows"]] == [True, False, False]
+    rows = result["Made up"]["rows"]
+    assert [entry["name"] for entry in rows] == ["same", "astray", "broken"]
+    assert [entry["run"] for entry in rows] == [0, 1, 1]
+    assert [entry["good"] for entry in rows] == [True, False, False]
     monkeypatch.setattr("benchmarks.skipping.markdown.GROUPS", {"Made up": tuple(ROWS.values())})
     text = document(result, out, page)
-    assert "(../out.json)" in text and text.count("quick: not to be quoted") == 2
+    assert "(../out.json)" in text and text.count("quick: not to be quoted") == 1
     assert "3 rows. Failing: astray, broken." in text
     assert "Not skipped yet: astray." in text and "Not measured yet: gravity" in text
-    assert "| broken | skipped | | | **failed**: ValueError: cannot / be built |" in text
+    assert "| broken | skipped |  |  | **failed**: ValueError: cannot / be built |" in text
     assert "**FAILS**: `x` differs by 0.001" in text
 
 
 def test_every_line_of_the_tables_has_as_many_columns(monkeypatch, tmp_path):
     names = ["same", "astray", "broken"]
-    rows = [row(ROWS[name], TINY) | {"run": 0} for name in names]
+    rows = [row(ROWS[name], TINY) | {"run": 0, "job": name} for name in names]
     rows.append(rows[0] | {"name": "error", "disagreement": None, "lean_error": 0.01, "full_error": 0.02})
-    about = dict(quick=False, command="c", machine="m", git_revision="r", seconds=1.0)
+    about = dict(quick=False, command="c", machine="m", git_revision="r", load_average=[0.1], seconds=1.0)
     skips = (*ROWS.values(), made_up("error"))
     monkeypatch.setattr("benchmarks.skipping.markdown.GROUPS", {"Made up": skips})
-    text = document({"runs": [about], "rows": rows}, tmp_path / "out.json", tmp_path / "skipping.md")
+    section = {"runs": [about], "complete": True, "rows": rows}
+    text = document({"Made up": section}, tmp_path / "out.json", tmp_path / "skipping.md")
     table = text.split("## Made up")[1]
     lines = [line for line in table.splitlines() if line.startswith("|")]
     assert len(lines) == 2 + len(rows) and {line.count("|") for line in lines} == {11}

@@ -46,17 +46,14 @@ def test_an_iteration_is_its_four_stages_without_compiling_and_writing():
     assert (found["median"], found["range"], found["particles"]) == (7.5, [6.5, 8.5], 20000)
 
 
-def test_the_document_shows_each_run_and_what_is_left_of_it():
-    report = {
-        "command": "command",
-        "machine": "machine",
-        "git_revision": "abc",
-        "rows": ROWS,
-        "summary": summary(ROWS),
-        "iterations": ITERATIONS,
-        "iteration": iteration(ITERATIONS),
-    }
-    lines = document(report).splitlines()
+def section(rows):
+    run = dict(command="c", machine="m", git_revision="abc", load_average=[0.1], quick=False, seconds=1.0)
+    return {"runs": [run], "complete": True, "rows": [row | {"run": 0, "job": "j"} for row in rows]}
+
+
+def test_the_document_shows_each_run_and_what_is_left_of_it(tmp_path):
+    result = {"first": section(ROWS), "iteration": section(ITERATIONS)}
+    lines = document(result, tmp_path / "startup.json", tmp_path / "startup.md").splitlines()
     assert "| 1 | cold | 7.5 | 15.0 | 7.5 | 30.0 |" in lines
     first, second = "\n".join(lines).split("## An iteration")
     assert sum(line.startswith(("| 1 |", "| 2 |", "| 3 |")) for line in first.splitlines()) == len(ROWS)

@@ -8,7 +8,6 @@ import pytest
 from benchmarks.peers import Contact, Material
 from benchmarks.peers.drop import CELLS, DT, FLOOR, SIDE, drop, floor_as_wall
 from benchmarks.peers.ours import Ours, build
-from benchmarks.throughput import job as whole_job
 from benchmarks.throughput import measure, parts
 from benchmarks.throughput.markdown import PARTS, document
 from benchmarks.throughput.measure import Contender, Effort, compare, interleaved
@@ -115,20 +114,20 @@ def test_the_document_has_the_rows_and_says_what_falls_short(tmp_path):
     own |= dict(substeps=50, largest_dt=8e-4, setup_seconds=1.0)
     peer |= dict(substeps=10_000, least_dt=DT, largest_dt=DT, setup_seconds=1.0)
     peer |= dict(extrapolated=True, measured_substeps=250)
-    whole_job.ratios([own, peer])
-    about = dict(command="c", machine="m", git_revision="r", quick=False, complete=True, seconds=1.0)
+    run = dict(command="c", machine="m", git_revision="r", quick=False, seconds=1.0, load_average=[0.1])
+
+    def section(*rows):
+        return {"runs": [run], "complete": True, "rows": [row | {"run": 0, "job": "j"} for row in rows]}
+
     finer = parts.row_of(
         "error", Contender("ours", Material.JELLY, 2), 1_600_000, heights=[0.5, 0.1], error=None
     )
     finer |= dict(code="ours, 200 cells", cells=200, substeps=400, least_dt=4e-4, largest_dt=5e-4)
     coarse = finer | dict(code="ours", particles=200_000, cells=100, heights=[0.5, 0.103])
-    coarse |= whole_job._errors(coarse["heights"], finer["heights"])
     warp = coarse | dict(code="warp_classical", heights=[0.5, 0.104])
-    warp |= whole_job._errors(warp["heights"], finer["heights"])
-    result = {"materials": about | {"rows": jelly}, "job": about | {"rows": [own, peer]}}
-    result["error"] = about | {"rows": [finer, coarse, warp]}
+    result = {"materials": section(*jelly), "job": section(own, peer), "error": section(finer, coarse, warp)}
     text = document(result, tmp_path / "out.json", tmp_path / "docs" / "throughput.md")
-    assert "Not measured yet: sizes, grids, stages, memory." in text and len(PARTS) == 7
+    assert "Not measured yet: same_law, same_job, sizes, grids, stages, memory." in text and len(PARTS) == 9
     assert (
         "| Warp, each code's default jelly | 14 | 18.8 (1 thread, ours 2); 15.0 (one thread each) | reached |"
         in text
@@ -140,7 +139,6 @@ def test_the_document_has_the_rows_and_says_what_falls_short(tmp_path):
     assert "no larger error than Warp's: 2.12 mm against 2.83 mm, reached." in text
     assert "| ours | 100 | 200,000 | 400 | 0.0004 to 0.0005 | 2.12 | 3 |" in text
     assert "(../out.json)" in text
-    for section in result.values():
-        section["quick"] = True
+    run["quick"] = True
     quick = document(result, tmp_path / "out.json", tmp_path / "docs" / "throughput.md")
     assert "quick: not to be quoted" in quick and "| reached |" not in quick and "Falls short" not in quick

@@ -1,0 +1,131 @@
+"""Options of a benchmark, and the work that they ask for."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import time
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from benchmarks.harness.machine import circumstances
+from physagent_jax.core.files import write_text
+
+Row = dict[str, Any]
+Rows = list[Row]
+Result = dict[str, Any]
+console = Console(stderr=True)
+
+
+@dataclasses.dataclass(frozen=True)
+class Command:
+    """Options that every benchmark has; each adds its ``parts``, which it measures."""
+
+    json: Path
+    """File of the rows; those of other parts are kept."""
+    markdown: Path | None = None
+    """Also write the tables here."""
+    parts: tuple[str, ...] = ()
+    """Which parts to measure; none = only write the tables."""
+    only: tuple[str, ...] = ()
+    """Only jobs with one of these in their names; the other rows are kept."""
+    quick: bool = False
+    """A few minutes' look at small sizes: no figure to quote."""
+    resume: bool = False
+    """Go on where a run was stopped: jobs whose rows the file has are not done again."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Job:
+    """What is measured whole or not at all.
+
+    Attributes:
+        name: Unique in its part.
+        measure: Does it, and returns its rows.
+    """
+
+    name: str
+    measure: Callable[[], Iterable[Row]]
+
+
+def main(
+    command: Command,
+    parts: Mapping[str, Callable[[], Iterable[Job]]],
+    document: Callable[[Result, Path, Path], str],
+    about: Mapping[str, Any] | None = None,
+) -> int:
+    """Measures what ``command`` asks for, writes the rows after every job, and then the tables.
+
+    Args:
+        command: The options.
+        parts: The jobs of each part; a part that is not asked for is not called.
+        document: The tables' text, of the rows, their file, and the file that the text is for.
+        about: More to note of this run, beside `circumstances`.
+
+    Returns:
+        The exit code: 1 if a row that was measured says ``"good": False``, 2 if there is no such part or job.
+    """
+    held = json.loads(command.json.read_text()) if command.json.is_file() else {}
+    result = {part: section for part, section in held.items() if part in parts}
+    missing = [part for part in command.parts if part not in parts]
+    if missing:
+        say(f"there is no part {', '.join(missing)}; there are: {', '.join(parts)}")
+        return 2
+    plan = {part: list(parts[part]()) for part in command.parts}
+    names = [job.name for jobs in plan.values() for job in jobs]
+    unknown = [word for word in command.only if not any(word in name for name in names)]
+    if unknown:
+        say(f"no job has {', '.join(map(repr, unknown))} in its name; there are: {', '.join(names)}")
+        return 2
+    bad = sum(_measure(command, part, jobs, result, about or {}) for part, jobs in plan.items())
+    if command.markdown is not None:
+        write_text(command.markdown, document(result, command.json, command.markdown))
+    if plan:
+        say(f"{bad} row(s) fail" if bad else "no row fails")
+    print(command.json)
+    return 1 if bad else 0
+
+
+def say(text: str) -> None:
+    """Tells a person what goes on; what goes to standard output is for programs."""
+    console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+
+def _measure(command: Command, part: str, jobs: list[Job], result: Result, about: Mapping) -> int:
+    """Does a part's jobs; returns how many rows fail."""
+    run = {**circumstances(), "quick": command.quick, "seconds": 0.0, **about}
+    section = result[part] = _section(result.get(part), command)
+    order = {job.name: place for place, job in enumerate(jobs)}
+    bad = 0
+    console.rule(part)
+    for job in jobs:
+        done = {row["job"] for row in section["rows"]}
+        if not _wanted(job, command) or (command.resume and job.name in done):
+            continue
+        if not any(known is run for known in section["runs"]):
+            section["runs"].append(run)
+        begun = time.perf_counter()
+        label = {"run": len(section["runs"]) - 1, "job": job.name}
+        rows = [label | row for row in job.measure()]
+        bad += sum(not row.get("good", True) for row in rows)
+        run["seconds"] = round(run["seconds"] + time.perf_counter() - begun, 1)
+        kept = [row for row in section["rows"] if row["job"] != job.name]
+        section["rows"] = sorted(kept + rows, key=lambda row: order.get(row["job"], -1))
+        section["complete"] = order.keys() <= {row["job"] for row in section["rows"]}
+        write_text(command.json, json.dumps(result, indent=1) + "\n")
+    return bad
+
+
+def _wanted(job: Job, command: Command) -> bool:
+    return not command.only or any(word in job.name for word in command.only)
+
+
+def _section(held: dict | None, command: Command) -> dict:
+    """A new section, or the one that rows are added to: quick rows and others do not mix."""
+    keeps = command.resume or command.only
+    if held is None or not keeps or any(run["quick"] != command.quick for run in held["runs"]):
+        return {"runs": [], "complete": False, "rows": []}
+    return held

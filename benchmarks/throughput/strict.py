@@ -1,0 +1,142 @@
+"""The tables of codes on an equal footing: one law, equal threads, one order of particles, and errors."""
+
+from __future__ import annotations
+
+from benchmarks.harness import Row, Rows, number, one_line, table
+from benchmarks.peers.drop import DT
+from benchmarks.peers.flight import CELLS, FRAME_DT, FRAMES, YOUNGS_MODULUS
+
+_LAW = """
+## The same law, equal threads
+
+{particles:,} particles of the dropped cube. All codes have the same law, the same number of threads (Warp has one on a
+CPU) and the same particles in the same order, sorted by cell or random; the floor is the domain's frictionless wall,
+which all have. "x ours": over ours with as many threads and
+the same order.
+"""
+_LAW_COLUMNS = (
+    "code",
+    "threads",
+    "order",
+    "ms / substep",
+    "fastest, slowest",
+    "x ours",
+    "busy cores",
+    "load",
+)
+
+_JOB = """
+## The same job, and its error
+
+A cube of 12 cells' side is thrown, stretches and twists in free flight for {duration:g} s, about two periods
+(`benchmarks/peers/flight.py`: nothing touches it, so that errors converge; {cells} cells along the domain,
+{particles:,} particles on a lattice, neo-Hookean, {modulus:g} Pa). *Customary* is the fixed step of {dt:g} s; *bound*
+each code's own: the shortest step that ours takes by itself, 0.7 times that for Warp's stress form, and shortened to
+fit a frame; *automatic* ours as it is used. Seconds are of the whole clip, warm, without set-up; jobs shorter than 5 s
+are run three times, and the median counts. *Error*: root mean square distance of the mean positions of 64 blocks of
+matter from the reference's, over {frames} frames. "x ours": seconds and error over those of ours, automatic, with as
+many threads and the same order.
+"""
+_JOB_COLUMNS = ("code", "threads", "order", "step", "dt [s]", "substeps", "seconds", "range", "error [mm]")
+_JOB_COLUMNS += ("x ours: seconds", "x ours: error", "set-up [s]", "load")
+
+_REFERENCE = """
+### The reference
+
+Ours in float64 with the automatic step, finer and finer; *change* is the distance from the level before. {verdict}
+Warp, of another stress form, at its own bound, tends to the same end:
+"""
+_REFERENCE_COLUMNS = ("code", "cells", "particles", "substeps", "dt [s]", "change [mm]", "error [mm]")
+ENOUGH = 0.1  # of the least error compared, that the reference may change
+
+
+def same_law(rows: Rows) -> str:
+    """Substeps, by law."""
+    text = _LAW.format(particles=rows[0]["particles"])
+    for law in dict.fromkeys(row["law"] for row in rows):
+        members = [row for row in rows if row["law"] == law]
+        base = {
+            (row["threads"], row["order"]): row["median_ms"]
+            for row in members
+            if row["code"].startswith("ours") and row["median_ms"]
+        }
+        text += f"\n### {law}\n" + table(_LAW_COLUMNS, [_substep(row, base) for row in members])
+    return text
+
+
+def _substep(row: Row, base: dict) -> list:
+    start = [row["code"].removesuffix(", unsorted"), row["threads"], row["order"]]
+    if row["median_ms"] is None:
+        return [*start, one_line(row["message"]), "", "", "", ""]
+    ours = base.get((row["threads"], row["order"]))
+    remark = one_line(row["message"] or row["note"])
+    figures = [number(row["median_ms"]) + (f" ({remark})" if remark else "")]
+    figures += [f"{number(row['min_ms'])} to {number(row['max_ms'])}"]
+    figures += [number(row["median_ms"] / ours if ours else None)]
+    return [*start, *figures, number(row["busy"]), number(row["load_average"])]
+
+
+def same_job(rows: Rows) -> str:
+    """The whole job, what it is set against, and the headline figures."""
+    reference = [row for row in rows if row["double"] or row["cells"] != CELLS]
+    timed = [row for row in rows if row not in reference]
+    first = reference[0]
+    text = _JOB.format(
+        duration=FRAMES * FRAME_DT,
+        cells=first["cells"],
+        particles=first["particles"],
+        modulus=YOUNGS_MODULUS,
+        dt=DT,
+        frames=FRAMES,
+    )
+    base = {
+        (row["threads"], row["order"]): row
+        for row in timed
+        if row["code"] == "ours" and row["step"] == "automatic" and row["seconds"]
+    }
+    text += table(_JOB_COLUMNS, [_clip(row, base.get((row["threads"], row["order"]))) for row in timed])
+    text += _REFERENCE.format(verdict=_verdict(reference, timed))
+    return text + table(_REFERENCE_COLUMNS, [_level(row) for row in reference])
+
+
+def _clip(row: Row, ours: Row | None) -> list:
+    start = [row["code"], row["threads"], row["order"], row["step"]]
+    if row["seconds"] is None:
+        return [*start, "", "", one_line(row["message"]), *[""] * 6]
+    ratio = "" if ours is None else number(row["seconds"] / ours["seconds"])
+    figures = [steps(row), f"{row['substeps']:,}", number(row["seconds"])]
+    figures += [" to ".join(map(number, row["range"]))]
+    known = row["error"] is not None
+    figures += [_millimetres(row["error"]) if known else one_line(row["message"]), ratio]
+    figures += [number(row["error"] / ours["error"]) if known and ours and ours["error"] else ""]
+    return [*start, *figures, number(row["setup_seconds"]), number(row["load_average"])]
+
+
+def _verdict(reference: Rows, timed: Rows) -> str:
+    """Whether the reference is one, for the errors that are compared."""
+    errors = [row["error"] for row in timed if row["error"]]
+    changes = [row["change"] for row in reference if row["change"] is not None]
+    if not errors or not changes:
+        return "Its last change cannot be judged yet."
+    share = changes[-1] / min(errors)
+    words = "less" if share < ENOUGH else "**more**"
+    return f"The last change is {share:.2g} of the least error above, {words} than the tenth that is allowed."
+
+
+def _level(row: Row) -> list:
+    code = f"{row['code']}, float64" if row["double"] else f"{row['code']}, {row['step']}"
+    start = [code, row["cells"], f"{row['particles']:,}"]
+    if row["substeps"] is None:
+        return [*start, "", one_line(row["message"]), "", ""]
+    error = "(reference)" if row.get("means") else _millimetres(row["error"])
+    return [*start, f"{row['substeps']:,}", steps(row), _millimetres(row["change"]), error]
+
+
+def _millimetres(value: float | None) -> str:
+    return number(None if value is None else 1e3 * value)
+
+
+def steps(row: Row) -> str:
+    """The step, or the smallest and the largest [s]."""
+    least, largest = number(row["least_dt"]), number(row["largest_dt"])
+    return least if least == largest else f"{least} to {largest}"

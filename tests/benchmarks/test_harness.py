@@ -1,0 +1,141 @@
+"""The harness: which jobs are done, what is kept of a file, and how tables look."""
+
+import dataclasses
+import json
+
+import pytest
+
+from benchmarks import harness
+from benchmarks.harness import Job, provenance, table
+
+
+class Bench:
+    """A benchmark of two parts whose jobs note that they were done."""
+
+    def __init__(self, path):
+        self.path, self.done, self.broken, self.documents = path, [], None, 0
+
+    def jobs(self, part):
+        return [Job(f"{part} {i}", lambda i=i: self.measure(part, i)) for i in range(3)]
+
+    def measure(self, part, i):
+        if (part, i) == self.broken:
+            raise KeyboardInterrupt
+        self.done.append(f"{part} {i}")
+        return [{"value": len(self.done), "good": i < 2}]
+
+    def run(self, **options):
+        """The exit code; `done` holds what this run did."""
+        self.done.clear()
+        options = {"parts": ("slow", "fast")} | options
+        command = harness.Command(json=self.path, markdown=self.path.with_suffix(".md"), **options)
+        return harness.main(
+            command, {part: lambda part=part: self.jobs(part) for part in ("slow", "fast")}, self.document
+        )
+
+    def document(self, result, json_path, target):
+        self.documents += 1
+        return f"{json_path.name} for {target.name}" + provenance(result, ("slow", "fast", "absent"))
+
+    @property
+    def result(self):
+        return json.loads(self.path.read_text())
+
+
+@pytest.fixture
+def bench(tmp_path):
+    return Bench(tmp_path / "out.json")
+
+
+def test_all_jobs_of_all_parts_are_done_and_failing_rows_are_told(bench):
+    assert bench.run() == 1
+    assert bench.done == [f"{part} {i}" for part in ("slow", "fast") for i in range(3)]
+    section = bench.result["slow"]
+    assert section["complete"] and [row["job"] for row in section["rows"]] == ["slow 0", "slow 1", "slow 2"]
+    (run,) = section["runs"]
+    assert {"machine", "load_average", "versions", "git_revision", "command", "seconds", "quick"} <= set(run)
+
+
+def test_a_run_that_was_stopped_is_gone_on_with(bench):
+    bench.broken = ("slow", 1)
+    with pytest.raises(KeyboardInterrupt):
+        bench.run()
+    assert not bench.result["slow"]["complete"] and len(bench.result["slow"]["rows"]) == 1
+    bench.broken = None
+    bench.run(resume=True)
+    assert bench.done == ["slow 1", "slow 2", "fast 0", "fast 1", "fast 2"]
+    section = bench.result["slow"]
+    assert section["complete"] and [row["run"] for row in section["rows"]] == [0, 1, 1]
+    bench.run(resume=True)
+    assert bench.done == [] and len(bench.result["slow"]["runs"]) == 2
+
+
+def test_single_jobs_are_done_anew_beside_the_others(bench):
+    bench.run()
+    assert bench.run(only=("slow 1",)) == 0
+    assert bench.done == ["slow 1"]
+    rows = bench.result["slow"]["rows"]
+    assert [row["job"] for row in rows] == ["slow 0", "slow 1", "slow 2"]
+    assert [row["run"] for row in rows] == [0, 1, 0] and bench.result["slow"]["complete"]
+    assert len(bench.result["fast"]["rows"]) == 3
+
+
+def test_without_either_a_part_begins_anew_and_the_others_are_kept(bench):
+    bench.run()
+    bench.run(parts=("fast",))
+    assert bench.done == ["fast 0", "fast 1", "fast 2"]
+    assert [len(bench.result[part]["runs"]) for part in ("slow", "fast")] == [1, 1]
+
+
+def test_quick_rows_and_others_do_not_mix(bench):
+    bench.run(quick=True)
+    bench.run(resume=True)
+    assert len(bench.done) == 6 and not bench.result["slow"]["runs"][0]["quick"]
+
+
+def test_no_parts_only_write_the_tables(bench):
+    bench.run()
+    assert bench.run(parts=()) == 0 and bench.done == [] and bench.documents == 2
+
+
+def test_what_there_is_not_is_refused_before_anything_is_done(bench, capsys):
+    assert bench.run(parts=("fast", "none")) == 2
+    assert bench.run(only=("slow 1", "none")) == 2
+    assert bench.done == [] and not bench.path.exists()
+
+
+def test_the_document_says_where_its_rows_come_from(bench):
+    bench.run(quick=True)
+    text = bench.path.with_suffix(".md").read_text()
+    assert text.startswith("out.json for out.md\n| part | rows | seconds |")
+    assert "| slow (quick: not to be quoted) | 3 |" in text and "Not measured yet: absent." in text
+
+
+def test_a_part_that_was_stopped_says_so_and_rows_of_two_runs_name_both():
+    run = dict(command="c", machine="m", load_average=[1.5], git_revision="r", quick=False, seconds=2.0)
+    rows = [{"run": 0}, {"run": 2}]
+    later = run | {"git_revision": "s", "remark": "Busy."}
+    section = {"runs": [run, run, later], "complete": False, "rows": rows}
+    text = provenance({"part": section}, ("part",), {"both": len})
+    assert (
+        "| part (stopped before its end) | 2 | 2 | 4.0 | `c`; m; 1.5; r; then `c`; m; 1.5; s. Busy. |" in text
+    )
+
+
+def test_tables_are_as_wide_as_their_columns():
+    assert table(("a", "b"), [(1, "x")]) == "\n| a | b |\n|---|---|\n| 1 | x |\n"
+
+
+def test_numbers_have_three_figures():
+    numbers = (None, 0.0012345, 12.345, 12345.6)
+    assert [harness.number(value) for value in numbers] == ["", "0.00123", "12.3", "12,346"]
+
+
+def test_every_benchmark_has_the_same_options():
+    from benchmarks.accuracy.__main__ import Command as Accuracy
+    from benchmarks.stability.__main__ import Command as Stability
+    from benchmarks.throughput.__main__ import Command as Throughput
+
+    common = {field.name for field in dataclasses.fields(harness.Command)}
+    for command in (Accuracy, Stability, Throughput):
+        assert common <= {field.name for field in dataclasses.fields(command)}
