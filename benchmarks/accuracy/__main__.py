@@ -9,6 +9,7 @@ same problems on the peers that are installed, in the same run. Wall times are w
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
 import sys
 from collections.abc import Iterator
@@ -67,7 +68,18 @@ def main() -> int:
         "quadrature": lambda: _quadrature(command),
     }
     about = {"peers": {name: found.reason or found.version for name, found in peers.items()}}
-    return harness.main(command, parts, partial(_present, command), about)
+    primary = {studied.case.name: studied.error for studied in STUDIED}
+
+    def shown(result: dict, json_path: Path, target: Path) -> str:
+        return document(result, json_path, command.plot, primary, target)
+
+    code = harness.main(command, parts, shown, about)
+    work = json.loads(command.json.read_text()).get("work_precision") if command.plot else None
+    if command.plot and work:
+        from benchmarks.accuracy.plot import plot
+
+        plot(work["rows"], primary, command.plot)
+    return code
 
 
 def _verification(command: Command) -> Iterator[Job]:
@@ -127,16 +139,6 @@ def _shown(row: Row, primary: str | None = None) -> dict:
     data = dataclasses.asdict(row) | {"within": row.within, "good": row.within or primary is not None}
     numbers = {key: value for key, value in data.items() if isinstance(value, float)}
     return data | {key: None for key, value in numbers.items() if not math.isfinite(value)}
-
-
-def _present(command: Command, result: dict, json_path: Path, target: Path) -> str:
-    """The document; the plot too, if it is asked for."""
-    primary = {studied.case.name: studied.error for studied in STUDIED}
-    if command.plot is not None and "work_precision" in result:
-        from benchmarks.accuracy.plot import plot
-
-        plot(result["work_precision"]["rows"], primary, command.plot)
-    return document(result, json_path, command.plot, primary, target)
 
 
 if __name__ == "__main__":

@@ -80,7 +80,8 @@ def main(
     if unknown:
         say(f"no job has {', '.join(map(repr, unknown))} in its name; there are: {', '.join(names)}")
         return 2
-    bad = sum(_measure(command, part, jobs, result, about or {}) for part, jobs in plan.items())
+    wanted = {part: jobs for part, jobs in plan.items() if any(_wanted(job, command) for job in jobs)}
+    bad = sum(_measure(command, part, jobs, result, about or {}) for part, jobs in wanted.items())
     if command.markdown is not None:
         write_text(command.markdown, document(result, command.json, command.markdown))
     if plan:

@@ -94,9 +94,28 @@ def same_job(rows: Rows) -> str:
         for row in timed
         if row["code"] == "ours" and row["step"] == "automatic" and row["seconds"]
     }
+    text += _headline([(row, base.get((row["threads"], row["order"]))) for row in timed])
     text += table(_JOB_COLUMNS, [_clip(row, base.get((row["threads"], row["order"]))) for row in timed])
     text += _REFERENCE.format(verdict=_verdict(reference, timed))
     return text + table(_REFERENCE_COLUMNS, [_level(row) for row in reference])
+
+
+def _headline(pairs: list[tuple[Row, Row | None]]) -> str:
+    """The peer that is least behind, by step."""
+    text = ""
+    for step, words in (("bound", "its own bound"), ("customary", "the customary step")):
+        found = [
+            (row["seconds"] / ours["seconds"], row, ours)
+            for row, ours in pairs
+            if ours and row["code"] != "ours" and row["step"] == step and row["seconds"] and row["error"]
+        ]
+        if found:
+            ratio, row, ours = min(found, key=lambda entry: entry[0])
+            text += (
+                f"\nAt {words} the fastest peer, {row['code']} ({row['threads']} thread(s), {row['order']}), takes "
+                f"**{number(ratio)}** times our seconds, with {number(row['error'] / ours['error'])} times our error.\n"
+            )
+    return text
 
 
 def _clip(row: Row, ours: Row | None) -> list:

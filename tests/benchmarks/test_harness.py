@@ -80,6 +80,11 @@ def test_single_jobs_are_done_anew_beside_the_others(bench):
     assert len(bench.result["fast"]["rows"]) == 3
 
 
+def test_a_part_without_such_a_job_is_left_alone(bench):
+    bench.run(only=("slow 1",))
+    assert list(bench.result) == ["slow"] and not bench.result["slow"]["complete"]
+
+
 def test_without_either_a_part_begins_anew_and_the_others_are_kept(bench):
     bench.run()
     bench.run(parts=("fast",))

@@ -61,6 +61,8 @@ def test_the_tables_set_all_against_ours_and_say_whether_the_reference_is_one():
         "| warp_classical | 1 | sorted | customary | 0.001 | 100 | 30 | 30 to 30 | 6 | 15 | 1.5 | 1 | 0.5 |"
         in text
     )
+    assert "customary step the fastest peer, warp_classical (1 thread(s), sorted), takes **15** times" in text
+    assert "with 1.5 times our error" in text and "its own bound the fastest" not in text
     assert "NotImplementedError: a / b" in text and "| breaks down | 2.5 |" in text
     assert "The last change is 0.075 of the least error above, less than the tenth" in text
     assert "| ours, float64 | 160 | 13,824 | 100 | 0.001 | 0.3 | (reference) |" in text
