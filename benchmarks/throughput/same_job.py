@@ -32,6 +32,7 @@ SHARES = {"warp_classical": CLASSICAL_SHARE}  # of the bound of the MLS form, wh
 ENOUGH = 0.1  # of the errors compared, that the reference may change
 GRANULE = 5  # Genesis advances by several substeps at a call: those of a frame are a multiple of this
 SHORT = 5.0  # [s]; a shorter job is run three times, for the median
+PEER_LEVELS = (2, 3)  # times as many cells, of the peer that is to tend to the same end
 FIRST = "reference"  # the job that the others need
 
 
@@ -40,8 +41,8 @@ def jobs(sizes: Sizes, rows_file: Path) -> list[Job]:
     found = [Job(FIRST, partial(_reference, sizes))]
     found += [
         Job(f"warp_classical, {finer} x finer", partial(_finer_peer, finer, rows_file))
-        for finer in sizes.finer
-        if 1 < finer < sizes.finer[-1]
+        for finer in PEER_LEVELS
+        if finer < sizes.finer[-1]
     ]
     for threads in sizes.threads:
         for order in ("sorted", "random"):
