@@ -11,6 +11,10 @@ and velocities. What is compared, accuracy or time, is the caller's business: a 
 - `genesis.GenesisMPM`: Genesis' MPM solver (MLS-MPM), if `genesis-world` is installed.
 - `taichi_mls.TaichiMLS`: dense MLS-MPM as Taichi's examples do it, on any number of threads.
 - `jax_naive`: the way other JAX simulators do it, 27 scattered additions per particle: what the kernels save.
+- `ours.Ours`: our own simulator behind the same interface.
+
+Scenes that all can run: `drop` (a cube dropped on a floor, as customary) and `flight` (a cube in free flight, whose
+errors converge).
 
 `base` needs numpy only. Warp, Taichi and Genesis are imported when a peer is loaded; one that lives in another
 interpreter is run there by `base.run_in`.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from benchmarks.harness import Row, Rows, number, one_line, table
 from benchmarks.peers.drop import DT
 from benchmarks.peers.flight import CELLS, FRAME_DT, FRAMES, YOUNGS_MODULUS
+from benchmarks.throughput.same_job import ENOUGH
 
 _LAW = """
 ## The same law, equal threads
@@ -47,7 +48,6 @@ Ours in float64 with the automatic step, finer and finer; *change* is the distan
 Warp, of another stress form, at its own bound, tends to the same end:
 """
 _REFERENCE_COLUMNS = ("code", "cells", "particles", "substeps", "dt [s]", "change [mm]", "error [mm]")
-ENOUGH = 0.1  # of the least error compared, that the reference may change
 
 
 def same_law(rows: Rows) -> str:
