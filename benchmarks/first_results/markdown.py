@@ -56,7 +56,8 @@ def _measured(result: dict) -> str:
         text += f"\nLeft out, because there was no file: {', '.join(missing)}.\n"
     text += table(_SENTENCES, [_sentence(row) for row in rows])
     text += _PERCEPTION + table(_PERCEIVED, [_perception(row) for row in rows])
-    common = [words for words in rows[0]["oddities"] if all(words in row["oddities"] for row in rows)]
+    first = rows[0]["oddities"] if len(rows) > 1 else []
+    common = [words for words in first if all(words in row["oddities"] for row in rows)]
     text += _ODDITIES + (f"- **All rows**: {one_line('; '.join(common))}\n" if common else "")
     return text + "".join(_odd(row, common) for row in rows) + "\n"
 
