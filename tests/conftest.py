@@ -50,7 +50,7 @@ def pytest_configure(config):
 def programs_let_go():
     """What earlier modules have compiled is let go before one process runs out of memory mappings."""
     yield
-    programs.bound()
+    programs.release_programs()
 
 
 @pytest.fixture

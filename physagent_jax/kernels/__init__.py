@@ -29,7 +29,7 @@ _chosen: ContextVar[Kernels] = ContextVar("kernels", default="auto")
 
 
 @contextmanager
-def using(choice: Kernels) -> Iterator[None]:
+def use_kernels(choice: Kernels) -> Iterator[None]:
     """Lets ``choice`` hold for what is traced within, where nobody passes it on."""
     token = _chosen.set(choice)
     try:
@@ -39,15 +39,17 @@ def using(choice: Kernels) -> Iterator[None]:
 
 
 @contextmanager
-def beside(array: Any) -> Iterator[None]:
+def use_device_of(array: Any) -> Iterator[None]:
     """Lets what is computed within be made for the device on which ``array`` lies; JAX's own choice if it is traced."""
     known = isinstance(array, jax.Array) and not isinstance(array, Tracer)
     device = next(iter(array.devices())) if known else None
-    with nullcontext() if device is None or device.platform == platform() else jax.default_device(device):
+    with (
+        nullcontext() if device is None or device.platform == find_platform() else jax.default_device(device)
+    ):
         yield
 
 
-def platform() -> str:
+def find_platform() -> str:
     """Where JAX computes what does not lie anywhere yet: on its default device, if one is set, else its backend's."""
     device: Any = jax.config.jax_default_device  # type: ignore[attr-defined]
     if device is None:
@@ -56,7 +58,7 @@ def platform() -> str:
 
 
 def use_cpu(kernels: Kernels | None = None) -> bool:
-    """Whether the CPU kernels are to be used; None = as `using` says.
+    """Whether the CPU kernels are to be used; None = as `use_kernels` says.
 
     Raises:
         UserError: "cpu" is asked for, and not to be had.
@@ -70,12 +72,12 @@ def use_cpu(kernels: Kernels | None = None) -> bool:
     return not missing
 
 
-def load(module: str):
+def import_kernels(module: str):
     """A module that needs Numba."""
     return importlib.import_module(module)
 
 
-def chosen(kernels: Kernels) -> str:
+def describe_kernels(kernels: Kernels) -> str:
     """What a run's manifest says of its kernels."""
     if not use_cpu(kernels):
         return "reference"
@@ -86,8 +88,8 @@ def chosen(kernels: Kernels) -> str:
 
 def _missing() -> str:
     """Why there are no CPU kernels; "" if there are."""
-    if platform() != "cpu":
-        return f"JAX runs on {platform()}"
+    if find_platform() != "cpu":
+        return f"JAX runs on {find_platform()}"
     return numba_missing()
 
 
@@ -95,7 +97,7 @@ def _missing() -> str:
 def numba_missing() -> str:
     """Why Numba's kernels cannot be had; "" if they can."""
     try:
-        load("physagent_jax.kernels.lanes")
+        import_kernels("physagent_jax.kernels.lanes")
     except ImportError as error:
         log.warning("the CPU kernels are not available (%s): pure JAX serves, several times slower", error)
         return str(error)

@@ -14,8 +14,8 @@ import subprocess
 import sys
 from threading import Lock
 
-from physagent_jax.kernels import load, use_cpu
-from physagent_jax.kernels.threads import cores
+from physagent_jax.kernels import import_kernels, use_cpu
+from physagent_jax.kernels.threads import core_count
 
 Targets = dict[str, tuple[str, ...]]
 """What to compile: target -> (module, arguments of its `handler`); the longest first."""
@@ -25,13 +25,13 @@ running: dict[str, subprocess.Popen[str]] = {}
 _reading = Lock()
 
 
-def begin(targets: Targets) -> None:
+def start_compiling(targets: Targets) -> None:
     """Starts compiling those of ``targets`` that the disk does not have; does nothing where kernels are not used."""
     if not use_cpu():
         return
     from physagent_jax.kernels import store  # needs Numba, without which there is nothing to do
 
-    missing = {name: made for name, made in targets.items() if name not in running and not store.has(name)}
+    missing = {name: made for name, made in targets.items() if name not in running and not store.is_stored(name)}
     if missing:
         script = f"from physagent_jax.kernels import ahead; ahead.compile_all({missing!r}, parent=0)"
         process = subprocess.Popen(
@@ -49,17 +49,17 @@ def compile_all(targets: Targets, parent: int | None = None) -> None:
     """Compiles kernels into the store and prints the names of those done, in a process that was started for it.
 
     Args:
-        targets: As `begin` has them.
+        targets: As `start_compiling` has them.
         parent: A pipe that closes when whoever waits for the kernels is no more: then all processes of this one's
             session end. None = nobody's end matters.
     """
     at_work = 0
     for name, (module, *arguments) in targets.items():
-        load(module)
+        import_kernels(module)
         if not hasattr(os, "fork"):
             _compile(name, module, *arguments)
             continue
-        if at_work == cores():
+        if at_work == core_count():
             _wait_for_one(parent)
             at_work -= 1
         at_work += 1
@@ -80,7 +80,7 @@ def _wait_for_one(parent: int | None) -> None:
 
 
 def _compile(name: str, module: str, *arguments: str) -> None:
-    load(module).handler(*arguments)
+    import_kernels(module).register_handler(*arguments)
     print(name, flush=True)
 
 

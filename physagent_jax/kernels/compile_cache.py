@@ -10,7 +10,7 @@ import jax
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.kernels import programs
-from physagent_jax.kernels.folders import private_folder, processor, usable
+from physagent_jax.kernels.folders import describe_processor, is_usable, make_private_folder
 
 CACHE_VARIABLE = "PHYSAGENT_COMPILE_CACHE"
 _OFF = ("off", "0", "no", "none", "false")
@@ -35,8 +35,8 @@ def enable_compile_cache() -> None:
     if config.jax_compilation_cache_dir is not None:
         return
     if not setting:
-        programs.keep_on_disk(private_folder("compiled", processor()))
-    elif usable(folder := Path(setting).expanduser() / processor()):
+        programs.keep_on_disk(make_private_folder("compiled", describe_processor()))
+    elif is_usable(folder := Path(setting).expanduser() / describe_processor()):
         programs.keep_on_disk(folder)
     else:
         raise UserError(

@@ -23,7 +23,7 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.kernels.numbers import WITHIN
+from physagent_jax.kernels.numbers import NO_WRAPPERS
 
 HANDLER = types.int64(types.int64)
 """Signature of a handler: the address of the call frame, and 0 for success."""
@@ -44,7 +44,9 @@ def register(name: str, handler) -> None:
     jax.ffi.register_ffi_target(name, new_capsule(handler.address, None, None), platform="cpu")
 
 
-def check(kernel: str, operands: dict[str, Any], shapes: dict[str, tuple[int, ...]], dtype, **others) -> None:
+def check_operands(
+    kernel: str, operands: dict[str, Any], shapes: dict[str, tuple[int, ...]], dtype, **others
+) -> None:
     """Refuses operands that a kernel would take for others: it reads memory as if they were what it expects.
 
     Args:
@@ -68,13 +70,13 @@ def check(kernel: str, operands: dict[str, Any], shapes: dict[str, tuple[int, ..
 
 
 @intrinsic(prefer_literal=True)
-def operand(typing, frame, index, number, rank):
+def get_operand(typing, frame, index, number, rank):
     """An operand as a C-ordered array of ``number``, a NumPy class: of its own rank, or flat for rank 1."""
     return _array(frame, index, number, rank, _FRAME_OPERANDS)
 
 
 @intrinsic(prefer_literal=True)
-def result(typing, frame, index, number, rank):
+def get_result(typing, frame, index, number, rank):
     """A result as a C-ordered array of ``number``, a NumPy class: of its own rank, or flat for rank 1."""
     return _array(frame, index, number, rank, _FRAME_RESULTS)
 
@@ -110,7 +112,7 @@ def _product(builder, address, count):
 
 
 @intrinsic
-def word(typing, address, index):
+def read_word(typing, address, index):
     """The ``index``-th word from ``address`` on."""
 
     def generate(context, builder, signature, arguments):
@@ -120,7 +122,7 @@ def word(typing, address, index):
 
 
 @intrinsic
-def put_word(typing, address, index, value):
+def write_word(typing, address, index, value):
     """Writes the ``index``-th word from ``address`` on."""
 
     def generate(context, builder, signature, arguments):
@@ -139,11 +141,11 @@ def _place(builder, address, index):
     return builder.gep(builder.inttoptr(address, _WORD.as_pointer()), [index])
 
 
-@njit(**WITHIN)
-def answers_query(frame):
+@njit(**NO_WRAPPERS)
+def answer_query(frame):
     """Whether the call only asked for the handler's API version, which it then has got."""
-    extension = word(frame, _FRAME_EXTENSION)
-    if extension == 0 or (word(extension, _EXTENSION_TYPE) & 0xFFFFFFFF) != _METADATA:
+    extension = read_word(frame, _FRAME_EXTENSION)
+    if extension == 0 or (read_word(extension, _EXTENSION_TYPE) & 0xFFFFFFFF) != _METADATA:
         return False
-    put_word(word(extension, _EXTENSION_METADATA), _VERSION_WORD, _VERSION)
+    write_word(read_word(extension, _EXTENSION_METADATA), _VERSION_WORD, _VERSION)
     return True

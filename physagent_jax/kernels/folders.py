@@ -19,23 +19,23 @@ log = logging.getLogger(__name__)
 _ABOUT_THE_CPU = ("model name", "flags", "features", "cpu implementer", "cpu part")  # in /proc/cpuinfo
 
 
-def private_folder(*parts: str, base: Path | None = None) -> Path:
+def make_private_folder(*parts: str, base: Path | None = None) -> Path:
     """The folder ``parts`` of the user's cache, or of ``base``; made if it is not there.
 
     Where that is impossible, or would not be private, one in the folder for temporary files serves, and if that is
     somebody else's too, a new one that nobody finds again.
     """
     folder = (base or _users()).joinpath(*parts)
-    if usable(folder):
+    if is_usable(folder):
         return folder
     user = os.geteuid() if hasattr(os, "geteuid") else "user"
     shared = Path(tempfile.gettempdir()) / f"physagent_jax-{user}"  # anybody may have made it before us
-    if usable(shared) and usable(shared.joinpath(*parts)):
+    if is_usable(shared) and is_usable(shared.joinpath(*parts)):
         return shared.joinpath(*parts)
     return Path(tempfile.mkdtemp(prefix="physagent-"))
 
 
-def usable(folder: Path) -> bool:
+def is_usable(folder: Path) -> bool:
     """Whether ``folder`` could be made, is ours alone and can be written to."""
     try:
         folder.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -57,7 +57,7 @@ def _users() -> Path:
 
 
 @cache
-def processor() -> str:
+def describe_processor() -> str:
     """A short name for this kind of processor and what it can do."""
     try:
         lines = Path("/proc/cpuinfo").read_text(errors="replace").split("\n\n")[0].splitlines()

@@ -20,7 +20,7 @@ from numba.np.arrayobj import populate_array
 
 ROW = 16  # lanes of a row of nodes
 BATCH = 8  # particles of which the 3x3 algebra is done, or nodes put in another order, at a time
-_GROUP = 4  # numbers per node
+_NODE = 4  # numbers per node
 _CONTRACT = ("contract", "nsz")  # multiply-add in one rounding; NaN and infinity keep their meaning
 _INDEX = ir.IntType(32)
 
@@ -53,7 +53,7 @@ def load(typing, array, index):
 
 
 @intrinsic
-def batch(typing, array, index):
+def load_batch(typing, array, index):
     """Eight lanes from ``array[index : index + 8]``, a contiguous one-dimensional array."""
     lanes = Lanes(array.dtype, BATCH)
 
@@ -77,31 +77,31 @@ def store(typing, array, index, value):
 
 
 @intrinsic
-def per_number(typing, three, fourth):
-    """a, b, c, d, a, b, c, d and so on: the numbers of a node, for each node."""
-    return Lanes(fourth)(three, fourth), _spread([k % _GROUP for k in range(ROW)])
+def tile(typing, three, fourth):
+    """a, b, c, d, a, b, c, d and so on: the numbers of a node, for each node (as `numpy.tile`)."""
+    return Lanes(fourth)(three, fourth), _shuffle_numbers([k % _NODE for k in range(ROW)])
 
 
 @intrinsic
-def per_node(typing, three):
-    """a, a, a, a, b, b, b, b and so on: one value for all numbers of a node; zero for the fourth node."""
-    return Lanes(three.dtype)(three), _spread([k // _GROUP for k in range(ROW)])
+def repeat(typing, three):
+    """a, a, a, a, b, b, b, b and so on: a value for all numbers of a node, zero for the fourth (as `numpy.repeat`)."""
+    return Lanes(three.dtype)(three), _shuffle_numbers([k // _NODE for k in range(ROW)])
 
 
 @intrinsic
-def everywhere(typing, value):
+def splat(typing, value):
     """The value in all lanes."""
-    return Lanes(value)(value), _spread([0] * ROW)
+    return Lanes(value)(value), _shuffle_numbers([0] * ROW)
 
 
 @intrinsic
-def node_sum(typing, lanes):
+def reduce_add_nodes(typing, lanes):
     """The numbers, each summed over the first three nodes: a `Lanes` of four."""
-    result = Lanes(lanes.dtype, _GROUP)
+    result = Lanes(lanes.dtype, _NODE)
 
     def generate(context, builder, signature, arguments):
         first, second, third = (
-            _shuffled(builder, arguments[0], range(_GROUP * node, _GROUP * (node + 1))) for node in range(3)
+            _shuffle(builder, arguments[0], range(_NODE * node, _NODE * (node + 1))) for node in range(3)
         )
         return builder.fadd(builder.fadd(first, second, flags=_CONTRACT), third, flags=_CONTRACT)
 
@@ -109,32 +109,34 @@ def node_sum(typing, lanes):
 
 
 @intrinsic
-def by_number(typing, a, b):
+def deinterleave(typing, a, b):
     """Of eight nodes' numbers, four nodes in a and four in b: all first ones, all second ones and so on."""
     kind = Lanes(a.dtype, BATCH)
-    result = types.UniTuple(kind, _GROUP)
+    result = types.UniTuple(kind, _NODE)
 
     def generate(context, builder, signature, arguments):
-        parts = [builder.shuffle_vector(*arguments, _mask(range(d, 2 * ROW, _GROUP))) for d in range(_GROUP)]
+        parts = [
+            builder.shuffle_vector(*arguments, _shuffle_mask(range(d, 2 * ROW, _NODE))) for d in range(_NODE)
+        ]
         return context.make_tuple(builder, result, parts)
 
     return result(a, a), generate
 
 
 @intrinsic
-def by_node(typing, a, b, c):
+def interleave(typing, a, b, c):
     """The numbers of eight nodes, four nodes in each result: one of a, of b and of c, and a zero for each node."""
     result = types.UniTuple(Lanes(a.dtype), 2)
 
     def generate(context, builder, signature, arguments):
         a, b, c = arguments
-        everything = _mask(range(2 * BATCH))
+        everything = _shuffle_mask(range(2 * BATCH))
         ab = builder.shuffle_vector(a, b, everything)
         c0 = builder.shuffle_vector(c, ir.Constant(c.type, None), everything)
-        half = ROW // _GROUP
+        half = ROW // _NODE
         parts = [
             builder.shuffle_vector(
-                ab, c0, _mask([d * BATCH + k for k in range(k0, k0 + half) for d in range(_GROUP)])
+                ab, c0, _shuffle_mask([d * BATCH + k for k in range(k0, k0 + half) for d in range(_NODE)])
             )
             for k0 in (0, half)
         ]
@@ -153,7 +155,7 @@ def pack(typing, three):
             vector = builder.insert_element(vector, number, _INDEX(k))
         return vector
 
-    return Lanes(three.dtype, _GROUP)(three), generate
+    return Lanes(three.dtype, _NODE)(three), generate
 
 
 @intrinsic
@@ -169,29 +171,29 @@ def unpack(typing, vector):
 
 
 @intrinsic
-def spread(typing, vector):
+def broadcast_each(typing, vector):
     """Three vectors, each with one number of the given one in all lanes."""
     result = types.UniTuple(vector, 3)
 
     def generate(context, builder, signature, arguments):
-        vectors = [_shuffled(builder, arguments[0], [k] * _GROUP) for k in range(3)]
+        vectors = [_shuffle(builder, arguments[0], [k] * _NODE) for k in range(3)]
         return context.make_tuple(builder, result, vectors)
 
     return result(vector), generate
 
 
 @intrinsic
-def turned(typing, vector):
-    """The second, third and first number of a vector."""
+def rotate(typing, vector):
+    """The second, third and first number of a vector: its lanes rotated by one."""
 
     def generate(context, builder, signature, arguments):
-        return _shuffled(builder, arguments[0], [1, 2, 0, 3])
+        return _shuffle(builder, arguments[0], [1, 2, 0, 3])
 
     return vector(vector), generate
 
 
 @intrinsic
-def transposed(typing, a, b, c):
+def transpose(typing, a, b, c):
     """The rows of the matrix with columns a, b, c."""
     result = types.UniTuple(a, 3)
 
@@ -199,17 +201,17 @@ def transposed(typing, a, b, c):
         a, b, c = arguments
         rows = []
         for k in range(3):
-            pair = builder.shuffle_vector(a, b, _mask([k, _GROUP + k, k, k]))
-            rows.append(builder.shuffle_vector(pair, c, _mask([0, 1, _GROUP + k, 3])))
+            pair = builder.shuffle_vector(a, b, _shuffle_mask([k, _NODE + k, k, k]))
+            rows.append(builder.shuffle_vector(pair, c, _shuffle_mask([0, 1, _NODE + k, 3])))
         return context.make_tuple(builder, result, rows)
 
     return result(a, a, a), generate
 
 
 @intrinsic
-def take_rows(typing, array, index):
+def load_rows(typing, array, index):
     """Three vectors from ``array[index : index + 9]``: the rows of a matrix. Nothing beyond them is read."""
-    vector = Lanes(array.dtype, _GROUP)
+    vector = Lanes(array.dtype, _NODE)
     result = types.UniTuple(vector, 3)
 
     def generate(context, builder, signature, arguments):
@@ -221,19 +223,19 @@ def take_rows(typing, array, index):
         ):  # the third from within the second, so as not to read beyond the ninth number
             pointer = _pointer(context, builder, signature.args[0], arguments, vector, offset)
             loaded.append(builder.load(pointer, align=array.dtype.bitwidth // 8))
-        loaded[2] = _shuffled(builder, loaded[2], [1, 2, 3, 3])
+        loaded[2] = _shuffle(builder, loaded[2], [1, 2, 3, 3])
         return context.make_tuple(builder, result, loaded)
 
     return result(array, types.intp), generate
 
 
 @intrinsic
-def put_rows(typing, array, index, a, b, c):
+def store_rows(typing, array, index, a, b, c):
     """Writes the rows a, b, c of a matrix to ``array[index : index + 9]``."""
 
     def generate(context, builder, signature, arguments):
         a, b, c = arguments[2:]
-        tail = builder.shuffle_vector(b, c, _mask([2, _GROUP, _GROUP + 1, _GROUP + 2]))
+        tail = builder.shuffle_vector(b, c, _shuffle_mask([2, _NODE, _NODE + 1, _NODE + 2]))
         for offset, vector in ((0, a), (3, b), (5, tail)):
             pointer = _pointer(context, builder, signature.args[0], arguments, signature.args[2], offset)
             builder.store(vector, pointer, align=array.dtype.bitwidth // 8)
@@ -243,7 +245,7 @@ def put_rows(typing, array, index, a, b, c):
 
 
 @intrinsic
-def collect(typing, array, start, stride):
+def load_strided(typing, array, start, stride):
     """Eight lanes from ``array[start]``, ``array[start + stride]`` and so on, of a flat array."""
     lanes = Lanes(array.dtype, BATCH)
 
@@ -260,7 +262,7 @@ def collect(typing, array, start, stride):
 
 
 @intrinsic
-def distribute(typing, array, start, stride, value):
+def store_strided(typing, array, start, stride, value):
     """Writes eight lanes to ``array[start]``, ``array[start + stride]`` and so on."""
 
     def generate(context, builder, signature, arguments):
@@ -275,31 +277,31 @@ def distribute(typing, array, start, stride, value):
 
 
 @intrinsic
-def joined(typing, a, b):
+def concatenate(typing, a, b):
     """The lanes of a and then those of b: two batches in one, for arithmetic that would wait for its own results."""
     both = Lanes(a.dtype, 2 * a.count)
 
     def generate(context, builder, signature, arguments):
-        return builder.shuffle_vector(*arguments, _mask(range(both.count)))
+        return builder.shuffle_vector(*arguments, _shuffle_mask(range(both.count)))
 
     return both(a, a), generate
 
 
 @intrinsic
-def halves(typing, both):
-    """What `joined` has put together."""
+def split(typing, both):
+    """What `concatenate` has put together."""
     half = both.count // 2
     result = types.UniTuple(Lanes(both.dtype, half), 2)
 
     def generate(context, builder, signature, arguments):
-        parts = [_shuffled(builder, arguments[0], range(k, k + half)) for k in (0, half)]
+        parts = [_shuffle(builder, arguments[0], range(k, k + half)) for k in (0, half)]
         return context.make_tuple(builder, result, parts)
 
     return result(both), generate
 
 
 @intrinsic
-def same(typing, number, lanes):
+def splat_like(typing, number, lanes):
     """A number in as many lanes as ``lanes`` has."""
 
     def generate(context, builder, signature, arguments):
@@ -309,7 +311,7 @@ def same(typing, number, lanes):
 
 
 @intrinsic
-def where_greater(typing, a, b, yes, no):
+def select_greater(typing, a, b, yes, no):
     """``yes`` where a > b, else ``no``, lane by lane."""
 
     def generate(context, builder, signature, arguments):
@@ -321,27 +323,27 @@ def where_greater(typing, a, b, yes, no):
 
 
 @intrinsic
-def root(typing, a):
+def sqrt(typing, a):
     """Square roots."""
 
     def generate(context, builder, signature, arguments):
-        return _call(builder, "llvm.sqrt", a, arguments)
+        return _call_intrinsic(builder, "llvm.sqrt", a, arguments)
 
     return a(a), generate
 
 
 @intrinsic
-def magnitude(typing, a):
+def fabs(typing, a):
     """Absolute values."""
 
     def generate(context, builder, signature, arguments):
-        return _call(builder, "llvm.fabs", a, arguments)
+        return _call_intrinsic(builder, "llvm.fabs", a, arguments)
 
     return a(a), generate
 
 
 @intrinsic
-def exponential(typing, a):
+def exp(typing, a):
     """e^a of float32 lanes, to about 1e-7 relative; a is taken to lie in [-87, 88].
 
     2^n e^f with n the whole number next to a / ln 2 and a polynomial in f, |f| <= ln 2 / 2 (Cephes, expf). LLVM's own
@@ -361,7 +363,7 @@ def exponential(typing, a):
         low, high = all_lanes(-87.0), all_lanes(88.0)
         x = builder.select(builder.fcmp_ordered("<", x, low), low, x)
         x = builder.select(builder.fcmp_ordered(">", x, high), high, x)
-        n = _call(builder, "llvm.rint", a, [builder.fmul(x, all_lanes(1.44269504))])
+        n = _call_intrinsic(builder, "llvm.rint", a, [builder.fmul(x, all_lanes(1.44269504))])
         f = fma(n, all_lanes(-0.693359375), x)
         f = fma(n, all_lanes(2.12194440e-4), f)
         y = all_lanes(1.9875691500e-4)
@@ -395,15 +397,15 @@ def any_greater(typing, a, b):
 
 
 @intrinsic
-def lane_sum(typing, a):
+def reduce_add(typing, a):
     """The sum over the lanes, halves first."""
 
     def generate(context, builder, signature, arguments):
         vector, count = arguments[0], a.count
         while count > 1:
             count //= 2
-            low = _shuffled(builder, vector, range(count))
-            high = _shuffled(builder, vector, range(count, 2 * count))
+            low = _shuffle(builder, vector, range(count))
+            high = _shuffle(builder, vector, range(count, 2 * count))
             vector = builder.fadd(low, high, flags=_CONTRACT)
         return builder.extract_element(vector, _INDEX(0))
 
@@ -411,7 +413,7 @@ def lane_sum(typing, a):
 
 
 @intrinsic
-def counted(typing, number):
+def iota(typing, number):
     """The sixteen numbers 0, 1, 2, ... in the precision of ``number``."""
     lanes = Lanes(number)
 
@@ -437,7 +439,7 @@ def clear(typing, array, first, last):
 
 
 @intrinsic
-def flat(typing, array):
+def flatten(typing, array):
     """A C-ordered array's numbers in one dimension; NumPy's ``reshape`` is slow to compile."""
     row = types.Array(array.dtype, 1, "C")
 
@@ -450,7 +452,7 @@ def flat(typing, array):
     return row(array), generate
 
 
-def _call(builder, name: str, lanes: Lanes, arguments):
+def _call_intrinsic(builder, name: str, lanes: Lanes, arguments):
     vector = arguments[0].type
     full_name = f"{name}.v{lanes.count}f{lanes.dtype.bitwidth}"
     function = cgutils.get_or_insert_function(builder.module, ir.FunctionType(vector, [vector]), full_name)
@@ -461,10 +463,10 @@ def _splat(builder, number, count: int):
     vector = builder.insert_element(
         ir.Constant(ir.VectorType(number.type, 1), ir.Undefined), number, _INDEX(0)
     )
-    return _shuffled(builder, vector, [0] * count)
+    return _shuffle(builder, vector, [0] * count)
 
 
-def _arithmetic(symbol, instruction: str) -> None:
+def _define_operator(symbol, instruction: str) -> None:
     """Gives lanes an operator."""
 
     @type_callable(symbol)
@@ -476,10 +478,10 @@ def _arithmetic(symbol, instruction: str) -> None:
         return getattr(builder, instruction)(*arguments, flags=_CONTRACT)
 
 
-_arithmetic(operator.add, "fadd")
-_arithmetic(operator.sub, "fsub")
-_arithmetic(operator.mul, "fmul")
-_arithmetic(operator.truediv, "fdiv")
+_define_operator(operator.add, "fadd")
+_define_operator(operator.sub, "fsub")
+_define_operator(operator.mul, "fmul")
+_define_operator(operator.truediv, "fdiv")
 
 
 def _pointer(context, builder, array_type, arguments, lanes: Lanes, offset: int = 0):
@@ -489,7 +491,7 @@ def _pointer(context, builder, array_type, arguments, lanes: Lanes, offset: int 
     return builder.bitcast(address, context.get_value_type(lanes).as_pointer())
 
 
-def _spread(pattern: list[int]):
+def _shuffle_numbers(pattern: list[int]):
     """Code that puts its k-th number into the lanes where ``pattern`` says k; those missing are zero."""
 
     def generate(context, builder, signature, arguments):
@@ -497,17 +499,17 @@ def _spread(pattern: list[int]):
         for kind, argument in zip(signature.args, arguments):
             several = isinstance(kind, types.BaseTuple)
             numbers += cgutils.unpack_tuple(builder, argument) if several else [argument]
-        vector = ir.Constant(ir.VectorType(numbers[0].type, _GROUP), None)
+        vector = ir.Constant(ir.VectorType(numbers[0].type, _NODE), None)
         for k, number in enumerate(numbers):
             vector = builder.insert_element(vector, number, _INDEX(k))
-        return _shuffled(builder, vector, pattern)
+        return _shuffle(builder, vector, pattern)
 
     return generate
 
 
-def _shuffled(builder, vector, pattern):
-    return builder.shuffle_vector(vector, ir.Constant(vector.type, ir.Undefined), _mask(pattern))
+def _shuffle(builder, vector, pattern):
+    return builder.shuffle_vector(vector, ir.Constant(vector.type, ir.Undefined), _shuffle_mask(pattern))
 
 
-def _mask(pattern):
+def _shuffle_mask(pattern):
     return ir.Constant(ir.VectorType(_INDEX, len(pattern)), [_INDEX(k) for k in pattern])

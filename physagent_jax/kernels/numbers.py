@@ -11,15 +11,15 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
-WITHIN: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+NO_WRAPPERS: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """For what compiled code alone calls: doors for Python are a tenth of the work of compiling.
 
 Only handlers are kept on disk (`store`), each with all that it calls.
 """
-BODY: dict[str, Any] = {**WITHIN, "inline": "always"}  # of a handler
+BODY: dict[str, Any] = {**NO_WRAPPERS, "inline": "always"}  # of a handler
 
 OPTIONS = {
-    **WITHIN,
+    **NO_WRAPPERS,
     "boundscheck": False,
     "error_model": "numpy",
     "fastmath": {"contract", "nsz"},  # not "nnan": what is not finite has to be noticed
@@ -27,12 +27,12 @@ OPTIONS = {
 }
 INLINE = {**OPTIONS, "forceinline": True}  # for what is called per particle: arrays are costly to pass
 
-SHARES = 8
+SHARES_PER_THREAD = 8
 """Into how many a thread's work is cut where whoever is free takes the next: cores are seldom equally fast."""
 
 
 @intrinsic
-def like(typing, constant, number):
+def cast_like(typing, constant, number):
     """``constant`` in the precision of ``number``: Numba would compute float32 with float64 constants in float64."""
 
     def generate(context, builder, signature, arguments):
@@ -42,7 +42,7 @@ def like(typing, constant, number):
 
 
 @intrinsic
-def smallest(typing, number):
+def smallest_normal(typing, number):
     """About the smallest normal number of the precision of ``number``."""
     return _constant(number, {32: 1.2e-38, 64: 2.3e-308})
 
@@ -67,33 +67,37 @@ def lowest_node(scaled, count):
     A particle outside deposits on the rim, as the reference does; NaN counts as zero, so that nothing is written
     elsewhere.
     """
-    low = np.floor(scaled - like(0.5, scaled))
-    inside = min(max(low, like(0, scaled)), like(count - 3, scaled)) if low == low else like(0, scaled)
+    low = np.floor(scaled - cast_like(0.5, scaled))
+    inside = (
+        min(max(low, cast_like(0, scaled)), cast_like(count - 3, scaled))
+        if low == low
+        else cast_like(0, scaled)
+    )
     return int(inside), scaled - low
 
 
 @njit(**INLINE)
 def spline(f):
     """Quadratic B-spline weights of the three nodes, f cells from the lowest."""
-    a, b, c = like(1.5, f) - f, f - like(1, f), f - like(0.5, f)
-    half = like(0.5, f)
-    return half * a * a, like(0.75, f) - b * b, half * c * c
+    a, b, c = cast_like(1.5, f) - f, f - cast_like(1, f), f - cast_like(0.5, f)
+    half = cast_like(0.5, f)
+    return half * a * a, cast_like(0.75, f) - b * b, half * c * c
 
 
 @njit(**INLINE)
-def slopes(f):
+def spline_derivative(f):
     """Their derivatives by the particle's position in cells."""
-    return f - like(1.5, f), like(2, f) - like(2, f) * f, f - like(0.5, f)
+    return f - cast_like(1.5, f), cast_like(2, f) - cast_like(2, f) * f, f - cast_like(0.5, f)
 
 
 @njit(**INLINE)
-def three(values, i):
+def extract(values, i):
     """``values[i]`` for a tuple of three, which LLVM keeps in registers."""
     return values[0] if i == 0 else (values[1] if i == 1 else values[2])
 
 
 @njit(**INLINE)
-def columns(matrices, p):
+def load_columns(matrices, p):
     """Columns of particle p's matrix."""
     M = matrices
     return (
@@ -104,13 +108,13 @@ def columns(matrices, p):
 
 
 @njit(**INLINE)
-def put_vector(vectors, p, a):
+def store_vector(vectors, p, a):
     """Writes particle p's vector."""
     vectors[p, 0], vectors[p, 1], vectors[p, 2] = a[0], a[1], a[2]
 
 
 @njit(**INLINE)
-def times(factor, a):
+def scale(factor, a):
     """Factor a."""
     return factor * a[0], factor * a[1], factor * a[2]
 
@@ -122,7 +126,7 @@ def dot(a, b):
 
 
 @njit(**INLINE)
-def row(matrices, p, i):
+def load_row(matrices, p, i):
     """Row i of particle p's matrix."""
     return matrices[p, i, 0], matrices[p, i, 1], matrices[p, i, 2]
 
@@ -138,7 +142,7 @@ def determinant(a, b, c):
 
 
 @intrinsic
-def take(typing, counter):
+def fetch_add(typing, counter):
     """The next number of a counter that threads share, an array of one word: 0, 1, 2 and so on, each given once."""
 
     def generate(context, builder, signature, arguments):
@@ -149,6 +153,6 @@ def take(typing, counter):
 
 
 @njit(**INLINE)
-def share(count, part, parts):
+def split_range(count, part, parts):
     """First and last + 1 of the ``part``-th of ``parts`` nearly equal shares."""
     return part * count // parts, (part + 1) * count // parts

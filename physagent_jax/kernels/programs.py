@@ -34,7 +34,7 @@ compiled_count = looked_at = 0
 _reading = Lock()
 
 
-def bound(mappings: int | None = None) -> bool:
+def release_programs(mappings: int | None = None) -> bool:
     """Lets all compiled programs go if this process uses many memory mappings; returns whether it did.
 
     Every program takes some, and a process that has used up those that Linux grants dies. JAX keeps what it has
@@ -48,14 +48,14 @@ def bound(mappings: int | None = None) -> bool:
     if not trace_state_clean() or (mappings is None and compiled_count - looked_at < LOOK):
         return False
     looked_at = compiled_count
-    if mapped() <= (SHARE * count_granted() if mappings is None else mappings):
+    if count_mappings() <= (SHARE * count_granted() if mappings is None else mappings):
         return False
     log.info("compiled programs are let go: they take too many memory mappings")
     jax.clear_caches()
     return True
 
 
-def mapped() -> int:
+def count_mappings() -> int:
     """Memory mappings of this process; 0 where there is no limit to be known."""
     return _MAPS.read_bytes().count(b"\n") if _MAPS.is_file() else 0
 

@@ -22,53 +22,53 @@ import numba
 from numba import cfunc
 from numba.core.compiler_lock import global_compiler_lock
 
-from physagent_jax.kernels.folders import private_folder, processor
+from physagent_jax.kernels.folders import describe_processor, make_private_folder
 from physagent_jax.kernels.launch import without_gil
 
 log = logging.getLogger(__name__)
 _SEAL = "seal.json"
 
 
-def has(target: str) -> bool:
+def is_stored(target: str) -> bool:
     """Whether a target has been compiled from these sources on this machine."""
-    return _sealed(find_folder() / target)
+    return _is_sealed(find_folder() / target)
 
 
-def compiled(target: str, signature, function):
+def load_or_compile(target: str, signature, function):
     """The C function that Numba makes of ``function``: from the disk, or compiled and kept."""
     place = find_folder() / target
-    if place.exists() and not _sealed(place):
+    if place.exists() and not _is_sealed(place):
         log.warning("%s is damaged: %s is compiled again", place, target)
         _remove(place)
     if place.exists():
         try:
-            return _compiled_in(place, signature, function)
+            return _compile_in(place, signature, function)
         except Exception as error:  # whatever Numba and LLVM make of code that is not theirs
             log.warning("%s cannot be read (%s): %s is compiled again", place, type(error).__name__, target)
             _remove(place)
     try:
         filled = Path(tempfile.mkdtemp(prefix=f".{target}.", dir=find_folder()))
     except OSError:  # a full disk costs a compilation each time, nothing else
-        return _compiled_in(None, signature, function)
+        return _compile_in(None, signature, function)
     try:
-        made = _compiled_in(filled, signature, function)
+        made = _compile_in(filled, signature, function)
         with contextlib.suppress(OSError):  # whoever was first has the same
             seal(filled)
             filled.rename(place)
         return made
     except OSError:
-        return _compiled_in(None, signature, function)
+        return _compile_in(None, signature, function)
     finally:
         shutil.rmtree(filled, ignore_errors=True)
 
 
-def _compiled_in(folder: Path | None, signature, function):
-    with global_compiler_lock, without_gil(), _numba_keeps_in(folder):
+def _compile_in(folder: Path | None, signature, function):
+    with global_compiler_lock, without_gil(), _keep_numba_in(folder):
         return cfunc(signature, cache=folder is not None)(function)
 
 
 @contextlib.contextmanager
-def _numba_keeps_in(folder: Path | None) -> Iterator[None]:
+def _keep_numba_in(folder: Path | None) -> Iterator[None]:
     before = numba.config.CACHE_DIR  # type: ignore[attr-defined]
     numba.config.CACHE_DIR = str(folder or before)  # type: ignore[attr-defined]
     try:
@@ -82,7 +82,7 @@ def seal(folder: Path) -> None:
     (folder / _SEAL).write_text(json.dumps(_digests(folder)))
 
 
-def _sealed(folder: Path) -> bool:
+def _is_sealed(folder: Path) -> bool:
     """Whether all files of a folder are as they were written."""
     try:
         return json.loads((folder / _SEAL).read_bytes()) == _digests(folder)
@@ -110,8 +110,8 @@ def find_folder() -> Path:
     Numba's own cache notices a changed file by its time, but not that a function calls one from another file that
     has changed: it would go on running old code.
     """
-    digest = hashlib.sha256(f"{numba.__version__} {processor()}".encode())
+    digest = hashlib.sha256(f"{numba.__version__} {describe_processor()}".encode())
     for source in sorted(Path(__file__).parents[1].glob("**/kernels/*.py")):
         digest.update(f"{source} {source.stat().st_mtime_ns}".encode() + source.read_bytes())
     asked = os.environ.get("NUMBA_CACHE_DIR")
-    return private_folder("kernels", digest.hexdigest()[:16], base=Path(asked) if asked else None)
+    return make_private_folder("kernels", digest.hexdigest()[:16], base=Path(asked) if asked else None)

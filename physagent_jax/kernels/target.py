@@ -9,9 +9,9 @@ from physagent_jax.kernels.threads import thread_count
 
 
 @cache
-def target(name: str, function) -> str:
+def register_target(name: str, function) -> str:
     """Compiles ``function``, a handler of `ffi`, unless the disk has it, and registers it under ``name``."""
     thread_count()  # starts the threads: compiled code from the disk asks for them as it is loaded
     ahead.wait_for(name)
-    ffi.register(name, store.compiled(name, ffi.HANDLER, function))
+    ffi.register(name, store.load_or_compile(name, ffi.HANDLER, function))
     return name

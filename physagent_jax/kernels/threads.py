@@ -23,7 +23,7 @@ def thread_count() -> int:
     import numba
 
     try:
-        return min(numba.get_num_threads(), cores())
+        return min(numba.get_num_threads(), core_count())
     except ValueError as error:
         raise UserError(
             "Numba cannot start its threads",
@@ -32,13 +32,13 @@ def thread_count() -> int:
         ) from error
 
 
-def callers() -> int:
+def caller_count() -> int:
     """Threads that may run kernels at the same time: one per core, but one alone where Numba's layer forbids more."""
     import numba
 
     return thread_count() if thread_count() > 1 and numba.threading_layer() != "workqueue" else 1  # type: ignore[attr-defined]
 
 
-def cores() -> int:
+def core_count() -> int:
     """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -32,8 +32,8 @@ def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> t
     Raises:
         UserError: ``model`` and ``state`` do not fit each other (`conform`).
     """
-    programs.bound()
-    with kernels.beside(state.x):
+    programs.release_programs()
+    with kernels.use_device_of(state.x):
         return _rollout(*conform(model, state), frame_count, substeps)
 
 

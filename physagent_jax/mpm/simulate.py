@@ -50,7 +50,7 @@ def simulate(
             and not forced, or a frame fails even with steps 2**MAX_RETRIES times smaller (the message says what
             the check saw).
     """
-    programs.bound()
+    programs.release_programs()
     model, state = conform(model, state)
     check_start(model, state, frame_dt=frame_dt, substep_dt=substep_dt, safety=safety)
     if substep_dt is not None and not force_substep:
@@ -62,6 +62,6 @@ def simulate(
         frame = Frame(0, state, 0, 0.0, 1.0, 1.0, (), model.grid, 0.0, nothing)
         yield frame
     for _ in range(frame.index + 1, frame_count):
-        with kernels.beside(frame.state.x):
+        with kernels.use_device_of(frame.state.x):
             frame = next_frame(model, frame, pace, ledger)
         yield frame

@@ -30,7 +30,7 @@ def step(model: Model, state: State) -> State:
         UserError: ``model`` and ``state`` do not fit each other (`conform`).
     """
     model, state = conform(model, state)
-    with kernels.beside(state.x):
+    with kernels.use_device_of(state.x):
         return substep(model, state, kirchhoff_stress(model, state))[0]
 
 
@@ -100,13 +100,13 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
 
 def scatter(model: Model, state: State, held: State, tau: jax.Array) -> jax.Array:
     """Momentum and mass at the nodes, shape (nx, ny, nz, 4); ``held`` is ``state`` after forces and constraints."""
-    v, push = held.v, jnp.zeros(3, held.v.dtype)
+    v, dv = held.v, jnp.zeros(3, held.v.dtype)
     if not model.forces and not model.constraints:  # gravity alone need not go through memory
-        v, push = state.v, model.dt * body_acceleration(model, state)
-    form, grid, matter = model.stress_form, model.grid, (model.mass, model.volume, push, model.dt)
+        v, dv = state.v, model.dt * body_acceleration(model, state)
+    form, grid, matter = model.stress_form, model.grid, (model.mass, model.volume, dv, model.dt)
     if not kernels.use_cpu(model.kernels):
         return transfer.p2g(form, grid, held.x, v, held.C, tau, *matter)
-    cpu, law = kernels.compiled(), model.materials[0]
+    cpu, law = kernels.load_cpu_kernels(), model.materials[0]
     if (
         type(law) is NeoHookean and len(model.materials) == 1 and model.viscosity is None
     ):  # a subclass may differ
@@ -118,7 +118,7 @@ def scatter(model: Model, state: State, held: State, tau: jax.Array) -> jax.Arra
 
 def gather(model: Model, state: State, velocity: jax.Array) -> transfer.Moved:
     """Particles moved and deformed with the node velocities."""
-    g2p = kernels.compiled().g2p if kernels.use_cpu(model.kernels) else transfer.g2p
+    g2p = kernels.load_cpu_kernels().g2p if kernels.use_cpu(model.kernels) else transfer.g2p
     options = model.stress_form, model.wall, model.grid
     return g2p(*options, state.x, state.v, state.C, state.F, velocity, model.dt)
 
@@ -168,7 +168,7 @@ def respond(
     model: Model, trial: jax.Array, history: tuple[History, ...]
 ) -> tuple[jax.Array, tuple, jax.Array]:
     """Elastic deformation gradients after each material's return mapping, the new histories, and the stress [Pa]."""
-    with kernels.using(model.kernels):
+    with kernels.use_kernels(model.kernels):
         blocks = [materials.respond(*block, model.dt) for block in _blocks(model, trial, history)]
     F, memories, tau = zip(*blocks)
     F, tau = (as_field(_joined(part), trial, "what the materials make") for part in (F, tau))
@@ -177,7 +177,7 @@ def respond(
 
 def per_material(model: Model, state: State, function) -> jax.Array:
     """Applies ``function(material, F, history)`` to each material's block and joins the results."""
-    with kernels.using(model.kernels):
+    with kernels.use_kernels(model.kernels):
         return _joined([function(*block) for block in _blocks(model, state.F, state.history)])
 
 

@@ -108,7 +108,7 @@ class Moved:
     health: Health
 
 
-def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, push, dt) -> jax.Array:
+def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, dv, dt) -> jax.Array:
     """`scatter_momentum` of momentum, affine momentum and the impulse -dt V0 tau of the stress, by either stress form.
 
     Args:
@@ -120,14 +120,14 @@ def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, push, dt) -> jax.Arra
         tau: Kirchhoff stress [Pa], shape (n, 3, 3).
         mass: [kg], shape (n,).
         volume: Rest volume [m^3], shape (n,).
-        push: Added to all velocities [m/s], shape (3,).
+        dv: Added to all velocities [m/s], shape (3,).
         dt: [s].
 
     Returns:
         Momentum and mass at the nodes, shape (nx, ny, nz, 4).
     """
     s, impulse = stencil(x, grid), -dt * volume[:, None, None] * tau
-    momentum, affine = mass[:, None] * (v + push), mass[:, None, None] * C
+    momentum, affine = mass[:, None] * (v + dv), mass[:, None, None] * C
     if form == "mls":
         return scatter_momentum(s, grid, mass, momentum, affine + (4 / grid.dx**2) * impulse)
     return scatter_momentum(s, grid, mass, momentum, affine, impulse)

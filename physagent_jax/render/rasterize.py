@@ -62,7 +62,7 @@ def blend(
 
 def _kernels_for(layout: Layout, dtype) -> Any:
     """The module of the CPU kernels; None if they are not made for this."""
-    module = kernels.compiled()
+    module = kernels.load_cpu_kernels()
     return module if module.fits(layout, dtype) else None
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.gaussians.cloud import Splats
-from physagent_jax.kernels import Kernels, platform, threads, use_cpu
+from physagent_jax.kernels import Kernels, find_platform, threads, use_cpu
 from physagent_jax.render.camera import Camera
 from physagent_jax.render.layout import Layout
 from physagent_jax.render.project import Projected, project
@@ -91,9 +91,9 @@ def render_all(
 
 def frames_at_once() -> int:
     """Frames that are best rendered at the same time: on CPU one per core, if the kernels allow it."""
-    if platform() != "cpu":
+    if find_platform() != "cpu":
         return 1
-    return threads.callers() if use_cpu() else threads.cores()
+    return threads.caller_count() if use_cpu() else threads.core_count()
 
 
 def pair_capacity(splats: Splats, camera: Camera) -> int:
@@ -135,7 +135,7 @@ def rasterize(
     """
     if lanes is None:
         tiles = int(np.prod(tile_grid(camera.width, camera.height, tile_size)))
-        lanes = 1 if platform() == "cpu" else tiles
+        lanes = 1 if find_platform() == "cpu" else tiles
     layout = Layout(camera.width, camera.height, tile_size, lanes)
     projected = _project(splats, camera)
     background = _in_precision(background, splats.means.dtype)

@@ -84,7 +84,7 @@ class Manifest(Strict):
         versions: Of this package and of what it computes with.
         git_revision: Of the working tree, if it is one.
         platform: Machine, processor, device kind.
-        kernels: What the transfers were computed with (`kernels.chosen`).
+        kernels: What the transfers were computed with (`kernels.describe_kernels`).
         seed: Master seed.
         inputs: sha256 of each input file, of the settings and of the names of agents and perception; they identify
             the run.

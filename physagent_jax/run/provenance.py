@@ -12,7 +12,7 @@ from pathlib import Path
 import jax
 
 from physagent_jax import __version__
-from physagent_jax.kernels import chosen
+from physagent_jax.kernels import describe_kernels
 from physagent_jax.run.manifest import Manifest
 
 _PACKAGES = ("jax", "jaxlib", "numpy", "scipy", "numba", "opencv-python-headless", "pydantic")
@@ -26,7 +26,7 @@ def make_manifest(*, command: str, prompt: str, seed: int, inputs: dict[str, str
         versions=versions(),
         git_revision=git_revision(),
         platform=describe_platform(),
-        kernels=chosen("auto"),
+        kernels=describe_kernels("auto"),
         seed=seed,
         inputs=inputs,
     )

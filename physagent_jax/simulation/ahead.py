@@ -9,4 +9,4 @@ from physagent_jax.render import kernels as blending
 
 def compile_ahead() -> None:
     """Begins to compile what simulating and rendering any scene needs, unless the disk has it (`kernels.ahead`)."""
-    ahead.begin(transfers.AHEAD | blending.AHEAD)
+    ahead.start_compiling(transfers.AHEAD | blending.AHEAD)

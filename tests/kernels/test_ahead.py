@@ -48,15 +48,15 @@ def test_one_process_compiles_what_is_missing(begun, tmp_path):
     """What is there is left alone, and what is being compiled is not begun twice."""
     (tmp_path / G2P).mkdir()
     store.seal(tmp_path / G2P)
-    ahead.begin(TARGETS)
-    ahead.begin(TARGETS)
+    ahead.start_compiling(TARGETS)
+    ahead.start_compiling(TARGETS)
     (script,) = begun
     assert P2G in script and BLEND in script and G2P not in script
 
 
 def test_waiting_ends_with_the_kernel_or_the_process(begun):
     """What is said of another kernel meanwhile is noted; what the process never made is nobody's any more."""
-    ahead.begin(TARGETS)
+    ahead.start_compiling(TARGETS)
     ahead.wait_for(BLEND)
     assert set(ahead.running) == {P2G, G2P}
     ahead.wait_for(BLEND)
@@ -88,7 +88,10 @@ def test_every_target_ahead_is_one_that_a_handler_makes(tmp_path):
     targets = {"nonsense": (BLENDING[BLEND][0], "nonsense"), **BLENDING}
     script = f"ahead.compile_all({targets!r})"
     assert in_a_process(script, tmp_path) == [BLEND]
-    assert in_a_process(f'print(store.has("{BLEND}"), store.has("nonsense"))', tmp_path) == ["True", "False"]
+    assert in_a_process(f'print(store.is_stored("{BLEND}"), store.is_stored("nonsense"))', tmp_path) == [
+        "True",
+        "False",
+    ]
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="one process only")
@@ -107,7 +110,7 @@ helper = ahead.subprocess.Popen
 def popen(command, **options):
     return helper([*command[:-1], {slow!r}], **options)
 ahead.subprocess.Popen = popen
-ahead.begin({TARGETS!r})
+ahead.start_compiling({TARGETS!r})
 process = next(iter(ahead.running.values()))
 print(*(process.stdout.readline().strip() for _ in range(2)), flush=True)
 assert os.getsid(process.pid) == process.pid != os.getsid(0)
@@ -137,6 +140,6 @@ def test_nothing_here_needs_numba():
         "import sys; sys.modules['numba'] = None\n"
         "from physagent_jax.kernels import ahead\n"
         "import physagent_jax.run.replay, physagent_jax.run.loop\n"
-        f"ahead.begin({TARGETS!r}); assert not ahead.running"
+        f"ahead.start_compiling({TARGETS!r}); assert not ahead.running"
     )
     subprocess.run([sys.executable, "-c", script], check=True, capture_output=True)

@@ -87,13 +87,13 @@ def test_a_threading_layer_that_is_missing_is_told(monkeypatch):
 
 TINY = """
 import jax.numpy as jnp, numpy as np
-from physagent_jax.kernels import chosen
+from physagent_jax.kernels import describe_kernels
 from physagent_jax.mpm import Grid, Model, NeoHookean, State, simulate
 x = np.random.default_rng(0).uniform(0.4, 0.6, (60, 3)).astype(np.float32)
 one = np.ones(60, np.float32)
 model = Model(Grid.whole(1.0, 16), np.float32(1e-3), np.array([0, 0, -9.8]), one, one, (NeoHookean(4e3 * one, one),))
 *_, last = simulate(model, State.at_rest(jnp.asarray(x)), frame_count=3, frame_dt=0.01)
-print(chosen("auto"), float(last.state.x[:, 2].mean() - x[:, 2].mean()))
+print(describe_kernels("auto"), float(last.state.x[:, 2].mean() - x[:, 2].mean()))
 """
 
 

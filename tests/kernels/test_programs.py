@@ -30,33 +30,33 @@ def play(count):
     return np.asarray(last.state.x)
 
 
-needs_maps = pytest.mark.skipif(not programs.mapped(), reason="the system does not count mappings")
+needs_maps = pytest.mark.skipif(not programs.count_mappings(), reason="the system does not count mappings")
 
 
 @needs_maps
 def test_programs_are_let_go_when_they_take_too_many_mappings():
     """And what was let go is compiled again, with the same results."""
     before = play(60)
-    held = programs.mapped()
-    assert not programs.bound(held + 1000)
-    assert programs.bound(held - 1)
-    assert programs.mapped() < held
+    held = programs.count_mappings()
+    assert not programs.release_programs(held + 1000)
+    assert programs.release_programs(held - 1)
+    assert programs.count_mappings() < held
     assert np.array_equal(play(60), before)
 
 
 @needs_maps
 def test_a_simulation_begins_by_looking_whether_there_are_too_many(monkeypatch):
     play(61)
-    held = programs.mapped()
+    held = programs.count_mappings()
     monkeypatch.setattr(programs, "count_granted", lambda: (held - 1) / programs.SHARE)
     monkeypatch.setattr(programs, "compiled_count", programs.looked_at + programs.LOOK)
     play(61)
-    assert programs.mapped() < held
+    assert programs.count_mappings() < held
 
 
 def test_nothing_is_let_go_while_something_is_traced():
     let_go = []
-    jax.jit(lambda x: let_go.append(programs.bound(-1)) or x)(1.0)
+    jax.jit(lambda x: let_go.append(programs.release_programs(-1)) or x)(1.0)
     assert let_go == [False]
 
 
@@ -64,12 +64,12 @@ def test_nothing_is_let_go_while_something_is_traced():
 @pytest.mark.slow
 def test_many_different_runs_stay_within_their_mappings(monkeypatch):
     """150 runs of different shapes in one process."""
-    limit = programs.mapped() + 6000
+    limit = programs.count_mappings() + 6000
     monkeypatch.setattr(programs, "count_granted", lambda: limit / programs.SHARE)
     most = 0
     for count in range(62, 212):
         play(count)
-        most = max(most, programs.mapped())
+        most = max(most, programs.count_mappings())
     assert most < limit + 2500  # those of one look to the next
 
 

@@ -24,7 +24,7 @@ from physagent_jax.mpm import (
     step,
 )
 from physagent_jax.mpm.conform import conform
-from physagent_jax.mpm.kernels import compiled
+from physagent_jax.mpm.kernels import load_cpu_kernels
 from physagent_jax.mpm.linalg import kernels as linalg_kernels
 
 N, DT, STEPS = 27, 1e-3, 10
@@ -167,8 +167,8 @@ def test_memories_of_another_size_are_refused():
 @pytest.mark.skipif("cpu" not in PATHS, reason="no CPU kernels here")
 def test_kernels_refuse_what_they_would_misread(x64):
     """As they are traced, whoever calls them: memory beyond an array's end is not read."""
-    cpu, (model, state) = compiled(), jax.device_put(things(model=np.float64))
-    grid, dt, push = model.grid, model.dt, jnp.zeros(3, jnp.float32)
+    cpu, (model, state) = load_cpu_kernels(), jax.device_put(things(model=np.float64))
+    grid, dt, dv = model.grid, model.dt, jnp.zeros(3, jnp.float32)
     x, v, C, F = state.x, state.v, state.C, state.F
     good = model.mass.astype(jnp.float32)
     node = jnp.zeros((*grid.shape, 3), jnp.float32)
@@ -177,15 +177,17 @@ def test_kernels_refuse_what_they_would_misread(x64):
         dataclasses.replace(grid, origin=jnp.zeros(3, int)),
     )
     calls = {
-        "mass": lambda: cpu.p2g("mls", grid, x, v, C, F, model.mass, good, push, dt),
-        "volume": lambda: cpu.p2g("mls", grid, x, v, C, F, good, good[:3], push, dt),
-        "push": lambda: cpu.p2g("mls", grid, x, v, C, F, good, good, jnp.zeros((N, 3), jnp.float32), dt),
-        "origin": lambda: cpu.p2g("mls", origin, x, v, C, F, good, good, push, dt),
-        "three nodes": lambda: cpu.p2g("mls", narrow, x, v, C, F, good, good, push, dt),
-        "lam": lambda: cpu.p2g_neo_hookean("mls", grid, x, v, C, F, good, good[0], good, good, push, dt),
+        "mass": lambda: cpu.p2g("mls", grid, x, v, C, F, model.mass, good, dv, dt),
+        "volume": lambda: cpu.p2g("mls", grid, x, v, C, F, good, good[:3], dv, dt),
+        "dv": lambda: cpu.p2g("mls", grid, x, v, C, F, good, good, jnp.zeros((N, 3), jnp.float32), dt),
+        "origin": lambda: cpu.p2g("mls", origin, x, v, C, F, good, good, dv, dt),
+        "three nodes": lambda: cpu.p2g("mls", narrow, x, v, C, F, good, good, dv, dt),
+        "lam": lambda: cpu.p2g_neo_hookean("mls", grid, x, v, C, F, good, good[0], good, good, dv, dt),
         "velocity": lambda: cpu.g2p("mls", 1, grid, x, v, C, F, node[:-1], dt),
         "`F`": lambda: cpu.g2p("mls", 1, grid, x, v, C, F.astype(jnp.float64), node, dt),
-        "basis": lambda: linalg_kernels.compiled().compose(jnp.zeros((1, 2, 3), jnp.float32), F, None, None),
+        "basis": lambda: linalg_kernels.load_cpu_kernels().compose(
+            jnp.zeros((1, 2, 3), jnp.float32), F, None, None
+        ),
     }
     for told, call in calls.items():
         with pytest.raises(UserError, match=told):

@@ -13,12 +13,12 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import Grid, kernels, materials, rollout, simulate, transfer
 from physagent_jax.mpm.linalg import isotropic, svd
-from physagent_jax.mpm.linalg.kernels import compiled
+from physagent_jax.mpm.linalg.kernels import load_cpu_kernels
 from physagent_jax.mpm.linalg.svd import SWEEPS
 from tests.mpm.blocks import block
 
 pytest.importorskip("numba")
-cpu, svd_kernels = kernels.compiled(), compiled()
+cpu, svd_kernels = kernels.load_cpu_kernels(), load_cpu_kernels()
 
 TOLERANCE = {"float32": 1e-5, "float64": 1e-13}  # round-off of sums in another order
 GRID = Grid(jnp.array([3, 4, 5], jnp.int32), (12, 9, 14), 0.05, 60)
@@ -49,8 +49,8 @@ def close(got, expected, tolerance):
 
 
 def p2g_operands(c):
-    push, dt = jnp.asarray([0.3, -0.2, 0.1], c["x"].dtype), jnp.asarray(1e-3, c["x"].dtype)
-    return c["x"], c["v"], c["C"], c["tau"], c["mass"], c["volume"], push, dt
+    dv, dt = jnp.asarray([0.3, -0.2, 0.1], c["x"].dtype), jnp.asarray(1e-3, c["x"].dtype)
+    return c["x"], c["v"], c["C"], c["tau"], c["mass"], c["volume"], dv, dt
 
 
 def g2p_operands(c):
@@ -98,10 +98,10 @@ def test_results_repeat_bit_by_bit_whichever_thread_took_what(count):
 
 def test_p2g_keeps_mass_and_momentum(x64):
     c = cloud(500, "float64")
-    *_, push, _ = operands = p2g_operands(c)
+    *_, dv, _ = operands = p2g_operands(c)
     nodes = cpu.p2g("gradient", GRID, *operands).sum((0, 1, 2))
     np.testing.assert_allclose(nodes[3], c["mass"].sum(), rtol=1e-13)
-    np.testing.assert_allclose(nodes[:3], (c["mass"][:, None] * (c["v"] + push)).sum(0), rtol=1e-10)
+    np.testing.assert_allclose(nodes[:3], (c["mass"][:, None] * (c["v"] + dv)).sum(0), rtol=1e-10)
 
 
 def test_kernels_under_vmap():
@@ -194,7 +194,7 @@ def test_a_subclass_of_a_law_that_kernels_know_keeps_its_own_stress(x64):
 @pytest.mark.parametrize("count", [0, 1, 8, 21])
 def test_svd_and_isotropic_functions_equal_numpy_for_any_number_of_matrices(count, dtype, x64):
     F = (np.eye(3) + 0.5 * np.random.default_rng(count).normal(size=(count, 3, 3))).astype(dtype)
-    with kernels.using("cpu"):
+    with kernels.use_kernels("cpu"):
         U, s, V = svd(jnp.asarray(F))
         R = isotropic(lambda s, _: jnp.sign(s), jnp.asarray(F), None)  # the orthogonal factor
     eps = np.finfo(dtype).eps
@@ -209,7 +209,7 @@ def test_without_numba_the_reference_serves_and_says_so_once(monkeypatch, caplog
     monkeypatch.setattr(choice, "importlib", Absent)
     try:
         with caplog.at_level(logging.WARNING):
-            assert kernels.chosen("auto") == "reference"
+            assert kernels.describe_kernels("auto") == "reference"
             assert not kernels.use_cpu("auto")
         assert [record.levelname for record in caplog.records] == ["WARNING"]
         with pytest.raises(UserError, match='"cpu"` cannot be used'):
@@ -225,10 +225,10 @@ class Absent:
 
 
 def test_the_choice_holds_for_what_is_traced_within():
-    with kernels.using("reference"):
+    with kernels.use_kernels("reference"):
         assert not kernels.use_cpu()
     assert kernels.use_cpu()
-    assert kernels.chosen("auto").startswith("cpu (")
+    assert kernels.describe_kernels("auto").startswith("cpu (")
 
 
 def test_where_the_arrays_lie_decides_on_a_machine_with_a_gpu(monkeypatch):
@@ -240,9 +240,9 @@ def test_where_the_arrays_lie_decides_on_a_machine_with_a_gpu(monkeypatch):
     for device in (cpu_device, "cpu"):
         with jax.default_device(device):
             assert kernels.use_cpu()
-    with kernels.beside(here):
+    with kernels.use_device_of(here):
         assert kernels.use_cpu()
-    with kernels.beside(np.ones(3)):  # lies nowhere yet
+    with kernels.use_device_of(np.ones(3)):  # lies nowhere yet
         assert not kernels.use_cpu()
 
 

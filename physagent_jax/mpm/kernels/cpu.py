@@ -9,12 +9,12 @@ import jax.numpy as jnp
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.kernels import ffi
-from physagent_jax.kernels.numbers import SHARES
+from physagent_jax.kernels.numbers import SHARES_PER_THREAD
 from physagent_jax.kernels.threads import thread_count
 from physagent_jax.mpm import transfer
 from physagent_jax.mpm.health import Health
-from physagent_jax.mpm.kernels.handlers import handler
-from physagent_jax.mpm.kernels.transfer import NUMBERS, PADDING, WATCHED
+from physagent_jax.mpm.kernels.handlers import register_handler
+from physagent_jax.mpm.kernels.transfer import HEALTH_FIELDS, NUMBERS, PADDING
 from physagent_jax.mpm.materials.neo_hookean import NeoHookean
 from physagent_jax.mpm.state import Grid
 
@@ -22,39 +22,39 @@ _BY_NUMBER = (3, 0, 1, 2)  # how the kernels want arrays over the grid, major to
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
-def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, push, dt) -> jax.Array:
+def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, dv, dt) -> jax.Array:
     """As `transfer.p2g`."""
     nothing = jnp.zeros(1, x.dtype)
-    return _scatter(form, grid, x, v, C, tau, nothing, nothing, mass, volume, push, dt, neo_hookean=False)
+    return _scatter(form, grid, x, v, C, tau, nothing, nothing, mass, volume, dv, dt, neo_hookean=False)
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
-def p2g_neo_hookean(form: str, grid: Grid, x, v, C, F, mu, lam, mass, volume, push, dt) -> jax.Array:
+def p2g_neo_hookean(form: str, grid: Grid, x, v, C, F, mu, lam, mass, volume, dv, dt) -> jax.Array:
     """`p2g` with the stress of `materials.NeoHookean`, which never goes through memory."""
-    return _scatter(form, grid, x, v, C, F, mu, lam, mass, volume, push, dt, neo_hookean=True)
+    return _scatter(form, grid, x, v, C, F, mu, lam, mass, volume, dv, dt, neo_hookean=True)
 
 
-def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, push, dt, *, neo_hookean: bool) -> jax.Array:
+def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, dv, dt, *, neo_hookean: bool) -> jax.Array:
     count = len(x)
     _check(
         "p2g",
         grid,
-        dict(x=x, v=v, C=C, tau=tau, mu=mu, lam=lam, mass=mass, volume=volume, push=push),
+        dict(x=x, v=v, C=C, tau=tau, mu=mu, lam=lam, mass=mass, volume=volume, dv=dv),
         dict(x=(count, 3), v=(count, 3), C=(count, 3, 3), tau=(count, 3, 3), mass=(count,), volume=(count,))
         | dict.fromkeys(("mu", "lam"), (count,) if neo_hookean else (1,))
-        | dict(push=(3,)),
+        | dict(dv=(3,)),
     )
     parts, size = thread_count(), NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
     nodes = jax.ShapeDtypeStruct((*grid.shape, NUMBERS), x.dtype)
     private = jax.ShapeDtypeStruct((parts, size), x.dtype)
     call = jax.ffi.ffi_call(
-        handler("p2g", x.dtype.name),
+        register_handler("p2g", x.dtype.name),
         (nodes, private),
         vmap_method="sequential",
         output_layouts=(_BY_NUMBER, None),
     )
     scalars = _scalars(x.dtype, dt, grid.dx, form == "gradient", neo_hookean)
-    return call(x, v, C, tau, mu, lam, mass, volume, push, grid.origin, scalars)[0]
+    return call(x, v, C, tau, mu, lam, mass, volume, dv, grid.origin, scalars)[0]
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0, 1))
@@ -67,12 +67,15 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.
         dict(x=x, v=v, C=C, F=F, velocity=velocity),
         dict(x=(count, 3), v=(count, 3), C=(count, 3, 3), F=(count, 3, 3), velocity=(*grid.shape, 3)),
     )
-    shares, size = thread_count() * SHARES, NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
+    shares, size = (
+        thread_count() * SHARES_PER_THREAD,
+        NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING,
+    )
     results = tuple(jax.ShapeDtypeStruct(like.shape, x.dtype) for like in (x, v, C, F))
-    results += tuple(jax.ShapeDtypeStruct(shape, x.dtype) for shape in ((shares, WATCHED), (size,)))
+    results += tuple(jax.ShapeDtypeStruct(shape, x.dtype) for shape in ((shares, HEALTH_FIELDS), (size,)))
     # A particle's old x and F are read before its new ones are written: they may lie in the same place.
     call = jax.ffi.ffi_call(
-        handler("g2p", x.dtype.name),
+        register_handler("g2p", x.dtype.name),
         results,
         vmap_method="sequential",
         input_layouts=(None, None, None, None, _BY_NUMBER, None, None),
@@ -80,8 +83,8 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.
     )
     walls = (wall * grid.dx, (grid.cells - wall) * grid.dx)
     scalars = _scalars(x.dtype, dt, grid.dx, form == "gradient", *walls)
-    x, v, C, F, watched, _ = call(x, v, C, F, velocity, grid.origin, scalars)
-    least_J, most_J, least_increment, speed, strange, outside, beyond = watched.T
+    x, v, C, F, health, _ = call(x, v, C, F, velocity, grid.origin, scalars)
+    least_J, most_J, least_increment, speed, nonfinite, outside, beyond = health.T
     return transfer.Moved(
         *(x, v, C, F),
         Health(
@@ -89,7 +92,7 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.
             most_J.max(),
             least_increment.min(),
             speed.max(),
-            strange.sum() == 0,
+            nonfinite.sum() == 0,
             outside.sum().astype(jnp.int32),
             beyond.sum().astype(jnp.int32),
         ),
@@ -97,13 +100,13 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.
 
 
 def _check(kernel: str, grid: Grid, operands: dict[str, jax.Array], shapes: dict[str, tuple[int, ...]]):
-    """`ffi.check`, and that a stencil has room in the window: beyond it the kernels would write elsewhere."""
+    """`ffi.check_operands`, and that a stencil has room in the window: beyond it the kernels would write elsewhere."""
     if min(grid.shape) < 3:
         raise UserError(
             f"the kernel {kernel} takes windows of three nodes or more along each axis", got=grid.shape
         )
     operands, shapes = operands | {"origin": grid.origin}, shapes | {"origin": (3,)}
-    ffi.check(kernel, operands, shapes, operands["x"].dtype, origin="int32")
+    ffi.check_operands(kernel, operands, shapes, operands["x"].dtype, origin="int32")
 
 
 def _scalars(dtype, *numbers) -> jax.Array:
@@ -127,9 +130,9 @@ def _p2g_neo_hookean_forward(form, grid, *operands):
 def _p2g_neo_hookean_backward(form, residuals, cotangent):
     grid, operands = residuals
 
-    def reference(x, v, C, F, mu, lam, mass, volume, push, dt):
+    def reference(x, v, C, F, mu, lam, mass, volume, dv, dt):
         tau = NeoHookean(mu, lam).stress(F)
-        return transfer.p2g(form, grid, x, v, C, tau, mass, volume, push, dt)
+        return transfer.p2g(form, grid, x, v, C, tau, mass, volume, dv, dt)
 
     return (None, *jax.vjp(reference, *operands)[1](cotangent))
 

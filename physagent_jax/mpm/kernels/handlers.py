@@ -12,57 +12,57 @@ from numba import njit
 
 from physagent_jax.kernels import ffi
 from physagent_jax.kernels.numbers import BODY
-from physagent_jax.kernels.target import target
+from physagent_jax.kernels.target import register_target
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
 
 
-def handler(kernel: str, precision: str) -> str:
+def register_handler(kernel: str, precision: str) -> str:
     """Name under which XLA can call "p2g" or "g2p" in "float32" or "float64"."""
-    return target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
+    return register_target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
 
 
 @njit(**BODY)
 def _p2g(frame, number):
-    scalars = ffi.operand(frame, 10, number, 1)
+    scalars = ffi.get_operand(frame, 10, number, 1)
     p2g(
-        ffi.operand(frame, 0, number, 2),
-        ffi.operand(frame, 1, number, 2),
-        ffi.operand(frame, 2, number, 3),
-        ffi.operand(frame, 3, number, 3),
-        ffi.operand(frame, 4, number, 1),
-        ffi.operand(frame, 5, number, 1),
-        ffi.operand(frame, 6, number, 1),
-        ffi.operand(frame, 7, number, 1),
-        ffi.operand(frame, 8, number, 1),
-        ffi.operand(frame, 9, np.int32, 1),
+        ffi.get_operand(frame, 0, number, 2),
+        ffi.get_operand(frame, 1, number, 2),
+        ffi.get_operand(frame, 2, number, 3),
+        ffi.get_operand(frame, 3, number, 3),
+        ffi.get_operand(frame, 4, number, 1),
+        ffi.get_operand(frame, 5, number, 1),
+        ffi.get_operand(frame, 6, number, 1),
+        ffi.get_operand(frame, 7, number, 1),
+        ffi.get_operand(frame, 8, number, 1),
+        ffi.get_operand(frame, 9, np.int32, 1),
         scalars[0],
         scalars[1],
         scalars[2] != 0,
         scalars[3] != 0,
-        ffi.result(frame, 0, number, 4),
-        ffi.result(frame, 1, number, 2),
+        ffi.get_result(frame, 0, number, 4),
+        ffi.get_result(frame, 1, number, 2),
     )
 
 
 @njit(**BODY)
 def _g2p(frame, number):
-    scalars = ffi.operand(frame, 6, number, 1)
+    scalars = ffi.get_operand(frame, 6, number, 1)
     g2p(
-        ffi.operand(frame, 0, number, 2),
-        ffi.operand(frame, 3, number, 3),
-        ffi.operand(frame, 4, number, 4),
-        ffi.operand(frame, 5, np.int32, 1),
+        ffi.get_operand(frame, 0, number, 2),
+        ffi.get_operand(frame, 3, number, 3),
+        ffi.get_operand(frame, 4, number, 4),
+        ffi.get_operand(frame, 5, np.int32, 1),
         scalars[0],
         scalars[1],
         scalars[2] != 0,
         scalars[3],
         scalars[4],
-        ffi.result(frame, 0, number, 2),
-        ffi.result(frame, 1, number, 2),
-        ffi.result(frame, 2, number, 3),
-        ffi.result(frame, 3, number, 3),
-        ffi.result(frame, 4, number, 2),
-        ffi.result(frame, 5, number, 1),
+        ffi.get_result(frame, 0, number, 2),
+        ffi.get_result(frame, 1, number, 2),
+        ffi.get_result(frame, 2, number, 3),
+        ffi.get_result(frame, 3, number, 3),
+        ffi.get_result(frame, 4, number, 2),
+        ffi.get_result(frame, 5, number, 1),
     )
 
 
@@ -70,25 +70,25 @@ def _g2p(frame, number):
 
 
 def _p2g_float32(frame):
-    if not ffi.answers_query(frame):
+    if not ffi.answer_query(frame):
         _p2g(frame, np.float32)
     return 0
 
 
 def _p2g_float64(frame):
-    if not ffi.answers_query(frame):
+    if not ffi.answer_query(frame):
         _p2g(frame, np.float64)
     return 0
 
 
 def _g2p_float32(frame):
-    if not ffi.answers_query(frame):
+    if not ffi.answer_query(frame):
         _g2p(frame, np.float32)
     return 0
 
 
 def _g2p_float64(frame):
-    if not ffi.answers_query(frame):
+    if not ffi.answer_query(frame):
         _g2p(frame, np.float64)
     return 0
 

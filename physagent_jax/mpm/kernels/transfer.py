@@ -16,95 +16,95 @@ from numba import njit, prange
 from physagent_jax.kernels.lanes import (
     BATCH,
     ROW,
-    batch,
-    by_node,
-    by_number,
+    broadcast_each,
     clear,
-    everywhere,
-    flat,
+    deinterleave,
+    flatten,
+    interleave,
     load,
-    node_sum,
+    load_batch,
+    load_rows,
     pack,
-    per_node,
-    per_number,
-    put_rows,
-    same,
-    spread,
+    reduce_add_nodes,
+    repeat,
+    rotate,
+    select_greater,
+    splat,
+    splat_like,
     store,
-    take_rows,
-    transposed,
-    turned,
+    store_rows,
+    tile,
+    transpose,
     unpack,
-    where_greater,
 )
 from physagent_jax.kernels.numbers import (
     INLINE,
     OPTIONS,
-    SHARES,
-    columns,
+    SHARES_PER_THREAD,
+    cast_like,
     determinant,
     dot,
-    like,
+    extract,
+    fetch_add,
+    load_columns,
+    load_row,
     lowest_node,
-    put_vector,
-    row,
-    share,
-    slopes,
+    scale,
     spline,
-    take,
-    three,
-    times,
+    spline_derivative,
+    split_range,
+    store_vector,
 )
 
 NUMBERS = 4  # per node: momentum and mass
 PADDING = 16  # numbers by which a row's unused fourth node may reach beyond a grid's end
-WATCHED = 7  # as `mpm.health.Health`, in its order
+HEALTH_FIELDS = 7  # as `mpm.health.Health`, in its order
 
 
 @njit(parallel=True, **OPTIONS)
-def p2g(x, v, C, tau, mu, lam, mass, volume, push, origin, dt, dx, classical, neo_hookean, nodes, private):
+def p2g(x, v, C, tau, mu, lam, mass, volume, dv, origin, dt, dx, classical, neo_hookean, nodes, private):
     """Fills ``nodes`` with momentum and mass; ``private`` has room for a grid and `PADDING` per thread.
 
     All nodes' first numbers come first in ``nodes``, then the second ones, and so on: what XLA does with them it can
     vectorise then. Particles want them side by side.
 
-    Where all matter is neo-Hookean, ``tau`` is F and the stress is made on the way: it never goes through memory.
-    ``push`` is added to all velocities on the way.
+    Where every material is neo-Hookean, ``tau`` is F and the stress is made on the way: it never goes through memory.
+    ``dv`` is added to all velocities on the way.
     """
     shape, parts = nodes.shape, private.shape[0]
-    plane, numbers = NUMBERS * shape[1] * shape[2], flat(nodes)
+    plane, numbers = NUMBERS * shape[1] * shape[2], flatten(nodes)
     touched = np.empty((parts, 2), np.int64)
     for part in prange(parts):
-        first, last = share(x.shape[0], np.int64(part), parts)
-        low, high = planes(x, first, last, origin[0], dx, shape[0])
+        first, last = split_range(x.shape[0], np.int64(part), parts)
+        low, high = find_planes(x, first, last, origin[0], dx, shape[0])
         touched[part, 0], touched[part, 1] = low, high
         own = private[part]
         clear(own, low * plane, max(low, high) * plane + PADDING)
         options = classical, neo_hookean
-        scatter(x, v, C, tau, mu, lam, mass, volume, push, origin, dt, dx, options, own, shape, first, last)
+        scatter(x, v, C, tau, mu, lam, mass, volume, dv, origin, dt, dx, options, own, shape, first, last)
     for i in prange(shape[0]):
-        add_up(private, touched, numbers, np.int64(i), shape)
+        sum_plane(private, touched, numbers, np.int64(i), shape)
 
 
 @njit(**OPTIONS)
-def planes(x, first, last, origin, dx, count):
+def find_planes(x, first, last, origin, dx, count):
     """First and last + 1 of the planes that the particles ``first`` to ``last`` touch."""
-    near, far, strange = like(np.inf, dx), like(-np.inf, dx), False
+    near, far, nonfinite = cast_like(np.inf, dx), cast_like(-np.inf, dx), False
     for p in range(first, last):
         near, far = min(near, x[p, 0]), max(far, x[p, 0])
-        strange |= x[p, 0] != x[p, 0]
+        nonfinite |= x[p, 0] != x[p, 0]
     if first >= last:
         return 0, 0
-    low, _ = lowest_node(near / dx - like(origin, dx), count)
-    high, _ = lowest_node(far / dx - like(origin, dx), count)
-    return (0, max(high, 0) + 3) if strange else (low, high + 3)  # what is not a number counts as zero
+    low, _ = lowest_node(near / dx - cast_like(origin, dx), count)
+    high, _ = lowest_node(far / dx - cast_like(origin, dx), count)
+    return (0, max(high, 0) + 3) if nonfinite else (low, high + 3)  # what is not a number counts as zero
 
 
 @njit(**OPTIONS)
-def add_up(private, touched, nodes, i, shape):
+def sum_plane(private, touched, nodes, i, shape):
     """Plane i of the sum of the threads' grids; ``nodes`` has one number of all nodes after the other."""
     count, total = shape[1] * shape[2], shape[0] * shape[1] * shape[2]
-    zero = same(like(0, nodes[0]), load(private[0], 0))
+    zero = splat_like(cast_like(0, nodes[0]), load(private[0], 0))
     for k in range(i * count, (i + 1) * count, BATCH):
         o = min(k, (i + 1) * count - BATCH)  # the last batch overlaps; a plane has nine nodes or more
         first, second = zero, zero
@@ -112,7 +112,7 @@ def add_up(private, touched, nodes, i, shape):
             if touched[part, 0] <= i < touched[part, 1]:
                 own = private[part]
                 first, second = first + load(own, NUMBERS * o), second + load(own, NUMBERS * o + ROW)
-        a, b, c, d = by_number(first, second)
+        a, b, c, d = deinterleave(first, second)
         store(nodes, o, a)
         store(nodes, o + total, b)
         store(nodes, o + 2 * total, c)
@@ -120,141 +120,143 @@ def add_up(private, touched, nodes, i, shape):
 
 
 @njit(**OPTIONS)
-def scatter(x, v, C, tau, mu, lam, mass, volume, push, origin, dt, dx, options, nodes, shape, first, last):
+def scatter(x, v, C, tau, mu, lam, mass, volume, dv, origin, dt, dx, options, nodes, shape, first, last):
     """Adds the particles ``first`` to ``last`` to ``nodes``, a flat array with four numbers per node."""
-    zero, rows, (classical, neo_hookean) = like(0, dx), NUMBERS * shape[2], options
-    pushed = push[0], push[1], push[2]
+    zero, rows, (classical, neo_hookean) = cast_like(0, dx), NUMBERS * shape[2], options
+    kick = dv[0], dv[1], dv[2]
     for p in range(first, last):
-        start, f0, f1, f2 = place(x, p, origin, dx, shape)
+        start, f0, f1, f2 = locate_stencil(x, p, origin, dx, shape)
         X, Y, Z = spline(f0), spline(f1), spline(f2)
-        along = per_node(Z)
+        along = repeat(Z)
         # Node (i, j, k) of the stencil gets w_i (q + A (i, j, k)), with q the momentum at the lowest node.
         m, impulse = mass[p], -dt * volume[p] / dx
-        k = zero if classical else like(4, dx) * impulse
-        t0, t1, t2 = neo_hookean_stress(tau, mu[p], lam[p], p) if neo_hookean else columns(tau, p)
+        k = zero if classical else cast_like(4, dx) * impulse
+        t0, t1, t2 = neo_hookean_stress(tau, mu[p], lam[p], p) if neo_hookean else load_columns(tau, p)
         a0, a1, a2 = affine(t0, t1, t2, k, C, m * dx, p)
-        q = momentum(v, pushed, m, a0, a1, a2, p, f0, f1, f2)
-        row0 = per_number(q, m) * along + per_number(a2, zero) * per_node((zero, Z[1], Z[2] + Z[2]))
-        next_x, next_y = per_number(a0, zero) * along, per_number(a1, zero) * along
+        q = momentum(v, kick, m, a0, a1, a2, p, f0, f1, f2)
+        row0 = tile(q, m) * along + tile(a2, zero) * repeat((zero, Z[1], Z[2] + Z[2]))
+        next_x, next_y = tile(a0, zero) * along, tile(a1, zero) * along
         row1 = row0 + next_y
         row2 = row1 + next_y
         for i in range(3):
-            w = three(X, i)
+            w = extract(X, i)
             o0 = start + i * shape[1] * rows
             o1, o2 = o0 + rows, o0 + 2 * rows
-            store(nodes, o0, load(nodes, o0) + everywhere(w * Y[0]) * row0)
-            store(nodes, o1, load(nodes, o1) + everywhere(w * Y[1]) * row1)
-            store(nodes, o2, load(nodes, o2) + everywhere(w * Y[2]) * row2)
+            store(nodes, o0, load(nodes, o0) + splat(w * Y[0]) * row0)
+            store(nodes, o1, load(nodes, o1) + splat(w * Y[1]) * row1)
+            store(nodes, o2, load(nodes, o2) + splat(w * Y[2]) * row2)
             row0, row1, row2 = row0 + next_x, row1 + next_x, row2 + next_x
         if classical:
-            scatter_force(
-                t0, t1, t2, impulse, X, Y, Z, slopes(f0), slopes(f1), slopes(f2), nodes, start, shape
-            )
+            dX, dY, dZ = spline_derivative(f0), spline_derivative(f1), spline_derivative(f2)
+            scatter_force(t0, t1, t2, impulse, X, Y, Z, dX, dY, dZ, nodes, start, shape)
 
 
 @njit(**INLINE)
-def scatter_force(t0, t1, t2, push, X, Y, Z, dX, dY, dZ, nodes, start, shape):
-    """Adds the classical form's impulse push * tau grad w."""
-    zero, rows = like(0, push), NUMBERS * shape[2]
-    by_x = per_number(times(push, t0), zero) * per_node(Z)
-    by_y = per_number(times(push, t1), zero) * per_node(Z)
-    by_z = per_number(times(push, t2), zero) * per_node(dZ)
+def scatter_force(t0, t1, t2, impulse, X, Y, Z, dX, dY, dZ, nodes, start, shape):
+    """Adds the classical form's impulse times tau grad w."""
+    zero, rows = cast_like(0, impulse), NUMBERS * shape[2]
+    by_x = tile(scale(impulse, t0), zero) * repeat(Z)
+    by_y = tile(scale(impulse, t1), zero) * repeat(Z)
+    by_z = tile(scale(impulse, t2), zero) * repeat(dZ)
     for i in range(3):
-        w = three(X, i)
-        flat, steep = everywhere(three(dX, i)) * by_x + everywhere(w) * by_z, everywhere(w) * by_y
+        w = extract(X, i)
+        level, steep = splat(extract(dX, i)) * by_x + splat(w) * by_z, splat(w) * by_y
         for j in range(3):
             o = start + (i * shape[1] + j) * rows
-            store(
-                nodes, o, load(nodes, o) + everywhere(three(Y, j)) * flat + everywhere(three(dY, j)) * steep
-            )
+            store(nodes, o, load(nodes, o) + splat(extract(Y, j)) * level + splat(extract(dY, j)) * steep)
 
 
 @njit(parallel=True, **OPTIONS)
-def g2p(x, F, velocity, origin, dt, dx, classical, low, high, new_x, new_v, new_C, new_F, watch, padded):
-    """Fills the ``new_`` arrays, and a row of ``watch`` per share of the work, a multiple of `SHARES`.
+def g2p(x, F, velocity, origin, dt, dx, classical, low, high, new_x, new_v, new_C, new_F, health, padded):
+    """Fills the ``new_`` arrays, and a row of ``watch`` per share of the work, a multiple of `SHARES_PER_THREAD`.
 
     ``velocity`` is ordered as the nodes of `p2g`; ``padded`` has room for a grid and `PADDING`.
     """
-    shape, shares, taken = velocity.shape, watch.shape[0], np.empty(1, np.int64)
+    shape, shares, counter = velocity.shape, health.shape[0], np.empty(1, np.int64)
     plane = NUMBERS * shape[1] * shape[2]
     clear(padded, shape[0] * plane, padded.size)
-    numbers = flat(velocity)
+    numbers = flatten(velocity)
     for i in prange(shape[0]):
-        interleave(numbers, padded, np.int64(i), shape)
-    taken[0] = 0
-    for _ in prange(shares // SHARES):
-        part = take(taken)
+        interleave_plane(numbers, padded, np.int64(i), shape)
+    counter[0] = 0
+    for _ in prange(shares // SHARES_PER_THREAD):
+        part = fetch_add(counter)
         while part < shares:
-            first, last = share(x.shape[0], part, shares)
-            own, old, new = watch[part], (x, F), (new_x, new_v, new_C, new_F)
+            first, last = split_range(x.shape[0], part, shares)
+            own, old, new = health[part], (x, F), (new_x, new_v, new_C, new_F)
             gather(old, padded, origin, dt, dx, classical, low, high, shape, new, own, first, last)
-            part = take(taken)
+            part = fetch_add(counter)
 
 
 @njit(**OPTIONS)
-def interleave(velocity, padded, i, shape):
+def interleave_plane(velocity, padded, i, shape):
     """Puts the numbers of each node of plane i side by side, and a zero after them."""
     count, total = shape[1] * shape[2], shape[0] * shape[1] * shape[2]
     for k in range(i * count, (i + 1) * count, BATCH):
-        o = min(k, (i + 1) * count - BATCH)  # as in `add_up`
-        a, b, c = batch(velocity, o), batch(velocity, o + total), batch(velocity, o + 2 * total)
-        first, second = by_node(a, b, c)
+        o = min(k, (i + 1) * count - BATCH)  # as in `sum_plane`
+        a, b, c = (
+            load_batch(velocity, o),
+            load_batch(velocity, o + total),
+            load_batch(velocity, o + 2 * total),
+        )
+        first, second = interleave(a, b, c)
         store(padded, NUMBERS * o, first)
         store(padded, NUMBERS * o + ROW, second)
 
 
 @njit(**OPTIONS)
-def gather(old, velocity, origin, dt, dx, classical, low, high, shape, new, watch, first, last):
+def gather(old, velocity, origin, dt, dx, classical, low, high, shape, new, health, first, last):
     """Moves the particles ``first`` to ``last``: (x, F) ``old`` give (x, v, C, F) ``new``.
 
     ``velocity`` is flat, with four numbers per node; ``watch`` gets what happened.
     """
-    one, zero, inf = like(1, dx), like(0, dx), like(np.inf, dx)
-    least_J, most_J, least_increment, fastest, strange = inf, -inf, inf, zero, 0
+    one, zero, inf = cast_like(1, dx), cast_like(0, dx), cast_like(np.inf, dx)
+    least_J, most_J, least_increment, fastest, nonfinite = inf, -inf, inf, zero, 0
     near, far = pack((inf, inf, inf)), pack((-inf, -inf, -inf))
     e0, e1, e2 = pack((one, zero, zero)), pack((zero, one, zero)), pack((zero, zero, one))
-    k, step = same(like(4, dx) / dx, near), same(dt, near)
+    k, step = splat_like(cast_like(4, dx) / dx, near), splat_like(dt, near)
     (x, F), (new_x, new_v, new_C, new_F) = old, new
-    old_F, moved_F, affine = flat(F), flat(new_F), flat(new_C)
+    old_F, flat_F, affine = flatten(F), flatten(new_F), flatten(new_C)
     for p in range(first, last):
-        start, f0, f1, f2 = place(x, p, origin, dx, shape)
+        start, f0, f1, f2 = locate_stencil(x, p, origin, dx, shape)
         X, Y, Z = spline(f0), spline(f1), spline(f2)
         v, g0, g1, g2 = moments(velocity, start, shape, f0, f1, f2, X, Y, Z)
-        moved = pack((x[p, 0], x[p, 1], x[p, 2])) + step * v
-        near, far = where_greater(near, moved, moved, near), where_greater(moved, far, moved, far)
-        put_vector(new_x, p, unpack(moved))
-        put_vector(new_v, p, unpack(v))
-        c0, c1, c2 = transposed(k * g0, k * g1, k * g2)
-        put_rows(affine, 9 * p, c0, c1, c2)
+        end = pack((x[p, 0], x[p, 1], x[p, 2])) + step * v
+        near, far = select_greater(near, end, end, near), select_greater(end, far, end, far)
+        store_vector(new_x, p, unpack(end))
+        store_vector(new_v, p, unpack(v))
+        c0, c1, c2 = transpose(k * g0, k * g1, k * g2)
+        store_rows(affine, 9 * p, c0, c1, c2)
         if classical:
-            g0, g1, g2 = gradient(velocity, start, shape, X, Y, Z, slopes(f0), slopes(f1), slopes(f2))
-            s = same(one / dx, v)
-            c0, c1, c2 = transposed(s * g0, s * g1, s * g2)
+            dX, dY, dZ = spline_derivative(f0), spline_derivative(f1), spline_derivative(f2)
+            g0, g1, g2 = gradient(velocity, start, shape, X, Y, Z, dX, dY, dZ)
+            s = splat_like(one / dx, v)
+            c0, c1, c2 = transpose(s * g0, s * g1, s * g2)
         c0, c1, c2 = step * c0, step * c1, step * c2  # dt grad v
         # All of F before the first entry of the new one, which may lie in its place.
-        a, b, c = take_rows(old_F, 9 * p)
+        a, b, c = load_rows(old_F, 9 * p)
         a, b, c = a + product(c0, a, b, c), b + product(c1, a, b, c), c + product(c2, a, b, c)
-        put_rows(moved_F, 9 * p, a, b, c)
+        store_rows(flat_F, 9 * p, a, b, c)
         increment, J = triple(e0 + c0, e1 + c1, e2 + c2), triple(a, b, c)
         square = inner(v, v)
         if np.isfinite(J + increment + square):
             least_J, most_J = min(least_J, J), max(most_J, J)
             least_increment, fastest = min(least_increment, increment), max(fastest, square)
         else:
-            strange += 1
+            nonfinite += 1
     outside, beyond = 0, 0
-    if first < last and (strange > 0 or strays(unpack(near), unpack(far), origin, dx, low, high, shape)):
+    if first < last and (nonfinite > 0 or may_leave(unpack(near), unpack(far), origin, dx, low, high, shape)):
         for p in range(first, last):
-            outside += leaves(new_x, p, origin, dx, low, high, shape)
-            beyond += passes(new_x, p, low, high)
-    watch[0], watch[1], watch[2], watch[3] = least_J, most_J, least_increment, np.sqrt(fastest)
-    watch[4], watch[5], watch[6] = like(strange, dx), like(outside, dx), like(beyond, dx)
+            outside += leaves_window(new_x, p, origin, dx, low, high, shape)
+            beyond += passes_walls(new_x, p, low, high)
+    health[0], health[1], health[2], health[3] = least_J, most_J, least_increment, np.sqrt(fastest)
+    health[4], health[5], health[6] = cast_like(nonfinite, dx), cast_like(outside, dx), cast_like(beyond, dx)
 
 
 @njit(**INLINE)
 def product(a, b0, b1, b2):
     """A row a times the matrix with rows b0, b1, b2."""
-    first, second, third = spread(a)
+    first, second, third = broadcast_each(a)
     return first * b0 + second * b1 + third * b2
 
 
@@ -268,77 +270,77 @@ def inner(a, b):
 @njit(**INLINE)
 def triple(a, b, c):
     """A . (b x c): the determinant of the matrix with rows a, b, c."""
-    return inner(a, turned(b * turned(c) - turned(b) * c))
+    return inner(a, rotate(b * rotate(c) - rotate(b) * c))
 
 
 @njit(**INLINE)
 def moments(velocity, start, shape, f0, f1, f2, X, Y, Z):
     """Sums over the stencil: of w v, and of w v (i - f) along each axis, with i the node's number."""
     rows = NUMBERS * shape[2]
-    y0, y1, y2, two = everywhere(Y[0]), everywhere(Y[1]), everywhere(Y[2]), everywhere(like(2, f0))
-    mean = by_x = by_y = everywhere(like(0, f0))
+    y0, y1, y2, two = splat(Y[0]), splat(Y[1]), splat(Y[2]), splat(cast_like(2, f0))
+    mean = by_x = by_y = splat(cast_like(0, f0))
     for i in range(3):
         o = start + i * shape[1] * rows
         second, third = y1 * load(velocity, o + rows), y2 * load(velocity, o + 2 * rows)
-        plane, w = y0 * load(velocity, o) + (second + third), everywhere(three(X, i))
+        plane, w = y0 * load(velocity, o) + (second + third), splat(extract(X, i))
         mean = mean + w * plane
         by_y = by_y + w * (second + two * third)
         if i > 0:
-            by_x = by_x + everywhere(like(i, f0) * three(X, i)) * plane
-    along = per_node(Z)
-    v, g0, g1 = node_sum(along * mean), node_sum(along * by_x), node_sum(along * by_y)
-    g2 = node_sum(per_node((like(0, f0), Z[1], Z[2] + Z[2])) * mean)
-    return v, g0 - same(f0, v) * v, g1 - same(f1, v) * v, g2 - same(f2, v) * v
+            by_x = by_x + splat(cast_like(i, f0) * extract(X, i)) * plane
+    along = repeat(Z)
+    v, g0, g1 = reduce_add_nodes(along * mean), reduce_add_nodes(along * by_x), reduce_add_nodes(along * by_y)
+    g2 = reduce_add_nodes(repeat((cast_like(0, f0), Z[1], Z[2] + Z[2])) * mean)
+    return v, g0 - splat_like(f0, v) * v, g1 - splat_like(f1, v) * v, g2 - splat_like(f2, v) * v
 
 
 @njit(**INLINE)
 def gradient(velocity, start, shape, X, Y, Z, dX, dY, dZ):
     """Sum of v times the weights' slopes along each axis."""
-    rows, zero = NUMBERS * shape[2], like(0, X[0])
-    by_x = by_y = by_z = everywhere(zero)
+    rows, zero = NUMBERS * shape[2], cast_like(0, X[0])
+    by_x = by_y = by_z = splat(zero)
     for i in range(3):
         for j in range(3):
             here = load(velocity, start + (i * shape[1] + j) * rows)
-            by_x = by_x + everywhere(three(dX, i) * three(Y, j)) * here
-            by_y = by_y + everywhere(three(X, i) * three(dY, j)) * here
-            by_z = by_z + everywhere(three(X, i) * three(Y, j)) * here
-    along = per_node(Z)
-    return node_sum(along * by_x), node_sum(along * by_y), node_sum(per_node(dZ) * by_z)
+            by_x = by_x + splat(extract(dX, i) * extract(Y, j)) * here
+            by_y = by_y + splat(extract(X, i) * extract(dY, j)) * here
+            by_z = by_z + splat(extract(X, i) * extract(Y, j)) * here
+    along = repeat(Z)
+    return reduce_add_nodes(along * by_x), reduce_add_nodes(along * by_y), reduce_add_nodes(repeat(dZ) * by_z)
 
 
 @njit(**INLINE)
-def place(x, p, origin, dx, shape):
+def locate_stencil(x, p, origin, dx, shape):
     """Where a particle's stencil starts in a flat grid, and its distances to the lowest node in cells."""
-    b0, f0 = lowest_node(x[p, 0] / dx - like(origin[0], dx), shape[0])
-    b1, f1 = lowest_node(x[p, 1] / dx - like(origin[1], dx), shape[1])
-    b2, f2 = lowest_node(x[p, 2] / dx - like(origin[2], dx), shape[2])
+    b0, f0 = lowest_node(x[p, 0] / dx - cast_like(origin[0], dx), shape[0])
+    b1, f1 = lowest_node(x[p, 1] / dx - cast_like(origin[1], dx), shape[1])
+    b2, f2 = lowest_node(x[p, 2] / dx - cast_like(origin[2], dx), shape[2])
     return NUMBERS * ((b0 * shape[1] + b1) * shape[2] + b2), f0, f1, f2
 
 
 @njit(**INLINE)
-def strays(near, far, origin, dx, low, high, shape):
-    """Whether any particle within a box with the corners ``near`` and ``far`` may count in `leaves` or `passes`."""
+def may_leave(near, far, origin, dx, low, high, shape):
+    """Whether `leaves_window` or `passes_walls` may count a particle in the box with corners ``near`` and ``far``."""
     for d in range(3):
-        first = int(np.floor(three(near, d) / dx - like(0.5, dx))) - origin[d]
-        last = int(np.floor(three(far, d) / dx - like(0.5, dx))) - origin[d]
-        if first < 0 or last + 3 > shape[d] or three(near, d) < low or three(far, d) > high:
+        first = int(np.floor(extract(near, d) / dx - cast_like(0.5, dx))) - origin[d]
+        last = int(np.floor(extract(far, d) / dx - cast_like(0.5, dx))) - origin[d]
+        if first < 0 or last + 3 > shape[d] or extract(near, d) < low or extract(far, d) > high:
             return True
     return False
 
 
 @njit(**INLINE)
-def leaves(x, p, origin, dx, low, high, shape):
+def leaves_window(x, p, origin, dx, low, high, shape):
     """1 if the stencil is not wholly inside the window, once the walls have stopped the particle, else 0."""
     for d in range(3):
         within = min(max(x[p, d], low), high)
-        b = int(np.floor(within / dx - like(0.5, dx))) - origin[d]
+        b = int(np.floor(within / dx - cast_like(0.5, dx))) - origin[d]
         if b < 0 or b + 3 > shape[d]:
             return 1
     return 0
 
 
 @njit(**INLINE)
-def passes(x, p, low, high):
+def passes_walls(x, p, low, high):
     """1 if a coordinate is not within ``low`` and ``high``, else 0."""
     for d in range(3):
         if x[p, d] < low or x[p, d] > high:
@@ -349,7 +351,7 @@ def passes(x, p, low, high):
 @njit(**INLINE)
 def neo_hookean_stress(F, mu, lam, p):
     """Columns of the Kirchhoff stress of `materials.NeoHookean`."""
-    a, b, c = row(F, p, 0), row(F, p, 1), row(F, p, 2)
+    a, b, c = load_row(F, p, 0), load_row(F, p, 1), load_row(F, p, 2)
     pressure = lam * np.log(determinant(a, b, c)) - mu
     ab, ac, bc = mu * dot(a, b), mu * dot(a, c), mu * dot(b, c)
     return (
@@ -370,10 +372,10 @@ def affine(t0, t1, t2, k, C, m, p):
 
 
 @njit(**INLINE)
-def momentum(v, push, m, a0, a1, a2, p, f0, f1, f2):
-    """m (v + push) less the affine part between the particle and its lowest node."""
+def momentum(v, dv, m, a0, a1, a2, p, f0, f1, f2):
+    """m (v + dv) less the affine part between the particle and its lowest node."""
     return (
-        m * (v[p, 0] + push[0]) - (a0[0] * f0 + a1[0] * f1 + a2[0] * f2),
-        m * (v[p, 1] + push[1]) - (a0[1] * f0 + a1[1] * f1 + a2[1] * f2),
-        m * (v[p, 2] + push[2]) - (a0[2] * f0 + a1[2] * f1 + a2[2] * f2),
+        m * (v[p, 0] + dv[0]) - (a0[0] * f0 + a1[0] * f1 + a2[0] * f2),
+        m * (v[p, 1] + dv[1]) - (a0[1] * f0 + a1[1] * f1 + a2[1] * f2),
+        m * (v[p, 2] + dv[2]) - (a0[2] * f0 + a1[2] * f1 + a2[2] * f2),
     )

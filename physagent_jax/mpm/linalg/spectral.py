@@ -147,7 +147,7 @@ def _in_frames(values: Principal, F: jax.Array, U: jax.Array, V: jax.Array) -> P
 
 def _by_kernels(function, F: jax.Array, parameters: Any) -> Principal:
     """`spectral` where there are kernels, to which the frames are not matrices."""
-    count, kernel = F.shape[0], kernels.compiled()
+    count, kernel = F.shape[0], kernels.load_cpu_kernels()
     s, basis = kernel.decompose(F, SWEEPS[F.dtype.itemsize])
     two_point, change, spatial, scalar = function(s[:, :count], parameters)
     start, added = (F, change) if two_point is None else (jnp.zeros_like(F), two_point)

@@ -29,7 +29,7 @@ def svd(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
         U, shape (..., 3, 3); s, shape (..., 3); V, shape (..., 3, 3). Not finite where F is not.
     """
     if F.size and use_cpu():
-        return kernels.compiled().svd(F, SWEEPS[F.dtype.itemsize])
+        return kernels.load_cpu_kernels().svd(F, SWEEPS[F.dtype.itemsize])
     return _jacobi(F)
 
 

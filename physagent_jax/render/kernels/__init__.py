@@ -1,11 +1,11 @@
 """Blending by hand-written kernels, where there are some (see `physagent_jax.kernels`)."""
 
-from physagent_jax.kernels import load
+from physagent_jax.kernels import import_kernels
 
 AHEAD = {"physagent_blend": (f"{__name__}.handlers", "blend")}
 """For `kernels.ahead`: what every picture needs."""
 
 
-def compiled():
+def load_cpu_kernels():
     """The module of the CPU kernels, which needs Numba."""
-    return load(f"{__name__}.cpu")
+    return import_kernels(f"{__name__}.cpu")

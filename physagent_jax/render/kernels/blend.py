@@ -13,16 +13,16 @@ from numba import njit, prange
 from physagent_jax.kernels.lanes import (
     ROW,
     any_greater,
-    counted,
-    exponential,
-    flat,
-    lane_sum,
+    exp,
+    flatten,
+    iota,
     load,
-    same,
+    reduce_add,
+    select_greater,
+    splat_like,
     store,
-    where_greater,
 )
-from physagent_jax.kernels.numbers import INLINE, OPTIONS, like
+from physagent_jax.kernels.numbers import INLINE, OPTIONS, cast_like
 
 PACKED = 10  # numbers of a Gaussian: centre, conic, opacity, colour, depth
 SIDE = ROW  # of a tile [px]
@@ -31,8 +31,8 @@ _TURN = 8  # Gaussians between two checks whether pixels are finished
 
 
 @njit(parallel=True, **OPTIONS)
-def blend(packed, reach, gaussians, starts, columns, width, height, limits, features, left, parts):
-    """Fills ``features`` and the transmittance ``left``.
+def blend(packed, reach, gaussians, starts, columns, width, height, limits, features, transmittance, parts):
+    """Fills ``features`` and ``transmittance``, what passes each pixel.
 
     Args:
         packed: Gaussians, shape (n, PACKED).
@@ -44,10 +44,10 @@ def blend(packed, reach, gaussians, starts, columns, width, height, limits, feat
         height: Of the image [px].
         limits: Least alpha, greatest alpha, transmittance at which blending stops.
         features: Result, shape (tiles, 4, PIXELS).
-        left: Result, shape (tiles, PIXELS).
+        transmittance: Result, shape (tiles, PIXELS).
         parts: Shares of the work.
     """
-    tiles = left.shape[0]
+    tiles = transmittance.shape[0]
     for part in prange(parts):
         for tile in range(part, tiles, parts):
             for r in range(SIDE):
@@ -62,34 +62,43 @@ def blend(packed, reach, gaussians, starts, columns, width, height, limits, feat
                     width,
                     height,
                     limits,
-                    flat(features[tile]),
-                    left[tile],
+                    flatten(features[tile]),
+                    transmittance[tile],
                     r * SIDE,
                 )
 
 
 @njit(**OPTIONS)
-def blend_row(packed, reach, gaussians, first, last, x0, y0, width, height, limits, features, left, at):
+def blend_row(
+    packed, reach, gaussians, first, last, x0, y0, width, height, limits, features, transmittance, at
+):
     """One row of a tile, whose leftmost pixel has the indices x0 and y0."""
-    half = like(0.5, reach[0])
-    ahead = counted(half)
-    zero = same(like(0, half), ahead)
-    one, least, most = same(like(1, half), ahead), same(limits[0], ahead), same(limits[1], ahead)
-    stop = same(limits[2], ahead)
-    x, y = ahead + same(like(x0, half) + half, ahead), like(y0, half) + half
-    T = where_greater(same(like(width - x0 if y0 < height else 0, half), ahead), ahead, one, zero)
+    half = cast_like(0.5, reach[0])
+    lane = iota(half)
+    zero = splat_like(cast_like(0, half), lane)
+    one, least, most = (
+        splat_like(cast_like(1, half), lane),
+        splat_like(limits[0], lane),
+        splat_like(limits[1], lane),
+    )
+    stop = splat_like(limits[2], lane)
+    x, y = lane + splat_like(cast_like(x0, half) + half, lane), cast_like(y0, half) + half
+    T = select_greater(splat_like(cast_like(width - x0 if y0 < height else 0, half), lane), lane, one, zero)
     red = green = blue = depth = zero
     for i in range(first, last):
         p = gaussians[i]
         dy = y - packed[p, 1]
         if dy * dy > reach[p]:
             continue
-        alpha = seen_alpha(packed, p, x, dy)
-        kept = where_greater(alpha, least, where_greater(alpha, most, most, alpha), zero)  # NaN is nothing
-        kept = where_greater(T, stop, kept, zero)
+        alpha = evaluate_alpha(packed, p, x, dy)
+        kept = select_greater(alpha, least, select_greater(alpha, most, most, alpha), zero)  # NaN is nothing
+        kept = select_greater(T, stop, kept, zero)
         weight = T * kept
-        red, green = red + weight * same(packed[p, 6], x), green + weight * same(packed[p, 7], x)
-        blue, depth = blue + weight * same(packed[p, 8], x), depth + weight * same(packed[p, 9], x)
+        red, green = red + weight * splat_like(packed[p, 6], x), green + weight * splat_like(packed[p, 7], x)
+        blue, depth = (
+            blue + weight * splat_like(packed[p, 8], x),
+            depth + weight * splat_like(packed[p, 9], x),
+        )
         T = T - weight
         if i % _TURN == 0 and not any_greater(T, stop):
             break
@@ -97,7 +106,7 @@ def blend_row(packed, reach, gaussians, first, last, x0, y0, width, height, limi
     store(features, at + PIXELS, green)
     store(features, at + 2 * PIXELS, blue)
     store(features, at + 3 * PIXELS, depth)
-    store(left, at, T)
+    store(transmittance, at, T)
 
 
 @njit(parallel=True, **OPTIONS)
@@ -109,25 +118,25 @@ def blend_backward(
     columns,
     limits,
     g,
-    g_left,
+    g_transmittance,
     features,
-    left,
+    transmittance,
     inside,
     gradient,
-    room,
+    scratch,
     parts,
 ):
     """Fills ``gradient``, shape (parts, n, PACKED): each thread's share of the derivatives of the Gaussians.
 
-    The first six and the last are as in `blend`. ``g``, shape (tiles, 4, PIXELS), and ``g_left``, shape (tiles,
-    PIXELS), are the cotangents of what `blend` gave, ``features`` and ``left``; ``inside``, like ``left``, is 1 for
-    pixels on the image, else 0; ``room``, shape (parts, 3, PIXELS), is scratch.
+    The first six and the last are as in `blend`. ``g``, shape (tiles, 4, PIXELS), and ``g_transmittance``, shape
+    (tiles, PIXELS), are the cotangents of `blend`'s ``features`` and ``transmittance``; ``inside``, shape (tiles,
+    PIXELS), is 1 for pixels on the image, else 0; ``scratch`` has the shape (parts, 3, PIXELS).
     """
-    tiles = left.shape[0]
+    tiles = transmittance.shape[0]
     for part in prange(parts):
         gradient[part] = 0
         for tile in range(part, tiles, parts):
-            backward_tile(
+            blend_tile_backward(
                 packed,
                 reach,
                 gaussians,
@@ -136,20 +145,20 @@ def blend_backward(
                 tile % columns * SIDE,
                 tile // columns * SIDE,
                 limits,
-                flat(g[tile]),
-                g_left[tile],
-                flat(features[tile]),
-                left[tile],
+                flatten(g[tile]),
+                g_transmittance[tile],
+                flatten(features[tile]),
+                transmittance[tile],
                 inside[tile],
                 gradient[part],
-                room[part, 0],
-                room[part, 1],
-                room[part, 2],
+                scratch[part, 0],
+                scratch[part, 1],
+                scratch[part, 2],
             )
 
 
 @njit(**OPTIONS)
-def backward_tile(
+def blend_tile_backward(
     packed,
     reach,
     gaussians,
@@ -159,9 +168,9 @@ def backward_tile(
     y0,
     limits,
     g,
-    g_left,
+    g_transmittance,
     features,
-    left,
+    transmittance,
     inside,
     gradient,
     T,
@@ -169,44 +178,45 @@ def backward_tile(
     total,
 ):
     """Front to back again, with prefix sums, as in `rasterize._blend_bwd`; T, prefix and total are scratch."""
-    half = like(0.5, reach[0])
-    ahead = counted(half)
-    zero, one = same(like(0, half), ahead), same(like(1, half), ahead)
-    least, most, stop = same(limits[0], ahead), same(limits[1], ahead), same(limits[2], ahead)
-    x = ahead + same(like(x0, half) + half, ahead)
+    half = cast_like(0.5, reach[0])
+    lane = iota(half)
+    zero, one = splat_like(cast_like(0, half), lane), splat_like(cast_like(1, half), lane)
+    least, most, stop = splat_like(limits[0], lane), splat_like(limits[1], lane), splat_like(limits[2], lane)
+    x = lane + splat_like(cast_like(x0, half) + half, lane)
     for r in range(SIDE):
         o = r * SIDE
         store(T, o, load(inside, o))
         store(prefix, o, zero)
-        store(total, o, dotted(g, o, features, o) + load(left, o) * load(g_left, o))
+        store(total, o, sum_features(g, o, features, o) + load(transmittance, o) * load(g_transmittance, o))
     for i in range(first, last):
         p = gaussians[i]
-        row = (same(packed[p, 6], x), same(packed[p, 7], x), same(packed[p, 8], x), same(packed[p, 9], x))
-        dx = x - same(packed[p, 0], x)
+        f0, f1 = splat_like(packed[p, 6], x), splat_like(packed[p, 7], x)
+        f2, f3 = splat_like(packed[p, 8], x), splat_like(packed[p, 9], x)
+        dx = x - splat_like(packed[p, 0], x)
         s = sx = sy = sxx = sxy = syy = red = green = blue = depth = zero
         going = False
         for r in range(SIDE):
-            dy = like(y0 + r, half) + half - packed[p, 1]
+            dy = cast_like(y0 + r, half) + half - packed[p, 1]
             o = r * SIDE
             t = load(T, o)
             going |= any_greater(t, stop)
             if dy * dy > reach[p]:
                 continue
-            raw = seen_alpha(packed, p, x, dy)
-            alpha = where_greater(raw, least, where_greater(raw, most, most, raw), zero)
-            alpha = where_greater(t, stop, alpha, zero)
+            raw = evaluate_alpha(packed, p, x, dy)
+            alpha = select_greater(raw, least, select_greater(raw, most, most, raw), zero)
+            alpha = select_greater(t, stop, alpha, zero)
             g0, g1, g2, g3 = load(g, o), load(g, o + PIXELS), load(g, o + 2 * PIXELS), load(g, o + 3 * PIXELS)
-            seen = row[0] * g0 + row[1] * g1 + row[2] * g2 + row[3] * g3
+            seen = f0 * g0 + f1 * g1 + f2 * g2 + f3 * g3
             weight = t * alpha
             behind = load(prefix, o) + weight * seen
             store(prefix, o, behind)
             store(T, o, t - weight)
             slope = (t * seen - (load(total, o) - behind) / (one - alpha)) * raw
-            slope = where_greater(alpha, zero, slope, zero)  # of the exponent
-            slope = where_greater(most, raw, slope, zero)  # constant where it is capped
-            along, down = slope * dx, slope * same(dy, x)
+            slope = select_greater(alpha, zero, slope, zero)  # of the exponent
+            slope = select_greater(most, raw, slope, zero)  # constant where it is capped
+            along, down = slope * dx, slope * splat_like(dy, x)
             s, sx, sy = s + slope, sx + along, sy + down
-            sxx, sxy, syy = sxx + along * dx, sxy + down * dx, syy + down * same(dy, x)
+            sxx, sxy, syy = sxx + along * dx, sxy + down * dx, syy + down * splat_like(dy, x)
             red, green, blue, depth = (
                 red + weight * g0,
                 green + weight * g1,
@@ -216,32 +226,34 @@ def backward_tile(
         if not going:
             break
         a, b, c, opacity = packed[p, 2], packed[p, 3], packed[p, 4], packed[p, 5]
-        total_s, total_x, total_y = lane_sum(s), lane_sum(sx), lane_sum(sy)
+        total_s, total_x, total_y = reduce_add(s), reduce_add(sx), reduce_add(sy)
         own = gradient[p]
         own[0] += a * total_x + b * total_y
         own[1] += c * total_y + b * total_x
-        own[2] -= half * lane_sum(sxx)
-        own[3] -= lane_sum(sxy)
-        own[4] -= half * lane_sum(syy)
-        own[5] += total_s / (opacity if opacity > 0 else like(1, half))
-        own[6] += lane_sum(red)
-        own[7] += lane_sum(green)
-        own[8] += lane_sum(blue)
-        own[9] += lane_sum(depth)
+        own[2] -= half * reduce_add(sxx)
+        own[3] -= reduce_add(sxy)
+        own[4] -= half * reduce_add(syy)
+        own[5] += total_s / (opacity if opacity > 0 else cast_like(1, half))
+        own[6] += reduce_add(red)
+        own[7] += reduce_add(green)
+        own[8] += reduce_add(blue)
+        own[9] += reduce_add(depth)
 
 
 @njit(**INLINE)
-def seen_alpha(packed, p, x, dy):
+def evaluate_alpha(packed, p, x, dy):
     """Alpha o exp(-q / 2) of a Gaussian at sixteen pixels, before any limit."""
     a, b, c = packed[p, 2], packed[p, 3], packed[p, 4]
-    half = like(0.5, dy)
-    dx = x - same(packed[p, 0], x)
-    exponent = (same(-half * a, x) * dx - same(b * dy, x)) * dx - same(half * c * dy * dy, x)
-    return same(packed[p, 5], x) * exponential(exponent)
+    half = cast_like(0.5, dy)
+    dx = x - splat_like(packed[p, 0], x)
+    exponent = (splat_like(-half * a, x) * dx - splat_like(b * dy, x)) * dx - splat_like(
+        half * c * dy * dy, x
+    )
+    return splat_like(packed[p, 5], x) * exp(exponent)
 
 
 @njit(**INLINE)
-def dotted(a, i, b, j):
+def sum_features(a, i, b, j):
     """The sum over the four features."""
     total = load(a, i) * load(b, j)
     for k in range(1, 4):

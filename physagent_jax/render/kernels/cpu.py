@@ -9,7 +9,7 @@ import numpy as np
 from physagent_jax.kernels import ffi
 from physagent_jax.kernels.threads import thread_count
 from physagent_jax.render.kernels.blend import PACKED, PIXELS, SIDE
-from physagent_jax.render.kernels.handlers import handler
+from physagent_jax.render.kernels.handlers import register_handler
 from physagent_jax.render.layout import Layout
 
 _SLACK = 1e-3  # by which `reach` is longer than exact arithmetic has it
@@ -34,27 +34,29 @@ def blend(layout: Layout, limits, packed, gaussians, starts) -> tuple[jax.Array,
         jax.ShapeDtypeStruct((layout.tiles, 4, PIXELS), jnp.float32),
         jax.ShapeDtypeStruct((layout.tiles, PIXELS), jnp.float32),
     )
-    call = jax.ffi.ffi_call(handler("blend"), results, vmap_method="sequential")
+    call = jax.ffi.ffi_call(register_handler("blend"), results, vmap_method="sequential")
     reach = _reach(packed, limits[0])
     _check("blend", layout, dict(packed=packed, reach=reach, gaussians=gaussians, starts=starts))
-    features, left = call(packed, reach, gaussians, starts, _sizes(layout), _array(limits))
-    return features.swapaxes(1, 2)[:, None], left[:, None]
+    features, transmittance = call(packed, reach, gaussians, starts, _sizes(layout), _array(limits))
+    return features.swapaxes(1, 2)[:, None], transmittance[:, None]
 
 
-def blend_backward(layout: Layout, limits, packed, gaussians, starts, g, g_left, features, left) -> jax.Array:
+def blend_backward(
+    layout: Layout, limits, packed, gaussians, starts, g, g_transmittance, features, transmittance
+) -> jax.Array:
     """Derivative by ``packed``, from the cotangents of `blend`'s results and these."""
     parts = thread_count()
     results = (
         jax.ShapeDtypeStruct((parts, packed.shape[0], PACKED), jnp.float32),
         jax.ShapeDtypeStruct((parts, 3, PIXELS), jnp.float32),
     )
-    call = jax.ffi.ffi_call(handler("blend_backward"), results, vmap_method="sequential")
+    call = jax.ffi.ffi_call(register_handler("blend_backward"), results, vmap_method="sequential")
     lists = dict(packed=packed, reach=_reach(packed, limits[0]), gaussians=gaussians, starts=starts)
     pictures = dict(
         g=g[:, 0].swapaxes(1, 2),
-        g_left=g_left[:, 0],
+        g_transmittance=g_transmittance[:, 0],
         features=features[:, 0].swapaxes(1, 2),
-        left=left[:, 0],
+        transmittance=transmittance[:, 0],
         inside=layout.pixels(jnp.asarray(layout.tile_ids()[:, 0]), jnp.float32)[2].astype(jnp.float32),
     )
     _check("blend_backward", layout, lists | pictures)
@@ -68,8 +70,8 @@ def _check(kernel: str, layout: Layout, operands: dict[str, jax.Array]) -> None:
     shapes |= dict(starts=(tiles + 1,))
     if "g" in operands:
         shapes |= dict.fromkeys(("g", "features"), (tiles, 4, PIXELS))
-        shapes |= dict.fromkeys(("g_left", "left", "inside"), (tiles, PIXELS))
-    ffi.check(kernel, operands, shapes, "float32", gaussians="int32", starts="int32")
+        shapes |= dict.fromkeys(("g_transmittance", "transmittance", "inside"), (tiles, PIXELS))
+    ffi.check_operands(kernel, operands, shapes, "float32", gaussians="int32", starts="int32")
 
 
 def _reach(packed: jax.Array, least_alpha: float) -> jax.Array:

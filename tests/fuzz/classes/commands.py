@@ -308,7 +308,7 @@ def _stopped_short(reached: list) -> Iterator[None]:
         return None
 
     changed: list[tuple[Any, str, Callable]] = []
-    for original, new in ((simulation.simulate_scene, simulate_scene), (ahead.begin, begin)):
+    for original, new in ((simulation.simulate_scene, simulate_scene), (ahead.start_compiling, begin)):
         for module in [m for name, m in sys.modules.items() if name.startswith("physagent_jax")]:
             for attribute, value in list(vars(module).items()):
                 if value is original:

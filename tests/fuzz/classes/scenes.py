@@ -152,7 +152,7 @@ def files() -> dict[str, bytes]:
 def warm_up() -> None:
     """The kernels, and the first scene."""
     if use_cpu():
-        kernels.compiled()
+        kernels.load_cpu_kernels()
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(action="ignore"):
         for name, content in {SCENE: encoded(usual_scene()), **files()}.items():
             Path(folder, name).write_bytes(content)

@@ -1,8 +1,8 @@
 """Singular values by hand-written kernels, where there are some (see `physagent_jax.kernels`)."""
 
-from physagent_jax.kernels import load
+from physagent_jax.kernels import import_kernels
 
 
-def compiled():
+def load_cpu_kernels():
     """The module of the CPU kernels, which needs Numba."""
-    return load(f"{__name__}.cpu")
+    return import_kernels(f"{__name__}.cpu")

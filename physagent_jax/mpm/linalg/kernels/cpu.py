@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from physagent_jax.kernels import ffi
 from physagent_jax.kernels.lanes import BATCH
 from physagent_jax.kernels.threads import thread_count
-from physagent_jax.mpm.linalg.kernels.handlers import handler
+from physagent_jax.mpm.linalg.kernels.handlers import register_handler
 from physagent_jax.mpm.linalg.kernels.svd import FRAME
 
 
@@ -34,12 +34,12 @@ def decompose(F: jax.Array, sweeps: int) -> tuple[jax.Array, jax.Array]:
     """
     matrices = _batch(F)
     count = matrices.shape[0]
-    ffi.check("decompose", {"F": matrices}, {"F": (count, 3, 3)}, F.dtype)
+    ffi.check_operands("decompose", {"F": matrices}, {"F": (count, 3, 3)}, F.dtype)
     results = (
         jax.ShapeDtypeStruct((3, count), F.dtype),
         jax.ShapeDtypeStruct((-(-count // BATCH), FRAME, BATCH), F.dtype),
     )
-    call = jax.ffi.ffi_call(handler("decompose", F.dtype.name), results, vmap_method="sequential")
+    call = jax.ffi.ffi_call(register_handler("decompose", F.dtype.name), results, vmap_method="sequential")
     s, basis = call(matrices, jnp.asarray([sweeps, thread_count()], jnp.int32))
     return s, basis
 
@@ -65,7 +65,7 @@ def compose(
     shapes = ((0, 3, 3) if diagonal is None else matrices.shape for diagonal in (change, spatial))
     results = tuple(jax.ShapeDtypeStruct(shape, F.dtype) for shape in shapes)
     call = jax.ffi.ffi_call(
-        handler("compose", F.dtype.name),
+        register_handler("compose", F.dtype.name),
         results,
         vmap_method="sequential",
         input_output_aliases={} if change is None else {1: 0},
@@ -76,7 +76,7 @@ def compose(
     shapes |= {
         name: (3, 0 if own is None else total) for name, own in (("change", change), ("spatial", spatial))
     }
-    ffi.check("compose", operands, shapes, F.dtype)
+    ffi.check_operands("compose", operands, shapes, F.dtype)
     new_F, tau = call(*operands.values(), jnp.asarray([thread_count()], jnp.int32))
     return new_F[:count], tau[:count]
 

@@ -9,23 +9,23 @@ from numba import njit
 
 from physagent_jax.kernels import ffi
 from physagent_jax.kernels.numbers import BODY
-from physagent_jax.kernels.target import target
+from physagent_jax.kernels.target import register_target
 from physagent_jax.mpm.linalg.kernels.svd import compose, decompose
 
 
-def handler(kernel: str, precision: str) -> str:
+def register_handler(kernel: str, precision: str) -> str:
     """Name under which XLA can call "decompose" or "compose" in "float32" or "float64"."""
-    return target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
+    return register_target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
 
 
 @njit(**BODY)
 def _decompose(frame, number):
-    control = ffi.operand(frame, 1, np.int32, 1)
+    control = ffi.get_operand(frame, 1, np.int32, 1)
     decompose(
-        ffi.operand(frame, 0, number, 1),
+        ffi.get_operand(frame, 0, number, 1),
         control[0],
-        ffi.result(frame, 0, number, 2),
-        ffi.result(frame, 1, number, 3),
+        ffi.get_result(frame, 0, number, 2),
+        ffi.get_result(frame, 1, number, 3),
         control[1],
     )
 
@@ -33,12 +33,12 @@ def _decompose(frame, number):
 @njit(**BODY)
 def _compose(frame, number):
     compose(
-        ffi.operand(frame, 0, number, 3),
-        ffi.operand(frame, 2, number, 2),
-        ffi.operand(frame, 3, number, 2),
-        ffi.result(frame, 0, number, 1),
-        ffi.result(frame, 1, number, 1),
-        ffi.operand(frame, 4, np.int32, 1)[0],
+        ffi.get_operand(frame, 0, number, 3),
+        ffi.get_operand(frame, 2, number, 2),
+        ffi.get_operand(frame, 3, number, 2),
+        ffi.get_result(frame, 0, number, 1),
+        ffi.get_result(frame, 1, number, 1),
+        ffi.get_operand(frame, 4, np.int32, 1)[0],
     )
 
 
@@ -46,25 +46,25 @@ def _compose(frame, number):
 
 
 def _decompose_float32(frame):
-    if not ffi.answers_query(frame):
+    if not ffi.answer_query(frame):
         _decompose(frame, np.float32)
     return 0
 
 
 def _decompose_float64(frame):
-    if not ffi.answers_query(frame):
+    if not ffi.answer_query(frame):
         _decompose(frame, np.float64)
     return 0
 
 
 def _compose_float32(frame):
-    if not ffi.answers_query(frame):
+    if not ffi.answer_query(frame):
         _compose(frame, np.float32)
     return 0
 
 
 def _compose_float64(frame):
-    if not ffi.answers_query(frame):
+    if not ffi.answer_query(frame):
         _compose(frame, np.float64)
     return 0
 

@@ -14,29 +14,29 @@ from numba import njit, prange
 from physagent_jax.kernels.lanes import (
     BATCH,
     any_greater,
-    batch,
-    collect,
-    counted,
-    distribute,
-    flat,
-    halves,
-    joined,
-    magnitude,
-    root,
-    same,
+    concatenate,
+    fabs,
+    flatten,
+    iota,
+    load_batch,
+    load_strided,
+    select_greater,
+    splat_like,
+    split,
+    sqrt,
     store,
-    where_greater,
+    store_strided,
 )
 from physagent_jax.kernels.numbers import (
     INLINE,
     OPTIONS,
-    SHARES,
-    like,
+    SHARES_PER_THREAD,
+    cast_like,
+    extract,
+    fetch_add,
     roundoff,
-    share,
-    smallest,
-    take,
-    three,
+    smallest_normal,
+    split_range,
 )
 
 FRAME = 12  # numbers of U and V: their third columns are cross products, and memory is slower than arithmetic
@@ -55,23 +55,23 @@ def decompose(F, sweeps, s, basis, threads):
             after the other. The last batch overlaps the one before, and has the same values there but for round-off.
         threads: To be used.
     """
-    pairs, shares, taken = (basis.shape[0] + 1) // 2, threads * SHARES, np.empty(1, np.int64)
-    taken[0] = 0
+    pairs, shares, counter = (basis.shape[0] + 1) // 2, threads * SHARES_PER_THREAD, np.empty(1, np.int64)
+    counter[0] = 0
     for _ in prange(threads):
-        part = take(taken)
+        part = fetch_add(counter)
         while part < shares:
             # The last pair belongs to whoever does the one before: the matrices that both have may get other sweeps in
             # it, and which s stays must not depend on who is faster.
-            first, last = share(pairs - 1, part, shares)
+            first, last = split_range(pairs - 1, part, shares)
             decompose_pairs(F, sweeps, s, basis, first, last + (part == shares - 1))
-            part = take(taken)
+            part = fetch_add(counter)
 
 
 @njit(**INLINE)
 def decompose_pairs(F, sweeps, s, basis, first, last):
     """The pairs of batches ``first`` to ``last``."""
     count, batches = s.shape[1], basis.shape[0]
-    frames, values = flat(basis), flat(s)
+    frames, values = flatten(basis), flatten(s)
     for pair in range(first, last):
         # Two batches at a time: a rotation is a chain of roots and quotients, and the second fills its pauses.
         one, other = 2 * pair, min(2 * pair + 1, batches - 1)
@@ -99,15 +99,15 @@ def compose(basis, change, spatial, F, tau, threads):
         tau: Result, flat, if wanted.
         threads: To be used.
     """
-    batches, shares, taken = basis.shape[0], threads * SHARES, np.empty(1, np.int64)
-    taken[0] = 0
+    batches, shares, counter = basis.shape[0], threads * SHARES_PER_THREAD, np.empty(1, np.int64)
+    counter[0] = 0
     for _ in prange(threads):
-        part = take(taken)
+        part = fetch_add(counter)
         while part < shares:
             # The last batch belongs to whoever does the one before, whose matrices it must not change again.
-            first, last = share(batches - 1, part, shares)
+            first, last = split_range(batches - 1, part, shares)
             compose_batches(basis, change, spatial, F, tau, first, last + (part == shares - 1))
-            part = take(taken)
+            part = fetch_add(counter)
 
 
 @njit(**INLINE)
@@ -115,7 +115,7 @@ def compose_batches(basis, change, spatial, F, tau, first, last):
     """The batches ``first`` to ``last``, in order."""
     count = max(change.shape[1], spatial.shape[1])
     moves, stresses = change.shape[1] > 0, spatial.shape[1] > 0
-    frames, g, t = flat(basis), flat(change), flat(spatial)
+    frames, g, t = flatten(basis), flatten(change), flatten(spatial)
     for number in range(first, last):
         start, o = batch_start(number, count), number * FRAME * BATCH
         u, v = _get_column(frames, o), _get_column(frames, o + 3 * BATCH)
@@ -127,19 +127,19 @@ def compose_batches(basis, change, spatial, F, tau, first, last):
             z = _cross(x, y)
             for k in range(3):
                 at = 9 * start + k
-                xk, yk, zk = three(x, k), three(y, k), three(z, k)
+                xk, yk, zk = extract(x, k), extract(y, k), extract(z, k)
                 for i in range(3):
-                    moved = three(a, i) * xk + three(b, i) * yk + three(c, i) * zk
-                    distribute(F, at + 3 * i, 9, collect(F, at + 3 * i, 9) + moved)
+                    moved = extract(a, i) * xk + extract(b, i) * yk + extract(c, i) * zk
+                    store_strided(F, at + 3 * i, 9, load_strided(F, at + 3 * i, 9) + moved)
         if stresses:
             a, b, c = _scaled(t, start, count, 0, u, v, w)
             for i in range(3):
-                ai, bi, ci = three(a, i), three(b, i), three(c, i)
+                ai, bi, ci = extract(a, i), extract(b, i), extract(c, i)
                 for k in range(i, 3):
-                    value = ai * three(u, k) + bi * three(v, k) + ci * three(w, k)
-                    distribute(tau, 9 * start + 3 * i + k, 9, value)
+                    value = ai * extract(u, k) + bi * extract(v, k) + ci * extract(w, k)
+                    store_strided(tau, 9 * start + 3 * i + k, 9, value)
                     if k > i:
-                        distribute(tau, 9 * start + 3 * k + i, 9, value)
+                        store_strided(tau, 9 * start + 3 * k + i, 9, value)
 
 
 @njit(**INLINE)
@@ -151,7 +151,7 @@ def batch_start(number, count):
 @njit(**INLINE)
 def _put(array, o, offset, a):
     """Writes two batches, each ``offset`` from its own place."""
-    low, high = halves(a)
+    low, high = split(a)
     store(array, o[0] + offset, low)
     store(array, o[1] + offset, high)
 
@@ -159,25 +159,22 @@ def _put(array, o, offset, a):
 @njit(**INLINE)
 def _put_column(array, o, offset, a):
     for k in range(3):
-        _put(array, o, offset + k * BATCH, three(a, k))
+        _put(array, o, offset + k * BATCH, extract(a, k))
 
 
 @njit(**INLINE)
 def _get_column(array, o):
-    return batch(array, o), batch(array, o + BATCH), batch(array, o + 2 * BATCH)
+    return load_batch(array, o), load_batch(array, o + BATCH), load_batch(array, o + 2 * BATCH)
 
 
 @njit(**INLINE)
 def _scaled(diagonal, start, count, done, u, v, w):
     """Columns u, v, w, each times its entry of ``diagonal``, which counts as zero in the first ``done`` lanes."""
-    lane, _ = halves(counted(diagonal[0]))
-    first, zero = same(like(done, diagonal[0]), lane), same(like(0, diagonal[0]), lane)
-    d0, d1, d2 = batch(diagonal, start), batch(diagonal, count + start), batch(diagonal, 2 * count + start)
-    d0, d1, d2 = (
-        where_greater(first, lane, zero, d0),
-        where_greater(first, lane, zero, d1),
-        where_greater(first, lane, zero, d2),
-    )
+    lane, _ = split(iota(diagonal[0]))
+    first, zero = splat_like(cast_like(done, diagonal[0]), lane), splat_like(cast_like(0, diagonal[0]), lane)
+    d0 = select_greater(first, lane, zero, load_batch(diagonal, start))
+    d1 = select_greater(first, lane, zero, load_batch(diagonal, count + start))
+    d2 = select_greater(first, lane, zero, load_batch(diagonal, 2 * count + start))
     return (
         (d0 * u[0], d0 * u[1], d0 * u[2]),
         (d1 * v[0], d1 * v[1], d1 * v[2]),
@@ -188,12 +185,16 @@ def _scaled(diagonal, start, count, done, u, v, w):
 @njit(**INLINE)
 def _factors(F, o, sweeps):
     """Two columns of U, singular values, two columns of V: of the batches that start at ``F[o[0]]`` and ``F[o[1]]``."""
-    zero = same(like(0, F[0]), _collect(F, o, 0))
-    one, half, tiny = same(like(1, F[0]), zero), same(like(0.5, F[0]), zero), same(smallest(F[0]), zero)
-    last_place = same(roundoff(F[0]) + roundoff(F[0]), zero)
+    zero = splat_like(cast_like(0, F[0]), _collect(F, o, 0))
+    one, half, tiny = (
+        splat_like(cast_like(1, F[0]), zero),
+        splat_like(cast_like(0.5, F[0]), zero),
+        splat_like(smallest_normal(F[0]), zero),
+    )
+    last_place = splat_like(roundoff(F[0]) + roundoff(F[0]), zero)
     a, b, c = _column(F, o, 0), _column(F, o, 1), _column(F, o, 2)
     scale = _largest(_largest(_largest(zero, a), b), c)
-    scale = where_greater(scale, zero, scale, one) + (scale - scale)  # not finite where F is not
+    scale = select_greater(scale, zero, scale, one) + (scale - scale)  # not finite where F is not
     a, b, c = _over(a, scale), _over(b, scale), _over(c, scale)
     x, y, z = (one, zero, zero), (zero, one, zero), (zero, zero, one)
     for sweep in range(sweeps):
@@ -208,22 +209,22 @@ def _factors(F, o, sweeps):
     along = _dot(u, b)
     rest = (b[0] - along * u[0], b[1] - along * u[1], b[2] - along * u[2])
     v = _direction(rest, bb, _perpendicular(u, zero, one), tiny, half)
-    return (u, v), (root(aa) * scale, root(bb) * scale, _dot(_cross(u, v), c) * scale), (x, y)
+    return (u, v), (sqrt(aa) * scale, sqrt(bb) * scale, _dot(_cross(u, v), c) * scale), (x, y)
 
 
 @njit(**INLINE)
 def _settled(a, b, c, tolerance):
     """Whether the columns are at right angles, the longest first, in all lanes: another sweep would gain nothing."""
-    aa, bb, cc = root(_dot(a, a)), root(_dot(b, b)), root(_dot(c, c))
-    askew = any_greater(magnitude(_dot(a, b)), tolerance * aa * bb)
-    askew |= any_greater(magnitude(_dot(a, c)), tolerance * aa * cc)
-    askew |= any_greater(magnitude(_dot(b, c)), tolerance * bb * cc)
+    aa, bb, cc = sqrt(_dot(a, a)), sqrt(_dot(b, b)), sqrt(_dot(c, c))
+    askew = any_greater(fabs(_dot(a, b)), tolerance * aa * bb)
+    askew |= any_greater(fabs(_dot(a, c)), tolerance * aa * cc)
+    askew |= any_greater(fabs(_dot(b, c)), tolerance * bb * cc)
     return not (askew or any_greater(bb, aa) or any_greater(cc, bb))
 
 
 @njit(**INLINE)
 def _collect(F, o, offset):
-    return joined(collect(F, o[0] + offset, 9), collect(F, o[1] + offset, 9))
+    return concatenate(load_strided(F, o[0] + offset, 9), load_strided(F, o[1] + offset, 9))
 
 
 @njit(**INLINE)
@@ -234,8 +235,8 @@ def _column(F, o, k):
 @njit(**INLINE)
 def _largest(so_far, column):
     for k in range(3):
-        size = magnitude(column[k])
-        so_far = where_greater(so_far, size, so_far, size)
+        size = fabs(column[k])
+        so_far = select_greater(so_far, size, so_far, size)
     return so_far
 
 
@@ -264,16 +265,16 @@ def _mixed(c, a, s, b):
 def _orthogonal(a, b, x, y, zero, one):
     """Turns columns a and b of F V to a right angle, the longer one first, and columns x and y of V with them."""
     difference, product = _dot(b, b) - _dot(a, a), _dot(a, b)
-    twice = where_greater(difference, zero, product + product, zero - product - product)
-    denominator = magnitude(difference) + root(difference * difference + twice * twice)
-    t = twice / where_greater(denominator, zero, denominator, one)
-    t = where_greater(
-        t, one, one, where_greater(zero - one, t, zero - one, t)
+    twice = select_greater(difference, zero, product + product, zero - product - product)
+    denominator = fabs(difference) + sqrt(difference * difference + twice * twice)
+    t = twice / select_greater(denominator, zero, denominator, one)
+    t = select_greater(
+        t, one, one, select_greater(zero - one, t, zero - one, t)
     )  # where squares have underflowed
-    cosine = one / root(one + t * t)
+    cosine = one / sqrt(one + t * t)
     sine = cosine * t
-    c = where_greater(difference, zero, sine, cosine)
-    s = where_greater(difference, zero, zero - cosine, sine)
+    c = select_greater(difference, zero, sine, cosine)
+    s = select_greater(difference, zero, zero - cosine, sine)
     minus = zero - s
     return _mixed(c, a, minus, b), _mixed(s, a, c, b), _mixed(c, x, minus, y), _mixed(s, x, c, y)
 
@@ -283,19 +284,19 @@ def _direction(a, full, fallback, tiny, half):
     """The direction of a; the fallback for zero and for round-off, less than half of |original|^2 = ``full``."""
     square = _dot(a, a)
     least = full * half
-    floor = where_greater(least, tiny, least, tiny)
-    length = root(where_greater(square, floor, square, floor))
+    floor = select_greater(least, tiny, least, tiny)
+    length = sqrt(select_greater(square, floor, square, floor))
     d = (a[0] / length, a[1] / length, a[2] / length)
     return (
-        where_greater(floor, square, fallback[0], d[0]),
-        where_greater(floor, square, fallback[1], d[1]),
-        where_greater(floor, square, fallback[2], d[2]),
+        select_greater(floor, square, fallback[0], d[0]),
+        select_greater(floor, square, fallback[1], d[1]),
+        select_greater(floor, square, fallback[2], d[2]),
     )
 
 
 @njit(**INLINE)
 def _perpendicular(u, zero, one):
     """A unit vector at right angles to the unit vector u (Duff et al. 2017, JCGT 6(1))."""
-    sign = where_greater(zero, u[2], zero - one, one)
+    sign = select_greater(zero, u[2], zero - one, one)
     k = (zero - one) / (sign + u[2])
     return one + sign * k * u[0] * u[0], sign * k * u[0] * u[1], zero - sign * u[0]
