@@ -15,7 +15,7 @@ from benchmarks.cases.base import Numerics, cosine_deviation
 from benchmarks.skipping.base import Answer, Pair, Sizes, Skip, State, Way
 from benchmarks.skipping.scene import cube, rolled
 from physagent_jax.mpm import simulate, stable_dt
-from physagent_jax.mpm.timestep import SAFETY, substeps_for
+from physagent_jax.mpm.timestep import SAFETY, divide_frame
 
 PERIODS = 2  # of the bar's first mode
 CELLS = 16  # along the bar
@@ -70,8 +70,8 @@ def _against_fixed(dt: float) -> Callable[[Sizes], Pair]:
 
             return Way(run, read)
 
-        automatic = substeps_for(FRAME_DT, SAFETY * float(stable_dt(problem.model, problem.state)))
-        note = f"{automatic} against {substeps_for(FRAME_DT, dt)} substeps per frame of {FRAME_DT:g} s"
+        automatic = divide_frame(FRAME_DT, SAFETY * float(stable_dt(problem.model, problem.state)))
+        note = f"{automatic} against {divide_frame(FRAME_DT, dt)} substeps per frame of {FRAME_DT:g} s"
         return Pair(way(None), way(dt), len(problem.state.x), unit="clip", note=note)
 
     return build

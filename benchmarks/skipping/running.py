@@ -14,7 +14,7 @@ from benchmarks.skipping.scene import SIZE, both, cube, moved, reading, rolled, 
 from physagent_jax.mpm import DomainBox, Fluid, Grid, Model, cell_order, simulate
 from physagent_jax.mpm import State as Particles
 from physagent_jax.mpm.frame import advance
-from physagent_jax.mpm.sorting import placed, renewed, restored
+from physagent_jax.mpm.sorting import permute_particles, unpermute_particles, update_order
 from physagent_jax.mpm.step import kirchhoff_stress, substep
 
 THROW = (1.5, 0.7, 0.0)  # [m/s]
@@ -51,7 +51,7 @@ def _order_in_motion(sizes: Sizes) -> Pair:
     *_, last = simulate(thrown, state, frame_count=THROWN_FRAMES + 1, frame_dt=0.04)
     model, state = settled(thrown, last.state, sizes.substeps), last.state
     return Pair(
-        _in_order(lambda: renewed(None, model, state), model, state, sizes),
+        _in_order(lambda: update_order(None, model, state), model, state, sizes),
         rolled(model, state, sizes.substeps),
         sizes.particles,
         sizes.substeps,
@@ -64,8 +64,8 @@ def _in_order(find: Callable[[], np.ndarray | None], model: Model, state: Partic
 
     def run():
         order = find()
-        after, *rest = advance(*placed(order, model, state), count)
-        return model, restored(order, model, after), *rest
+        after, *rest = advance(*permute_particles(order, model, state), count)
+        return model, unpermute_particles(order, model, after), *rest
 
     return Way(run, reading)
 
@@ -93,7 +93,7 @@ def unstopped(model: Model, state: Particles, substeps: jax.Array) -> jax.Array:
     def body(_, carry):
         state, tau, good, count = carry
         state, tau, trace = substep(model, state, tau)
-        good = good & trace.health.good(model)
+        good = good & trace.health.is_good(model)
         return state, tau, good, count + good
 
     start = state, kirchhoff_stress(model, state), jnp.array(True), jnp.zeros_like(substeps)
@@ -117,7 +117,7 @@ def _early_stop(sizes: Sizes) -> Pair:
 
     def until_stopped(result) -> Answer:
         state, health, _ = result
-        if health.good(model):
+        if health.is_good(model):
             raise RuntimeError("the frame that was meant to fail does not")
         return {"good substeps": round(float(state.time / model.dt)) - 1.0}
 

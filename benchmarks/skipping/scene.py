@@ -15,9 +15,9 @@ from physagent_jax.mpm import (
     Model,
     NeoHookean,
     State,
+    find_smallest_window,
     fit_window,
     lame_parameters,
-    smallest_window,
     stable_dt,
 )
 from physagent_jax.mpm.frame import advance
@@ -57,7 +57,7 @@ def cube(
     mu, lam = lame_parameters(YOUNGS_MODULUS, POISSONS_RATIO)
     material = law(jnp.full(count, mu, dtype), jnp.full(count, lam, dtype))
     model = Model(
-        grid=smallest_window(SIZE, sizes.cells),
+        grid=find_smallest_window(SIZE, sizes.cells),
         dt=jnp.zeros((), dtype),
         gravity=None,
         mass=DENSITY * volume,
@@ -89,7 +89,7 @@ def rolled(model: Model, state: State, substeps: int, ledger: bool = False) -> W
 def reading(result: tuple) -> Answer:
     """Particles at the end, and whether the frame can be trusted, from (model, state, health, ...)."""
     model, state, health, *_ = result
-    return moved(state) | {"trusted": float(health.good(model))}
+    return moved(state) | {"trusted": float(health.is_good(model))}
 
 
 def moved(state: State) -> dict[str, np.ndarray]:

@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks.stability.criteria import Result
 from benchmarks.stability.materials import FLUID, MATERIALS, make_material
 from benchmarks.stability.scenario import GRAVITY, Run, Scenario, build
-from physagent_jax.mpm import Contact, HalfSpace, Model, State, smallest_window, stable_dt, step
+from physagent_jax.mpm import Contact, HalfSpace, Model, State, find_smallest_window, stable_dt, step
 
 REST = 1e-4  # P7: kinetic energy left, over the initial potential
 UNUSED = 1e-6  # P9: displacement, over the domain's side
@@ -152,7 +152,7 @@ def _far_obstacle() -> tuple[Run, Run]:
 
 def _small_window() -> tuple[Run, Run]:
     run = _thrown("neo-hookean")
-    grid = dataclasses.replace(smallest_window(1.0, run.model.grid.cells), shape=(16, 16, 16))
+    grid = dataclasses.replace(find_smallest_window(1.0, run.model.grid.cells), shape=(16, 16, 16))
     return run, dataclasses.replace(run, model=run.model.replace(grid=grid))
 
 

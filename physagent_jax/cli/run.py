@@ -42,7 +42,7 @@ class Run:
     up: SignedAxis | None = None
     """The file's up axis; default: its card, else +z. 3DGS captures are often -y."""
     kind: str | None = None
-    """plant, food, robot, ... (decides matter and anchor); default: its card, else from the file's name."""
+    """plant, food, robot, ... (decides material and anchor); default: its card, else from the file's name."""
     azimuth: float | None = None
     """Where the camera stands, in degrees about the vertical; default: the card's, else 0."""
     elevation: float = 10.0

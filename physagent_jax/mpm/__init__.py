@@ -33,5 +33,5 @@ from physagent_jax.mpm.state import Model as Model
 from physagent_jax.mpm.state import State as State
 from physagent_jax.mpm.step import step as step
 from physagent_jax.mpm.timestep import stable_dt as stable_dt
+from physagent_jax.mpm.window import find_smallest_window as find_smallest_window
 from physagent_jax.mpm.window import fit_window as fit_window
-from physagent_jax.mpm.window import smallest_window as smallest_window

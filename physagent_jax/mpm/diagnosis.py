@@ -13,7 +13,7 @@ import numpy as np
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.health import Health
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.step import body_acceleration, per_material
+from physagent_jax.mpm.step import body_acceleration, map_materials
 from physagent_jax.mpm.timestep import stable_dt
 
 MAX_RETRIES = 6  # halvings of the step before a frame is given up
@@ -111,5 +111,5 @@ def _load(model: Model, state: State) -> tuple[float, float]:
     acceleration = np.linalg.norm(np.asarray(body_acceleration(model, state)), axis=-1).max()
     load = density * (acceleration * np.ptp(x, axis=0).max() + (v**2).sum(-1).max())
     rest = dataclasses.replace(state, F=jnp.broadcast_to(jnp.eye(3, dtype=state.F.dtype), state.F.shape))
-    stiffness = per_material(model, rest, lambda material, F, history: material.stiffness(F, history))
+    stiffness = map_materials(model, rest, lambda material, F, history: material.stiffness(F, history))
     return float(load), float(stiffness.max())

@@ -32,7 +32,7 @@ END: Mapping[str, Any] = dict(window="end")
 """Of the time in which a part acts [s]; outside [start, end) it changes nothing."""
 
 
-def owner(part: Any, path: tuple) -> str | None:
+def find_owner(part: Any, path: tuple) -> str | None:
     """Of what a leaf has one entry each: "particle", "block" or "held"; None = of nothing that is counted.
 
     Args:
@@ -54,17 +54,17 @@ def owner(part: Any, path: tuple) -> str | None:
     return None
 
 
-def marked(part: Any, **mark: Any) -> list[str]:
+def find_fields(part: Any, **mark: Any) -> list[str]:
     """The names of a dataclass's own fields whose metadata has all of ``mark``."""
     return [field.name for field in _fields(part) if mark.items() <= dict(field.metadata).items()]
 
 
-def windows(part: Any) -> Iterator[tuple[Any, Any]]:
+def iterate_windows(part: Any) -> Iterator[tuple[Any, Any]]:
     """Start and end [s] of every window of ``part`` and of the dataclasses in its fields."""
-    for start, end in zip(marked(part, **START), marked(part, **END)):
+    for start, end in zip(find_fields(part, **START), find_fields(part, **END)):
         yield getattr(part, start), getattr(part, end)
     for field in _fields(part):
-        yield from windows(getattr(part, field.name))
+        yield from iterate_windows(getattr(part, field.name))
 
 
 def _fields(part: Any) -> tuple[dataclasses.Field, ...]:

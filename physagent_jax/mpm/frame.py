@@ -16,12 +16,12 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import reductions
 from physagent_jax.mpm.diagnosis import MAX_SUBSTEPS, Breach, Fault, explain_failure, find_breach, is_hopeless
 from physagent_jax.mpm.health import Health
-from physagent_jax.mpm.ledger import Exchange, balanced, exchange
-from physagent_jax.mpm.plan import acting
-from physagent_jax.mpm.sorting import placed, renewed, restored
+from physagent_jax.mpm.ledger import Exchange, balance, measure_exchange
+from physagent_jax.mpm.plan import select_acting
+from physagent_jax.mpm.sorting import permute_particles, unpermute_particles, update_order
 from physagent_jax.mpm.state import Grid, Model, State
 from physagent_jax.mpm.step import kirchhoff_stress, substep
-from physagent_jax.mpm.timestep import kinematic_dt, stable_dt, substeps_for
+from physagent_jax.mpm.timestep import divide_frame, kinematic_dt, stable_dt
 from physagent_jax.mpm.window import fit_window
 
 _WIDER = 2.5  # times the room that a window had which particles have left
@@ -140,15 +140,15 @@ def plan_frame(model: Model, before: Frame, pace: Pace) -> FramePlan:
     """
     model = model.replace(grid=before.grid)
     substeps = count_substeps(model, before.state, pace)
-    order = renewed(before.order, model, before.state)
-    return _fitted(FramePlan(model, pace.frame_dt, substeps, 1.0, order), before.state)
+    order = update_order(before.order, model, before.state)
+    return _fit(FramePlan(model, pace.frame_dt, substeps, 1.0, order), before.state)
 
 
 def plan_again(plan: FramePlan, breach: Breach, state: State) -> FramePlan:
     """The next attempt from ``state``: a wider window if that was too small, else steps half as long."""
     if breach.fault is Fault.LEFT:
-        return _fitted(dataclasses.replace(plan, margin=_WIDER * plan.margin), state)
-    return _fitted(dataclasses.replace(plan, substeps=2 * plan.substeps), state)
+        return _fit(dataclasses.replace(plan, margin=_WIDER * plan.margin), state)
+    return _fit(dataclasses.replace(plan, substeps=2 * plan.substeps), state)
 
 
 def count_substeps(model: Model, state: State, pace: Pace) -> int:
@@ -159,7 +159,7 @@ def count_substeps(model: Model, state: State, pace: Pace) -> int:
     """
     frame_dt = pace.frame_dt
     if pace.fixed and pace.substep_dt is not None:
-        return substeps_for(frame_dt, pace.substep_dt)
+        return divide_frame(frame_dt, pace.substep_dt)
     elastic = pace.substep_dt or pace.safety * float(stable_dt(model, state))
     horizon = on_device(frame_dt, state.x.dtype)
     # With the frame as the step, forces give their mean over it: blows within the frame are foreseen.
@@ -172,10 +172,10 @@ def count_substeps(model: Model, state: State, pace: Pace) -> int:
             got=f"a step of {dt:.3g} s",
             do="Use shorter frames, a softer or denser material, weaker forces, or fewer grid cells",
         )
-    return substeps_for(frame_dt, dt)
+    return divide_frame(frame_dt, dt)
 
 
-def _fitted(plan: FramePlan, state: State) -> FramePlan:
+def _fit(plan: FramePlan, state: State) -> FramePlan:
     """``plan`` with its model's step, and the window that the particles need during the frame."""
     model, x = plan.model, np.asarray(state.x)
     speed = float(np.linalg.norm(np.asarray(state.v), axis=-1).max())
@@ -190,10 +190,10 @@ def _fitted(plan: FramePlan, state: State) -> FramePlan:
 def attempt_frame(plan: FramePlan, state: State, ledger: bool) -> tuple[State, Health, Exchange | None]:
     """`advance` from ``state`` with what acts during the frame, the particles sorted meanwhile."""
     begin = float(state.time)
-    present = acting(plan.model, begin, begin + plan.frame_dt)
+    present = select_acting(plan.model, begin, begin + plan.frame_dt)
     substeps = on_device(plan.substeps, np.int32)
-    after, health, total = advance(*placed(plan.order, present, state), substeps, ledger)
-    return restored(plan.order, plan.model, after), health, total
+    after, health, total = advance(*permute_particles(plan.order, present, state), substeps, ledger)
+    return unpermute_particles(plan.order, plan.model, after), health, total
 
 
 @partial(jax.jit, static_argnames="ledger")
@@ -208,19 +208,19 @@ def advance(
 
     def going(carry):
         done, _, _, health, _ = carry
-        return (done < substeps) & health.good(model)
+        return (done < substeps) & health.is_good(model)
 
     def body(carry):
         done, state, tau, health, total = carry
         after, tau, trace = substep(model, state, tau)
         if total is not None:
-            total = total + exchange(model, state, trace, after)
+            total = total + measure_exchange(model, state, trace, after)
         return done + 1, after, tau, health + trace.health, total
 
     dtype = state.x.dtype
-    tau, total = kirchhoff_stress(model, state), Exchange.none(dtype) if ledger else None
-    start = (jnp.zeros_like(substeps), state, tau, Health.unharmed(dtype), total)
+    tau, total = kirchhoff_stress(model, state), Exchange.zeros(dtype) if ledger else None
+    start = (jnp.zeros_like(substeps), state, tau, Health.initial(dtype), total)
     _, after, _, health, total = jax.lax.while_loop(going, body, start)
-    finite = reductions.every(jnp.isfinite(after.F).all(), model.axis)  # the return mapping included
+    finite = reductions.all_devices(jnp.isfinite(after.F).all(), model.axis)  # the return mapping included
     health = dataclasses.replace(health, finite=health.finite & finite)
-    return after, health, None if total is None else balanced(model, state, after, total)
+    return after, health, None if total is None else balance(model, state, after, total)

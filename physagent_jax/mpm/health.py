@@ -36,7 +36,7 @@ class Health:
     beyond: jax.Array
 
     @staticmethod
-    def unharmed(dtype) -> Health:
+    def initial(dtype) -> Health:
         """Before the first substep."""
         one, none = jnp.ones((), dtype), jnp.zeros((), jnp.int32)
         return Health(one, one, one, jnp.zeros((), dtype), jnp.array(True), none, none)
@@ -53,19 +53,19 @@ class Health:
             self.beyond + later.beyond,
         )
 
-    def over(self, axis: str | None) -> Health:
+    def reduce(self, axis: str | None) -> Health:
         """The same of the particles of all devices along ``axis``; a constant to derivatives."""
         return Health(
-            reductions.least(self.min_J, axis),
-            reductions.greatest(self.max_J, axis),
-            reductions.least(self.min_increment, axis),
-            reductions.greatest(self.max_speed, axis),
-            reductions.every(self.finite, axis),
-            reductions.total(self.outside, axis),
-            reductions.total(self.beyond, axis),
+            reductions.min_devices(self.min_J, axis),
+            reductions.max_devices(self.max_J, axis),
+            reductions.min_devices(self.min_increment, axis),
+            reductions.max_devices(self.max_speed, axis),
+            reductions.all_devices(self.finite, axis),
+            reductions.sum_devices(self.outside, axis),
+            reductions.sum_devices(self.beyond, axis),
         )
 
-    def good(self, model: Model) -> jax.Array:
+    def is_good(self, model: Model) -> jax.Array:
         """Whether the substeps so far can be trusted."""
         upright = (self.min_J > 0) & (self.min_increment > 0)
         slow = self.max_speed * model.dt < model.grid.dx

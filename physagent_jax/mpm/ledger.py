@@ -19,9 +19,9 @@ import jax.numpy as jnp
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.energy import kinetic_energy, total_energy
 from physagent_jax.mpm.linalg import cofactor, determinant, matmul, transpose
-from physagent_jax.mpm.reductions import total
+from physagent_jax.mpm.reductions import sum_devices
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.step import Trace, damped_affine, per_material, viscous_stress
+from physagent_jax.mpm.step import Trace, damp_affine, map_materials, viscous_stress
 
 
 @register_dataclass
@@ -48,7 +48,7 @@ class Exchange:
     boundary_impulse: jax.Array
 
     @staticmethod
-    def none(dtype) -> Exchange:
+    def zeros(dtype) -> Exchange:
         """Nothing yet."""
         zero, vector = jnp.zeros((), dtype), jnp.zeros(3, dtype)
         return Exchange(zero, zero, zero, zero, zero, vector, vector)
@@ -57,7 +57,7 @@ class Exchange:
         return jax.tree.map(jnp.add, self, other)
 
 
-def exchange(model: Model, before: State, trace: Trace, after: State) -> Exchange:
+def measure_exchange(model: Model, before: State, trace: Trace, after: State) -> Exchange:
     """The exchange of one substep, from its `step.Trace`.
 
     Within a step all impulses (stress, forces, walls) act together, and each works on the mean of the velocities
@@ -66,32 +66,32 @@ def exchange(model: Model, before: State, trace: Trace, after: State) -> Exchang
     impulse times the velocity after it. P2G leaks momentum into the nodes of a wall that the wall takes out again, in
     every step; on the mean velocity that exchange would be work to and fro, although the wall rests.
     """
-    begun = dataclasses.replace(before, C=damped_affine(model, before.C))
-    gathered, pushed = trace.gathered, trace.pushed
-    weightless = pushed
+    begun = dataclasses.replace(before, C=damp_affine(model, before.C))
+    gathered, after_forces = trace.gathered, trace.after_forces
+    weightless = after_forces
     if model.gravity is not None:  # its work is in the potential
-        weightless = dataclasses.replace(pushed, v=pushed.v - model.dt * model.gravity)
-    kick = trace.node_mass[..., None] * (trace.velocity - trace.free)
-    met = (kick * trace.velocity).sum()
-    held = _work(model, begun, gathered, pushed, trace.held)
-    placed = kinetic_energy(model, after) - kinetic_energy(model, gathered)
-    kicks = (
-        kick.sum((0, 1, 2))
-        + _momentum_change(model, pushed, trace.held)
+        weightless = dataclasses.replace(after_forces, v=after_forces.v - model.dt * model.gravity)
+    impulse = trace.node_mass[..., None] * (trace.velocity - trace.free_velocity)
+    grid_work = (impulse * trace.velocity).sum()
+    constraint_work = _work(model, begun, gathered, after_forces, trace.after_constraints)
+    projection_work = kinetic_energy(model, after) - kinetic_energy(model, gathered)
+    boundary_impulse = (
+        impulse.sum((0, 1, 2))
+        + _momentum_change(model, after_forces, trace.after_constraints)
         + _momentum_change(model, gathered, after)
     )
     return Exchange(
         force_work=_work(model, begun, gathered, begun, weightless),
-        boundary_work=held + met + placed,
+        boundary_work=constraint_work + grid_work + projection_work,
         plastic_dissipation=_plastic(model, before, trace),
         viscous_dissipation=_viscous(model, before, trace),
         numerical_loss=jnp.zeros((), before.x.dtype),
-        force_impulse=_momentum_change(model, before, pushed),
-        boundary_impulse=kicks,
+        force_impulse=_momentum_change(model, before, after_forces),
+        boundary_impulse=boundary_impulse,
     )
 
 
-def balanced(model: Model, start: State, end: State, total: Exchange) -> Exchange:
+def balance(model: Model, start: State, end: State, total: Exchange) -> Exchange:
     """``total`` with the numerical loss between two states."""
     supplied = total.force_work + total.boundary_work - total.plastic_dissipation - total.viscous_dissipation
     loss = total_energy(model, start) - total_energy(model, end) + supplied
@@ -102,11 +102,13 @@ def _work(model: Model, begun: State, gathered: State, one: State, other: State)
     """Of the impulses that take ``one`` to ``other``, in a step from ``begun`` to ``gathered``; C included."""
     v = (other.v - one.v) * 0.5 * (begun.v + gathered.v)
     C = (other.C - one.C) * 0.5 * (begun.C + gathered.C)
-    return total((model.mass * (v.sum(-1) + (model.grid.dx**2 / 4) * C.sum((-1, -2)))).sum(), model.axis)
+    return sum_devices(
+        (model.mass * (v.sum(-1) + (model.grid.dx**2 / 4) * C.sum((-1, -2)))).sum(), model.axis
+    )
 
 
 def _momentum_change(model: Model, one: State, other: State) -> jax.Array:
-    return total((model.mass[:, None] * (other.v - one.v)).sum(0), model.axis)
+    return sum_devices((model.mass[:, None] * (other.v - one.v)).sum(0), model.axis)
 
 
 def _plastic(model: Model, before: State, trace: Trace) -> jax.Array:
@@ -117,10 +119,10 @@ def _plastic(model: Model, before: State, trace: Trace) -> jax.Array:
     """
 
     def stress(state: State) -> jax.Array:
-        return per_material(model, state, lambda material, F, history: material.stress(F, history))
+        return map_materials(model, state, lambda material, F, history: material.stress(F, history))
 
     def density(state: State) -> jax.Array:
-        return per_material(model, state, lambda material, F, history: material.energy(F, history))
+        return map_materials(model, state, lambda material, F, history: material.energy(F, history))
 
     end = trace.gathered
     inverse = transpose(cofactor(end.F)) / determinant(end.F)[:, None, None]
@@ -128,7 +130,7 @@ def _plastic(model: Model, before: State, trace: Trace) -> jax.Array:
     dissipated = 0.5 * ((stress(before) + stress(end)) * strain).sum((-1, -2))
     if jax.tree.leaves(end.history):
         dissipated = dissipated + density(dataclasses.replace(end, history=before.history)) - density(end)
-    return total((model.volume * dissipated).sum(), model.axis)
+    return sum_devices((model.volume * dissipated).sum(), model.axis)
 
 
 def _viscous(model: Model, before: State, trace: Trace) -> jax.Array:
@@ -136,4 +138,4 @@ def _viscous(model: Model, before: State, trace: Trace) -> jax.Array:
         return jnp.zeros((), before.x.dtype)
     end = trace.gathered
     tau = viscous_stress(model.viscosity, before) + viscous_stress(model.viscosity, end)
-    return 0.5 * model.dt * total((model.volume[:, None, None] * tau * end.C).sum(), model.axis)
+    return 0.5 * model.dt * sum_devices((model.volume[:, None, None] * tau * end.C).sum(), model.axis)

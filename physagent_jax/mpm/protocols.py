@@ -18,7 +18,7 @@ from physagent_jax.mpm.transfer import Stencil
 class BodyForce(Protocol):
     """An external acceleration field; forces per unit mass, so particle count does not change the motion.
 
-    For runs on several devices (`mpm.sharding`) sums over particles go through `mpm.reductions.summed`.
+    For runs on several devices (`mpm.sharding`) sums over particles go through `mpm.reductions.sum_particles`.
     """
 
     def acceleration(

@@ -20,7 +20,7 @@ _split: ContextVar[str | None] = ContextVar("split", default=None)
 
 @contextmanager
 def split_over(axis: str | None) -> Iterator[None]:
-    """Lets ``axis`` hold for what is traced within, where no `Model` is at hand (`summed`)."""
+    """Lets ``axis`` hold for what is traced within, where no `Model` is at hand (`sum_particles`)."""
     token = _split.set(axis)
     try:
         yield
@@ -28,32 +28,32 @@ def split_over(axis: str | None) -> Iterator[None]:
         _split.reset(token)
 
 
-def summed(value: jax.Array) -> jax.Array:
+def sum_particles(value: jax.Array) -> jax.Array:
     """The sum over all particles, from that over the particles at hand; for body forces."""
-    return total(value, _split.get())
+    return sum_devices(value, _split.get())
 
 
-def total(value: jax.Array, axis: str | None) -> jax.Array:
+def sum_devices(value: jax.Array, axis: str | None) -> jax.Array:
     """``value`` summed over the devices along ``axis``; differentiable."""
-    return value if _bound(axis) is None else jax.lax.psum(value, axis)
+    return value if _check_axis(axis) is None else jax.lax.psum(value, axis)
 
 
-def least(value: jax.Array, axis: str | None) -> jax.Array:
+def min_devices(value: jax.Array, axis: str | None) -> jax.Array:
     """The least ``value`` of the devices along ``axis``, a constant to derivatives."""
-    return value if _bound(axis) is None else jax.lax.pmin(jax.lax.stop_gradient(value), axis)
+    return value if _check_axis(axis) is None else jax.lax.pmin(jax.lax.stop_gradient(value), axis)
 
 
-def greatest(value: jax.Array, axis: str | None) -> jax.Array:
+def max_devices(value: jax.Array, axis: str | None) -> jax.Array:
     """The greatest ``value`` of the devices along ``axis``, a constant to derivatives."""
-    return value if _bound(axis) is None else jax.lax.pmax(jax.lax.stop_gradient(value), axis)
+    return value if _check_axis(axis) is None else jax.lax.pmax(jax.lax.stop_gradient(value), axis)
 
 
-def every(value: jax.Array, axis: str | None) -> jax.Array:
+def all_devices(value: jax.Array, axis: str | None) -> jax.Array:
     """Whether the boolean ``value`` is true on all devices along ``axis``."""
-    return value if _bound(axis) is None else total((~value).astype(jnp.int32), axis) == 0
+    return value if _check_axis(axis) is None else sum_devices((~value).astype(jnp.int32), axis) == 0
 
 
-def _bound(axis: str | None) -> str | None:
+def _check_axis(axis: str | None) -> str | None:
     """``axis``, once it is known to exist.
 
     Raises:

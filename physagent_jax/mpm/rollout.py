@@ -42,7 +42,7 @@ def _rollout(model: Model, state: State, frame_count: int, substeps: int) -> tup
     @jax.checkpoint
     def one(carry, _):
         state, tau, _ = substep(model, *carry)
-        left = reductions.total(count_outside(state.x, model.grid), model.axis)
+        left = reductions.sum_devices(count_outside(state.x, model.grid), model.axis)
         poison = jnp.where(left > 0, jnp.nan, 0.0).astype(state.x.dtype)
         return (dataclasses.replace(state, x=state.x + poison), tau), None
 

@@ -23,7 +23,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.conform import conform
-from physagent_jax.mpm.fields import COUNT, HELD, PER_HELD, marked, owner
+from physagent_jax.mpm.fields import COUNT, HELD, PER_HELD, find_fields, find_owner
 from physagent_jax.mpm.rollout import rollout
 from physagent_jax.mpm.state import Model, State
 
@@ -47,7 +47,7 @@ def rollout_sharded(
 
     Args:
         model: As in `rollout`, with ``kernels`` "auto" or "reference". Body forces of one's own must sum over particles
-            with `mpm.reductions.summed`. Which particles the constraints hold must be known, not traced.
+            with `mpm.reductions.sum_particles`. Which particles the constraints hold must be known, not traced.
         state: The initial state.
         devices: Of JAX, where to; None = all of the default backend.
         frame_count: As in `rollout`.
@@ -67,28 +67,28 @@ def rollout_sharded(
     mesh = Mesh(np.asarray(jax.devices() if devices is None else devices), (AXIS,))
     layout = Layout(tuple(material.count for material in model.materials), mesh.size)
     split = layout.split(model, state)
-    placed = jax.device_put(split, _at(lambda spec: NamedSharding(mesh, spec), specs(split)))
-    return _run(*placed, layout, mesh, frame_count, substeps)
+    sharded = jax.device_put(split, _at(lambda spec: NamedSharding(mesh, spec), find_specs(split)))
+    return _run(*sharded, layout, mesh, frame_count, substeps)
 
 
 @partial(jax.jit, static_argnums=(2, 3, 4, 5))
 def _run(
     model: Model, state: State, layout: Layout, mesh: Mesh, frame_count: int, substeps: int
 ) -> tuple[State, State]:
-    inward = specs((model, state))
+    inward = find_specs((model, state))
     outward = inward[1], _at(lambda spec: PartitionSpec(None, *spec), inward[1])
     run = partial(rollout, frame_count=frame_count, substeps=substeps)
     # Unchecked: JAX 0.10 otherwise refuses derivatives that evaluate linear maps at constants, as in `linalg.spectral`.
     split = jax.shard_map(run, mesh=mesh, in_specs=inward, out_specs=outward, check_vma=False)
     end, path = split(model, state)
-    return layout.restored(end, 0), layout.restored(path, 1)
+    return layout.unpermute(end, 0), layout.unpermute(path, 1)
 
 
-def specs(split: tuple[Model, State]) -> tuple[Any, Any]:
+def find_specs(split: tuple[Model, State]) -> tuple[Any, Any]:
     """How each array of a model and a state lies on the mesh."""
 
     def spec(path, leaf):
-        return PartitionSpec(AXIS) if jnp.ndim(leaf) and owner(split, path) else PartitionSpec()
+        return PartitionSpec(AXIS) if jnp.ndim(leaf) and find_owner(split, path) else PartitionSpec()
 
     return jax.tree.map_with_path(spec, split)
 
@@ -113,12 +113,12 @@ class Layout:
     def order(self) -> np.ndarray:
         """Particle in each place, device after device, shape (places,)."""
         starts = np.cumsum((0, *self.counts))
-        return self._joined([start + self._block(count) for start, count in zip(starts, self.counts)])
+        return self._join([start + self._block(count) for start, count in zip(starts, self.counts)])
 
     @cached_property
     def real(self) -> np.ndarray:
         """Whether it is that particle itself and not a twin, shape (places,)."""
-        return self._joined([np.arange(len(self._block(count))) < count for count in self.counts])
+        return self._join([np.arange(len(self._block(count))) < count for count in self.counts])
 
     def split(self, model: Model, state: State) -> tuple[Model, State]:
         """Both with their particles in their places, `Model.axis` set.
@@ -130,7 +130,7 @@ class Layout:
         model, state = self._split(model.replace(constraints=()), state)
         return model.replace(constraints=constraints), state
 
-    def restored(self, state: State, axis: int) -> State:
+    def unpermute(self, state: State, axis: int) -> State:
         """The particles of a split state in their old order, which runs along ``axis`` of its arrays."""
         place = np.empty(self.real.sum(), int)
         place[self.order[self.real]] = np.flatnonzero(self.real)
@@ -146,7 +146,7 @@ class Layout:
         share = -(-count // self.devices)
         return np.minimum(np.arange(self.devices * share), count - 1)
 
-    def _joined(self, blocks: Sequence[np.ndarray]) -> np.ndarray:
+    def _join(self, blocks: Sequence[np.ndarray]) -> np.ndarray:
         return np.concatenate([block.reshape(self.devices, -1) for block in blocks], axis=1).ravel()
 
     @partial(jax.jit, static_argnums=0)  # one program instead of a few for every array
@@ -171,7 +171,7 @@ class Layout:
     def _material(self, material: Any, count: int) -> Any:
         places = self._block(count)
         share = len(places) // self.devices
-        counted = marked(material, **COUNT)
+        counted = find_fields(material, **COUNT)
         if counted:
             return dataclasses.replace(material, **dict.fromkeys(counted, share))
         leaves, structure = jax.tree.flatten(material)
@@ -190,7 +190,7 @@ class Layout:
 
     def _forces(self, forces: tuple[Any, ...]) -> tuple[Any, ...]:
         def split(path, leaf):
-            if owner(forces, path) == "particle":
+            if find_owner(forces, path) == "particle":
                 return leaf[self.order]
             if jnp.ndim(leaf) and len(leaf) == sum(self.counts):
                 raise UserError(
@@ -207,13 +207,13 @@ class Layout:
 
         Devices with fewer than others fill up with a place beyond the last: what is written there is dropped.
         """
-        indices = marked(constraint, **HELD)
+        indices = find_fields(constraint, **HELD)
         if len(indices) != 1:
             raise UserError(
                 f"the constraint {type(constraint).__name__} cannot be split over devices",
                 do="Mark the field with the particles that it holds with `mpm.fields.HELD`",
             )
-        particles = _known(getattr(constraint, indices[0]))
+        particles = _concretize(getattr(constraint, indices[0]))
         claim = np.full(sum(self.counts), -1)
         real = np.flatnonzero(particles < len(claim))  # the others stand for no particle
         claim[particles[real]] = real
@@ -226,12 +226,12 @@ class Layout:
         places, which = jnp.asarray(local.ravel()), which.ravel()
         split = {
             name: jnp.broadcast_to(getattr(constraint, name), particles.shape)[which]
-            for name in marked(constraint, **PER_HELD)
+            for name in find_fields(constraint, **PER_HELD)
         }
         return dataclasses.replace(constraint, **split | {indices[0]: places})
 
 
-def _known(particles: jax.Array) -> np.ndarray:
+def _concretize(particles: jax.Array) -> np.ndarray:
     """The indices as numbers.
 
     Raises:

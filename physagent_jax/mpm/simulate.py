@@ -58,7 +58,7 @@ def simulate(
     pace = Pace(frame_dt, substep_dt, safety, fixed=substep_dt is not None and force_substep)
     frame = begin
     if frame is None:
-        nothing = Exchange.none(state.x.dtype) if ledger else None
+        nothing = Exchange.zeros(state.x.dtype) if ledger else None
         frame = Frame(0, state, 0, 0.0, 1.0, 1.0, (), model.grid, 0.0, nothing)
         yield frame
     for _ in range(frame.index + 1, frame_count):

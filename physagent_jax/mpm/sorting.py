@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from physagent_jax.mpm import kernels
-from physagent_jax.mpm.fields import owner
+from physagent_jax.mpm.fields import find_owner
 from physagent_jax.mpm.state import Model, State
 
 MIXED = 0.25  # share of neighbours in memory that are no neighbours in space, from which sorting pays
@@ -40,7 +40,7 @@ def cell_order(x: np.ndarray, dx: float, group: np.ndarray | None = None) -> np.
     return np.lexsort(keys)
 
 
-def renewed(order: np.ndarray | None, model: Model, state: State) -> np.ndarray | None:
+def update_order(order: np.ndarray | None, model: Model, state: State) -> np.ndarray | None:
     """The order in which particles had better lie for the coming frame: ``order`` until they have mixed.
 
     Only the CPU kernels gain by it. A model with constraints, which name their particles, or with forces of its own
@@ -51,7 +51,11 @@ def renewed(order: np.ndarray | None, model: Model, state: State) -> np.ndarray 
         model: Particles as they are.
         state: Likewise.
     """
-    if not kernels.use_cpu(model.kernels) or model.constraints or _particular(model.forces, len(state.x)):
+    if (
+        not kernels.use_cpu(model.kernels)
+        or model.constraints
+        or _has_particle_fields(model.forces, len(state.x))
+    ):
         return order
     x = np.asarray(state.x)
     pairs = _sampled_pairs(order, len(x))
@@ -69,38 +73,38 @@ def _sampled_pairs(order: np.ndarray | None, count: int) -> np.ndarray:
     return places if order is None else order[places]
 
 
-def _particular(forces: tuple[Any, ...], count: int) -> bool:
+def _has_particle_fields(forces: tuple[Any, ...], count: int) -> bool:
     """Whether a force has numbers per particle; or may have, of which it does not say so: as long as there are any."""
 
     def own(path, leaf):
-        return owner(forces, path) == "particle" or (jnp.ndim(leaf) > 0 and len(leaf) == count)
+        return find_owner(forces, path) == "particle" or (jnp.ndim(leaf) > 0 and len(leaf) == count)
 
     return any(jax.tree.leaves(jax.tree.map_with_path(own, forces)))
 
 
-def placed(order: np.ndarray | None, model: Model, state: State) -> tuple[Model, State]:
+def permute_particles(order: np.ndarray | None, model: Model, state: State) -> tuple[Model, State]:
     """Both with their particles in that order."""
     if order is None:
         return model, state
     counts = tuple(material.count for material in model.materials)
-    return _taken(model, order, counts), _taken(state, order, counts)
+    return _permute(model, order, counts), _permute(state, order, counts)
 
 
-def restored(order: np.ndarray | None, model: Model, state: State) -> State:
-    """A state of `placed` with its particles as they were."""
+def unpermute_particles(order: np.ndarray | None, model: Model, state: State) -> State:
+    """A state of `permute_particles` with its particles as they were."""
     if order is None:
         return state
     back = np.empty_like(order)
     back[order] = np.arange(len(order))
-    return _taken(state, back, tuple(material.count for material in model.materials))
+    return _permute(state, back, tuple(material.count for material in model.materials))
 
 
 @partial(jax.jit, static_argnames="counts")
-def _taken(part: _Part, order: jax.Array, counts: tuple[int, ...]) -> _Part:
+def _permute(part: _Part, order: jax.Array, counts: tuple[int, ...]) -> _Part:
     starts = np.cumsum((0, *counts))
 
     def take(path, leaf):
-        own = owner(part, path)
+        own = find_owner(part, path)
         if own == "block" and jnp.ndim(leaf):
             first, last = starts[path[1].idx : path[1].idx + 2]
             return leaf[order[first:last] - first] if len(leaf) == last - first else leaf

@@ -40,20 +40,20 @@ class Trace:
     """What happened within a substep, for `mpm.ledger`; compiled away where nobody looks.
 
     Attributes:
-        pushed: Particles after body forces.
-        held: Particles after body forces and constraints, as P2G sees them.
+        after_forces: Particles after body forces.
+        after_constraints: Particles after body forces and constraints, as P2G sees them.
         node_mass: [kg], shape (nx, ny, nz).
-        free: Node velocities before damping and boundaries [m/s], shape (nx, ny, nz, 3).
+        free_velocity: Node velocities before damping and boundaries [m/s], shape (nx, ny, nz, 3).
         velocity: Node velocities after boundaries and constraints [m/s], same shape.
         gathered: Particles after G2P and return mapping, before constraints.
         trial: F before the return mapping, shape (n, 3, 3).
         health: Extremes over the particles.
     """
 
-    pushed: State
-    held: State
+    after_forces: State
+    after_constraints: State
     node_mass: jax.Array
-    free: jax.Array
+    free_velocity: jax.Array
     velocity: jax.Array
     gathered: State
     trial: jax.Array
@@ -71,18 +71,18 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
     dt = model.dt
     with jax.named_scope("forces"):
         v = state.v + dt * body_acceleration(model, state)
-        pushed = dataclasses.replace(state, v=v, C=affine(model, state))
-        held = constraints.before_p2g(model, pushed)
+        forced = dataclasses.replace(state, v=v, C=affine(model, state))
+        constrained = constraints.before_p2g(model, forced)
     with jax.named_scope("p2g"):
         total = tau if model.viscosity is None else tau + viscous_stress(model.viscosity, state)
-        nodes = scatter(model, state, held, total)
-        nodes = reductions.total(nodes, model.axis)  # one grid, whichever device a particle is on
+        nodes = scatter(model, state, constrained, total)
+        nodes = reductions.sum_devices(nodes, model.axis)  # one grid, whichever device a particle is on
     with jax.named_scope("grid_update"):
         node_mass, free = nodes[..., 3], grid_velocity(model, nodes)
-        unmet = damped(model, grid_velocity(model, folded(model, nodes)))
-        velocity = bounded(model, unmet, state.time)
+        damped = damp(model, grid_velocity(model, fold_boundaries(model, nodes)))
+        velocity = apply_boundaries(model, damped, state.time)
         s = stencil(state.x, model.grid)  # compiled away where nothing is constrained
-        velocity = constraints.on_grid(model, unmet, velocity, node_mass, s, state.time)
+        velocity = constraints.on_grid(model, damped, velocity, node_mass, s, state.time)
     with jax.named_scope("g2p"):
         moved = gather(model, state, velocity)
     with jax.named_scope("stress"):
@@ -95,25 +95,25 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
         after, health = stop_at_walls(model, after, moved.health)
         if model.constraints:  # F may have been turned
             tau = kirchhoff_stress(model, after)
-    return after, tau, Trace(pushed, held, node_mass, free, velocity, gathered, moved.F, health)
+    return after, tau, Trace(forced, constrained, node_mass, free, velocity, gathered, moved.F, health)
 
 
-def scatter(model: Model, state: State, held: State, tau: jax.Array) -> jax.Array:
-    """Momentum and mass at the nodes, shape (nx, ny, nz, 4); ``held`` is ``state`` after forces and constraints."""
-    v, dv = held.v, jnp.zeros(3, held.v.dtype)
+def scatter(model: Model, state: State, constrained: State, tau: jax.Array) -> jax.Array:
+    """Momentum and mass at the nodes, shape (nx, ny, nz, 4); ``constrained`` is ``state`` after forces, constraints."""
+    v, dv = constrained.v, jnp.zeros(3, constrained.v.dtype)
     if not model.forces and not model.constraints:  # gravity alone need not go through memory
         v, dv = state.v, model.dt * body_acceleration(model, state)
-    form, grid, matter = model.stress_form, model.grid, (model.mass, model.volume, dv, model.dt)
+    form, grid, inputs = model.stress_form, model.grid, (model.mass, model.volume, dv, model.dt)
     if not kernels.use_cpu(model.kernels):
-        return transfer.p2g(form, grid, held.x, v, held.C, tau, *matter)
+        return transfer.p2g(form, grid, constrained.x, v, constrained.C, tau, *inputs)
     cpu, law = kernels.load_cpu_kernels(), model.materials[0]
     if (
         type(law) is NeoHookean and len(model.materials) == 1 and model.viscosity is None
     ):  # a subclass may differ
         # The kernel makes this stress on the way, and ``tau`` is never computed: XLA sees that nobody reads it.
         lame = (jnp.broadcast_to(parameter, model.mass.shape) for parameter in (law.mu, law.lam))
-        return cpu.p2g_neo_hookean(form, grid, held.x, v, held.C, held.F, *lame, *matter)
-    return cpu.p2g(form, grid, held.x, v, held.C, tau, *matter)
+        return cpu.p2g_neo_hookean(form, grid, constrained.x, v, constrained.C, constrained.F, *lame, *inputs)
+    return cpu.p2g(form, grid, constrained.x, v, constrained.C, tau, *inputs)
 
 
 def gather(model: Model, state: State, velocity: jax.Array) -> transfer.Moved:
@@ -141,7 +141,7 @@ def external_acceleration(model: Model, state: State) -> jax.Array:
 
 def affine(model: Model, state: State) -> jax.Array:
     """C as P2G is to see it [1/s], shape (n, 3, 3): damped, and with the gradients of the force terms."""
-    C = damped_affine(model, state.C)
+    C = damp_affine(model, state.C)
     with reductions.split_over(model.axis):
         for force in model.forces:
             gradient = force.gradient(state.x, state.time, model.dt)
@@ -152,7 +152,7 @@ def affine(model: Model, state: State) -> jax.Array:
 
 def kirchhoff_stress(model: Model, state: State) -> jax.Array:
     """Kirchhoff stress without viscosity [Pa], shape (n, 3, 3), each block of particles by its own material."""
-    tau = per_material(model, state, lambda material, F, history: material.stress(F, history))
+    tau = map_materials(model, state, lambda material, F, history: material.stress(F, history))
     return as_field(tau, state.F, "stresses")
 
 
@@ -169,23 +169,23 @@ def respond(
 ) -> tuple[jax.Array, tuple, jax.Array]:
     """Elastic deformation gradients after each material's return mapping, the new histories, and the stress [Pa]."""
     with kernels.use_kernels(model.kernels):
-        blocks = [materials.respond(*block, model.dt) for block in _blocks(model, trial, history)]
+        blocks = [materials.respond(*block, model.dt) for block in _split_blocks(model, trial, history)]
     F, memories, tau = zip(*blocks)
-    F, tau = (as_field(_joined(part), trial, "what the materials make") for part in (F, tau))
+    F, tau = (as_field(_join_blocks(part), trial, "what the materials make") for part in (F, tau))
     return F, memories if history else (), tau
 
 
-def per_material(model: Model, state: State, function) -> jax.Array:
+def map_materials(model: Model, state: State, function) -> jax.Array:
     """Applies ``function(material, F, history)`` to each material's block and joins the results."""
     with kernels.use_kernels(model.kernels):
-        return _joined([function(*block) for block in _blocks(model, state.F, state.history)])
+        return _join_blocks([function(*block) for block in _split_blocks(model, state.F, state.history)])
 
 
-def _joined(blocks) -> jax.Array:
+def _join_blocks(blocks) -> jax.Array:
     return blocks[0] if len(blocks) == 1 else jnp.concatenate(blocks)
 
 
-def _blocks(model: Model, F: jax.Array, history: tuple[History, ...]):
+def _split_blocks(model: Model, F: jax.Array, history: tuple[History, ...]):
     """(material, its part of F, its history), one after the other."""
     if not history:
         history = tuple(() for _ in model.materials)
@@ -201,7 +201,7 @@ def _blocks(model: Model, F: jax.Array, history: tuple[History, ...]):
         start += material.count
 
 
-def damped_affine(model: Model, C: jax.Array) -> jax.Array:
+def damp_affine(model: Model, C: jax.Array) -> jax.Array:
     """C as the transfer scheme lets it through: PIC none, RPIC less of its symmetric part."""
     if model.transfer == "pic":
         return jnp.zeros_like(C)
@@ -228,25 +228,27 @@ def _lightest(model: Model) -> jax.Array:
     """Least mass of a particle [kg]."""
     if model.axis is None:
         return model.mass.min()
-    return reductions.least(jnp.where(model.mass > 0, model.mass, jnp.inf).min(), model.axis)  # padding aside
+    return reductions.min_devices(
+        jnp.where(model.mass > 0, model.mass, jnp.inf).min(), model.axis
+    )  # padding aside
 
 
-def folded(model: Model, nodes: jax.Array) -> jax.Array:
+def fold_boundaries(model: Model, nodes: jax.Array) -> jax.Array:
     """Momentum and mass at the nodes with what boundaries add to them, shape (nx, ny, nz, 4)."""
     for boundary in model.boundaries:
         nodes = boundary.fold(nodes, model.grid)
     return nodes
 
 
-def bounded(model: Model, velocity: jax.Array, time: jax.Array) -> jax.Array:
+def apply_boundaries(model: Model, velocity: jax.Array, time: jax.Array) -> jax.Array:
     """Node velocities after all boundaries [m/s]."""
     for boundary in model.boundaries:
-        met = boundary.apply(velocity, model.grid, time)
-        velocity = as_field(met, velocity, f"velocities after {type(boundary).__name__}")
+        applied = boundary.apply(velocity, model.grid, time)
+        velocity = as_field(applied, velocity, f"velocities after {type(boundary).__name__}")
     return velocity
 
 
-def damped(model: Model, velocity: jax.Array) -> jax.Array:
+def damp(model: Model, velocity: jax.Array) -> jax.Array:
     """Node velocities after the global damping of one substep."""
     return velocity * jnp.exp(-model.damping_rate * model.dt) if model.damping_rate > 0 else velocity
 
@@ -266,11 +268,11 @@ def stop_at_walls(model: Model, state: State, health: Health) -> tuple[State, He
     low, high = model.wall * model.grid.dx, (model.grid.cells - model.wall) * model.grid.dx
     if model.axis is not None:
         beyond = ((state.x < low) | (state.x > high)).any(-1) & (model.mass > 0)  # padding does not count
-        health = dataclasses.replace(health, beyond=beyond.sum(dtype=jnp.int32)).over(model.axis)
+        health = dataclasses.replace(health, beyond=beyond.sum(dtype=jnp.int32)).reduce(model.axis)
 
     def stop(x, v):
-        held = jnp.where(x < low, jnp.maximum(v, 0), jnp.where(x > high, jnp.minimum(v, 0), v))
-        return jnp.clip(x, low, high), held
+        stopped = jnp.where(x < low, jnp.maximum(v, 0), jnp.where(x > high, jnp.minimum(v, 0), v))
+        return jnp.clip(x, low, high), stopped
 
     x, v = jax.lax.cond(health.beyond > 0, stop, lambda x, v: (x, v), state.x, state.v)
     return dataclasses.replace(state, x=x, v=v, stopped=state.stopped + health.beyond), health

@@ -28,9 +28,9 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.mpm.reductions import greatest, least
+from physagent_jax.mpm.reductions import max_devices, min_devices
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.step import body_acceleration, per_material
+from physagent_jax.mpm.step import body_acceleration, map_materials
 
 SAFETY = 0.9  # of the bound, for the automatic step: APIC loses energy with every step, so that long ones err least
 ADVECTION_LIMIT = 0.5  # cells a particle may cross in one substep
@@ -45,13 +45,13 @@ def stable_dt(model: Model, state: State) -> jax.Array:
 
 @jax.jit
 def _stable_dt(model: Model, state: State) -> jax.Array:
-    stiffness = per_material(model, state, lambda material, F, history: material.stiffness(F, history))
+    stiffness = map_materials(model, state, lambda material, F, history: material.stiffness(F, history))
     inertia = model.mass / model.volume * model.grid.dx**2  # [Pa s^2]
     damping = 0.0 if model.viscosity is None else 16 * model.viscosity / inertia
     bound = 8 / (damping + jnp.sqrt(damping**2 + 64 * stiffness / inertia))
     if model.axis is not None:
         bound = jnp.where(model.mass > 0, bound, jnp.inf)  # padding
-    return least(bound.min(), model.axis) * (1.0 if model.stress_form == "mls" else CLASSICAL_SHARE)
+    return min_devices(bound.min(), model.axis) * (1.0 if model.stress_form == "mls" else CLASSICAL_SHARE)
 
 
 def kinematic_dt(model: Model, state: State, horizon: jax.Array) -> jax.Array:
@@ -66,8 +66,8 @@ def _kinematic_dt(model: Model, state: State, horizon: jax.Array) -> jax.Array:
     gradient = jnp.sqrt((state.C**2).sum((-1, -2)))
     tiny = jnp.finfo(state.x.dtype).tiny
     return jnp.minimum(
-        ADVECTION_LIMIT * model.grid.dx / jnp.maximum(greatest(speed.max(), model.axis), tiny),
-        GRADIENT_LIMIT / jnp.maximum(greatest(gradient.max(), model.axis), tiny),
+        ADVECTION_LIMIT * model.grid.dx / jnp.maximum(max_devices(speed.max(), model.axis), tiny),
+        GRADIENT_LIMIT / jnp.maximum(max_devices(gradient.max(), model.axis), tiny),
     )
 
 
@@ -76,7 +76,7 @@ def _of_any_window(model: Model) -> Model:
     return model.replace(grid=dataclasses.replace(model.grid, shape=(0, 0, 0)))
 
 
-def substeps_for(frame_dt: float, dt: float) -> int:
+def divide_frame(frame_dt: float, dt: float) -> int:
     """Substeps of at most ``dt`` [s] that fit ``frame_dt`` [s] exactly."""
     return max(1, math.ceil(frame_dt / dt * (1 - 1e-6)))
 

@@ -67,6 +67,6 @@ def _sides(needed: np.ndarray, have: tuple[int, int, int], most: int) -> tuple[i
     return nx, ny, nz
 
 
-def smallest_window(size: float, cells: int) -> Grid:
+def find_smallest_window(size: float, cells: int) -> Grid:
     """A minimal window of a domain of side ``size`` [m]; `fit_window` grows it to the object."""
     return Grid(on_device(np.zeros(3, np.int32)), (_GRANULE, _GRANULE, _GRANULE), size / cells, cells)

@@ -25,7 +25,7 @@ class Body:
     Attributes:
         cloud: Gaussians in the world (SH still in the captured frame).
         placement: From the file's frame to the world.
-        particles: Matter.
+        particles: The material points, at rest.
         binding: Which particles each Gaussian follows.
     """
 

@@ -25,7 +25,7 @@ _AT_ONCE = 1_000_000  # random numbers
 
 @dataclasses.dataclass(frozen=True)
 class Particles:
-    """Matter at rest: first the Gaussians' particles in order of their index, then the filled ones.
+    """Material points at rest: first the Gaussians' particles in order of their index, then the filled ones.
 
     Attributes:
         x: Positions [m], shape (n, 3), float32.
@@ -284,13 +284,13 @@ def _volumes(cells: np.ndarray, wall: np.ndarray, layer: np.ndarray, spacing: fl
     Cells' matter is shared within blocks of 1, 2, 4, ... cells, the smallest for which nearly all matter lies
     in blocks that hold particles (1 unless the cap thinned them); the rest is spread over all.
     """
-    matter = np.where(layer == OUTSIDE, 0, np.where(wall & (layer == OUTER), 1, 2)).astype(
+    half_cells = np.where(layer == OUTSIDE, 0, np.where(wall & (layer == OUTER), 1, 2)).astype(
         np.uint8
     )  # half cells
-    total = matter.sum(dtype=np.int64)
+    total = half_cells.sum(dtype=np.int64)
     block = 1
     while True:
-        sums = _block_sums(matter, block)
+        sums = _block_sums(half_cells, block)
         key = np.ravel_multi_index(tuple((cells // block).T), sums.shape)
         occupied, where, count = np.unique(key, return_inverse=True, return_counts=True)
         held = sums.ravel()[occupied]

@@ -34,7 +34,7 @@ class SceneTemplate:
         prompt: The sentence, for the record.
         preset_name, preset: Grid, particles, time, transfer, pictures.
         source: The object.
-        material: Its matter.
+        material: What it is made of.
         anchor: What is held.
         camera: Direction and lens; with ``target`` None it is placed to show the expected motion.
         friction: Of the ground, for falling objects.

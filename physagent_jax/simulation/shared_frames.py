@@ -33,7 +33,7 @@ def last_shared_frame(one: SceneConfig, other: SceneConfig) -> int | None:
 
     Returns:
         0 if only the rest pose is, frame_count - 1 if everything is; None if they differ in anything but what acts
-        when (the object, matter, gravity, ...), or in the record that is asked for.
+        when (the object, its material, gravity, ...), or in the record that is asked for.
     """
     if _all_else(one) != _all_else(other):
         return None

@@ -17,7 +17,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.mpm import Grid, rollout, stable_dt
-from physagent_jax.mpm.timestep import substeps_for
+from physagent_jax.mpm.timestep import divide_frame
 from physagent_jax.scene.compile import CompiledScene
 
 SAFETY = 0.5  # of the bound at rest; a step that never adapts must also bear the squeeze on landing
@@ -89,10 +89,10 @@ def static_substeps(scene: CompiledScene) -> int:
     """
     timing = scene.config.timing
     if timing.substep_dt != "auto":
-        return substeps_for(timing.frame_dt, timing.substep_dt)
+        return divide_frame(timing.frame_dt, timing.substep_dt)
     with jax.ensure_compile_time_eval():
         bound = float(stable_dt(scene.model, scene.state))
-    return substeps_for(timing.frame_dt, SAFETY * bound)
+    return divide_frame(timing.frame_dt, SAFETY * bound)
 
 
 def _with_first(first: jax.Array, rest: jax.Array) -> jax.Array:

@@ -27,7 +27,7 @@ from physagent_jax.mpm import (
 )
 from physagent_jax.mpm.energy import angular_momentum, elastic_energy, momentum, total_energy
 from physagent_jax.mpm.frame import advance
-from physagent_jax.mpm.sharding import AXIS, Layout, specs
+from physagent_jax.mpm.sharding import AXIS, Layout, find_specs
 from physagent_jax.mpm.timestep import kinematic_dt
 from tests.mpm.blocks import block
 
@@ -35,7 +35,7 @@ UP = jnp.array([0.0, 0.0, 1.0])
 COUNTS = dict(jelly=101, metal=70, drop=2, stone=42)  # none of them divisible by four; 215 particles
 
 
-def matter(counts, youngs_modulus=4e4):
+def make_materials(counts, youngs_modulus=4e4):
     mu, lam = youngs_modulus / 2.6, 0.3 * youngs_modulus / (1.3 * 0.4)
 
     def full(name, *values):
@@ -55,7 +55,7 @@ def scene(**changes):
     model, state = block((3, 3, 3), low=(0.4, 0.4, 0.22), dtype=np.float64, kernels="reference")
     counts = COUNTS | changes
     count = sum(counts.values())
-    materials = matter(counts)
+    materials = make_materials(counts)
     x = state.x[:count]
     arm = x - x.mean(0)
     v = 4 * jnp.stack([-arm[:, 1], arm[:, 0], 2 * arm[:, 0]], -1) - 0.5 * UP
@@ -132,7 +132,7 @@ def reduced(devices=None):
         return jax.jit(function)(model, state)
     layout = Layout(tuple(material.count for material in model.materials), len(devices))
     split, mesh = layout.split(model, state), Mesh(np.asarray(devices), (AXIS,))
-    return jax.jit(jax.shard_map(function, mesh=mesh, in_specs=specs(split), out_specs=PartitionSpec()))(
+    return jax.jit(jax.shard_map(function, mesh=mesh, in_specs=find_specs(split), out_specs=PartitionSpec()))(
         *split
     )
 

@@ -72,18 +72,18 @@ def material(name, count=COUNT, dtype: Any = float, **changes: Any) -> Any:
     return kind(**{k: jnp.full(count, v, dtype) for k, v in (parameters | changes).items()}, **static)
 
 
-def histories(matter, seed=3):
+def histories(law, seed=3):
     """A plausible past for each particle: some plastic strain, gained volume or compaction."""
-    initial = matter.initial_history()
+    initial = law.initial_history()
     if isinstance(initial, tuple):
         return initial
     past = np.random.default_rng(seed).uniform(0, 0.3, initial.shape)
     past[0] = past[-1] = 0.0
-    if isinstance(matter, Plasticine):
+    if isinstance(law, Plasticine):
         past[1::4] = 1.5  # its yield stress is used up
-    if isinstance(matter, DruckerPrager):
+    if isinstance(law, DruckerPrager):
         past *= 0.5 * np.log(TORN) / 0.15
-    return initial + jnp.asarray(past - (0.15 if isinstance(matter, Snow) else 0), initial.dtype)
+    return initial + jnp.asarray(past - (0.15 if isinstance(law, Snow) else 0), initial.dtype)
 
 
 def rotations(seed=0):
@@ -105,8 +105,8 @@ def diagonal(*rows):
     return jnp.asarray(np.exp(np.asarray(rows, float))[:, :, None] * np.eye(3))
 
 
-def after_return(matter, F, history=None, dt=DT):
+def after_return(law, F, history=None, dt=DT):
     """Kirchhoff stress and history after the return mapping of trial F, as numpy arrays."""
-    history = matter.initial_history() if history is None else history
-    F, history = project(matter, jnp.asarray(F), history, dt)
-    return np.asarray(stress(matter, F, history)), history
+    history = law.initial_history() if history is None else history
+    F, history = project(law, jnp.asarray(F), history, dt)
+    return np.asarray(stress(law, F, history)), history

@@ -9,8 +9,8 @@ import pytest
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import PrescribedMotion
-from physagent_jax.mpm.fields import END, PER_PARTICLE, START, owner
-from physagent_jax.mpm.plan import acting
+from physagent_jax.mpm.fields import END, PER_PARTICLE, START, find_owner
+from physagent_jax.mpm.plan import select_acting
 from physagent_jax.mpm.sharding import Layout
 from tests.mpm.blocks import block
 
@@ -37,8 +37,8 @@ class Tide:
 def test_windows_are_what_is_marked():
     model, state = block()
     model = model.replace(forces=(Push(state.x[:, 0], 0.1, 0.2), Tide(0.1, 0.2)))
-    assert len(acting(model, 0.15, 0.16).forces) == 2
-    assert [type(force) for force in acting(model, 0.3, 0.4).forces] == [Tide]
+    assert len(select_acting(model, 0.15, 0.16).forces) == 2
+    assert [type(force) for force in select_acting(model, 0.3, 0.4).forces] == [Tide]
 
 
 def test_what_is_marked_goes_with_its_particles():
@@ -62,4 +62,4 @@ def test_the_mark_of_a_leaf_is_that_of_the_outermost_field(name, expected):
     grip = PrescribedMotion.fixed(jnp.arange(3))
     model = model.replace(forces=(Push(state.x[:, 0], 0.1, 0.2),), constraints=(grip,))
     paths = [path for path, _ in jax.tree_util.tree_leaves_with_path(model) if path[0].name == name]
-    assert owner(model, paths[0]) == expected
+    assert find_owner(model, paths[0]) == expected

@@ -37,27 +37,27 @@ def states(seed=5):
     return F.at[0].set(0.9 * jnp.eye(3)).at[1].set(jnp.diag(jnp.array([0.8, 0.8, 1.0])))
 
 
-def response(matter, F, history, dt):
+def response(law, F, history, dt):
     """A number per particle that depends on all that a step returns, of the order of E."""
-    new, past = project(matter, F, history, dt)
+    new, past = project(law, F, history, dt)
     weights = jnp.asarray(np.random.default_rng(6).normal(size=(3, 3)), F.dtype)
     memory = past if isinstance(past, jax.Array) else 0.0
-    total = (weights * stress(matter, new, past)).sum((1, 2)) + energy(matter, new, past)
+    total = (weights * stress(law, new, past)).sum((1, 2)) + energy(law, new, past)
     return total + E * (weights * new).sum((1, 2)) + E * memory
 
 
 # Run a few times each: compiling is what costs.
 @partial(jax.jit, compiler_options={"xla_backend_optimization_level": 0})
-def gradients(matter, F, history, dt):
-    """With respect to (matter, F, history, dt)."""
-    return jax.grad(lambda *a: response(*a).sum(), argnums=(0, 1, 2, 3))(matter, F, history, dt)
+def gradients(law, F, history, dt):
+    """With respect to (law, F, history, dt)."""
+    return jax.grad(lambda *a: response(*a).sum(), argnums=(0, 1, 2, 3))(law, F, history, dt)
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_gradients_match_central_differences(name, x64):
-    matter, F, dt = material(name), states(), jnp.asarray(DT)
-    history = histories(matter)
-    by_matter, by_F, by_history, by_dt = gradients(matter, F, history, dt)
+    law, F, dt = material(name), states(), jnp.asarray(DT)
+    history = histories(law)
+    by_law, by_F, by_history, by_dt = gradients(law, F, history, dt)
     regular = np.full(COUNT, True)
     if name in CORNER_AT_REST:
         regular[-1] = False
@@ -70,25 +70,25 @@ def test_gradients_match_central_differences(name, x64):
     h = 1e-6
     for seed in range(2):
         dF = np.random.default_rng(seed).normal(size=F.shape)
-        plus, minus = (response(matter, F + sign * h * dF, history, dt) for sign in (1, -1))
+        plus, minus = (response(law, F + sign * h * dF, history, dt) for sign in (1, -1))
         check((by_F * dF).sum((1, 2)), plus, minus, h)
-    for field in dataclasses.fields(matter):
-        value = getattr(matter, field.name)
+    for field in dataclasses.fields(law):
+        value = getattr(law, field.name)
         if not isinstance(value, jax.Array) or field.name in CORNER_PARAMETERS.get(name, ()):
             continue
         step = h * (float(value[0]) or (1.0 if field.name == "friction_angle" else 0.01 * E))
         plus, minus = (
-            response(dataclasses.replace(matter, **{field.name: value + sign * step}), F, history, dt)
+            response(dataclasses.replace(law, **{field.name: value + sign * step}), F, history, dt)
             for sign in (1, -1)
         )
-        gradient = getattr(by_matter, field.name)
+        gradient = getattr(by_law, field.name)
         assert np.isfinite(gradient).all() and np.abs(gradient).max() > 0
         check(gradient, plus, minus, step)
     if not isinstance(history, tuple):
         aged = regular & (np.arange(COUNT) % (COUNT - 1) > 0)  # the first and the last are fresh: a corner
-        plus, minus = (response(matter, F, history + sign * h, dt) for sign in (1, -1))
+        plus, minus = (response(law, F, history + sign * h, dt) for sign in (1, -1))
         check(by_history, plus, minus, h, aged)
-    plus, minus = (response(matter, F, history, dt * (1 + sign * h)) for sign in (1, -1))
+    plus, minus = (response(law, F, history, dt * (1 + sign * h)) for sign in (1, -1))
     difference = (plus - minus).sum() / (2 * h * dt)
     np.testing.assert_allclose(by_dt, difference, rtol=1e-6, atol=1e-6 * E)
     assert (by_dt != 0) == (name == "foam")
@@ -96,9 +96,9 @@ def test_gradients_match_central_differences(name, x64):
 
 @pytest.mark.parametrize("name", ALL)
 def test_gradients_are_finite_at_rest(name, x64):
-    matter = material(name)
+    law = material(name)
     F = jnp.broadcast_to(jnp.eye(3), (COUNT, 3, 3))
-    for leaf in jax.tree.leaves(gradients(matter, F, matter.initial_history(), DT)):
+    for leaf in jax.tree.leaves(gradients(law, F, law.initial_history(), DT)):
         assert np.isfinite(leaf).all()
 
 
@@ -114,35 +114,35 @@ INACTIVE = {
 
 @pytest.mark.parametrize("name", INACTIVE)
 def test_parameters_that_do_not_act_have_exactly_no_gradient(name, x64):
-    matter = material(name)
+    law = material(name)
     elastic = np.eye(3) + 1e-3 * random_F(1.0)
-    by_matter = gradients(matter, elastic, matter.initial_history(), DT)[0]
+    by_law = gradients(law, elastic, law.initial_history(), DT)[0]
     for parameter in INACTIVE[name]:
-        np.testing.assert_array_equal(getattr(by_matter, parameter), 0)
-    assert np.abs(by_matter.mu).min() > 0
-    by_matter = gradients(matter, states(), histories(matter), DT)[0]
+        np.testing.assert_array_equal(getattr(by_law, parameter), 0)
+    assert np.abs(by_law.mu).min() > 0
+    by_law = gradients(law, states(), histories(law), DT)[0]
     for parameter in INACTIVE[name]:
-        assert np.abs(getattr(by_matter, parameter)).max() > 0, "but they do act on what yields"
+        assert np.abs(getattr(by_law, parameter)).max() > 0, "but they do act on what yields"
 
 
 def test_hardening_of_snow_at_its_cap_has_no_gradient(x64):
-    matter = material("snow")
-    by_matter = gradients(matter, states(), jnp.full(COUNT, 0.2), DT)[0]
-    np.testing.assert_array_equal(by_matter.hardening, 0)
-    assert np.abs(by_matter.hardening_cap)[:-1].min() > 0
+    law = material("snow")
+    by_law = gradients(law, states(), jnp.full(COUNT, 0.2), DT)[0]
+    np.testing.assert_array_equal(by_law.hardening, 0)
+    assert np.abs(by_law.hardening_cap)[:-1].min() > 0
 
 
 @pytest.mark.parametrize("viscosity", [0.0, 1e-300, np.inf])
 def test_gradients_are_finite_at_the_limits_of_viscosity(viscosity, x64):
-    matter = material("foam", plastic_viscosity=viscosity)
-    for leaf in jax.tree.leaves(gradients(matter, states(), (), DT)):
+    law = material("foam", plastic_viscosity=viscosity)
+    for leaf in jax.tree.leaves(gradients(law, states(), (), DT)):
         assert np.isfinite(leaf).all()
 
 
 @pytest.mark.parametrize("softening", [3 * MU, 20 * MU])
 def test_gradients_are_finite_when_plasticine_breaks_at_once(softening, x64):
-    matter = material("plasticine", softening=softening)
-    for leaf in jax.tree.leaves(gradients(matter, states(), matter.initial_history(), DT)):
+    law = material("plasticine", softening=softening)
+    for leaf in jax.tree.leaves(gradients(law, states(), law.initial_history(), DT)):
         assert np.isfinite(leaf).all()
 
 
@@ -156,10 +156,10 @@ def test_a_liquid_in_shear_has_the_derivative_of_its_projection_at_rest(x64):
         "slurry": {},
     }
     for name, changes in cases.items():
-        matter = material(name, **changes)
+        law = material(name, **changes)
         F, dF = diagonal(*[[-0.1] * 3] * COUNT), np.random.default_rng(7).normal(size=(COUNT, 3, 3))
         tangent = jax.jvp(
-            lambda F, matter=matter: project(matter, F, matter.initial_history())[0], (F,), (jnp.asarray(dF),)
+            lambda F, law=law: project(law, F, law.initial_history())[0], (F,), (jnp.asarray(dF),)
         )[1]
         trace = np.trace(dF, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
         np.testing.assert_allclose(tangent, trace + (dF - dF.swapaxes(1, 2)) / 2, atol=1e-12)
@@ -167,8 +167,8 @@ def test_a_liquid_in_shear_has_the_derivative_of_its_projection_at_rest(x64):
 
 @pytest.mark.parametrize("name", ["Hencky", "cohesive soil", "snow"])
 def test_single_precision_gradients_agree_with_double(name, x64):
-    matter, F = material(name), states()
-    arguments = (matter, F, histories(matter), jnp.asarray(DT))
+    law, F = material(name), states()
+    arguments = (law, F, histories(law), jnp.asarray(DT))
     single = jax.tree.map(lambda a: a.astype(jnp.float32), arguments)
     for double, float32 in zip(jax.tree.leaves(gradients(*arguments)), jax.tree.leaves(gradients(*single))):
         assert float32.dtype == jnp.float32

@@ -36,11 +36,11 @@ def metal(hardening=0.0):
     return material("von Mises", 1, yield_stress=SIGMA_Y, hardening=hardening)
 
 
-def axial_stress(matter, strain, history=None):
+def axial_stress(law, strain, history=None):
     """Axial Kirchhoff stress of a bar with free sides at a logarithmic strain, and its history."""
 
     def point(lateral):
-        return after_return(matter, diagonal([strain, lateral, lateral]), history)
+        return after_return(law, diagonal([strain, lateral, lateral]), history)
 
     lateral = brentq(lambda e: point(e)[0][0, 1, 1], -abs(strain), abs(strain), xtol=1e-15)
     tau, history = point(lateral)
@@ -106,29 +106,29 @@ def test_hardened_metal_yields_at_its_new_yield_stress(x64):
 
 
 def test_stress_lands_on_the_yield_surface_from_any_trial_state(x64):
-    matter = material("von Mises")
+    law = material("von Mises")
     F = random_F()
-    history = jnp.linspace(0, 0.2, matter.count)
-    trial = np.sqrt(1.5) * norm(deviator(np.asarray(stress(matter, F, history))))
-    tau, alpha = after_return(matter, F, history)
+    history = jnp.linspace(0, 0.2, law.count)
+    trial = np.sqrt(1.5) * norm(deviator(np.asarray(stress(law, F, history))))
+    tau, alpha = after_return(law, F, history)
     q = np.sqrt(1.5) * norm(deviator(tau))
-    limit = matter.yield_stress + matter.hardening * alpha
-    yields = trial > matter.yield_stress + matter.hardening * history
-    assert 3 < yields.sum() < matter.count
+    limit = law.yield_stress + law.hardening * alpha
+    yields = trial > law.yield_stress + law.hardening * history
+    assert 3 < yields.sum() < law.count
     np.testing.assert_allclose(q[yields], limit[yields], rtol=1e-11)
     np.testing.assert_allclose(q[~yields], trial[~yields], rtol=1e-9, atol=1e-9 * E)
 
 
-def shear_path(matter, steps, history=None, increment=0.002):
+def shear_path(law, steps, history=None, increment=0.002):
     """Isochoric stretching along a fixed turned axis, in small steps; stresses and histories of all steps."""
-    Q = rotations()[: matter.count]
+    Q = rotations()[: law.count]
     step = Q @ diagonal([increment, -increment / 2, -increment / 2]) @ Q.swapaxes(1, 2)
     F = jnp.broadcast_to(jnp.eye(3), step.shape)
-    history = matter.initial_history() if history is None else history
+    history = law.initial_history() if history is None else history
     taus, pasts = [], []
     for _ in range(steps):
-        F, history = project(matter, step @ F, history)
-        taus.append(np.asarray(stress(matter, F, history))[0])
+        F, history = project(law, step @ F, history)
+        taus.append(np.asarray(stress(law, F, history))[0])
         pasts.append(float(history[0]))
     return np.stack(taus), np.asarray(pasts), F
 
@@ -166,8 +166,8 @@ def test_conversions_from_a_bound_on_the_deviator_norm(x64):
 
 
 def test_plasticine_softens_linearly_to_a_paste_without_deviator_or_tension(x64):
-    matter = material("plasticine", 1, yield_stress=SIGMA_Y, softening=0.2 * E)
-    taus, alpha, F = shear_path(matter, 80)
+    law = material("plasticine", 1, yield_stress=SIGMA_Y, softening=0.2 * E)
+    taus, alpha, F = shear_path(law, 80)
     q = np.sqrt(1.5) * norm(deviator(taus))
     yielded = np.flatnonzero(alpha > 0)[0]
     expected = np.maximum(SIGMA_Y - 0.2 * E * alpha[yielded:], 0)
@@ -177,10 +177,10 @@ def test_plasticine_softens_linearly_to_a_paste_without_deviator_or_tension(x64)
     assert q[-1] < 1e-12 * E and alpha[-1] > SIGMA_Y / (0.2 * E)
     history = jnp.asarray(alpha[-1:])
     stretched, squeezed = (np.exp(e) * F for e in (0.1, -0.1))
-    assert np.abs(after_return(matter, stretched, history)[0]).max() < 1e-10 * E
-    np.testing.assert_allclose(energy(matter, stretched, history), 0, atol=1e-12 * E)
+    assert np.abs(after_return(law, stretched, history)[0]).max() < 1e-10 * E
+    np.testing.assert_allclose(energy(law, stretched, history), 0, atol=1e-12 * E)
     np.testing.assert_allclose(
-        after_return(matter, squeezed, history)[0][0], -0.3 * K * np.eye(3), atol=1e-10 * E
+        after_return(law, squeezed, history)[0][0], -0.3 * K * np.eye(3), atol=1e-10 * E
     )
 
 
@@ -196,11 +196,11 @@ def test_perfectly_plastic_limits_agree(x64):
 
 @pytest.mark.parametrize("softening", [3 * MU, 3 * MU * (1 - 1e-12), 10 * MU])
 def test_softening_steeper_than_elastic_unloading_breaks_at_the_first_yield(softening, x64):
-    matter = material("plasticine", 1, yield_stress=SIGMA_Y, softening=softening)
+    law = material("plasticine", 1, yield_stress=SIGMA_Y, softening=softening)
     onset = SIGMA_Y / (3 * MU)
-    whole, alpha = after_return(matter, diagonal(np.array([1, -0.5, -0.5]) * 0.99 * onset))
+    whole, alpha = after_return(law, diagonal(np.array([1, -0.5, -0.5]) * 0.99 * onset))
     assert alpha[0] == 0 and np.sqrt(1.5) * norm(deviator(whole)) > 0.9 * SIGMA_Y
-    broken, alpha = after_return(matter, diagonal(np.array([1, -0.5, -0.5]) * 1.01 * onset))
+    broken, alpha = after_return(law, diagonal(np.array([1, -0.5, -0.5]) * 1.01 * onset))
     assert norm(deviator(broken)) < 1e-12 * E
     np.testing.assert_allclose(alpha, 1.01 * onset, rtol=1e-9)
 
@@ -229,18 +229,18 @@ def test_foam_without_viscosity_returns_at_once_and_with_infinite_viscosity_is_e
 
 def test_foam_overstress_relaxes_with_the_time_constant_eta_over_2_mu(x64):
     eta = 2 * MU * 0.05
-    matter = material("foam", 1, yield_stress=SIGMA_Y, plastic_viscosity=eta)
+    law = material("foam", 1, yield_stress=SIGMA_Y, plastic_viscosity=eta)
     F = diagonal([0.2, -0.05, 0.0])
     bound = np.sqrt(2 / 3) * SIGMA_Y
-    start = norm(deviator(np.asarray(stress(matter, F, ()))))[0] - bound
+    start = norm(deviator(np.asarray(stress(law, F, ()))))[0] - bound
     for dt, steps in ((0.01, 7), (0.07, 1)):  # exact for a held strain, whatever the step
         held = F
         for _ in range(steps):
-            held, _ = project(matter, held, (), dt)
-        excess = norm(deviator(np.asarray(stress(matter, held, ()))))[0] - bound
+            held, _ = project(law, held, (), dt)
+        excess = norm(deviator(np.asarray(stress(law, held, ()))))[0] - bound
         np.testing.assert_allclose(excess / start, np.exp(-0.07 / 0.05), rtol=1e-10)
     below = diagonal([0.5 * SIGMA_Y / (2 * MU), 0.0, 0.0])
-    np.testing.assert_array_equal(project(matter, below, (), 10.0)[0], below)
+    np.testing.assert_array_equal(project(law, below, (), 10.0)[0], below)
 
 
 def test_materials_share_hencky_elasticity(x64):
@@ -248,8 +248,8 @@ def test_materials_share_hencky_elasticity(x64):
     reference = material("Hencky")
     assert isinstance(reference, Hencky)
     for kind, name in ((VonMises, "von Mises"), (Plasticine, "plasticine"), (Viscoplastic, "foam")):
-        matter = material(name)
-        assert isinstance(matter, kind)
-        history = matter.initial_history()
-        np.testing.assert_allclose(stress(matter, F, history), stress(reference, F, ()), atol=1e-11 * E)
-        np.testing.assert_allclose(energy(matter, F, history), energy(reference, F, ()), atol=1e-11 * E)
+        law = material(name)
+        assert isinstance(law, kind)
+        history = law.initial_history()
+        np.testing.assert_allclose(stress(law, F, history), stress(reference, F, ()), atol=1e-11 * E)
+        np.testing.assert_allclose(energy(law, F, history), energy(reference, F, ()), atol=1e-11 * E)

@@ -13,10 +13,10 @@ from physagent_jax.mpm import (
     DomainBox,
     Grid,
     NeoHookean,
+    find_smallest_window,
     lame_parameters,
     rollout,
     simulate,
-    smallest_window,
     stable_dt,
 )
 from tests.mpm.blocks import block
@@ -55,7 +55,7 @@ def falling(frame_count=6, **options):
 
 def test_the_moving_window_changes_nothing(x64):
     model, state = block(gravity=jnp.array([3.0, 0.0, -9.8]), low=(0.3, 0.4, 0.5), dtype=np.float64)
-    small = model.replace(grid=smallest_window(1.0, 20))
+    small = model.replace(grid=find_smallest_window(1.0, 20))
     whole = list(simulate(model, state, frame_count=8, frame_dt=0.02, substep_dt=1e-3))
     moving = list(simulate(small, state, frame_count=8, frame_dt=0.02, substep_dt=1e-3))
     assert np.prod(moving[-1].grid_shape) < 0.5 * np.prod(whole[-1].grid_shape)
@@ -65,7 +65,7 @@ def test_the_moving_window_changes_nothing(x64):
 def test_a_run_goes_on_from_any_of_its_frames(x64):
     """State and grid window are all that passes from frame to frame: what follows is the same to the last bit."""
     model, state = block(gravity=jnp.array([3.0, 0.0, -9.8]), low=(0.3, 0.4, 0.5), dtype=np.float64)
-    model = model.replace(grid=smallest_window(1.0, 20))
+    model = model.replace(grid=find_smallest_window(1.0, 20))
     options = dict(frame_count=8, frame_dt=0.02, ledger=True)
     whole = list(simulate(model, state, **options))
     rest = list(simulate(model, state, **options, begin=whole[3]))

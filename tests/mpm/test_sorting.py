@@ -84,22 +84,22 @@ def test_a_run_goes_on_in_the_order_that_it_had(mixture):
 def test_order_is_kept_until_particles_have_mixed(mixture):
     """Blocks of materials stay together; cells follow each other within them."""
     model, state = mixture
-    order = sorting.renewed(None, model, state)
+    order = sorting.update_order(None, model, state)
     assert order is not None
     half = len(order) // 2
     assert set(order[:half]) == set(range(half))
     np.testing.assert_array_equal(order[:half], cell_order(np.asarray(state.x)[:half], model.grid.dx))
-    assert sorting.renewed(order, model, state) is order
+    assert sorting.update_order(order, model, state) is order
     shaken = dataclasses.replace(state, x=state.x[::-1])
-    assert sorting.renewed(order, model, shaken) is not order
+    assert sorting.update_order(order, model, shaken) is not order
 
 
 def test_what_names_its_particles_is_left_alone(mixture):
     """So is what other transfers than the kernels' move, and a solid, which lies as it was sorted."""
     model, state = mixture
     grip = PrescribedMotion.fixed(jnp.arange(3), state.x.dtype)
-    assert sorting.renewed(None, model.replace(constraints=(grip,)), state) is None
-    assert sorting.renewed(None, model.replace(forces=(state.x[:, 0],)), state) is None
-    assert sorting.renewed(None, model.replace(kernels="reference"), state) is None
+    assert sorting.update_order(None, model.replace(constraints=(grip,)), state) is None
+    assert sorting.update_order(None, model.replace(forces=(state.x[:, 0],)), state) is None
+    assert sorting.update_order(None, model.replace(kernels="reference"), state) is None
     solid, at_rest = block()
-    assert sorting.renewed(None, solid, at_rest) is None
+    assert sorting.update_order(None, solid, at_rest) is None

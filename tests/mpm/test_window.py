@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from physagent_jax.mpm import fit_window, smallest_window
+from physagent_jax.mpm import find_smallest_window, fit_window
 
 CELLS = 96
 DX = 1 / CELLS
@@ -11,7 +11,7 @@ DX = 1 / CELLS
 
 def follow(boxes):
     """The windows for boxes [cells], shape (k, 2, 3), one after the other."""
-    grid, windows = smallest_window(1.0, CELLS), []
+    grid, windows = find_smallest_window(1.0, CELLS), []
     for low, high in boxes:
         grid = fit_window(grid, low * DX, high * DX, 2 * DX)
         origin, shape = np.asarray(grid.origin), np.asarray(grid.shape)

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import Grid, Model, State, stable_dt
-from physagent_jax.scene.compile.matter import Matter
+from physagent_jax.scene.compile.materials import ParticleMaterials
 from physagent_jax.scene.config import Material, MaterialModel
 from physagent_jax.scene.config.material import MODEL_PARAMETERS, OPTIONAL_PARAMETERS
 from physagent_jax.scene.materials import (
@@ -193,7 +193,7 @@ def test_the_stable_step_is_the_simulators(name, x64):
         "rigid": Material(model=MaterialModel.RIGID),
     }
     material = extra.get(name) or LIBRARY[name].material
-    matter = Matter((material,), np.zeros(1, np.int32))
+    of_particles = ParticleMaterials((material,), np.zeros(1, np.int32))
     dx, volume = 0.05, jnp.full(1, 1e-6)
     model = Model(
         Grid.whole(1.0, 20),
@@ -201,8 +201,8 @@ def test_the_stable_step_is_the_simulators(name, x64):
         gravity=None,
         mass=material.density * volume,
         volume=volume,
-        materials=matter.materials(),
-        viscosity=matter.viscosity(),
+        materials=of_particles.build_materials(),
+        viscosity=of_particles.viscosity(),
     )
     state = State.at_rest(jnp.full((1, 3), 0.5), materials=model.materials)
     # Snow's bound allows for the stretch that it bears before it tears.

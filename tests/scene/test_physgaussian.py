@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.scene.compile.matter import Matter
+from physagent_jax.scene.compile.materials import ParticleMaterials
 from physagent_jax.scene.config import (
     Cuboid,
     DomainBox,
@@ -371,7 +371,7 @@ def test_yield_hardening_and_softening_mean_what_they_do_in_physgaussian(changes
     expected = reference_flows(data, steps)
     assert abs(expected[-1] - expected[200]) > 5 or not (changes.get("hardening") or changes.get("softening"))
     # Its bound lags behind by one step, which is 0.2 % here.
-    (law,) = Matter((imported(data)[0].material,), np.zeros(1, np.int32)).materials()
+    (law,) = ParticleMaterials((imported(data)[0].material,), np.zeros(1, np.int32)).build_materials()
     np.testing.assert_allclose(sheared(law, jnp.asarray(steps)), expected, rtol=3e-3)
 
 

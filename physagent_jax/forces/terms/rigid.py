@@ -6,12 +6,12 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.mpm.linalg import cross
-from physagent_jax.mpm.reductions import summed
+from physagent_jax.mpm.reductions import sum_particles
 
 
 def mass_centre(x: jax.Array, mass: jax.Array) -> jax.Array:
     """Centre of mass [m], shape (3,)."""
-    return summed((mass[:, None] * x).sum(0)) / summed(mass.sum())
+    return sum_particles((mass[:, None] * x).sum(0)) / sum_particles(mass.sum())
 
 
 def without_rigid_part(field: jax.Array, arm: jax.Array, mass: jax.Array) -> jax.Array:
@@ -25,9 +25,9 @@ def without_rigid_part(field: jax.Array, arm: jax.Array, mass: jax.Array) -> jax
     Returns:
         A field of zero total force and zero total torque, shape (n, 3).
     """
-    mean = summed((mass[:, None] * field).sum(0)) / summed(mass.sum())
-    torque = summed((mass[:, None] * cross(arm, field)).sum(0))
-    second_moment = summed(jnp.einsum("n,ni,nj->ij", mass, arm, arm))
+    mean = sum_particles((mass[:, None] * field).sum(0)) / sum_particles(mass.sum())
+    torque = sum_particles((mass[:, None] * cross(arm, field)).sum(0))
+    second_moment = sum_particles(jnp.einsum("n,ni,nj->ij", mass, arm, arm))
     trace = jnp.trace(second_moment)
     inertia = trace * jnp.eye(3, dtype=arm.dtype) - second_moment
     # All mass on one line has no inertia about it, and no torque either: the floor only avoids 0/0.

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.mpm.boundaries.contact import Contact, carried, collide, in_window, touching
+from physagent_jax.mpm.boundaries.contact import Contact, collide, displace, is_active, is_touching
 from physagent_jax.mpm.fields import END, START
 from physagent_jax.mpm.protocols import Boundary
 from physagent_jax.mpm.state import Grid
@@ -43,17 +43,17 @@ class Box(Boundary):
 
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Velocities after contact with the box."""
-        point = carried(self.point, self.velocity, self.start, time)
-        active = in_window(self.start, self.end, time)
+        point = displace(self.point, self.velocity, self.start, time)
+        active = is_active(self.start, self.end, time)
         offsets = _offsets(grid, velocity.dtype, point)
         beyond = [jnp.abs(offset) - self.half_size[axis] for axis, offset in enumerate(offsets)]
         if not self.container:
-            inside = touching(_largest(beyond), grid.dx) & active
+            inside = is_touching(_largest(beyond), grid.dx) & active
             normal = _nearest_face(offsets, beyond)
             return collide(velocity, inside, normal, self.contact, self.friction, self.velocity)
         for axis, (offset, distance) in enumerate(zip(offsets, beyond)):
             wall = jnp.zeros((*offset.shape, 3), velocity.dtype).at[..., axis].set(-_sign(offset))
-            inside = jnp.broadcast_to(touching(-distance, grid.dx) & active, velocity.shape[:-1])
+            inside = jnp.broadcast_to(is_touching(-distance, grid.dx) & active, velocity.shape[:-1])
             velocity = collide(velocity, inside, wall, self.contact, self.friction, self.velocity)
         return velocity
 

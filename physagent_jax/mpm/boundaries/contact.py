@@ -50,10 +50,10 @@ def collide(
         Velocities [m/s], shape (nx, ny, nz, 3); those outside are untouched.
     """
     relative = velocity if obstacle_velocity is None else velocity - obstacle_velocity
-    met = _project(relative, normal, contact, friction)
+    projected = _project(relative, normal, contact, friction)
     if obstacle_velocity is not None:
-        met = met + obstacle_velocity
-    return jnp.where(inside[..., None], met, velocity)
+        projected = projected + obstacle_velocity
+    return jnp.where(inside[..., None], projected, velocity)
 
 
 def _project(velocity: jax.Array, normal: jax.Array, contact: Contact, friction: jax.Array) -> jax.Array:
@@ -70,22 +70,22 @@ def _project(velocity: jax.Array, normal: jax.Array, contact: Contact, friction:
     return jnp.where(normal_speed < 0, jnp.where(moving, tangential * kept, 0.0), velocity)
 
 
-def touching(distance: jax.Array, dx: float) -> jax.Array:
+def is_touching(distance: jax.Array, dx: float) -> jax.Array:
     """Whether nodes at a signed ``distance`` [m] from the surface (negative inside) belong to the solid."""
     return distance <= TOUCH * dx
 
 
-def in_window(start: jax.Array, end: jax.Array, time: jax.Array) -> jax.Array:
+def is_active(start: jax.Array, end: jax.Array, time: jax.Array) -> jax.Array:
     """Whether start <= time < end."""
     return (start <= time) & (time < end)
 
 
-def carried(point: jax.Array, velocity: jax.Array | None, start: jax.Array, time: jax.Array) -> jax.Array:
+def displace(point: jax.Array, velocity: jax.Array | None, start: jax.Array, time: jax.Array) -> jax.Array:
     """Where ``point`` [m] of an obstacle is at ``time`` [s], having set out at ``start``; shape (3,)."""
     return point if velocity is None else point + velocity * (time - start)
 
 
-def unit(vector: jax.Array) -> jax.Array:
+def normalize(vector: jax.Array) -> jax.Array:
     """Normalised vectors, shape (..., 3); zero ones stay zero, with a zero derivative."""
     squared = (vector**2).sum(-1, keepdims=True)
     some = squared > 0

@@ -7,7 +7,7 @@ import dataclasses
 import jax
 
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.mpm.boundaries.contact import Contact, carried, collide, in_window, touching
+from physagent_jax.mpm.boundaries.contact import Contact, collide, displace, is_active, is_touching
 from physagent_jax.mpm.fields import END, START
 from physagent_jax.mpm.protocols import Boundary
 from physagent_jax.mpm.state import Grid
@@ -38,7 +38,7 @@ class HalfSpace(Boundary):
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Velocities after contact with what lies behind the plane."""
         x, y, z = grid.node_positions(velocity.dtype)
-        n, p = self.normal, carried(self.point, self.velocity, self.start, time)
+        n, p = self.normal, displace(self.point, self.velocity, self.start, time)
         distance = (x - p[0]) * n[0] + (y - p[1]) * n[1] + (z - p[2]) * n[2]
-        inside = touching(distance, grid.dx) & in_window(self.start, self.end, time)
+        inside = is_touching(distance, grid.dx) & is_active(self.start, self.end, time)
         return collide(velocity, inside, n, self.contact, self.friction, self.velocity)

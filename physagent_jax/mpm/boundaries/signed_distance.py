@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.mpm.boundaries.contact import Contact, carried, collide, in_window, touching, unit
+from physagent_jax.mpm.boundaries.contact import Contact, collide, displace, is_active, is_touching, normalize
 from physagent_jax.mpm.fields import END, START
 from physagent_jax.mpm.protocols import Boundary
 from physagent_jax.mpm.state import Grid
@@ -45,7 +45,7 @@ class SignedDistance(Boundary):
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Velocities after contact with the solid."""
         distance, normal = self.distance_and_normal(grid.node_positions(velocity.dtype), time)
-        inside = touching(distance, grid.dx) & in_window(self.start, self.end, time)
+        inside = is_touching(distance, grid.dx) & is_active(self.start, self.end, time)
         return collide(velocity, inside, normal, self.contact, self.friction, self.velocity)
 
     def distance_and_normal(
@@ -57,13 +57,13 @@ class SignedDistance(Boundary):
             positions: Coordinates along the axes [m], each of one axis's length (`Grid.node_positions`).
             time: [s].
         """
-        origin = carried(self.origin, self.velocity, self.start, time)
+        origin = displace(self.origin, self.velocity, self.start, time)
         gradient = jnp.gradient(self.values, self.spacing)
         fields = jnp.stack([self.values, *gradient], axis=-1)
         # The nodes form a grid along the same axes, so the interpolation is one lerp per axis, not eight gathers.
         for axis, coordinate in enumerate(positions):
             fields = _interpolate(fields, (coordinate.ravel() - origin[axis]) / self.spacing, axis)
-        return fields[..., 0], unit(fields[..., 1:])
+        return fields[..., 0], normalize(fields[..., 1:])
 
 
 def _interpolate(fields: jax.Array, at: jax.Array, axis: int) -> jax.Array:

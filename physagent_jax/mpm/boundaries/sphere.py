@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.mpm.boundaries.contact import Contact, carried, collide, in_window, touching, unit
+from physagent_jax.mpm.boundaries.contact import Contact, collide, displace, is_active, is_touching, normalize
 from physagent_jax.mpm.fields import END, START
 from physagent_jax.mpm.protocols import Boundary
 from physagent_jax.mpm.state import Grid
@@ -41,11 +41,11 @@ class Sphere(Boundary):
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Velocities after contact with the sphere."""
         x, y, z = grid.node_positions(velocity.dtype)
-        p = carried(self.point, self.velocity, self.start, time)
+        p = displace(self.point, self.velocity, self.start, time)
         offset = jnp.stack(jnp.broadcast_arrays(x - p[0], y - p[1], z - p[2]), axis=-1)
-        outwards = unit(offset)
+        outwards = normalize(offset)
         distance = (offset * outwards).sum(-1) - self.radius
         if self.container:
             distance, outwards = -distance, -outwards
-        inside = touching(distance, grid.dx) & in_window(self.start, self.end, time)
+        inside = is_touching(distance, grid.dx) & is_active(self.start, self.end, time)
         return collide(velocity, inside, outwards, self.contact, self.friction, self.velocity)

@@ -12,7 +12,7 @@ from physagent_jax.mpm.constraints.rotation import rotate
 from physagent_jax.mpm.fields import END, HELD, PER_HELD, START
 from physagent_jax.mpm.linalg import cross, skew
 from physagent_jax.mpm.protocols import Constraint
-from physagent_jax.mpm.reductions import total
+from physagent_jax.mpm.reductions import sum_devices
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, scatter_mass
 
@@ -55,7 +55,7 @@ class PrescribedMotion(Constraint):
         """u(x) [m/s], shape (..., 3)."""
         return self.velocity + cross(jnp.broadcast_to(self.angular_velocity, x.shape), x - self.center)
 
-    def displaced(self, x: jax.Array, dt: jax.Array) -> jax.Array:
+    def displace(self, x: jax.Array, dt: jax.Array) -> jax.Array:
         """Positions after ``dt`` [s]: an exact rotation about the axis and a translation."""
         return self.center + rotate(x - self.center, self.angular_velocity * dt) + self.velocity * dt
 
@@ -82,7 +82,7 @@ class PrescribedMotion(Constraint):
         own = jax.tree.map(lambda part: part[p], s)
         mass = model.mass.at[p].get(mode="fill", fill_value=0)
         share = scatter_mass(own, model.grid, jnp.where(self.active(time), mass, 0))
-        held = total(share, model.axis) > 0.5 * node_mass
+        held = sum_devices(share, model.axis) > 0.5 * node_mass
         x, y, z = model.grid.node_positions(velocity.dtype)
         nodes = jnp.stack(jnp.broadcast_arrays(x, y, z), axis=-1)
         return jnp.where(held[..., None], self.field(nodes), velocity)
@@ -90,7 +90,7 @@ class PrescribedMotion(Constraint):
     def after_g2p(self, model: Model, before: State, after: State) -> State:
         """Puts the held particles exactly where the prescription has them."""
         active, p = self.active(before.time)[:, None], self.particles
-        target = self.displaced(before.x[p], model.dt)
+        target = self.displace(before.x[p], model.dt)
         x = jnp.where(active, target, after.x[p])
         v = jnp.where(active, self.field(target), after.v[p])
         return dataclasses.replace(after, x=after.x.at[p].set(x), v=after.v.at[p].set(v))

@@ -12,7 +12,7 @@ from physagent_jax.mpm.constraints.rotation import rotate, rotation_matrix
 from physagent_jax.mpm.fields import HELD
 from physagent_jax.mpm.linalg import cofactor, cross, determinant, matmul, matvec, skew, transpose
 from physagent_jax.mpm.protocols import Constraint
-from physagent_jax.mpm.reductions import total
+from physagent_jax.mpm.reductions import sum_devices
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, scatter_mass
 
@@ -58,12 +58,12 @@ class RigidMotion:
         axial(C) (Jiang et al. 2015) and the moment of inertia m dx^2/2 about every axis of its own.
         With ``axis`` the points are split over the devices along it.
         """
-        whole = total(mass.sum(), axis)
+        whole = sum_devices(mass.sum(), axis)
         share = mass / jnp.where(whole > 0, whole, 1)
         center = _mean(share, x, axis)
         r = x - center
         # In units of dx^2 the inertia is of order one: in single precision its determinant cannot underflow.
-        outer = total((share[:, None, None] / dx**2 * r[:, :, None] * r[:, None, :]).sum(0), axis)
+        outer = sum_devices((share[:, None, None] / dx**2 * r[:, :, None] * r[:, None, :]).sum(0), axis)
         own = 0.0 if C is None else 0.5
         inertia = (outer[0, 0] + outer[1, 1] + outer[2, 2] + own) * jnp.eye(3, dtype=x.dtype) - outer
         spin = _mean(share, cross(r, v), axis) / dx**2
@@ -75,16 +75,16 @@ class RigidMotion:
     def angular_velocity(self, turn: jax.Array | None = None) -> jax.Array:
         """The angular velocity [rad/s] that has this spin, after the body has turned by ``turn`` (3, 3)."""
         if turn is None:
-            return self.turned_by(self.spin)
-        return matvec(turn, self.turned_by(matvec(transpose(turn), self.spin)))
+            return self.apply_inverse_inertia(self.spin)
+        return matvec(turn, self.apply_inverse_inertia(matvec(transpose(turn), self.spin)))
 
-    def turned_by(self, spin: jax.Array) -> jax.Array:
+    def apply_inverse_inertia(self, spin: jax.Array) -> jax.Array:
         """Inverse of the inertia times ``spin``, shape (3,); zero for an inertia too small to be inverted."""
         determinant_ = determinant(self.inertia)
-        firm = determinant_ > _LEAST_INERTIA
+        firm = self.is_determined()
         return jnp.where(firm, matvec(cofactor(self.inertia), spin) / jnp.where(firm, determinant_, 1), 0)
 
-    def firm(self) -> jax.Array:
+    def is_determined(self) -> jax.Array:
         """Whether the inertia can be inverted."""
         return determinant(self.inertia) > _LEAST_INERTIA
 
@@ -119,7 +119,7 @@ class RigidBody(Constraint):
     def before_p2g(self, model: Model, state: State) -> State:
         """Replaces v and C by the rigid field of equal momenta."""
         motion = self._motion(model, state)
-        return self._moving(state, motion, motion.velocity, motion.angular_velocity())
+        return self._set_motion(state, motion, motion.velocity, motion.angular_velocity())
 
     def on_grid(
         self,
@@ -133,14 +133,16 @@ class RigidBody(Constraint):
         """Makes the nodes more than half of whose mass is the body's move rigidly."""
         grid, p = model.grid, self.particles
         share = scatter_mass(jax.tree.map(lambda part: part[p], s), grid, self._mass(model))
-        owned = (total(share, model.axis) > 0.5 * node_mass).ravel()
+        owned = (sum_devices(share, model.axis) > 0.5 * node_mass).ravel()
         nodes = jnp.stack(jnp.broadcast_arrays(*grid.node_positions(free.dtype)), axis=-1)
         mass = jnp.where(owned, node_mass.ravel(), 0)
         motion = RigidMotion.of(mass, nodes.reshape(-1, 3), free.reshape(-1, 3), grid.dx)
         v, w = motion.velocity, motion.angular_velocity()
         if model.boundaries:
-            v, w = _met(model, motion, v, w, time)
-        rigid = jnp.where((owned & motion.firm())[:, None], motion.field(v, w), velocity.reshape(-1, 3))
+            v, w = _project_on_boundaries(model, motion, v, w, time)
+        rigid = jnp.where(
+            (owned & motion.is_determined())[:, None], motion.field(v, w), velocity.reshape(-1, 3)
+        )
         return rigid.reshape(velocity.shape)
 
     def after_g2p(self, model: Model, before: State, after: State) -> State:
@@ -154,7 +156,7 @@ class RigidBody(Constraint):
         F = matmul(turn, before.F[p])
         moved = dataclasses.replace(after, x=after.x.at[p].set(x), F=after.F.at[p].set(F))
         turned = dataclasses.replace(motion, r=r)
-        return self._moving(moved, turned, motion.velocity, motion.angular_velocity(turn))
+        return self._set_motion(moved, turned, motion.velocity, motion.angular_velocity(turn))
 
     def _motion(self, model: Model, state: State) -> RigidMotion:
         p, dx = self.particles, model.grid.dx
@@ -164,7 +166,9 @@ class RigidBody(Constraint):
         """[kg], shape (k,); zero where an index stands for no particle."""
         return model.mass.at[self.particles].get(mode="fill", fill_value=0)
 
-    def _moving(self, state: State, motion: RigidMotion, velocity: jax.Array, angular: jax.Array) -> State:
+    def _set_motion(
+        self, state: State, motion: RigidMotion, velocity: jax.Array, angular: jax.Array
+    ) -> State:
         """``state`` with the particles' v and C set to a rigid motion."""
         p = self.particles
         C = jnp.broadcast_to(skew(angular), (len(p), 3, 3))
@@ -173,7 +177,7 @@ class RigidBody(Constraint):
         )
 
 
-def _met(
+def _project_on_boundaries(
     model: Model, motion: RigidMotion, velocity: jax.Array, angular_velocity: jax.Array, time: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
     """The rigid motion after contact with the boundaries, by steepest descent with exact line search.
@@ -191,10 +195,10 @@ def _met(
             wanted = boundary.apply(wanted, model.grid, time)
         change = jnp.where(share[:, None] > 0, wanted.reshape(-1, 3) - field, 0)
         along_v = _mean(share, change)
-        along_w = motion.turned_by(_mean(share, cross(motion.r, change)) / motion.dx**2)
+        along_w = motion.apply_inverse_inertia(_mean(share, cross(motion.r, change)) / motion.dx**2)
         along = motion.field(along_v, along_w)
-        met = (change != 0).any(-1)
-        gain, cost = (share * (change * along).sum(-1)).sum(), (share * met * (along**2).sum(-1)).sum()
+        touched = (change != 0).any(-1)
+        gain, cost = (share * (change * along).sum(-1)).sum(), (share * touched * (along**2).sum(-1)).sum()
         step = jnp.where(cost > 0, gain / jnp.where(cost > 0, cost, 1), 0)
         return (v + step * along_v, w + step * along_w), None
 
@@ -202,4 +206,4 @@ def _met(
 
 
 def _mean(share: jax.Array, values: jax.Array, axis: str | None = None) -> jax.Array:
-    return total((share[:, None] * values).sum(0), axis)
+    return sum_devices((share[:, None] * values).sum(0), axis)

@@ -18,11 +18,11 @@ from physagent_jax.mpm import (
     PrescribedMotion,
     State,
     cell_order,
-    smallest_window,
+    find_smallest_window,
     stable_dt,
 )
 from physagent_jax.mpm.constraints import RigidBody
-from physagent_jax.mpm.timestep import substeps_for
+from physagent_jax.mpm.timestep import divide_frame
 from physagent_jax.render.camera import Camera
 from physagent_jax.scene import config as c
 from physagent_jax.scene.anchor import anchored_particles
@@ -32,7 +32,7 @@ from physagent_jax.scene.compile import buckets
 from physagent_jax.scene.compile.boundaries import compile_boundaries
 from physagent_jax.scene.compile.constraints import compile_constraints
 from physagent_jax.scene.compile.forces import compile_forces, compile_skills
-from physagent_jax.scene.compile.matter import Matter
+from physagent_jax.scene.compile.materials import ParticleMaterials
 from physagent_jax.scene.compile.select import DTYPE
 
 
@@ -61,7 +61,7 @@ class CompiledScene:
     camera: Camera
     order: np.ndarray
     anchored: int
-    rigid_bodies: int = 0
+    find_rigid_bodies: int = 0
 
     def with_parameters(self, parameters: ForceFieldParameters) -> CompiledScene:
         """The scene with other numbers in its force field, traced or not; the rest of the model is kept.
@@ -72,7 +72,7 @@ class CompiledScene:
         rest, volume = _rest(self.body, self.order)
         rest = rest.astype(self.state.x.dtype)
         skills, grips = compile_skills(self.config, self.body, rest, volume, parameters)
-        bodies, model = self.rigid_bodies, self.model
+        bodies, model = self.find_rigid_bodies, self.model
         constraints = (*model.constraints[:bodies], *grips, *model.constraints[bodies + len(grips) :])
         model = model.replace(forces=(*skills, *model.forces[len(skills) :]), constraints=constraints)
         return dataclasses.replace(self, model=model)
@@ -81,7 +81,7 @@ class CompiledScene:
     def windowed(self) -> Model:
         """The model with the least window, which grows to the object in `mpm.simulate`; the whole domain is costly."""
         grid = self.model.grid
-        return self.model.replace(grid=smallest_window(grid.dx * grid.cells, grid.cells))
+        return self.model.replace(grid=find_smallest_window(grid.dx * grid.cells, grid.cells))
 
     @cached_property
     def back(self) -> np.ndarray:
@@ -104,12 +104,12 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     Raises:
         UserError: A region, box or window of the scene selects nothing or makes no sense.
     """
-    matter = Matter.of(config, body)
-    order = cell_order(body.particles.x, config.domain.dx, matter.model)
-    order = buckets.with_copies(order, matter.model[order])
+    materials = ParticleMaterials.of(config, body)
+    order = cell_order(body.particles.x, config.domain.dx, materials.model)
+    order = buckets.with_copies(order, materials.model[order])
     rest, volume = _rest(body, order)
-    matter, share = matter.take(order), buckets.shares(order)
-    whole = matter.density * body.particles.volume[order]  # mass of a particle with all its copies
+    materials, share = materials.permute(order), buckets.shares(order)
+    whole = materials.density * body.particles.volume[order]  # mass of a particle with all its copies
     held = anchored_particles(
         config.anchor,
         rest,
@@ -119,8 +119,8 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     )
     forces, constraints = compile_forces(config, body, rest, volume)
     imposed, prescribed = compile_constraints(config, rest, whole)
-    bodies = tuple(RigidBody(buckets.places(mask)) for mask in matter.rigid_bodies())
-    if (still := held | matter.stationary()).any():
+    bodies = tuple(RigidBody(buckets.places(mask)) for mask in materials.find_rigid_bodies())
+    if (still := held | materials.find_stationary()).any():
         prescribed = (*prescribed, PrescribedMotion.fixed(buckets.places(still)))
     falling = config.force_field.default_drop or config.always_gravity
     model = Model(
@@ -129,11 +129,11 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         gravity=on_device(config.gravity, DTYPE) if falling and any(config.gravity) else None,
         mass=on_device(share * whole, DTYPE),
         volume=on_device(volume, DTYPE),
-        materials=matter.materials(),
+        materials=materials.build_materials(),
         forces=(*forces, *imposed),
         boundaries=compile_boundaries(config, base_dir),
         constraints=(*bodies, *constraints, *prescribed),
-        viscosity=matter.viscosity(),
+        viscosity=materials.viscosity(),
         transfer=config.transfer.scheme,
         stress_form=config.transfer.stress_form,
         rpic_damping=config.transfer.rpic_damping,
@@ -159,4 +159,4 @@ def _substeps(config: c.SceneConfig, model: Model, state: State) -> int:
     bound = (
         timing.safety * float(stable_dt(model, state)) if timing.substep_dt == "auto" else timing.substep_dt
     )
-    return substeps_for(timing.frame_dt, bound) if 0 < bound < timing.frame_dt else 1
+    return divide_frame(timing.frame_dt, bound) if 0 < bound < timing.frame_dt else 1

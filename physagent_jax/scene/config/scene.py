@@ -27,7 +27,7 @@ _FEW = Field(max_length=256)  # every one of them is compiled into the step
 
 
 class SceneConfig(Strict):
-    """The fused configuration (the paper's Theta): the object, its matter, its surroundings, the forces.
+    """The fused configuration (the paper's Theta): the object, its material, its surroundings, the forces.
 
     Attributes:
         version: Format version.

@@ -2,7 +2,7 @@
 
 An explicit step resolves the sound wave through one cell, so that steel costs a thousand times more substeps
 than rubber although neither visibly compresses. A softer stand-in of the same density bends more under the
-same load, and is otherwise the same matter.
+same load, and is otherwise the same material.
 """
 
 from __future__ import annotations

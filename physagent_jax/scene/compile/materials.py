@@ -18,7 +18,7 @@ _ORDER = {model: rank for rank, model in enumerate(c.MaterialModel)}
 
 
 @dataclasses.dataclass(frozen=True)
-class Matter:
+class ParticleMaterials:
     """The configured materials and who has which.
 
     Attributes:
@@ -30,8 +30,8 @@ class Matter:
     choice: np.ndarray
 
     @staticmethod
-    def of(config: c.SceneConfig, body: Body) -> Matter:
-        """The matter of every particle of ``body``, in its order; a later region wins where two overlap.
+    def of(config: c.SceneConfig, body: Body) -> ParticleMaterials:
+        """The materials of the particles of ``body``, in its order; a later region wins where two overlap.
 
         Raises:
             UserError: A region holds no particle.
@@ -39,20 +39,22 @@ class Matter:
         choice = np.zeros(body.particles.count, np.int32)
         for index, region in enumerate(config.material_regions):
             choice[in_box(body.particles.x, region, f"material_regions[{index}]")] = index + 1
-        return Matter((config.material, *(region.material for region in config.material_regions)), choice)
+        return ParticleMaterials(
+            (config.material, *(region.material for region in config.material_regions)), choice
+        )
 
-    def take(self, order: np.ndarray) -> Matter:
+    def permute(self, order: np.ndarray) -> ParticleMaterials:
         """The same in another order."""
-        return Matter(self.choices, self.choice[order])
+        return ParticleMaterials(self.choices, self.choice[order])
 
-    def values(self, name: str) -> np.ndarray:
+    def get_values(self, name: str) -> np.ndarray:
         """A parameter per particle, shape (n,); 0 where the material does not have it."""
         return np.array([getattr(material, name) or 0.0 for material in self.choices])[self.choice]
 
     @property
     def density(self) -> np.ndarray:
         """[kg/m^3], shape (n,)."""
-        return self.values("density")
+        return self.get_values("density")
 
     @property
     def model(self) -> np.ndarray:
@@ -61,25 +63,25 @@ class Matter:
         keys = [2 * _ORDER[material.model] + bool(material.tension) for material in self.choices]
         return np.array(keys)[self.choice]
 
-    def materials(self) -> tuple[m.Material, ...]:
+    def build_materials(self) -> tuple[m.Material, ...]:
         """One material per block of equal `model`; the particles must be in order."""
         blocks = []
         for key in np.unique(self.model):
-            block = self.take(self.model == key)
+            block = self.permute(self.model == key)
             first = block.choices[block.choice[0]]
             blocks.append(_BUILDERS[first.model](block, first))
         return tuple(blocks)
 
     def viscosity(self) -> jax.Array | None:
         """Newtonian viscosity of fluids and damping of solids [Pa s], shape (n,); None if there is none."""
-        viscosity = self.values("viscosity")
+        viscosity = self.get_values("viscosity")
         return _leaf(viscosity) if viscosity.any() else None
 
-    def stationary(self) -> np.ndarray:
+    def find_stationary(self) -> np.ndarray:
         """Particles that never move, shape (n,): a prescribed motion holds them."""
         return self._of_model(c.MaterialModel.STATIONARY)[self.choice]
 
-    def rigid_bodies(self) -> tuple[np.ndarray, ...]:
+    def find_rigid_bodies(self) -> tuple[np.ndarray, ...]:
         """Particles of each rigid body, shape (n,) each: every rigid entry of ``choices`` is a body of its own."""
         rigid = np.flatnonzero(self._of_model(c.MaterialModel.RIGID))
         masks = [self.choice == index for index in rigid]
@@ -93,46 +95,46 @@ def _leaf(values: np.ndarray) -> jax.Array:
     return on_device(values, DTYPE)
 
 
-def _solid(law: Callable, *names: str) -> Callable[[Matter, c.Material], m.Material]:
+def _make_builder(law: Callable, *names: str) -> Callable[[ParticleMaterials, c.Material], m.Material]:
     """A builder of ``law(mu, lam, ...)`` with the named parameters after the Lame parameters."""
 
-    def build(block: Matter, _: c.Material) -> m.Material:
-        lame = m.lame_parameters(block.values("youngs_modulus"), block.values("poissons_ratio"))
-        return law(*map(_leaf, lame), *(_leaf(block.values(name)) for name in names))
+    def build(block: ParticleMaterials, _: c.Material) -> m.Material:
+        lame = m.lame_parameters(block.get_values("youngs_modulus"), block.get_values("poissons_ratio"))
+        return law(*map(_leaf, lame), *(_leaf(block.get_values(name)) for name in names))
 
     return build
 
 
-def _drucker_prager(block: Matter, _: c.Material) -> m.Material:
-    mu, lam = m.lame_parameters(block.values("youngs_modulus"), block.values("poissons_ratio"))
-    angle, cohesion = np.radians(block.values("friction_angle")), block.values("cohesion")
+def _build_drucker_prager(block: ParticleMaterials, _: c.Material) -> m.Material:
+    mu, lam = m.lame_parameters(block.get_values("youngs_modulus"), block.get_values("poissons_ratio"))
+    angle, cohesion = np.radians(block.get_values("friction_angle")), block.get_values("cohesion")
     return m.DruckerPrager(_leaf(mu), _leaf(lam), _leaf(angle), _leaf(cohesion))
 
 
-def _fluid(block: Matter, first: c.Material) -> m.Material:
-    return m.Fluid(_leaf(block.values("bulk_modulus")), tension=bool(first.tension))
+def _build_fluid(block: ParticleMaterials, first: c.Material) -> m.Material:
+    return m.Fluid(_leaf(block.get_values("bulk_modulus")), tension=bool(first.tension))
 
 
-def _without_stress(block: Matter, _: c.Material) -> m.Material:
+def _build_rigid(block: ParticleMaterials, _: c.Material) -> m.Material:
     return m.Rigid(len(block.choice))
 
 
-_BUILDERS: dict[c.MaterialModel, Callable[[Matter, c.Material], m.Material]] = {
-    c.MaterialModel.NEO_HOOKEAN: _solid(m.NeoHookean),
-    c.MaterialModel.FIXED_COROTATED: _solid(m.FixedCorotated),
-    c.MaterialModel.HENCKY: _solid(m.Hencky),
-    c.MaterialModel.VON_MISES: _solid(m.VonMises, "yield_stress", "hardening_modulus"),
-    c.MaterialModel.PLASTICINE: _solid(m.Plasticine, "yield_stress", "softening_modulus"),
-    c.MaterialModel.DRUCKER_PRAGER: _drucker_prager,
-    c.MaterialModel.VISCOPLASTIC: _solid(m.Viscoplastic, "yield_stress", "plastic_viscosity"),
-    c.MaterialModel.SNOW: _solid(
+_BUILDERS: dict[c.MaterialModel, Callable[[ParticleMaterials, c.Material], m.Material]] = {
+    c.MaterialModel.NEO_HOOKEAN: _make_builder(m.NeoHookean),
+    c.MaterialModel.FIXED_COROTATED: _make_builder(m.FixedCorotated),
+    c.MaterialModel.HENCKY: _make_builder(m.Hencky),
+    c.MaterialModel.VON_MISES: _make_builder(m.VonMises, "yield_stress", "hardening_modulus"),
+    c.MaterialModel.PLASTICINE: _make_builder(m.Plasticine, "yield_stress", "softening_modulus"),
+    c.MaterialModel.DRUCKER_PRAGER: _build_drucker_prager,
+    c.MaterialModel.VISCOPLASTIC: _make_builder(m.Viscoplastic, "yield_stress", "plastic_viscosity"),
+    c.MaterialModel.SNOW: _make_builder(
         m.Snow,
         "critical_compression",
         "critical_stretch",
         "hardening_coefficient",
         "hardening_cap",
     ),
-    c.MaterialModel.FLUID: _fluid,
-    c.MaterialModel.RIGID: _without_stress,
-    c.MaterialModel.STATIONARY: _without_stress,
+    c.MaterialModel.FLUID: _build_fluid,
+    c.MaterialModel.RIGID: _build_rigid,
+    c.MaterialModel.STATIONARY: _build_rigid,
 }
