@@ -41,7 +41,7 @@ HELD_TIME = 0.7
 """[s] T for what is held somewhere, whatever the clip's length: it cannot leave the picture and has to be bent, which a
 field of four tenths of gravity does to a plant of 1 m (2 L / T^2)."""
 
-# --- what a viewer expects of strength 1 (`agents.rules.bands`) -------------------------------------------------------
+# --- what a viewer expects of strength 1 (`agents.rules.tolerances`) -----------------------------------------
 
 EXPECTED_STRAIN = 0.3
 """[1] that a stretch or squeeze should show: twice the linear strain. What M = 1 gives lies inside the range, at its

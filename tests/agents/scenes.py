@@ -7,10 +7,10 @@ import math
 from collections.abc import Iterable
 
 from physagent_jax.agents.context import AgentContext, Observation, Round
-from physagent_jax.agents.rules.bands import expectation_windows
 from physagent_jax.agents.rules.executor import RuleExecutor
 from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.rules.semantic import RuleSemanticAgent
+from physagent_jax.agents.rules.tolerances import list_windows
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, Rewrite, SceneBrief, SemanticReply
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import BoxRegion, ForceField
@@ -139,5 +139,5 @@ def report(
 
 def seen_in(expectations: tuple[ExpectedMotion, ...], frame_count: int = 49, **seen) -> MotionReport:
     """The same motion in every expectation's window and in the whole clip."""
-    spans = [(0, frame_count - 1), *expectation_windows(expectations, frame_count)]
+    spans = [(0, frame_count - 1), *list_windows(expectations, frame_count)]
     return report([window(*span, **seen) for span in dict.fromkeys(spans)], frame_count)

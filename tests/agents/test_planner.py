@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from physagent_jax.agents.rules.bands import expectation_windows
 from physagent_jax.agents.rules.planner import RulePlanner
+from physagent_jax.agents.rules.tolerances import list_windows
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SemanticReply, Verdict
 from physagent_jax.core.turning import find_turning_points
 from physagent_jax.forces.schema import ForceField
@@ -150,7 +150,7 @@ def test_depth_stretch_falls_back_to_the_bounding_box():
 
 def sway_report(scene, prompt, cycles: float, amplitude: float):
     path = [(amplitude * math.sin(2 * math.pi * cycles * f / 48), 0, 0) for f in range(49)]
-    spans = [(0, 48), *expectation_windows(read(prompt, scene).expectations, 49)]
+    spans = [(0, 48), *list_windows(read(prompt, scene).expectations, 49)]
     return report([window(*span) for span in dict.fromkeys(spans)], centroid=path)
 
 
@@ -199,8 +199,8 @@ def test_expectation_windows_are_whole_inside_and_unique():
         ExpectedMotion(kind=MotionKind.MOVE, window=span)
         for span in ((0.2, 9.7), (0, 10), (47.9, 48), (0, 500))
     ]
-    assert expectation_windows(expectations, 49) == [(0, 10), (47, 48), (0, 48)]
-    assert expectation_windows(expectations[:1], 1) == [(0, 0)]
+    assert list_windows(expectations, 49) == [(0, 10), (47, 48), (0, 48)]
+    assert list_windows(expectations[:1], 1) == [(0, 0)]
 
 
 def test_the_planner_asks_for_a_window_per_expectation():
@@ -208,7 +208,7 @@ def test_the_planner_asks_for_a_window_per_expectation():
     prompt = "push it left, then up"
     reply = read(prompt)
     context = asked(prompt, brief(), reply)
-    assert RulePlanner().windows(context) == expectation_windows(reply.expectations, 49)
+    assert RulePlanner().windows(context) == list_windows(reply.expectations, 49)
     assert RulePlanner().windows(asked(prompt, brief(), SemanticReply(force_field=reply.force_field))) == []
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from physagent_jax.agents.context import Round
-from physagent_jax.agents.rules.bands import expectation_windows
+from physagent_jax.agents.rules.tolerances import list_windows
 from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, SemanticReply, Verdict
 from physagent_jax.agents.vectors import add, norm, scaled
 from physagent_jax.forces import calibration
@@ -38,7 +38,7 @@ class ToyWorld:
         """Simulates and reports every expectation's window."""
         count = self.scene.frame_count
         places, angles, strains = self._travel(field)
-        spans = [(0, count - 1), *expectation_windows(expectations, count)]
+        spans = [(0, count - 1), *list_windows(expectations, count)]
         windows = [self._window(a, b, places, angles, strains) for a, b in dict.fromkeys(spans)]
         return report(windows, count, centroid=places)
 

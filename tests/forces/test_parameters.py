@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from physagent_jax.agents.rules.bands import move_band, rotate_band, strain_band
+from physagent_jax.agents.rules.tolerances import expect_move, expect_rotation, expect_strain
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces import calibration
@@ -189,10 +189,10 @@ def test_the_free_path_is_what_pushes_and_blows_add_up_to():
 def test_what_one_gives_is_within_what_a_viewer_expects():
     """Planner and skills speak of the same stretch: M = 1 passes, and a correction aims at more."""
     plain = ExpectedMotion(kind=MotionKind.STRETCH, window=(0, 25))
-    band = strain_band(plain, squeeze=False)
+    band = expect_strain(plain, squeeze=False)
     assert band.low < calibration.STRAIN < band.target == calibration.EXPECTED_STRAIN < band.high
-    assert rotate_band(plain, 26, anchored=False).target == math.degrees(calibration.TURN) == 90
-    assert move_band(plain, 26, anchored=False).target == calibration.TRAVEL
+    assert expect_rotation(plain, 26, anchored=False).target == math.degrees(calibration.TURN) == 90
+    assert expect_move(plain, 26, anchored=False).target == calibration.TRAVEL
 
 
 def test_what_one_means_is_said_in_words():

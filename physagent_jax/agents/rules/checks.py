@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from physagent_jax.agents.matching import thrown_up, together
-from physagent_jax.agents.rules import bands
+from physagent_jax.agents.rules import tolerances
 from physagent_jax.agents.rules.comparisons import View, compare_amount, compare_direction, reason, unseen
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, cosine, dot, norm, scaled
@@ -23,7 +23,7 @@ def checks_of(index: int, expectation: ExpectedMotion, view: View) -> list[Check
     """All checks of one expectation."""
     window = view.window(expectation)
     if window is None:
-        first, last = bands.whole_window(expectation, view.report.frame_count)
+        first, last = tolerances.round_window(expectation, view.report.frame_count)
         return [unseen(index, expectation, f"frames {first} to {last} are not in the motion report")]
     if _against_each_other(expectation, view):
         return [unseen(index, expectation, "parts that move against each other are not told apart")]
@@ -63,14 +63,14 @@ def _move(index: int, expectation: ExpectedMotion, window: WindowMotion, view: V
     length = norm(seen)
     along = length if direction is None else dot(seen, direction)
     speed = 0.0 if direction is None else view.speed(window.first, direction)
-    band = bands.move_band(
+    tolerance = tolerances.expect_move(
         expectation,
         view.report.frame_count,
         view.anchored,
         speed,
         thrown_up(expectation, view.expectations, view.brief),
     )
-    if _leaves(window, view) and 0 < along < band.low:
+    if _leaves(window, view) and 0 < along < tolerance.low:
         return [
             unseen(index, expectation, f"it leaves the picture at frame {view.report.quality.leaves_frame}")
         ]
@@ -78,7 +78,10 @@ def _move(index: int, expectation: ExpectedMotion, window: WindowMotion, view: V
     if direction is not None and length >= view.visible:
         checks.append(compare_direction(index, expectation, cosine(seen, direction), _SAME_WAY, "move", view))
     text = f"{along:.2g} body lengths that way{_instead(window, length)}"
-    return [*checks, compare_amount(index, expectation, "how far does it move?", band, along, text, view)]
+    return [
+        *checks,
+        compare_amount(index, expectation, "how far does it move?", tolerance, along, text, view),
+    ]
 
 
 def _farthest(seen: Vector, direction: Vector | None, window: WindowMotion, view: View) -> Vector:
@@ -121,14 +124,19 @@ def _rotate(index: int, expectation: ExpectedMotion, window: WindowMotion, view:
     checks = []
     if axis is not None and expectation.direction is not None:
         similarity = cosine(axis, expectation.direction)
-        if angle >= bands.VISIBLE_DEGREES:
+        if angle >= tolerances.VISIBLE_DEGREES:
             checks.append(compare_direction(index, expectation, similarity, _SAME_AXIS, "turn", view))
         angle *= similarity
-    band = bands.rotate_band(expectation, view.report.frame_count, view.anchored)
+    tolerance = tolerances.expect_rotation(expectation, view.report.frame_count, view.anchored)
     moved = 0.0 if window.displacement is None else norm(window.displacement)
-    instead = f", but a displacement by {moved:.2g} body lengths" if angle < band.low and moved > 0.2 else ""
+    instead = (
+        f", but a displacement by {moved:.2g} body lengths" if angle < tolerance.low and moved > 0.2 else ""
+    )
     text = f"{angle:.0f} degrees about its axis{instead}"
-    return [*checks, compare_amount(index, expectation, "how far does it turn?", band, angle, text, view)]
+    return [
+        *checks,
+        compare_amount(index, expectation, "how far does it turn?", tolerance, angle, text, view),
+    ]
 
 
 def _stretch(index: int, expectation: ExpectedMotion, window: WindowMotion, view: View) -> list[Check]:
@@ -136,12 +144,12 @@ def _stretch(index: int, expectation: ExpectedMotion, window: WindowMotion, view
     if strain is None:
         return [unseen(index, expectation, how)]
     squeeze = expectation.kind is MotionKind.SQUEEZE
-    band = bands.strain_band(expectation, squeeze)
+    tolerance = tolerances.expect_strain(expectation, squeeze)
     value = -strain if squeeze else strain
     question = "how much shorter does it get?" if squeeze else "how much longer does it get?"
     return [
         compare_amount(
-            index, expectation, question, band, value, f"{1 + strain:.2f} times its length ({how})", view
+            index, expectation, question, tolerance, value, f"{1 + strain:.2f} times its length ({how})", view
         )
     ]
 
@@ -186,17 +194,17 @@ def _sway(index: int, expectation: ExpectedMotion, window: WindowMotion, view: V
     direction = expectation.direction or (oscillation.direction if oscillation else _main_direction(points))
     path = [dot(p, direction) for p in points]
     amplitude = (max(path) - min(path)) / 2.0
-    band = bands.sway_band(expectation)
+    tolerance = tolerances.expect_sway(expectation)
     amount = compare_amount(
         index,
         expectation,
         "how far does it sway?",
-        band,
+        tolerance,
         amplitude,
         f"{amplitude:.2g} body lengths to either side",
         view,
     )
-    turns = len(find_turning_points(path, max(0.25 * amplitude, 0.2 * bands.VISIBLE)))
+    turns = len(find_turning_points(path, max(0.25 * amplitude, 0.2 * tolerances.VISIBLE)))
     wanted, most = 2 * expectation.repeats - 1, 4 * expectation.repeats + 3
     enough = wanted <= turns <= most
     fix = f"alternate {view.causes(expectation) or 'pushes'} {expectation.repeats} times to and fro"
@@ -225,12 +233,12 @@ def _fall(index: int, expectation: ExpectedMotion, window: WindowMotion, view: V
         return [unseen(index, expectation, reason(window, "displacement"))]
     down = view.brief.directions.down
     fallen = max(dot(d, down) for d in (window.displacement, window.peak_displacement) if d is not None)
-    band = bands.fall_band(expectation, view.report.frame_count)
+    tolerance = tolerances.expect_fall(expectation, view.report.frame_count)
     check = compare_amount(
         index,
         expectation,
         "how far does it fall?",
-        band,
+        tolerance,
         fallen,
         f"{fallen:.2g} body lengths downwards",
         view,
@@ -245,14 +253,14 @@ def _still(index: int, expectation: ExpectedMotion, window: WindowMotion, view: 
     ratios = {}
     moves = [norm(d) for d in (window.displacement, window.peak_displacement) if d is not None]
     if moves:
-        ratios["moves"] = max(moves) / bands.STILL
+        ratios["moves"] = max(moves) / tolerances.STILL
     if window.rotation_degrees is not None:
-        ratios["turns"] = window.rotation_degrees / bands.STILL_DEGREES
+        ratios["turns"] = window.rotation_degrees / tolerances.STILL_DEGREES
     if window.stretch is not None:
         seen_axes = [view.brief.directions.right, view.brief.directions.up]
         seen_axes += [view.brief.directions.toward] if window.stretch_view_axis_observable else []
         strains = [abs(_strain_along(window.stretch, axis)) for axis in seen_axes]
-        ratios["deforms"] = max(strains) / bands.STILL_STRAIN
+        ratios["deforms"] = max(strains) / tolerances.STILL_STRAIN
     if not ratios:
         return [unseen(index, expectation, reason(window, "displacement"))]
     worst = max(ratios, key=lambda name: ratios[name])
@@ -281,7 +289,7 @@ def _came_back(index: int, expectation: ExpectedMotion, window: WindowMotion, vi
         largest, left = _displacement_left(expectation.direction, window, view)
     else:
         return []
-    if largest is None or left is None or largest < bands.VISIBLE:
+    if largest is None or left is None or largest < tolerances.VISIBLE:
         return []
     share = left / largest
     passed = share <= _CAME_BACK

@@ -1,12 +1,12 @@
-"""What the planner's checks are made of: a view of the scene, and values compared with bands and directions."""
+"""What the planner's checks are made of: a view of the scene, and values compared with tolerances and directions."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from physagent_jax.agents.matching import agrees, causes_of
-from physagent_jax.agents.rules import bands
-from physagent_jax.agents.rules.bands import Band
+from physagent_jax.agents.rules import tolerances
+from physagent_jax.agents.rules.tolerances import Tolerance
 from physagent_jax.agents.schema import Check, ExpectedMotion, SceneBrief
 from physagent_jax.agents.vectors import clamp, dot
 from physagent_jax.core.strict import Vector
@@ -31,7 +31,7 @@ class View:
     def window(self, expectation: ExpectedMotion) -> WindowMotion | None:
         """The report's window for an expectation; None if perception was not asked for it."""
         try:
-            return self.report.window(*bands.whole_window(expectation, self.report.frame_count))
+            return self.report.window(*tolerances.round_window(expectation, self.report.frame_count))
         except KeyError:
             return None
 
@@ -56,7 +56,7 @@ class View:
     @property
     def visible(self) -> float:
         """Smallest displacement that is not noise [body lengths]."""
-        return clamp(self.report.quality.depth_noise, bands.VISIBLE, 0.08)
+        return clamp(self.report.quality.depth_noise, tolerances.VISIBLE, 0.08)
 
 
 def unseen(index: int, expectation: ExpectedMotion, why: str) -> Check:
@@ -77,18 +77,24 @@ def reason(window: WindowMotion, field: str) -> str:
 
 
 def compare_amount(
-    index: int, expectation: ExpectedMotion, question: str, band: Band, value: float, seen: str, view: View
+    index: int,
+    expectation: ExpectedMotion,
+    question: str,
+    tolerance: Tolerance,
+    value: float,
+    seen: str,
+    view: View,
 ) -> Check:
-    """A value against its band, with the factor that would mend it."""
-    passed = band.low <= value <= band.high
-    gain = None if passed else round(band.gain(value), 4)
+    """A value against its tolerance, with the factor that would mend it."""
+    passed = tolerance.low <= value <= tolerance.high
+    gain = None if passed else round(tolerance.gain(value), 4)
     return Check(
         expectation=index,
         question=question,
-        expected=band.text(),
+        expected=tolerance.text(),
         observed=seen,
         passed=passed,
-        score=round(band.score(value), 6),
+        score=round(tolerance.score(value), 6),
         gain=gain,
         remedy="" if gain is None else _remedy(gain, expectation, view),
     )

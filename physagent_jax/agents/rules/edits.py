@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from physagent_jax.agents.matching import Cause
-from physagent_jax.agents.rules.bands import move_band, strain_band, whole_window
-from physagent_jax.agents.rules.language.events import end_region
+from physagent_jax.agents.rules.language.events import make_end_region
 from physagent_jax.agents.rules.language.schedule import divide
 from physagent_jax.agents.rules.language.timing import BRIEF
+from physagent_jax.agents.rules.tolerances import expect_move, expect_strain, round_window
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import clamp, scaled
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, PRESCRIBED_TRAVEL
@@ -121,7 +121,7 @@ def actions(case: Case) -> list[Action]:
 
 
 def _window(case: Case) -> tuple[float, float] | None:
-    first, last = whole_window(case.expectation, case.brief.frame_count)
+    first, last = round_window(case.expectation, case.brief.frame_count)
     return (float(first), float(last)) if last > first else None
 
 
@@ -162,7 +162,7 @@ def pull_ends(case: Case, causes: Sequence[Cause]) -> Change:
     axis = expectation.direction or causes[0].item.vector
     window = causes[0].item.active_time
     fraction = (window[1] - window[0]) / max(case.last, 1.0) if window else 1.0
-    target = strain_band(expectation, expectation.kind is MotionKind.SQUEEZE).target
+    target = expect_strain(expectation, expectation.kind is MotionKind.SQUEEZE).target
     size = round(
         clamp(target / (2 * PRESCRIBED_TRAVEL * max(fraction, 1e-3)), MAGNITUDE_MIN, MAGNITUDE_MAX), 4
     )
@@ -173,7 +173,7 @@ def pull_ends(case: Case, causes: Sequence[Cause]) -> Change:
             vector=scaled(axis, side * outward),
             magnitude=size,
             active_time=window,
-            region=end_region(scaled(axis, side), _SLAB),
+            region=make_end_region(scaled(axis, side), _SLAB),
         )
         for side in (1.0, -1.0)
     )
@@ -284,8 +284,8 @@ def is_doubled(case: Case, causes: Sequence[Cause]) -> bool:
 
 def enforce(case: Case, causes: Sequence[Cause]) -> Change:
     """Prescribes the velocity where no admissible force is enough; for M = 1 see `PRESCRIBED_TRAVEL`."""
-    first, last = whole_window(case.expectation, case.brief.frame_count)
-    target = move_band(case.expectation, case.brief.frame_count, case.brief.anchored is not None).target
+    first, last = round_window(case.expectation, case.brief.frame_count)
+    target = expect_move(case.expectation, case.brief.frame_count, case.brief.anchored is not None).target
     size = clamp(
         target * case.last / (PRESCRIBED_TRAVEL * max(last - first, 1)), MAGNITUDE_MIN, MAGNITUDE_MAX
     )

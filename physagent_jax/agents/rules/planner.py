@@ -6,18 +6,18 @@ from collections.abc import Sequence
 
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.protocols import PlannerAgent
-from physagent_jax.agents.rules.bands import expectation_windows
 from physagent_jax.agents.rules.checks import View, checks_of
+from physagent_jax.agents.rules.tolerances import list_windows
 from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, Verdict
 from physagent_jax.agents.trace import Reply
 
 
 class RulePlanner(PlannerAgent):
-    """Judges by commonsense bands (`bands`), one or more checks per expectation."""
+    """Judges by commonsense bands (`tolerances`), one or more checks per expectation."""
 
     def windows(self, context: AgentContext) -> list[tuple[int, int]]:
         """One per expectation."""
-        return expectation_windows(context.expectations, context.brief.frame_count)
+        return list_windows(context.expectations, context.brief.frame_count)
 
     def judge(self, context: AgentContext, seen: Observation) -> Reply[Judgement]:
         """Compares the report with what is expected of the sentence; see `protocols.PlannerAgent`.

@@ -11,8 +11,8 @@ from collections.abc import Iterator, Sequence
 
 from physagent_jax.agents.matching import Cause, agrees, all_causes, misfits, own_causes, thrown_up
 from physagent_jax.agents.rules import edits
-from physagent_jax.agents.rules.bands import whole_window
 from physagent_jax.agents.rules.edits import AXIAL, Case, Change
+from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import clamp, norm, scaled
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVEL
@@ -144,7 +144,7 @@ def _calm(case: Case) -> Iterator[Change]:
             edits.with_items(case.force_field, active, [None] * len(active)),
             f"{edits.names(active)} removed: it should be still.",
         )
-    first, last = whole_window(case.expectation, case.brief.frame_count)
+    first, last = round_window(case.expectation, case.brief.frame_count)
     if case.brief.anchored is not None:  # a held object swings on rather than drifts: let it settle
         before = [
             c for c in all_causes(case.force_field) if c.item.active_time and c.item.active_time[0] < first

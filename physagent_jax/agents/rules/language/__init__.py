@@ -1,6 +1,6 @@
-"""Everyday English read by rules: words -> marks -> clauses -> events -> force field.
+"""Everyday English read by rules: tokens -> mentions -> clauses -> events -> force field.
 
-`verbs` and `modifiers` are the lexicon (tables); `words` cuts the sentence into tokens, `marks` finds
-the lexicon's phrases in it, `timing` its durations, `clauses` its grammar, `events` what each clause
-does, `schedule` when, and `compilation` turns that into actions, expectations and evidence.
+`verbs` and `modifiers` are the lexicon (tables); `tokens` cuts the sentence, `mentions` finds the lexicon's phrases
+in it, `timing` its durations, `clauses` its grammar, `events` what each clause does, `schedule` when, and
+`compilation` turns that into actions, expectations and evidence, which `builder` collects.
 """

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from physagent_jax.agents.rules.language.clauses import Clause, places, repeats, verb_of
-from physagent_jax.agents.rules.language.marks import Kind, Mark
+from physagent_jax.agents.rules.language.clauses import Clause, find_places, find_repeats, get_verb
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join, Names, Place, Repeat
-from physagent_jax.agents.rules.language.timing import When
-from physagent_jax.agents.rules.language.verbs import PICTURE_PLANE_TURNS, VERBS, Doing, Verb
+from physagent_jax.agents.rules.language.timing import TimeSpan
+from physagent_jax.agents.rules.language.verbs import PICTURE_PLANE_TURNS, VERBS, Effect, Verb
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, cross, dot, normalised, scaled
 from physagent_jax.core.strict import Vector
@@ -25,7 +25,7 @@ ASSUMED = "left"
 
 
 @dataclass(frozen=True)
-class Source:
+class ValueSource:
     """Which words led to a value of an event, and by which rule."""
 
     words: str
@@ -59,64 +59,68 @@ class Event:
     strength: float
     region: Region | None = None
     repeat: Repeat = Repeat()
-    when: When = When()
+    when: TimeSpan = TimeSpan()
     wind: bool = False
-    sources: dict[str, Source] = field(default_factory=dict)
+    sources: dict[str, ValueSource] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
     @property
-    def doing(self) -> Doing:
+    def effect(self) -> Effect:
         """How it acts."""
-        return self.verb.doing
+        return self.verb.effect
 
 
 def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
     """The event that a clause with a verb or a cause describes; ``before`` gives "harder" its measure."""
     verb, phrase = _effective_verb(clause)
-    if verb.doing is Doing.ROLL and clause.of(Kind.SENSE) and not clause.of(Kind.DIRECTION, Kind.FROM):
-        verb = replace(verb, doing=Doing.TURN, direction="toward")  # rolls on the spot
+    if (
+        verb.effect is Effect.ROLL
+        and clause.select(MentionKind.SENSE)
+        and not clause.select(MentionKind.DIRECTION, MentionKind.FROM)
+    ):
+        verb = replace(verb, effect=Effect.TURN, direction="toward")  # rolls on the spot
     if (
         clause.verb is None
         and verb.wind
-        and not clause.of(Kind.DIRECTION, Kind.FROM)
+        and not clause.select(MentionKind.DIRECTION, MentionKind.FROM)
         and _sways_in_wind(brief)
     ):
         verb, phrase = replace(VERBS["sway"], strength=verb.strength), "sway"
     words = _quote(clause)
-    strength, strength_source = _strength(clause, verb, before if clause.inherited else None)
-    place = next(iter(places(clause)), None)
-    direction, repeat, direction_source, notes = _direction(clause, verb, phrase, place, brief)
-    if verb.doing in (Doing.BURST, Doing.STRIKE, Doing.PUSH, Doing.SWAY, Doing.SCALE, Doing.SWELL):
+    strength, strength_source = _resolve_strength(clause, verb, before if clause.inherited else None)
+    place = next(iter(find_places(clause)), None)
+    direction, repeat, direction_source, notes = _resolve_direction(clause, verb, phrase, place, brief)
+    if verb.effect in (Effect.BURST, Effect.STRIKE, Effect.PUSH, Effect.SWAY, Effect.SCALE, Effect.SWELL):
         verb = _by_direction(verb, clause, direction_source)
-        if verb.doing is Doing.SWELL:
+        if verb.effect is Effect.SWELL:
             direction = None
-        elif verb.doing is Doing.SCALE and direction is None:
-            direction = _vector(("right",), brief)
-    if notes and before is not None and before.doing is verb.doing:
+        elif verb.effect is Effect.SCALE and direction is None:
+            direction = _sum_directions(("right",), brief)
+    if notes and before is not None and before.effect is verb.effect:
         direction, notes = before.direction, []  # "push it to the right, then push it harder"
         direction_source = replace(direction_source, why="no direction given: as before")
     if (
         before is not None
         and before.direction is not None
-        and any(m.phrase == "back" for m in clause.of(Kind.DIRECTION))
+        and any(m.phrase == "back" for m in clause.select(MentionKind.DIRECTION))
     ):
         direction = scaled(before.direction, -1.0)
         direction_source = replace(direction_source, why="back where it came from")
-    region, place_note = region_of(place, brief) if place else (None, "")
+    region, place_note = make_region(place, brief) if place else (None, "")
     notes = [*notes, *([place_note] if place_note else [])]
     notes += (
-        [f"Of several parts only '{clause.of(Kind.PLACE)[0].words}' is used."]
-        if len(places(clause)) > 1
+        [f"Of several parts only '{clause.select(MentionKind.PLACE)[0].words}' is used."]
+        if len(find_places(clause)) > 1
         else []
     )
     sources = {
-        "action_type": Source(clause.words, f"'{phrase}' is a {verb.doing.value}"),
+        "action_type": ValueSource(clause.words, f"'{phrase}' is a {verb.effect.value}"),
         "magnitude": strength_source,
     }
     sources["vector"] = direction_source
     if place:
-        sources["region"] = Source(clause.of(Kind.PLACE)[0].words, "a part of the object")
-    when, when_source = _when(clause, verb)
+        sources["region"] = ValueSource(clause.select(MentionKind.PLACE)[0].words, "a part of the object")
+    when, when_source = _resolve_time(clause, verb)
     sources["active_time"] = when_source
     return Event(
         verb,
@@ -128,7 +132,7 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         region,
         repeat,
         when,
-        any(verb_of(m).wind for m in (clause.cause, clause.verb) if m is not None),
+        any(get_verb(m).wind for m in (clause.cause, clause.verb) if m is not None),
         sources,
         tuple(notes),
     )
@@ -143,11 +147,11 @@ def _effective_verb(clause: Clause) -> tuple[Verb, str]:
     """The verb; a wind that "hits" pushes, a cause of generic motion ("sends it") gives its own kind."""
     if clause.verb is None:
         assert clause.cause is not None
-        return verb_of(clause.cause), clause.cause.phrase
-    verb, phrase = verb_of(clause.verb), clause.verb.phrase
+        return get_verb(clause.cause), clause.cause.phrase
+    verb, phrase = get_verb(clause.verb), clause.verb.phrase
     if clause.cause is not None:
-        cause = verb_of(clause.cause)
-        if (verb.generic and verb.doing is Doing.PUSH) or (cause.wind and verb.doing is Doing.STRIKE):
+        cause = get_verb(clause.cause)
+        if (verb.generic and verb.effect is Effect.PUSH) or (cause.wind and verb.effect is Effect.STRIKE):
             return cause, clause.cause.phrase
         return replace(verb, brief=verb.brief or cause.brief), phrase
     return verb, phrase
@@ -155,100 +159,104 @@ def _effective_verb(clause: Clause) -> tuple[Verb, str]:
 
 def _quote(clause: Clause) -> str:
     """The clause's own words, in their order."""
-    marks = [m for m in clause.marks if m.words] or [m for m in (clause.verb, clause.cause) if m]
-    return " ".join(m.words for m in sorted(marks, key=lambda m: m.first))
+    mentions = [m for m in clause.mentions if m.words] or [m for m in (clause.verb, clause.cause) if m]
+    return " ".join(m.words for m in sorted(mentions, key=lambda m: m.first))
 
 
-def _strength(clause: Clause, verb: Verb, before: Event | None) -> tuple[float, Source]:
+def _resolve_strength(clause: Clause, verb: Verb, before: Event | None) -> tuple[float, ValueSource]:
     """Base strength of verb and cause times the intensities; degrees widen the next one's distance from 1."""
     value = verb.strength
-    if clause.cause is not None and clause.verb is not None and verb_of(clause.cause) is not verb:
-        value *= verb_of(clause.cause).strength if verb_of(clause.verb) is not verb_of(clause.cause) else 1.0
+    if clause.cause is not None and clause.verb is not None and get_verb(clause.cause) is not verb:
+        value *= (
+            get_verb(clause.cause).strength if get_verb(clause.verb) is not get_verb(clause.cause) else 1.0
+        )
     words, degree = [], 1.0
-    for mark in clause.of(Kind.DEGREE, Kind.INTENSITY, Kind.COMPARATIVE):
-        assert isinstance(mark.value, float)
-        words.append(mark.words)
-        if mark.kind is Kind.DEGREE:
-            degree = mark.value
-        elif mark.kind is Kind.INTENSITY:
-            value *= 1.0 + (mark.value - 1.0) * degree
+    for mention in clause.select(MentionKind.DEGREE, MentionKind.INTENSITY, MentionKind.COMPARATIVE):
+        assert isinstance(mention.value, float)
+        words.append(mention.words)
+        if mention.kind is MentionKind.DEGREE:
+            degree = mention.value
+        elif mention.kind is MentionKind.INTENSITY:
+            value *= 1.0 + (mention.value - 1.0) * degree
             degree = 1.0
         else:
-            value = mark.value * (before.strength if before else value)
+            value = mention.value * (before.strength if before else value)
     value = round(clamp(value, MAGNITUDE_MIN, MAGNITUDE_MAX), 3)
     if words:
-        return value, Source(", ".join(words), "intensity words")
+        return value, ValueSource(", ".join(words), "intensity words")
     why = "the word's own strength" if value != 1.0 else "no intensity word: plain"
-    return value, Source(clause.words, why)
+    return value, ValueSource(clause.words, why)
 
 
-def _vector(names: Names, brief: SceneBrief) -> Vector:
+def _sum_directions(names: Names, brief: SceneBrief) -> Vector:
     """Sum of named directions (not normalised)."""
     return add(_WORLD_AXES.get(name) or getattr(brief.directions, name) for name in names)
 
 
-def _names(marks: list[Mark]) -> list[Names]:
-    return [mark.value for mark in marks if isinstance(mark.value, tuple)]
+def _names(mentions: list[Mention]) -> list[Names]:
+    return [mention.value for mention in mentions if isinstance(mention.value, tuple)]
 
 
-def _direction(
+def _resolve_direction(
     clause: Clause, verb: Verb, phrase: str, place: Place | None, brief: SceneBrief
-) -> tuple[Vector | None, Repeat, Source, list[str]]:
+) -> tuple[Vector | None, Repeat, ValueSource, list[str]]:
     """Direction (or axis), repetition, source and notes."""
-    repeat = _repeat(clause)
-    if verb.doing is Doing.TURN and clause.of(Kind.SENSE, Kind.AXIS, Kind.PLANE):
-        return *_turn_axis(clause, verb, phrase, brief, repeat), []
-    told = clause.of(Kind.DIRECTION, Kind.FROM)
-    lines = clause.of(Kind.AXIS, Kind.PLANE)
+    repeat = _resolve_repeat(clause)
+    if verb.effect is Effect.TURN and clause.select(MentionKind.SENSE, MentionKind.AXIS, MentionKind.PLANE):
+        return *_resolve_turn_axis(clause, verb, phrase, brief, repeat), []
+    told = clause.select(MentionKind.DIRECTION, MentionKind.FROM)
+    lines = clause.select(MentionKind.AXIS, MentionKind.PLANE)
     if told:
         parts = []
-        for mark, names in zip(told, _names(told)):
-            sign = -1.0 if mark.kind is Kind.FROM and not verb.pulls else 1.0
-            parts.append(scaled(_vector(names, brief), sign))
-        total, words = normalised(add(parts)), " ".join(mark.words for mark in told)
+        for mention, names in zip(told, _names(told)):
+            sign = -1.0 if mention.kind is MentionKind.FROM and not verb.pulls else 1.0
+            parts.append(scaled(_sum_directions(names, brief), sign))
+        total, words = normalised(add(parts)), " ".join(mention.words for mention in told)
         if total is None:  # "to the left and to the right": an axis for stretching, to and fro for the rest
-            total, repeat = normalised(parts[0]), replace(repeat, alternate=verb.doing is not Doing.SCALE)
-        source = Source(
+            total, repeat = normalised(parts[0]), replace(repeat, alternate=verb.effect is not Effect.SCALE)
+        source = ValueSource(
             words, "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"
         )
     elif lines:
         total, source = (
-            normalised(_vector(_names(lines)[0], brief)),
-            Source(lines[0].words, "an axis by name"),
+            normalised(_sum_directions(_names(lines)[0], brief)),
+            ValueSource(lines[0].words, "an axis by name"),
         )
     elif repeat.names:
-        total = normalised(_vector(repeat.names, brief))
-        source = Source(clause.of(Kind.REPEAT)[0].words, "to and fro, this way first")
-        repeat = replace(repeat, alternate=verb.doing is not Doing.SCALE)
-    elif place and place.names and verb.doing is Doing.STRIKE:
-        total = normalised(scaled(_vector(place.names, brief), -1.0))
-        source = Source(clause.of(Kind.PLACE)[0].words, "a blow drives away from the side that it hits")
+        total = normalised(_sum_directions(repeat.names, brief))
+        source = ValueSource(clause.select(MentionKind.REPEAT)[0].words, "to and fro, this way first")
+        repeat = replace(repeat, alternate=verb.effect is not Effect.SCALE)
+    elif place and place.names and verb.effect is Effect.STRIKE:
+        total = normalised(scaled(_sum_directions(place.names, brief), -1.0))
+        source = ValueSource(
+            clause.select(MentionKind.PLACE)[0].words, "a blow drives away from the side that it hits"
+        )
     else:
-        return _assumed_direction(clause, verb, brief, repeat)
-    if verb.doing is Doing.TURN and told and total is not None:
+        return _assume_direction(clause, verb, brief, repeat)
+    if verb.effect is Effect.TURN and told and total is not None:
         total = _turn_towards(total, brief)
         source = replace(source, why="the side that faces the viewer turns this way")
     return total, repeat, source, []
 
 
-def _assumed_direction(
+def _assume_direction(
     clause: Clause, verb: Verb, brief: SceneBrief, repeat: Repeat
-) -> tuple[Vector | None, Repeat, Source, list[str]]:
+) -> tuple[Vector | None, Repeat, ValueSource, list[str]]:
     """The verb's own direction, else the assumed one with a note."""
     words = clause.words
-    if verb.doing in (Doing.FALL, Doing.HOLD, Doing.RELEASE, Doing.STILL, Doing.SWELL, Doing.BURST):
-        return None, repeat, Source(words, "needs no direction"), []
+    if verb.effect in (Effect.FALL, Effect.HOLD, Effect.RELEASE, Effect.STILL, Effect.SWELL, Effect.BURST):
+        return None, repeat, ValueSource(words, "needs no direction"), []
     name = verb.direction or ASSUMED
-    vector = normalised(_vector((name,), brief))
-    source = Source(words, f"no direction given: {name} by default")
+    vector = normalised(_sum_directions((name,), brief))
+    source = ValueSource(words, f"no direction given: {name} by default")
     if verb.direction:
         return vector, repeat, source, []
     return vector, repeat, source, [f"'{words}': no direction given, assumed {name}."]
 
 
-def _turn_axis(
+def _resolve_turn_axis(
     clause: Clause, verb: Verb, phrase: str, brief: SceneBrief, repeat: Repeat
-) -> tuple[Vector | None, Repeat, Source]:
+) -> tuple[Vector | None, Repeat, ValueSource]:
     """Rotation axis from "about the vertical axis", "horizontally", "clockwise", "seen from above".
 
     Counter-clockwise is right-handed about the axis that points at whoever looks: at the viewer for
@@ -258,29 +266,36 @@ def _turn_axis(
         ("right",): ("up",),
         ("up",): ("right",),
     }  # turning horizontally is about the vertical
-    named = [(mark, names) for mark, names in zip(clause.of(Kind.AXIS), _names(clause.of(Kind.AXIS)))]
-    named += [
-        (mark, planes.get(names, names))
-        for mark, names in zip(clause.of(Kind.PLANE), _names(clause.of(Kind.PLANE)))
+    named = [
+        (mention, names)
+        for mention, names in zip(clause.select(MentionKind.AXIS), _names(clause.select(MentionKind.AXIS)))
     ]
-    views = clause.of(Kind.VIEW)
-    senses = clause.of(Kind.SENSE)
-    told = clause.of(Kind.DIRECTION)
+    named += [
+        (mention, planes.get(names, names))
+        for mention, names in zip(clause.select(MentionKind.PLANE), _names(clause.select(MentionKind.PLANE)))
+    ]
+    views = clause.select(MentionKind.VIEW)
+    senses = clause.select(MentionKind.SENSE)
+    told = clause.select(MentionKind.DIRECTION)
     if named:
-        axis = _vector(named[0][1], brief)
+        axis = _sum_directions(named[0][1], brief)
     elif views:
-        axis = _vector(_names(views)[0], brief)
+        axis = _sum_directions(_names(views)[0], brief)
     else:
-        axis = _vector(("toward",) if phrase in PICTURE_PLANE_TURNS else (verb.direction or "toward",), brief)
+        axis = _sum_directions(
+            ("toward",) if phrase in PICTURE_PLANE_TURNS else (verb.direction or "toward",), brief
+        )
     sign = 1.0
     if senses:
         assert isinstance(senses[0].value, int)
         sign = float(senses[0].value)
     elif told:
-        sign = 1.0 if dot(axis, _turn_towards(_vector(_names(told)[0], brief), brief)) >= 0 else -1.0
-    words = " ".join(mark.words for mark in [*senses, *(mark for mark, _ in named), *views, *told])
+        sign = 1.0 if dot(axis, _turn_towards(_sum_directions(_names(told)[0], brief), brief)) >= 0 else -1.0
+    words = " ".join(
+        mention.words for mention in [*senses, *(mention for mention, _ in named), *views, *told]
+    )
     why = "counter-clockwise is right-handed about the axis towards whoever looks"
-    return normalised(scaled(axis, sign)), repeat, Source(words, why)
+    return normalised(scaled(axis, sign)), repeat, ValueSource(words, why)
 
 
 def _turn_towards(direction: Vector, brief: SceneBrief) -> Vector:
@@ -290,46 +305,46 @@ def _turn_towards(direction: Vector, brief: SceneBrief) -> Vector:
     return normalised(cross(reference, direction)) or up
 
 
-def lean_axis(direction: Vector, brief: SceneBrief) -> Vector:
+def find_lean_axis(direction: Vector, brief: SceneBrief) -> Vector:
     """Axis about which the top moves along ``direction``."""
     return normalised(cross(brief.directions.up, direction)) or brief.directions.toward
 
 
-def _by_direction(verb: Verb, clause: Clause, source: Source) -> Verb:
+def _by_direction(verb: Verb, clause: Clause, source: ValueSource) -> Verb:
     """Verbs whose kind depends on where they act: from both sides, outward, from one side."""
-    sides = clause.of(Kind.SIDES)
-    told = bool(clause.of(Kind.DIRECTION, Kind.FROM))
-    if verb.doing is Doing.BURST:
-        return replace(verb, doing=Doing.STRIKE) if told else verb
-    if not sides or verb.doing is Doing.SWAY:
+    sides = clause.select(MentionKind.SIDES)
+    told = bool(clause.select(MentionKind.DIRECTION, MentionKind.FROM))
+    if verb.effect is Effect.BURST:
+        return replace(verb, effect=Effect.STRIKE) if told else verb
+    if not sides or verb.effect is Effect.SWAY:
         return verb
     isotropic = bool(sides[0].value)
-    if verb.doing in (Doing.PUSH, Doing.STRIKE):
+    if verb.effect in (Effect.PUSH, Effect.STRIKE):
         outward = verb.pulls or "outward" in sides[0].words
-        verb = replace(verb, doing=Doing.SCALE, sign=1 if outward else -1)
-    return replace(verb, doing=Doing.SWELL) if isotropic else verb
+        verb = replace(verb, effect=Effect.SCALE, sign=1 if outward else -1)
+    return replace(verb, effect=Effect.SWELL) if isotropic else verb
 
 
-def _repeat(clause: Clause) -> Repeat:
+def _resolve_repeat(clause: Clause) -> Repeat:
     """All counts of a clause as one: "left and right twice" alternates and counts."""
-    found = repeats(clause)
+    found = find_repeats(clause)
     count = next((r.count for r in found if r.count is not None), None)
     names = next((r.names for r in found if r.names), ())
     return Repeat(count, any(r.alternate for r in found), names)
 
 
-def _when(clause: Clause, verb: Verb) -> tuple[When, Source]:
-    marks = clause.of(Kind.TIME)
-    when = When()
-    for mark in marks:
-        assert isinstance(mark.value, When)
-        when = When(mark.value.start or when.start, mark.value.length or when.length)
-    if marks:
-        return when, Source(", ".join(mark.words for mark in marks), "time as told")
-    return when, Source(clause.words, "its share of the sequence")
+def _resolve_time(clause: Clause, verb: Verb) -> tuple[TimeSpan, ValueSource]:
+    mentions = clause.select(MentionKind.TIME)
+    when = TimeSpan()
+    for mention in mentions:
+        assert isinstance(mention.value, TimeSpan)
+        when = TimeSpan(mention.value.start or when.start, mention.value.length or when.length)
+    if mentions:
+        return when, ValueSource(", ".join(mention.words for mention in mentions), "time as told")
+    return when, ValueSource(clause.words, "its share of the sequence")
 
 
-def region_of(place: Place, brief: SceneBrief) -> tuple[Region | None, str]:
+def make_region(place: Place, brief: SceneBrief) -> tuple[Region | None, str]:
     """A place as a region in bounding-box fractions: half-spaces, and a box for the middle band."""
     if not place.names:
         up = brief.directions.up
@@ -338,13 +353,13 @@ def region_of(place: Place, brief: SceneBrief) -> tuple[Region | None, str]:
             return None, "The middle is not a box here (world up is oblique): the whole object is used."
         x, y, z = ((1 / 3, 2 / 3) if i == axis else (0.0, 1.0) for i in range(3))
         return BoxRegion(low=(x[0], y[0], z[0]), high=(x[1], y[1], z[1])), ""
-    normal = normalised(_vector(place.names, brief))
+    normal = normalised(_sum_directions(place.names, brief))
     if normal is None:
         return None, "The part's directions cancel: the whole object is used."
-    return end_region(normal, place.start), ""
+    return make_end_region(normal, place.start), ""
 
 
-def end_region(normal: Vector, start: float) -> HalfSpaceRegion:
+def make_end_region(normal: Vector, start: float) -> HalfSpaceRegion:
     """The part beyond fraction ``start`` of the unit cube's extent along ``normal``."""
     reach = (start - 0.5) * sum(abs(c) for c in normal)
     x, y, z = add([(0.5, 0.5, 0.5), scaled(normal, reach)])

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from physagent_jax.agents.rules.language.events import Event
 from physagent_jax.agents.rules.language.modifiers import Join
-from physagent_jax.agents.rules.language.verbs import Doing
+from physagent_jax.agents.rules.language.verbs import Effect
 from physagent_jax.agents.vectors import clamp, dot
 
 Window = tuple[float, float]
@@ -37,7 +37,7 @@ def schedule(events: list[Event], frame_count: int, frame_dt: float) -> list[Slo
     they do not fit) and the rest is shared. The last window ends with the clip unless its length was told.
     """
     last = float(frame_count - 1)
-    slots = _slots(events, frame_count, frame_dt)
+    slots = _group_slots(events, frame_count, frame_dt)
     first = 0
     while first < len(slots):
         run_end = next((i for i in range(first + 1, len(slots)) if slots[i].start is not None), len(slots))
@@ -48,7 +48,7 @@ def schedule(events: list[Event], frame_count: int, frame_dt: float) -> list[Slo
     return slots
 
 
-def _slots(events: list[Event], frame_count: int, frame_dt: float) -> list[Slot]:
+def _group_slots(events: list[Event], frame_count: int, frame_dt: float) -> list[Slot]:
     """One slot per step of the sequence; told starts that run backwards are ignored."""
     last = float(frame_count - 1)
     slots: list[Slot] = []
@@ -57,8 +57,8 @@ def _slots(events: list[Event], frame_count: int, frame_dt: float) -> list[Slot]
         if index and not follows(events[index - 1], event):
             slots[-1].events.append(event)
             continue
-        start = event.when.start.frames(frame_count, frame_dt) if event.when.start else None
-        length = event.when.length.frames(frame_count, frame_dt) if event.when.length else None
+        start = event.when.start.to_frames(frame_count, frame_dt) if event.when.start else None
+        length = event.when.length.to_frames(frame_count, frame_dt) if event.when.length else None
         if start is not None:
             start = clamp(last + start if start < 0 else start, 0.0, max(last - 1.0, 0.0))
             start = start if start > latest or not slots else None
@@ -73,20 +73,20 @@ def follows(before: Event, event: Event) -> bool:
         return True
     if event.join is Join.WHILE:
         return False
-    if event.doing is Doing.RELEASE or (event.doing is Doing.STILL and not event.verb.generic):
+    if event.effect is Effect.RELEASE or (event.effect is Effect.STILL and not event.verb.generic):
         return True
-    if before.doing is Doing.FALL and event.doing is Doing.SWAY:
+    if before.effect is Effect.FALL and event.effect is Effect.SWAY:
         return True  # "drops and jiggles"
     return contrary(before, event)
 
 
 def contrary(before: Event, event: Event) -> bool:
     """Whether two events joined by "and" would cancel if they happened together ("squeezed and stretched")."""
-    if before.doing is Doing.PUSH and before.phrase != event.phrase and event.doing is Doing.FALL:
+    if before.effect is Effect.PUSH and before.phrase != event.phrase and event.effect is Effect.FALL:
         return True  # "lifted and dropped"
-    if before.doing is not event.doing:
+    if before.effect is not event.effect:
         return False
-    if event.doing in (Doing.SCALE, Doing.SWELL):
+    if event.effect in (Effect.SCALE, Effect.SWELL):
         return before.verb.sign != event.verb.sign
     if before.direction is None or event.direction is None or before.region != event.region:
         return False
@@ -112,7 +112,7 @@ def _share(slots: list[Slot], begin: float, end: float) -> None:
 
 
 def _weight(slot: Slot) -> float:
-    return _STILL_SHARE if all(e.doing is Doing.STILL for e in slot.events) else 1.0
+    return _STILL_SHARE if all(e.effect is Effect.STILL for e in slot.events) else 1.0
 
 
 def divide(window: Window, shares: list[float]) -> list[Window]:

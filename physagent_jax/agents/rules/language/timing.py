@@ -5,133 +5,135 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from physagent_jax.agents.rules.language.modifiers import CLIP_PARTS, MOMENTS, NUMBERS, UNITS
-from physagent_jax.agents.rules.language.words import Token
+from physagent_jax.agents.rules.language.tokens import Token
 
 BRIEF = 0.15  # of the clip: "briefly"
 
 
 @dataclass(frozen=True)
-class Amount:
+class Duration:
     """A length of time in "second", "frame" or "clip" (fraction of the whole)."""
 
     value: float
     unit: str
 
-    def frames(self, frame_count: int, frame_dt: float) -> float:
+    def to_frames(self, frame_count: int, frame_dt: float) -> float:
         """The same in frames; the clip's last frame is ``frame_count - 1``."""
         per_unit = {"second": 1.0 / frame_dt, "frame": 1.0, "clip": float(frame_count - 1)}
         return self.value * per_unit[self.unit]
 
 
 @dataclass(frozen=True)
-class When:
+class TimeSpan:
     """What a sentence says about the time of an action; None = nothing."""
 
-    start: Amount | None = None
-    length: Amount | None = None
+    start: Duration | None = None
+    length: Duration | None = None
 
 
-def match_time(tokens: list[Token], at: int) -> tuple[When, int] | None:
+def match_time(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
     """The phrase of time that begins at ``tokens[at]`` and the index behind it, or None."""
     word = tokens[at].text
     if word in ("for", "within", "lasting"):
-        return _then(_quantity(tokens, at + 1), lambda a: When(length=a))
+        return _map_match(_parse_quantity(tokens, at + 1), lambda a: TimeSpan(length=a))
     if word in ("after", "at", "from", "between"):
-        return _span(tokens, at) or (
-            None if word in ("from", "between") else _then(_moment(tokens, at + 1), lambda a: When(start=a))
+        return _parse_span(tokens, at) or (
+            None
+            if word in ("from", "between")
+            else _map_match(_parse_moment(tokens, at + 1), lambda a: TimeSpan(start=a))
         )
     if word in ("during", "in", "over", "throughout"):
-        return _part_of_clip(tokens, at + 1)
+        return _parse_part_of_clip(tokens, at + 1)
     return None
 
 
-def moment(phrase: str) -> When:
+def parse_moment(phrase: str) -> TimeSpan:
     """The meaning of a fixed phrase of `modifiers.MOMENTS`."""
     start, length = MOMENTS[phrase]
-    return When(
-        None if start is None else Amount(start, "clip"),
-        None if length is None else Amount(BRIEF if length < 0 else length, "clip"),
+    return TimeSpan(
+        None if start is None else Duration(start, "clip"),
+        None if length is None else Duration(BRIEF if length < 0 else length, "clip"),
     )
 
 
-def number(tokens: list[Token], at: int) -> tuple[float, int] | None:
+def parse_number(tokens: list[Token], at: int) -> tuple[float, int] | None:
     """A number in digits or words ("2", "three", "half a", "a couple of") and the index behind it."""
-    word = _word(tokens, at)
+    word = _get_word(tokens, at)
     if word and word[0].isdigit() and word[0].isascii():
         return float(word), at + 1
     if word not in NUMBERS:
         return None
-    after = _word(tokens, at + 1)
+    after = _get_word(tokens, at + 1)
     if word in ("a", "an") and after in ("half", "few", "couple"):
-        return number(tokens, at + 1)
+        return parse_number(tokens, at + 1)
     if after in ("a", "an", "of"):
         at += 1
     return NUMBERS[word], at + 1
 
 
-def _word(tokens: list[Token], at: int) -> str:
+def _get_word(tokens: list[Token], at: int) -> str:
     return tokens[at].text if at < len(tokens) else ""
 
 
-def _then(found, build) -> tuple[When, int] | None:
+def _map_match(found, build) -> tuple[TimeSpan, int] | None:
     return None if found is None else (build(found[0]), found[1])
 
 
-def _quantity(tokens: list[Token], at: int) -> tuple[Amount, int] | None:
+def _parse_quantity(tokens: list[Token], at: int) -> tuple[Duration, int] | None:
     """Reads "two seconds", "half a second", "10 frames", "half of the clip"."""
-    counted = number(tokens, at)
+    counted = parse_number(tokens, at)
     if counted is None:
         return None
     value, behind = counted
-    unit = UNITS.get(_word(tokens, behind))
+    unit = UNITS.get(_get_word(tokens, behind))
     if unit:
-        return Amount(value, unit), behind + 1
-    if value == 0.5 and _word(tokens, behind) in ("the", "clip", "time"):
-        return Amount(0.5, "clip"), behind + 1 + (_word(tokens, behind) == "the")
+        return Duration(value, unit), behind + 1
+    if value == 0.5 and _get_word(tokens, behind) in ("the", "clip", "time"):
+        return Duration(0.5, "clip"), behind + 1 + (_get_word(tokens, behind) == "the")
     return None
 
 
-def _moment(tokens: list[Token], at: int) -> tuple[Amount, int] | None:
+def _parse_moment(tokens: list[Token], at: int) -> tuple[Duration, int] | None:
     """Reads "frame 10" or a quantity."""
-    if _word(tokens, at) == "frame" and (counted := number(tokens, at + 1)):
-        return Amount(counted[0], "frame"), counted[1]
-    return _quantity(tokens, at)
+    if _get_word(tokens, at) == "frame" and (counted := parse_number(tokens, at + 1)):
+        return Duration(counted[0], "frame"), counted[1]
+    return _parse_quantity(tokens, at)
 
 
-def _span(tokens: list[Token], at: int) -> tuple[When, int] | None:
+def _parse_span(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
     """Reads "from frame 10 to 20", "between 1 and 2 seconds"."""
-    first_at = at + 1 + (_word(tokens, at + 1) in ("frame", "frames", "second"))
-    first = number(tokens, first_at)
-    if first is None or _word(tokens, at) not in ("from", "between"):
+    first_at = at + 1 + (_get_word(tokens, at + 1) in ("frame", "frames", "second"))
+    first = parse_number(tokens, first_at)
+    if first is None or _get_word(tokens, at) not in ("from", "between"):
         return None
-    middle = first[1] + (_word(tokens, first[1]) in UNITS)
-    if _word(tokens, middle) not in ("to", "and", "until"):
+    middle = first[1] + (_get_word(tokens, first[1]) in UNITS)
+    if _get_word(tokens, middle) not in ("to", "and", "until"):
         return None
-    second = number(tokens, middle + 1 + (_word(tokens, middle + 1) in ("frame", "second")))
-    unit = UNITS.get(_word(tokens, second[1])) if second else None
-    named = UNITS.get(_word(tokens, at + 1))
+    second = parse_number(tokens, middle + 1 + (_get_word(tokens, middle + 1) in ("frame", "second")))
+    unit = UNITS.get(_get_word(tokens, second[1])) if second else None
+    named = UNITS.get(_get_word(tokens, at + 1))
     if second is None or not (unit or named) or second[0] <= first[0]:
         return None
-    amounts = [Amount(value, unit or named or "frame") for value in (first[0], second[0] - first[0])]
-    return When(*amounts), second[1] + (unit is not None)
+    amounts = [Duration(value, unit or named or "frame") for value in (first[0], second[0] - first[0])]
+    return TimeSpan(*amounts), second[1] + (unit is not None)
 
 
-def _part_of_clip(tokens: list[Token], at: int) -> tuple[When, int] | None:
+def _parse_part_of_clip(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
     """Reads "the first half", "the second third", "the last 10 frames", "the first second"."""
-    at += _word(tokens, at) == "the"
-    order = {"first": 0, "second": 1, "third": 2, "last": -1, "final": -1}.get(_word(tokens, at))
+    at += _get_word(tokens, at) == "the"
+    order = {"first": 0, "second": 1, "third": 2, "last": -1, "final": -1}.get(_get_word(tokens, at))
     if order is None:
         return None
-    counted = number(tokens, at + 1)
-    value, behind = counted if counted and _word(tokens, counted[1]) in UNITS else (1.0, at + 1)
-    noun = _word(tokens, behind)
+    counted = parse_number(tokens, at + 1)
+    value, behind = counted if counted and _get_word(tokens, counted[1]) in UNITS else (1.0, at + 1)
+    noun = _get_word(tokens, behind)
     if noun in CLIP_PARTS:
         size = CLIP_PARTS[noun]
         start = 1.0 - size if order < 0 else min(order * size, 1.0 - size)
-        return When(Amount(start, "clip"), Amount(size, "clip")), behind + 1
+        return TimeSpan(Duration(start, "clip"), Duration(size, "clip")), behind + 1
     unit = UNITS.get(noun)
     if unit is None or (order > 0 and value != 1.0):
         return None
     if order < 0:  # counted from the end: a negative start
-        return When(Amount(-value, unit), Amount(value, unit)), behind + 1
-    return When(Amount(order * value, unit), Amount(value, unit)), behind + 1
+        return TimeSpan(Duration(-value, unit), Duration(value, unit)), behind + 1
+    return TimeSpan(Duration(order * value, unit), Duration(value, unit)), behind + 1

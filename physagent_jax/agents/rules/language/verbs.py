@@ -13,7 +13,7 @@ from typing import Literal
 from physagent_jax.forces.calibration import MAGNITUDE_MAX
 
 
-class Doing(enum.Enum):
+class Effect(enum.Enum):
     """The ways in which a verb acts on the object; each is compiled by one function of `compilation`."""
 
     PUSH = "push"  # steady force along a direction
@@ -38,7 +38,7 @@ class Verb:
     """What a verb (or a noun that names a cause) means.
 
     Attributes:
-        doing: How it acts.
+        effect: How it acts.
         strength: Factor on the magnitude that the word itself carries ("tap" is weak, "smash" is not).
         direction: The direction (or axis) assumed if the sentence names none; None = left, the most
             visible one, with a note.
@@ -54,7 +54,7 @@ class Verb:
         holds: The end that a HOLD verb or adjective fixes unless the sentence names one.
     """
 
-    doing: Doing
+    effect: Effect
     strength: float = 1.0
     direction: str | None = None
     sign: int = 1
@@ -68,7 +68,7 @@ class Verb:
     holds: Literal["base", "top"] = "base"
 
 
-_D = Doing
+_D = Effect
 _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     # steady motion
     ("push, drive, sweep, propel, force, shift, displace, thrust", Verb(_D.PUSH)),
@@ -266,12 +266,12 @@ IRREGULAR_FORMS: dict[str, str] = {
 }
 
 
-def _table(rows: tuple[tuple[str, Verb], ...]) -> dict[str, Verb]:
+def _build_table(rows: tuple[tuple[str, Verb], ...]) -> dict[str, Verb]:
     return {phrase.strip(): verb for phrases, verb in rows for phrase in phrases.split(",")}
 
 
-VERBS = _table(_VERB_ROWS) | _table(_RESULT_ROWS)
-CAUSES = _table(_CAUSE_ROWS)
+VERBS = _build_table(_VERB_ROWS) | _build_table(_RESULT_ROWS)
+CAUSES = _build_table(_CAUSE_ROWS)
 
 # Verbs whose clockwise is meant in the picture plane; the others turn about the vertical, seen from above.
 PICTURE_PLANE_TURNS = frozenset({"rotate", "revolve", "flip", "tumble", "cartwheel", "somersault", "roll"})

@@ -16,7 +16,7 @@ MAX_ACTIONS = 60  # more would only slow the simulation; no sentence for a clip 
 
 
 @dataclass
-class Draft:
+class ForceFieldBuilder:
     """What the events so far have led to.
 
     Attributes:
@@ -38,17 +38,19 @@ class Draft:
         """Index of the clip's last frame."""
         return float(self.brief.frame_count - 1)
 
-    def act(self, event: Event, kind: ActionType, vector: Vector, magnitude: float, window: Window) -> None:
+    def add_action(
+        self, event: Event, kind: ActionType, vector: Vector, magnitude: float, window: Window
+    ) -> None:
         """Adds an action with its evidence; windows are kept inside the clip."""
         if len(self.actions) >= MAX_ACTIONS:
-            self.note(f"More than {MAX_ACTIONS} actions: the rest of the sentence is left out.")
+            self.add_note(f"More than {MAX_ACTIONS} actions: the rest of the sentence is left out.")
             return
         size = clamp(abs(magnitude), MAGNITUDE_MIN, MAGNITUDE_MAX)
         action = Action(
             action_type=kind,
             vector=vector,
             magnitude=round(size if magnitude > 0 else -size, 3),
-            active_time=self.window(window),
+            active_time=self.fit_window(window),
             region=event.region,
         )
         if action in self.actions:  # "squashed and flattened" says one thing twice
@@ -57,9 +59,9 @@ class Draft:
         self.actions.append(action)
         values = {
             "action_type": kind.value,
-            "vector": _text(vector),
+            "vector": _format(vector),
             "magnitude": f"{self.actions[-1].magnitude:g}",
-            "active_time": _text(self.actions[-1].active_time),
+            "active_time": _format(self.actions[-1].active_time),
             "region": getattr(event.region, "kind", ""),
         }
         for name, source in event.sources.items():
@@ -73,7 +75,7 @@ class Draft:
                     )
                 )
 
-    def expect(
+    def add_expectation(
         self, event: Event, kind: MotionKind, direction: Vector | None, window: Window, **more
     ) -> None:
         """Adds an expectation."""
@@ -82,7 +84,7 @@ class Draft:
             kind=kind,
             direction=direction,
             strength=strength,
-            window=self.window(window) or (0.0, self.last),
+            window=self.fit_window(window) or (0.0, self.last),
             partial=event.region is not None,
             words=event.words[:200],
             **more,
@@ -95,7 +97,7 @@ class Draft:
         if len(self.expectations) < MAX_ACTIONS and not same:
             self.expectations.append(expected)
 
-    def drop(self, words: str, why: str) -> None:
+    def enable_gravity(self, words: str, why: str) -> None:
         """Switches gravity on."""
         if self.gravity is False:
             return
@@ -103,12 +105,12 @@ class Draft:
             self.evidence.append(Evidence(words=words, field="default_drop", value="true", why=why))
         self.default_drop = True
 
-    def note(self, text: str) -> None:
+    def add_note(self, text: str) -> None:
         """Adds an assumption once."""
         if text not in self.notes:
             self.notes.append(text)
 
-    def window(self, window: Window) -> Window | None:
+    def fit_window(self, window: Window) -> Window | None:
         """``window`` inside the clip, in whole frames if it keeps one; None (all) if the clip has one frame."""
         if self.last < 1:
             return None
@@ -117,10 +119,10 @@ class Draft:
             return (float(round(first)), float(round(end)))
         return (self.last - 1.0, self.last) if is_too_short(first, end) else (first, end)
 
-    def force_field(self) -> ForceField:
+    def build(self) -> ForceField:
         """The result."""
         return ForceField(default_drop=self.default_drop, actions=tuple(self.actions))
 
 
-def _text(values: Vector | Window | None) -> str:
+def _format(values: Vector | Window | None) -> str:
     return "whole clip" if values is None else "[" + ", ".join(f"{round(v, 3):g}" for v in values) + "]"

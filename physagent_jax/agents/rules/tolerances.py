@@ -27,7 +27,7 @@ _PART = 0.3  # how much less the whole shows if only a part is acted on
 
 
 @dataclass(frozen=True)
-class Band:
+class Tolerance:
     """An acceptable range and the value to aim at.
 
     Attributes:
@@ -64,17 +64,17 @@ class Band:
         return f"{self.low:.2g} to {self.high:.2g} {self.unit}"
 
 
-def expectation_windows(expectations: Sequence[ExpectedMotion], frame_count: int) -> list[tuple[int, int]]:
+def list_windows(expectations: Sequence[ExpectedMotion], frame_count: int) -> list[tuple[int, int]]:
     """Windows that the planner needs in the motion report: one per expectation, in whole frames, without repeats."""
     windows: list[tuple[int, int]] = []
     for expectation in expectations:
-        window = whole_window(expectation, frame_count)
+        window = round_window(expectation, frame_count)
         if window not in windows:
             windows.append(window)
     return windows
 
 
-def whole_window(expectation: ExpectedMotion, frame_count: int) -> tuple[int, int]:
+def round_window(expectation: ExpectedMotion, frame_count: int) -> tuple[int, int]:
     """The expectation's window rounded to frames, at least one frame long if the clip has two.
 
     Stillness after motion is looked for once the motion has had time to settle.
@@ -89,13 +89,13 @@ def whole_window(expectation: ExpectedMotion, frame_count: int) -> tuple[int, in
 
 
 def _fraction(expectation: ExpectedMotion, frame_count: int) -> float:
-    first, last = whole_window(expectation, frame_count)
+    first, last = round_window(expectation, frame_count)
     return (last - first) / max(frame_count - 1, 1)
 
 
-def move_band(
+def expect_move(
     expectation: ExpectedMotion, frame_count: int, anchored: bool, speed: float = 0.0, rises: bool = False
-) -> Band:
+) -> Tolerance:
     """Distance along the direction [body lengths].
 
     Args:
@@ -108,7 +108,7 @@ def move_band(
     strength, part = expectation.strength, _PART if expectation.partial else 1.0
     if anchored:
         low, high = 0.05 * strength, 0.5 * strength
-        return Band(
+        return Tolerance(
             part * low,
             part * calibration.EXPECTED_HELD_SHIFT * strength + (1 - part) * low,
             high,
@@ -122,16 +122,16 @@ def move_band(
     )
     low = max(0.5 * part * target, VISIBLE)
     drift = max(speed, 0.0) * fraction
-    return Band(
+    return Tolerance(
         low, max(target, 1.5 * low) + drift, max(2.0 * target, 3.0 * low) + 2.0 * drift, "body lengths"
     )
 
 
-def rotate_band(expectation: ExpectedMotion, frame_count: int, anchored: bool) -> Band:
+def expect_rotation(expectation: ExpectedMotion, frame_count: int, anchored: bool) -> Tolerance:
     """Angle about the axis [degrees]: `calibration.TURN` for a plain torque over the whole clip."""
     part = _PART if expectation.partial else 1.0
     if anchored:
-        return Band(
+        return Tolerance(
             5.0 * part * expectation.strength,
             calibration.EXPECTED_HELD_TURN * expectation.strength,
             150.0,
@@ -141,21 +141,21 @@ def rotate_band(expectation: ExpectedMotion, frame_count: int, anchored: bool) -
     turn = math.degrees(calibration.TURN)
     target = turn * expectation.strength * fraction**2 * (1.0 if fraction > 0.99 else _BRAKED)
     low = max(0.5 * part * target, VISIBLE_DEGREES)
-    return Band(low, max(target, 1.5 * low), max(2.5 * target, 3.0 * low), "degrees")
+    return Tolerance(low, max(target, 1.5 * low), max(2.5 * target, 3.0 * low), "degrees")
 
 
-def strain_band(expectation: ExpectedMotion, squeeze: bool) -> Band:
+def expect_strain(expectation: ExpectedMotion, squeeze: bool) -> Tolerance:
     """Relative change of length along the direction; what M = 1 gives (`calibration.STRAIN`) lies in its lower half."""
     strength, part = expectation.strength, _PART if expectation.partial else 1.0
     high = min(0.45 * strength + 0.15, 0.85) if squeeze else 0.75 * strength + 0.1
-    return Band(0.1 * part * strength, calibration.EXPECTED_STRAIN * strength, high, "of its length")
+    return Tolerance(0.1 * part * strength, calibration.EXPECTED_STRAIN * strength, high, "of its length")
 
 
-def sway_band(expectation: ExpectedMotion) -> Band:
+def expect_sway(expectation: ExpectedMotion) -> Tolerance:
     """Half of the peak-to-peak excursion [body lengths]."""
     strength, part = expectation.strength, _PART if expectation.partial else 1.0
     low = max(VISIBLE * strength * part, 0.008)
-    return Band(
+    return Tolerance(
         low,
         max(calibration.EXPECTED_SWAY * strength * part, 1.5 * low),
         0.6 * max(strength, 0.7),
@@ -163,7 +163,7 @@ def sway_band(expectation: ExpectedMotion) -> Band:
     )
 
 
-def fall_band(expectation: ExpectedMotion, frame_count: int) -> Band:
+def expect_fall(expectation: ExpectedMotion, frame_count: int) -> Tolerance:
     """Distance downwards [body lengths]; how far depends on the height of the ground, so there is no upper limit."""
     low = 0.1 * min(1.0, 2.0 * _fraction(expectation, frame_count)) + VISIBLE
-    return Band(low, 5.0 * low, float("inf"), "body lengths")
+    return Tolerance(low, 5.0 * low, float("inf"), "body lengths")

@@ -52,7 +52,7 @@ def tokenise(prompt: str) -> list[Token]:
     return [t for t in tokens if t.text]
 
 
-def inflections(verb: str) -> set[str]:
+def inflect(verb: str) -> set[str]:
     """Regular and irregular forms of a one-word verb.
 
     Doubling of the last consonant depends on stress, which letters do not show: both spellings are
@@ -70,14 +70,14 @@ def inflections(verb: str) -> set[str]:
     return forms
 
 
-def _all_forms() -> dict[str, str]:
+def _collect_forms() -> dict[str, str]:
     """Every inflected form of every verb in the lexicon, to its lemma; lemmas themselves win."""
     lemmas = {phrase.split()[0] for phrase in VERBS} | set(IRREGULAR_FORMS)
     forms: dict[str, str] = {}
     for lemma in sorted(lemmas):
-        for form in inflections(lemma):
+        for form in inflect(lemma):
             forms.setdefault(form, lemma)
     return forms | {lemma: lemma for lemma in lemmas}
 
 
-FORMS = _all_forms()
+FORMS = _collect_forms()

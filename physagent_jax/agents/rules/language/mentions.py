@@ -1,4 +1,4 @@
-"""Finds the lexicon's phrases in a sentence: a list of marks in the order of the words."""
+"""Finds the lexicon's phrases in a sentence: a list of mentions in the order of the words."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
-from physagent_jax.agents.rules.language.timing import match_time, moment, number
-from physagent_jax.agents.rules.language.words import tokenise
+from physagent_jax.agents.rules.language.timing import match_time, parse_moment, parse_number
+from physagent_jax.agents.rules.language.tokens import tokenise
 
 GAP = "~"
 LONGEST_GAP = 4
@@ -17,8 +17,8 @@ _DETERMINERS = frozenset(
 )
 
 
-class Kind(enum.Enum):
-    """What a mark says; in brackets the type of its value."""
+class MentionKind(enum.Enum):
+    """What a mention says; in brackets the type of its value."""
 
     VERB = enum.auto()  # Verb
     CAUSE = enum.auto()  # Verb
@@ -34,7 +34,7 @@ class Kind(enum.Enum):
     COMPARATIVE = enum.auto()  # float
     REPEAT = enum.auto()  # Repeat
     PLACE = enum.auto()  # Place
-    TIME = enum.auto()  # When
+    TIME = enum.auto()  # TimeSpan
     GRAVITY = enum.auto()  # bool
     ANCHOR = enum.auto()  # str
     JOIN = enum.auto()  # Join
@@ -44,7 +44,7 @@ class Kind(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Mark:
+class Mention:
     """A phrase of the lexicon as it stands in the prompt.
 
     Attributes:
@@ -55,7 +55,7 @@ class Mark:
         form: The first token's text ("pushing"), to tell participles.
     """
 
-    kind: Kind
+    kind: MentionKind
     value: object
     words: str
     phrase: str
@@ -63,30 +63,30 @@ class Mark:
     form: str
 
 
-def _lexicon() -> dict[str, list[tuple[tuple[str, ...], Kind, object]]]:
+def _build_lexicon() -> dict[str, list[tuple[tuple[str, ...], MentionKind, object]]]:
     """All phrases by their first word, longest first; at equal length the earlier table wins."""
-    tables: list[tuple[Kind, dict]] = [
-        (Kind.REPEAT, m.REPEATS),
-        (Kind.VERB, v.VERBS),
-        (Kind.CAUSE, v.CAUSES),
-        (Kind.GRAVITY, m.GRAVITY),
-        (Kind.ANCHOR, m.ANCHORS),
-        (Kind.SENSE, m.SENSES),
-        (Kind.VIEW, m.VIEWS),
-        (Kind.AXIS, m.AXES),
-        (Kind.PLANE, m.PLANES),
-        (Kind.SIDES, m.SIDES),
-        (Kind.PLACE, m.PLACES),
-        (Kind.DIRECTION, m.DIRECTIONS),
-        (Kind.COMPARATIVE, m.COMPARATIVES),
-        (Kind.INTENSITY, m.INTENSITIES),
-        (Kind.DEGREE, m.DEGREES),
-        (Kind.JOIN, m.JOINS),
-        (Kind.TIME, {phrase: moment(phrase) for phrase in m.MOMENTS}),
-        (Kind.NOT, dict.fromkeys(m.NEGATIONS)),
-        (Kind.FUNCTION, dict.fromkeys(m.FUNCTION_PHRASES)),
+    tables: list[tuple[MentionKind, dict]] = [
+        (MentionKind.REPEAT, m.REPEATS),
+        (MentionKind.VERB, v.VERBS),
+        (MentionKind.CAUSE, v.CAUSES),
+        (MentionKind.GRAVITY, m.GRAVITY),
+        (MentionKind.ANCHOR, m.ANCHORS),
+        (MentionKind.SENSE, m.SENSES),
+        (MentionKind.VIEW, m.VIEWS),
+        (MentionKind.AXIS, m.AXES),
+        (MentionKind.PLANE, m.PLANES),
+        (MentionKind.SIDES, m.SIDES),
+        (MentionKind.PLACE, m.PLACES),
+        (MentionKind.DIRECTION, m.DIRECTIONS),
+        (MentionKind.COMPARATIVE, m.COMPARATIVES),
+        (MentionKind.INTENSITY, m.INTENSITIES),
+        (MentionKind.DEGREE, m.DEGREES),
+        (MentionKind.JOIN, m.JOINS),
+        (MentionKind.TIME, {phrase: parse_moment(phrase) for phrase in m.MOMENTS}),
+        (MentionKind.NOT, dict.fromkeys(m.NEGATIONS)),
+        (MentionKind.FUNCTION, dict.fromkeys(m.FUNCTION_PHRASES)),
     ]
-    by_first: dict[str, list[tuple[tuple[str, ...], Kind, object]]] = {}
+    by_first: dict[str, list[tuple[tuple[str, ...], MentionKind, object]]] = {}
     for kind, table in tables:
         for phrase, value in table.items():
             words = tuple(phrase.split())
@@ -96,55 +96,62 @@ def _lexicon() -> dict[str, list[tuple[tuple[str, ...], Kind, object]]]:
     return by_first
 
 
-_LEXICON = _lexicon()
+_LEXICON = _build_lexicon()
 
 
-class Reader:
-    """Reads one sentence into marks.
+class MentionParser:
+    """Reads one sentence into mentions.
 
     Attributes:
         prompt: The sentence.
         tokens: Its tokens.
-        marks: What was found, in order of the first words.
+        mentions: What was found, in order of the first words.
     """
 
     def __init__(self, prompt: str, object_words: frozenset[str]):
         self.prompt, self.tokens = prompt, tokenise(prompt)
         self._object_words, self._used = object_words, set()
-        self.marks: list[Mark] = []
+        self.mentions: list[Mention] = []
         for at in range(len(self.tokens)):
             if at not in self._used:
-                self.marks.append(self._read(at))
+                self.mentions.append(self._parse(at))
 
-    def _read(self, at: int) -> Mark:
+    def _parse(self, at: int) -> Mention:
         token = self.tokens[at]
         if not token.is_word:
             join = m.Join.COMMA if token.text in (",", ":") else m.Join.THEN
-            return self._mark(Kind.JOIN, join, token.text, [at])
+            return self._make_mention(MentionKind.JOIN, join, token.text, [at])
         if token.text in self._object_words and (token.lemma not in v.VERBS or self._after_determiner(at)):
-            return self._mark(Kind.FUNCTION, None, token.text, [at])
-        return self._place_or_end(at) or self._time_or_count(at) or self._phrase(at) or self._plain(at)
+            return self._make_mention(MentionKind.FUNCTION, None, token.text, [at])
+        return (
+            self._match_place(at)
+            or self._match_time_or_count(at)
+            or self._match_phrase(at)
+            or self._match_word(at)
+        )
 
-    def _place_or_end(self, at: int) -> Mark | None:
+    def _match_place(self, at: int) -> Mention | None:
         """Places and directions that share words: "the left arm", "its upper half", "the top", "from the front"."""
         for size in (2, 1):
             phrase = " ".join(t.text for t in self.tokens[at : at + size])
-            names, part = m.PART_ADJECTIVES.get(phrase), self._text(at + size)
-            towards = self._preposition(at) in ("to", "toward", "towards", "from", "into")
+            names, part = m.PART_ADJECTIVES.get(phrase), self._get_text(at + size)
+            towards = self._get_preposition(at) in ("to", "toward", "towards", "from", "into")
             if names and part in m.PARTS:
                 used = list(range(at, at + size + 1))
                 if towards:
-                    return self._directed(names, phrase, used)
-                return self._mark(Kind.PLACE, m.Place(names, m.PARTS[part]), f"{phrase} {part}", used)
+                    return self._make_direction(names, phrase, used)
+                return self._make_mention(
+                    MentionKind.PLACE, m.Place(names, m.PARTS[part]), f"{phrase} {part}", used
+                )
             if names is None or phrase not in m.ENDS or self._begins_longer_phrase(at):
                 continue
             if towards:
-                return self._directed(names, phrase, [at])
-            if phrase == "back" and self._text(at + 1) in ("to", "toward", "towards"):
-                return self._mark(Kind.FUNCTION, None, phrase, [at])  # "back to the left"
+                return self._make_direction(names, phrase, [at])
+            if phrase == "back" and self._get_text(at + 1) in ("to", "toward", "towards"):
+                return self._make_mention(MentionKind.FUNCTION, None, phrase, [at])  # "back to the left"
             if phrase != "back" or self._after_determiner(at):
-                return self._mark(Kind.PLACE, m.Place(names, 2 / 3), phrase, [at])
-            return self._mark(Kind.DIRECTION, names, phrase, [at])
+                return self._make_mention(MentionKind.PLACE, m.Place(names, 2 / 3), phrase, [at])
+            return self._make_mention(MentionKind.DIRECTION, names, phrase, [at])
         return None
 
     def _begins_longer_phrase(self, at: int) -> bool:
@@ -154,26 +161,26 @@ class Reader:
             for words, _, _ in _LEXICON.get(self.tokens[at].text, ())
         )
 
-    def _directed(self, names: m.Names, phrase: str, used: list[int]) -> Mark:
-        kind = Kind.FROM if self._preposition(used[0]) == "from" else Kind.DIRECTION
-        return self._mark(kind, names, phrase, used)
+    def _make_direction(self, names: m.Names, phrase: str, used: list[int]) -> Mention:
+        kind = MentionKind.FROM if self._get_preposition(used[0]) == "from" else MentionKind.DIRECTION
+        return self._make_mention(kind, names, phrase, used)
 
-    def _time_or_count(self, at: int) -> Mark | None:
+    def _match_time_or_count(self, at: int) -> Mention | None:
         found = match_time(self.tokens, at)
         if found:
-            return self._mark(Kind.TIME, found[0], "time", list(range(at, found[1])))
-        counted = number(self.tokens, at)
+            return self._make_mention(MentionKind.TIME, found[0], "time", list(range(at, found[1])))
+        counted = parse_number(self.tokens, at)
         if (
             counted
-            and self._text(counted[1]) in ("times", "time")
+            and self._get_text(counted[1]) in ("times", "time")
             and self.tokens[at].text not in ("a", "an")
         ):
             # A count beyond any clip's frames means nothing more than "very often".
             repeat = m.Repeat(int(min(max(counted[0], 1), 1000)))
-            return self._mark(Kind.REPEAT, repeat, "times", list(range(at, counted[1] + 1)))
+            return self._make_mention(MentionKind.REPEAT, repeat, "times", list(range(at, counted[1] + 1)))
         return None
 
-    def _phrase(self, at: int) -> Mark | None:
+    def _match_phrase(self, at: int) -> Mention | None:
         """The longest phrase of the lexicon that begins here."""
         token = self.tokens[at]
         entries = {id(e): e for word in (token.text, token.lemma) for e in _LEXICON.get(word, ())}
@@ -182,11 +189,13 @@ class Reader:
         if not matches:
             return None
         (words, kind, value), used = max(matches, key=lambda match: len(match[0][0]))
-        if kind is Kind.DIRECTION and (self._preposition(at) == "from" or self._locates_cause(words)):
-            kind = Kind.FROM
-        elif kind is Kind.INTENSITY and self._describes_thing(at, len(used)):
-            kind, value = Kind.FUNCTION, None
-        return self._mark(kind, value, " ".join(words), used)
+        if kind is MentionKind.DIRECTION and (
+            self._get_preposition(at) == "from" or self._locates_cause(words)
+        ):
+            kind = MentionKind.FROM
+        elif kind is MentionKind.INTENSITY and self._describes_thing(at, len(used)):
+            kind, value = MentionKind.FUNCTION, None
+        return self._make_mention(kind, value, " ".join(words), used)
 
     def _match(self, words: tuple[str, ...], at: int) -> list[int]:
         """Indices of the tokens that make up ``words`` from ``at`` on; empty if they do not."""
@@ -214,57 +223,60 @@ class Reader:
                 return there
         return len(self.tokens)
 
-    def _is_noun(self, entry: tuple[tuple[str, ...], Kind, object], at: int) -> bool:
+    def _is_noun(self, entry: tuple[tuple[str, ...], MentionKind, object], at: int) -> bool:
         """Whether this reading is wrong because the word stands as a noun, or is the object or an agent."""
         words, kind, _ = entry
-        before, text = self._text(at - 1), self.tokens[at].text
-        if kind is Kind.PLACE:
+        before, text = self._get_text(at - 1), self.tokens[at].text
+        if kind is MentionKind.PLACE:
             owned = before in ("the", "its", "his", "her", "their") or (
                 at > 0 and self.tokens[at - 1].possessive
             )
             return text in m.AGENT_NOUNS and not owned
         phrase, behind = " ".join(words), at + len(words)
-        if phrase.endswith(" back") and (self._text(behind), self._text(behind + 1)) == ("and", "forth"):
+        if phrase.endswith(" back") and (self._get_text(behind), self._get_text(behind + 1)) == (
+            "and",
+            "forth",
+        ):
             return True  # "swings back and forth" does not swing back
-        if kind is not Kind.VERB or len(words) > 1:
+        if kind is not MentionKind.VERB or len(words) > 1:
             return False
         if text in v.CAUSES:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
-            return before in _DETERMINERS or before in m.INTENSITIES or self._text(at - 2) in ("a", "an")
+            return before in _DETERMINERS or before in m.INTENSITIES or self._get_text(at - 2) in ("a", "an")
         return phrase in v.NOUNS_AFTER_THE and before in ("the", "its", "a")
 
     def _locates_cause(self, words: tuple[str, ...]) -> bool:
         """Whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
-        return words[0] in m.LOCATIONS and bool(self.marks) and self.marks[-1].kind is Kind.CAUSE
+        return words[0] in m.LOCATIONS and bool(self.mentions) and self.mentions[-1].kind is MentionKind.CAUSE
 
     def _describes_thing(self, at: int, size: int) -> bool:
         """Whether an adjective belongs to a thing ("the heavy robot") rather than to what happens ("a heavy blow")."""
-        after = self._text(at + size)
+        after = self._get_text(at + size)
         if not self._after_determiner(at) or not after.isalpha():
             return False
         known = after in _LEXICON or self.tokens[at + size].lemma in _LEXICON or after in m.FUNCTION_WORDS
         return after in self._object_words or not known
 
-    def _plain(self, at: int) -> Mark:
-        kind = Kind.FUNCTION if self.tokens[at].text in m.FUNCTION_WORDS else Kind.UNKNOWN
-        return self._mark(kind, None, self.tokens[at].text, [at])
+    def _match_word(self, at: int) -> Mention:
+        kind = MentionKind.FUNCTION if self.tokens[at].text in m.FUNCTION_WORDS else MentionKind.UNKNOWN
+        return self._make_mention(kind, None, self.tokens[at].text, [at])
 
-    def _mark(self, kind: Kind, value: object, phrase: str, used: list[int]) -> Mark:
+    def _make_mention(self, kind: MentionKind, value: object, phrase: str, used: list[int]) -> Mention:
         self._used.update(used)
         words = self.prompt[self.tokens[used[0]].start : self.tokens[used[-1]].end]
-        return Mark(kind, value, words, phrase, used[0], self.tokens[used[0]].text)
+        return Mention(kind, value, words, phrase, used[0], self.tokens[used[0]].text)
 
-    def _text(self, at: int) -> str:
+    def _get_text(self, at: int) -> str:
         return self.tokens[at].text if 0 <= at < len(self.tokens) else ""
 
     def _after_determiner(self, at: int) -> bool:
-        return self._text(at - 1) in _DETERMINERS
+        return self._get_text(at - 1) in _DETERMINERS
 
-    def _preposition(self, at: int) -> str:
+    def _get_preposition(self, at: int) -> str:
         """The word before, past a determiner."""
         before = at - 2 if self._after_determiner(at) else at - 1
-        return self._text(before)
+        return self._get_text(before)
 
 
-def read_marks(prompt: str, object_words: frozenset[str]) -> list[Mark]:
-    """The marks of ``prompt``; ``object_words`` are names of the object and never verbs after "the"."""
-    return Reader(prompt, object_words).marks
+def find_mentions(prompt: str, object_words: frozenset[str]) -> list[Mention]:
+    """The mentions of ``prompt``; ``object_words`` are names of the object and never verbs after "the"."""
+    return MentionParser(prompt, object_words).mentions
