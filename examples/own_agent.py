@@ -56,5 +56,5 @@ def main(folder):
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
         run = main(folder)
-        print(f"{run.manifest.verdict} after {len(run.iterations)} round(s)")
+        print(f"{run.manifest.verdict} after {len(run.rounds)} round(s)")
         assert run.manifest.verdict == "SUCCESS"

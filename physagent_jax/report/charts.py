@@ -11,35 +11,35 @@ from physagent_jax.report.directions import direction_table, world_axis_labels
 from physagent_jax.report.formats import prefix
 from physagent_jax.report.markup import Markup, div
 from physagent_jax.report.plot import Plot, Series, draw
-from physagent_jax.run.finished import Iteration
+from physagent_jax.run.finished import FinishedRound
 from physagent_jax.scene.config import SceneConfig
 from physagent_jax.simulation.record import SimulationRecord
 
 AXIS_NAMES = ("x", "y", "z")
 
 
-def motion_charts(iteration: Iteration) -> Markup | None:
+def motion_charts(round_: FinishedRound) -> Markup | None:
     """Displacement, rotation, volume and stretch: perceived (solid) against true (dashed)."""
-    report = iteration.motion
-    truth = iteration.simulation.truth if iteration.simulation else None
+    report = round_.motion
+    truth = round_.simulation.truth if round_.simulation else None
     if report is None and truth is None:
         return None
     plots = [
-        _displacement(report, truth, iteration.scene),
+        _displacement(report, truth, round_.scene),
         _rotation(report, truth),
         _volume(report, truth),
         _stretch(report, truth),
     ]
-    return _grid(plots, iteration)
+    return _grid(plots, round_)
 
 
-def physics_charts(iteration: Iteration) -> Markup | None:
+def physics_charts(round_: FinishedRound) -> Markup | None:
     """Energy, momentum, substep and volume change of the particles."""
-    record = iteration.simulation
+    record = round_.simulation
     if record is None:
         return None
     plots = [_energy(record), _momentum(record), _angular_momentum(record), _substep(record), _det_f(record)]
-    return _grid([*plots, *_ledger(record)], iteration)
+    return _grid([*plots, *_ledger(record)], round_)
 
 
 _NOTICEABLE = 1e-4  # share of the largest flow of energy below which a curve would only be round-off
@@ -60,11 +60,11 @@ def active_windows(force_field: ForceField | None, last_frame: int) -> list[tupl
     return merged
 
 
-def _grid(plots: Sequence[tuple[str, str, list[Series], dict]], iteration: Iteration) -> Markup:
+def _grid(plots: Sequence[tuple[str, str, list[Series], dict]], round_: FinishedRound) -> Markup:
     last = max((len(s.values) - 1 for _, _, series, _ in plots for s in series if s.xs is None), default=0)
-    bands = active_windows(iteration.force_field, last)
+    bands = active_windows(round_.force_field, last)
     figures = [
-        draw(Plot(title, unit, last, series, bands=bands, clip=iteration.clip, **options))
+        draw(Plot(title, unit, last, series, bands=bands, clip=round_.clip, **options))
         for title, unit, series, options in plots
         if series
     ]

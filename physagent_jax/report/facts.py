@@ -19,7 +19,7 @@ from physagent_jax.report.formats import (
 )
 from physagent_jax.report.layout import facts, fold, missing, table
 from physagent_jax.report.markup import Child, Markup, div, join, span, tag
-from physagent_jax.run.finished import Iteration
+from physagent_jax.run.finished import FinishedRound
 from physagent_jax.run.manifest import AgentCost, Manifest, Stages
 from physagent_jax.scene.config import (
     Anchor,
@@ -66,11 +66,11 @@ def scene_facts(scene: SceneConfig, record: SimulationRecord | None) -> list[Mar
     return parts
 
 
-def simulation_facts(iteration: Iteration) -> Markup:
+def simulation_facts(round_: FinishedRound) -> Markup:
     """What the best rollout did."""
-    record = iteration.simulation
+    record = round_.simulation
     if record is None:
-        return missing(f"simulation.json of round {iteration.number} is missing: no simulation facts.")
+        return missing(f"simulation.json of round {round_.number} is missing: no simulation facts.")
     smallest, largest = min(record.substep_dt, default=None), max(record.substep_dt, default=None)
     used = quantity(smallest, "s")
     if smallest != largest:
@@ -93,8 +93,8 @@ def simulation_facts(iteration: Iteration) -> Markup:
                 ("substep used", used + share),
                 ("particles stopped at the wall", _stopped(record.stopped_particles)),
                 ("redone frames", "none" if not record.redone_frames else str(len(record.redone_frames))),
-                ("taken over", describe_reused_frames(iteration.reused_frames))
-                if iteration.reused_frames
+                ("taken over", describe_reused_frames(round_.reused_frames))
+                if round_.reused_frames
                 else None,
             ]
         ),

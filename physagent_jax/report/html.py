@@ -16,13 +16,13 @@ from physagent_jax.report.charts import motion_charts, physics_charts
 from physagent_jax.report.facts import cost_facts, describe_clip, reproduction, scene_facts, simulation_facts
 from physagent_jax.report.force_cards import setting_of
 from physagent_jax.report.formats import count, fixed, seconds
-from physagent_jax.report.iterations import iteration_card, overview, probe_table
 from physagent_jax.report.layout import badge, facts, json_fold, listing, missing, paragraphs, section
 from physagent_jax.report.markup import Markup, div, join, raw, tag
 from physagent_jax.report.media import Clip, filmstrip, load_clip, player
+from physagent_jax.report.rounds import make_overview, make_probe_table, make_round_card
 from physagent_jax.report.truth import truth_table
 from physagent_jax.report.words import words_section
-from physagent_jax.run.finished import FinishedRun, Iteration, open_run
+from physagent_jax.run.finished import FinishedRound, FinishedRun, open_run
 from physagent_jax.run.store import REPORT
 
 SECTIONS = {
@@ -82,7 +82,7 @@ def render_page(run: FinishedRun) -> str:
         _notices(run),
         _hero(run, players),
         _words(run),
-        _iterations(run, players),
+        _make_rounds(run, players),
         _measurements(run),
         _scene(run),
         _cost(run),
@@ -116,12 +116,12 @@ class _Players:
             return missing("There is no video yet.")
         return self._player(self.hero_clip, self.hero_group)
 
-    def of(self, iteration: Iteration) -> Markup:
-        clip = load_clip(iteration.video)
+    def of(self, round_: FinishedRound) -> Markup:
+        clip = load_clip(round_.video)
         if clip is None:
             return missing("The video of this round is missing.")
         same = self.hero_clip is not None and clip.digest == self.hero_clip.digest
-        return self._player(clip, iteration.clip, f"player-{self.hero_group}" if same else None)
+        return self._player(clip, round_.clip, f"player-{self.hero_group}" if same else None)
 
     def _player(self, clip: Clip, group: str, same_as: str | None = None) -> Markup:
         return player(clip, group=group, frame_dt=self.run.frame_dt, folder=self.run.folder, same_as=same_as)
@@ -170,7 +170,7 @@ def _glance(run: FinishedRun) -> Markup:
     return facts(
         [
             ("score", f"{fixed(score)} of 1") if score is not None else None,
-            ("rounds", f"{len(run.iterations)}, the best is round {best.number}") if best else None,
+            ("rounds", f"{len(run.rounds)}, the best is round {best.number}") if best else None,
             ("coarse rounds before", str(len(run.probe))) if run.probe else None,
             ("clip", describe_clip(scene)) if scene else None,
             ("particles", count(record.particle_count)) if record else None,
@@ -193,23 +193,21 @@ def _words(run: FinishedRun) -> Markup:
     return section("words", SECTIONS["words"], *body, *traces, lead=lead)
 
 
-def _iterations(run: FinishedRun, players: _Players) -> Markup:
+def _make_rounds(run: FinishedRun, players: _Players) -> Markup:
     lead = (
         "Each round simulates a force field, looks at the pictures, and judges them against the sentence. "
         "If they fail, the force field is rewritten for the next round."
     )
     cards, previous = [], None
-    for iteration in run.iterations:
-        is_best = iteration is run.best
-        video = players.of(iteration)
-        cards.append(
-            iteration_card(iteration, previous, is_best=is_best, video=video, with_plots=not is_best)
-        )
-        previous = iteration
+    for round_ in run.rounds:
+        is_best = round_ is run.best
+        video = players.of(round_)
+        cards.append(make_round_card(round_, previous, is_best=is_best, video=video, with_plots=not is_best))
+        previous = round_
     if not cards:
         cards.append(missing("There is no round yet."))
-    coarse = probe_table(run.probe, run.manifest.probe_best if run.manifest else None)
-    chips = overview(run.iterations, run.best)
+    coarse = make_probe_table(run.probe, run.manifest.probe_best if run.manifest else None)
+    chips = make_overview(run.rounds, run.best)
     return section("rounds", SECTIONS["rounds"], coarse, chips, *cards, lead=lead)
 
 

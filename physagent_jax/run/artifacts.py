@@ -71,7 +71,7 @@ def write_verdict(
 
 def write_best(store: RunStore, index: int, body: Body, *, save_frames: bool, save_splats: bool) -> None:
     """Puts round ``index`` at the top of the folder, its large files under a second name, and what was asked for."""
-    folder = store.iteration(index)
+    folder = store.round_folder(index)
     frames = sorted(path.name for path in (folder / "frames").glob("*.png")) if save_frames else []
     copied = ["scene.json", "video.mp4", "motion.npz", *(f"frames/{name}" for name in frames)]
     store.claim(*copied)

@@ -30,7 +30,7 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 @dataclasses.dataclass(frozen=True)
-class Iteration:
+class FinishedRound:
     """One round of the loop; None where the file is missing or broken.
 
     People count rounds from 1, as the terminal does; ``index``, which names the folder, counts from 0. ``failed_calls``
@@ -71,7 +71,7 @@ class FinishedRun:
         spec: What was asked for; None in a folder that no agents made.
         manifest, semantic, scene: Top-level files; None where missing or broken.
         video: The best round's video.
-        iterations: In order.
+        rounds: In order.
         probe: Rounds on a coarse version of the scene, which came before.
         problems: What is missing or broken, a sentence each.
         semantic_trace: How the semantic agent came to its reply.
@@ -84,23 +84,23 @@ class FinishedRun:
     semantic: SemanticReply | None
     scene: SceneConfig | None
     video: Path | None
-    iterations: tuple[Iteration, ...]
-    probe: tuple[Iteration, ...]
+    rounds: tuple[FinishedRound, ...]
+    probe: tuple[FinishedRound, ...]
     problems: tuple[str, ...]
     semantic_trace: Trace | None = None
     semantic_failed: tuple[FailedCall, ...] = ()
 
     @property
-    def best(self) -> Iteration | None:
+    def best(self) -> FinishedRound | None:
         """The round that the top-level files show; if the manifest does not say, what the loop would choose."""
         named = self.manifest.best_iteration if self.manifest else None
-        for iteration in self.iterations:
-            if iteration.index == named:
-                return iteration
-        judged = [it for it in self.iterations if it.judgement]
+        for round_ in self.rounds:
+            if round_.index == named:
+                return round_
+        judged = [it for it in self.rounds if it.judgement]
         if judged:
             return judged[best_round([it.judgement for it in judged if it.judgement])]
-        return self.iterations[-1] if self.iterations else None
+        return self.rounds[-1] if self.rounds else None
 
     @property
     def best_scene(self) -> SceneConfig | None:
@@ -126,7 +126,7 @@ class FinishedRun:
         Raises:
             UserError: There is no video, or it cannot be read.
         """
-        return read_video(self._there(self.video, "video.mp4"))
+        return read_video(self._require(self.video, "video.mp4"))
 
     def motion(self) -> Motion:
         """The best round's particles and Gaussians, frame by frame.
@@ -135,9 +135,9 @@ class FinishedRun:
             UserError: The run has left none, or the file is damaged.
         """
         path = self.folder / "motion.npz"
-        return read_motion(self._there(path if path.is_file() else None, path.name))
+        return read_motion(self._require(path if path.is_file() else None, path.name))
 
-    def _there(self, path: Path | None, name: str) -> Path:
+    def _require(self, path: Path | None, name: str) -> Path:
         if path is None:
             raise UserError(
                 f"{shortened(self.folder)} has no {name}", do="Finish the run: give its command again"
@@ -168,11 +168,11 @@ def open_run(folder: str | Path) -> FinishedRun:
     scene = reader.model("scene.json", SceneConfig)
     video = reader.file("video.mp4")
     reused = manifest.reused_frames if manifest else {}
-    iterations = _iterations(reader, "iterations", reused)
-    probe = _iterations(reader, f"{PROBE}/iterations", reused)
-    if manifest is None and scene is None and not iterations and not probe:
+    rounds = _read_rounds(reader, "iterations", reused)
+    probe = _read_rounds(reader, f"{PROBE}/iterations", reused)
+    if manifest is None and scene is None and not rounds and not probe:
         raise UserError(f"{folder} is not a run folder", do="Name the folder that holds manifest.json")
-    if not iterations:
+    if not rounds:
         reader.problems.append("No round has been stored yet.")
     problems = tuple(reader.problems)
     return FinishedRun(
@@ -182,7 +182,7 @@ def open_run(folder: str | Path) -> FinishedRun:
         semantic,
         scene,
         video,
-        iterations,
+        rounds,
         probe,
         problems,
         semantic_trace,
@@ -190,16 +190,18 @@ def open_run(folder: str | Path) -> FinishedRun:
     )
 
 
-def _iterations(reader: _Reader, name: str, reused: dict[str, int]) -> tuple[Iteration, ...]:
+def _read_rounds(reader: _Reader, name: str, reused: dict[str, int]) -> tuple[FinishedRound, ...]:
     """Those in the folder ``name``, in order."""
     found = reader.folder.glob(f"{name}/*")
     indices = sorted(int(p.name) for p in found if p.is_dir() and p.name.isdecimal())
-    return tuple(_iteration(reader, name, index, reused, is_last=index == indices[-1]) for index in indices)
+    return tuple(_read_round(reader, name, index, reused, is_last=index == indices[-1]) for index in indices)
 
 
-def _iteration(reader: _Reader, name: str, index: int, reused: dict[str, int], *, is_last: bool) -> Iteration:
+def _read_round(
+    reader: _Reader, name: str, index: int, reused: dict[str, int], *, is_last: bool
+) -> FinishedRound:
     base = f"{name}/{index}"
-    return Iteration(
+    return FinishedRound(
         index=index,
         scene=reader.model(f"{base}/scene.json", SceneConfig),
         force_field=reader.model(f"{base}/force_field.json", ForceField),

@@ -283,7 +283,7 @@ class _Loop:
         )
         self._restart_cache = recording.restart_cache
         if recording.reused_frames:
-            folder = series.store.iteration(index).relative_to(self._store.path).as_posix()
+            folder = series.store.round_folder(index).relative_to(self._store.path).as_posix()
             self._reused[folder] = recording.reused_frames
         with self._watch("write"):
             earnest = series.store is self._store
@@ -301,7 +301,7 @@ class _Loop:
                 backends=self._backends,
                 prompt=self._prompt(scene.camera),
             )
-        key_frames = VideoKeyFrames(series.store.iteration(index) / "video.mp4")
+        key_frames = VideoKeyFrames(series.store.round_folder(index) / "video.mp4")
         observation = Observation(force_field, seen.report, key_frames)
         answer = self._ask(series.store, f"iterations/{index}/", "planner", "judge", context, observation)
         with self._watch("write"):
@@ -318,7 +318,7 @@ class _Loop:
         report = series.store.read(f"{folder}/motion_report.json", MotionReport)
         if judgement is None or scene is None or report is None:
             return None
-        key_frames = VideoKeyFrames(series.store.iteration(index) / "video.mp4")
+        key_frames = VideoKeyFrames(series.store.round_folder(index) / "video.mp4")
         return Attempt(scene, Round(scene.force_field, report, key_frames, judgement))
 
     def rewrite(self, series: _Series, index: int, context: AgentContext, failed: Round) -> Rewrite:

@@ -1,9 +1,9 @@
 """The run folder: the files that a run leaves, and its manifest, which a resumed run trusts.
 
-run/manifest.json                      versions, seeds, hashes, timings, which iteration is best
+run/manifest.json                      versions, seeds, hashes, timings, which round is best
 run/semantic.json                      the semantic agent's reply
 run/semantic_trace.json                how it came about: `agents.trace.Trace`
-run/scene.json                         the best iteration's fused scene, replayable
+run/scene.json                         the best round's fused scene, replayable
 run/iterations/k/scene.json            fused scene of iteration k
 run/iterations/k/force_field.json      what was simulated
 run/iterations/k/motion_report.json    what perception saw
@@ -16,7 +16,7 @@ run/iterations/k/planner_failed_n.json executor's and, at the top, semantic's li
 run/iterations/k/simulation.json       `SimulationRecord`
 run/iterations/k/video.mp4, motion.npz
 run/probe/iterations/k/...             the same but motion.npz, on a coarse version of the scene, if that was asked for
-run/video.mp4, motion.npz, frames/     the best iteration's
+run/video.mp4, motion.npz, frames/     the best round's
 run/report.html
 """
 
@@ -90,11 +90,11 @@ class Manifest(Strict):
             the run.
         iterations: How many were made.
         best_iteration: Which one the top-level files show.
-        verdict: The best iteration's verdict.
+        verdict: The best round's verdict.
         probe_iterations: How many coarse rounds came before.
-        probe_best: Which of them gave the force field of iteration 0; None = none, it is the sentence's.
-        stages: Wall time summed over iterations.
-        reused_frames: Frames, frame 0 among them, that an iteration's folder took over from the round before, which
+        probe_best: Which of them gave the force field of the first round; None = none, it is the sentence's.
+        stages: Wall time summed over rounds.
+        reused_frames: Frames, frame 0 among them, that a round's folder took over from the round before, which
             had the same forces until then; other figures are of all frames alike.
         agents: Cost per agent.
         warnings: Everything the user should know.

@@ -24,14 +24,14 @@ from physagent_jax.run.manifest import FORMAT, Manifest
 Schema = TypeVar("Schema", bound=BaseModel)
 PROBE = "probe"  # folder of the coarse rounds
 REPORT = "report.html"  # the run's, whoever writes it
-_LAST_FILE = "judgement.json"  # written last, so an iteration that has it is complete
+_LAST_FILE = "judgement.json"  # written last, so a round that has it is complete
 
 
 class RunStore:
     """A run folder, held by this process until it is closed; made by `open`.
 
     Attributes:
-        path: The folder, or a part of it that holds iterations of its own.
+        path: The folder, or a part of it that holds rounds of its own.
         manifest: What the run is and what it has written; two runs are the same if their ``inputs`` are equal.
     """
 
@@ -152,17 +152,17 @@ class RunStore:
         return self.path / name
 
     def part(self, name: str) -> RunStore:
-        """A folder within this one that holds iterations of its own."""
+        """A folder within this one that holds rounds of its own."""
         return RunStore(self.path / name, self._manifest, whole=self)
 
-    def iteration(self, index: int) -> Path:
-        """Folder of an iteration."""
+    def round_folder(self, index: int) -> Path:
+        """Folder of a round, counted from 0."""
         return self.path / "iterations" / str(index)
 
-    def completed_iterations(self) -> int:
-        """How many iterations, counted from 0, are complete."""
+    def count_completed_rounds(self) -> int:
+        """How many rounds, from the first on, are complete."""
         count = 0
-        while (self.iteration(count) / _LAST_FILE).is_file():
+        while (self.round_folder(count) / _LAST_FILE).is_file():
             count += 1
         return count
 

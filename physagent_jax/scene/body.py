@@ -20,7 +20,7 @@ FEWEST_PER_CELL = 3
 
 @dataclasses.dataclass(frozen=True)
 class Body:
-    """An object at rest. It does not depend on the force field, so all iterations of the loop share it.
+    """An object at rest. It does not depend on the force field, so all rounds of the loop share it.
 
     Attributes:
         cloud: Gaussians in the world (SH still in the captured frame).

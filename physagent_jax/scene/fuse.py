@@ -28,7 +28,7 @@ LOWEST_FLOOR = 0.15  # [m]; a floor keeps clear of the domain's own wall
 
 @dataclasses.dataclass(frozen=True)
 class SceneTemplate:
-    """What is fused with a force field; the same for all iterations of a run.
+    """What is fused with a force field; the same for all rounds of a run.
 
     Attributes:
         prompt: The sentence, for the record.

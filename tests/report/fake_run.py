@@ -40,16 +40,16 @@ from physagent_jax.simulation.record import SimulationRecord
 PROMPT = "A strong wind bends the plant to the left, then lets go zestfully"
 FRAMES, FRAME_DT = 50, 0.04
 MAGNITUDES = (0.6, 0.9, 1.3)
-REACHES = (0.08, 0.17, 0.31)  # largest displacement of each iteration [body lengths]
+REACHES = (0.08, 0.17, 0.31)  # largest displacement of each round [body lengths]
 SCORES = (0.35, 0.58, 0.93)
 LEFT = (-1.0, 0.0, 0.0)
 
 
 def build_run(folder: Path, *, prompt: str = PROMPT, size: int = 48) -> Path:
-    """Three iterations: the wind is too weak, still too weak, then right."""
+    """Three rounds: the wind is too weak, still too weak, then right."""
     last = len(MAGNITUDES) - 1
     for index in range(last + 1):
-        _build_iteration(folder / "iterations" / str(index), index, prompt, size, is_last=index == last)
+        _build_round(folder / "iterations" / str(index), index, prompt, size, is_last=index == last)
     store(folder / "semantic.json", _reply())
     store(
         folder / "semantic_trace.json",
@@ -96,7 +96,7 @@ def moving_square(index: int, size: int) -> np.ndarray:
     return frames
 
 
-def _build_iteration(folder: Path, index: int, prompt: str, size: int, *, is_last: bool) -> None:
+def _build_round(folder: Path, index: int, prompt: str, size: int, *, is_last: bool) -> None:
     field = _force_field(index)
     store(folder / "scene.json", _scene(prompt, field))
     store(folder / "force_field.json", field)

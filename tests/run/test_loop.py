@@ -189,13 +189,13 @@ def test_the_best_round_is_kept(tmp_path, robot_path):
         1,
         "FAIL",
     )
-    assert (store.path / "scene.json").read_bytes() == (store.iteration(1) / "scene.json").read_bytes()
+    assert (store.path / "scene.json").read_bytes() == (store.round_folder(1) / "scene.json").read_bytes()
     fields = [
-        json.loads((store.iteration(k) / "force_field.json").read_text())["actions"][0] for k in range(3)
+        json.loads((store.round_folder(k) / "force_field.json").read_text())["actions"][0] for k in range(3)
     ]
     assert [f["magnitude"] for f in fields[1:]] == [1.0, 0.9]
     cameras = {
-        json.dumps(json.loads((store.iteration(k) / "scene.json").read_text())["camera"]) for k in range(3)
+        json.dumps(json.loads((store.round_folder(k) / "scene.json").read_text())["camera"]) for k in range(3)
     }
     assert len(cameras) == 1
 

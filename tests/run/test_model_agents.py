@@ -138,11 +138,11 @@ def test_every_exchange_is_kept_with_its_round(told):
     assert semantic.model == "scripted-chat-1-2026" and semantic.raw_reply == push(0.5)
     assert "magnitude" in semantic.validation_errors[0]
     assert [m.role for m in semantic.messages] == ["system", "user", "assistant", "user"]
-    last = trace_of(store.iteration(2) / "planner_trace.json")
+    last = trace_of(store.round_folder(2) / "planner_trace.json")
     assert last.repairs == ("The fence around the JSON was taken off.",)
     assert last.messages[1].pictures == 3
-    assert trace_of(store.iteration(1) / "executor_trace.json").raw_reply == rewrite(1.2)
-    assert not (store.iteration(2) / "executor_trace.json").exists()
+    assert trace_of(store.round_folder(1) / "executor_trace.json").raw_reply == rewrite(1.2)
+    assert not (store.round_folder(2) / "executor_trace.json").exists()
     files = set(store.manifest.files)
     assert {
         "semantic_trace.json",
@@ -155,8 +155,8 @@ def test_tokens_are_summed_in_the_manifest(told):
     store, _ = told
     traces = {
         "semantic": [store.path / "semantic_trace.json"],
-        "planner": [store.iteration(k) / "planner_trace.json" for k in range(3)],
-        "executor": [store.iteration(k) / "executor_trace.json" for k in range(2)],
+        "planner": [store.round_folder(k) / "planner_trace.json" for k in range(3)],
+        "executor": [store.round_folder(k) / "executor_trace.json" for k in range(2)],
     }
     for cost in store.manifest.agents:
         own = [trace_of(path) for path in traces[cost.agent]]
@@ -327,7 +327,7 @@ def test_rules_and_models_take_turns(tmp_path, robot_path):
     store = made(small(robot_path, PROMPT), tmp_path / "run", agents)
     assert (store.manifest.iterations, store.manifest.verdict) == (1, "FAIL")
     assert trace_of(store.path / "semantic_trace.json").is_empty
-    assert trace_of(store.iteration(0) / "executor_trace.json").is_empty
+    assert trace_of(store.round_folder(0) / "executor_trace.json").is_empty
 
 
 def test_the_rules_alone_make_no_pictures(tmp_path, robot_path, monkeypatch):

@@ -14,18 +14,18 @@ from physagent_jax.report.formats import UNKNOWN, count, fixed, number, percent,
 from physagent_jax.report.layout import badge, facts, fold, json_fold, listing, missing, paragraphs, table
 from physagent_jax.report.markup import Child, Markup, div, join, span, tag
 from physagent_jax.report.media import image
-from physagent_jax.run.finished import Iteration
+from physagent_jax.run.finished import FinishedRound
 
 MARKS = {True: ("pass", "\u2713 pass"), False: ("failed", "\u2717 fail"), None: ("open", "? not observable")}
 
 
-def overview(iterations: Sequence[Iteration], best: Iteration | None) -> Markup:
+def make_overview(rounds: Sequence[FinishedRound], best: FinishedRound | None) -> Markup:
     """The rounds as linked chips in order."""
-    chips = [_chip(iteration, is_best=iteration is best) for iteration in iterations]
+    chips = [_chip(round_, is_best=round_ is best) for round_ in rounds]
     return tag("nav", *chips, class_="rounds", aria_label="Rounds")
 
 
-def probe_table(probe: Sequence[Iteration], best: int | None) -> list[Markup] | None:
+def make_probe_table(probe: Sequence[FinishedRound], best: int | None) -> list[Markup] | None:
     """The rounds on a coarse version of the scene, a line each; None if there were none.
 
     Args:
@@ -36,12 +36,12 @@ def probe_table(probe: Sequence[Iteration], best: int | None) -> list[Markup] | 
         return None
     head = ["round", "score", "verdict", "what the planner suggested", "particles"]
     rows: list[list[Child]] = []
-    for iteration in probe:
-        judgement, record = iteration.judgement, iteration.simulation
-        taken = tag("small", "taken on", class_="remedy") if iteration.index == best else None
+    for round_ in probe:
+        judgement, record = round_.judgement, round_.simulation
+        taken = tag("small", "taken on", class_="remedy") if round_.index == best else None
         rows.append(
             [
-                join(str(iteration.number), taken),
+                join(str(round_.number), taken),
                 fixed(judgement.score if judgement else None),
                 badge(judgement.verdict if judgement else None),
                 judgement.suggestion or UNKNOWN if judgement else UNKNOWN,
@@ -52,9 +52,9 @@ def probe_table(probe: Sequence[Iteration], best: int | None) -> list[Markup] | 
     return [tag("h3", "Coarse rounds"), tag("p", lead), table(head, rows, numeric=(1, 4), class_="compact")]
 
 
-def iteration_card(
-    iteration: Iteration,
-    previous: Iteration | None,
+def make_round_card(
+    round_: FinishedRound,
+    previous: FinishedRound | None,
     *,
     is_best: bool,
     video: Child,
@@ -63,75 +63,73 @@ def iteration_card(
     """One round.
 
     Args:
-        iteration: Which.
+        round_: Which.
         previous: The round before, to mark what changed in the force field.
         is_best: Whether the top of the page shows this one.
         video: Its player.
         with_plots: Whether to add its plots (the best round's stand in a section of their own).
     """
-    setting = setting_of(iteration.scene)
+    setting = setting_of(round_.scene)
     parts = [
-        _head(iteration, is_best),
-        div("split", div("clip", video), _forces(iteration, previous, setting)),
-        _taken_over(iteration),
-        _overlay(iteration),
-        _judgement(iteration.judgement),
-        _rewrite(iteration.rewrite, iteration.number + 1),
+        _head(round_, is_best),
+        div("split", div("clip", video), _forces(round_, previous, setting)),
+        _taken_over(round_),
+        _overlay(round_),
+        _judgement(round_.judgement),
+        _rewrite(round_.rewrite, round_.number + 1),
         agent_traces(
-            {"planner": iteration.planner_trace, "executor": iteration.executor_trace}, iteration.failed_calls
+            {"planner": round_.planner_trace, "executor": round_.executor_trace}, round_.failed_calls
         ),
-        _perception(iteration.motion),
-        _plots(iteration) if with_plots else None,
+        _perception(round_.motion),
+        _plots(round_) if with_plots else None,
     ]
-    return tag("article", *parts, class_="iteration", id=iteration.clip)
+    return tag("article", *parts, class_="round", id=round_.clip)
 
 
-def _chip(iteration: Iteration, *, is_best: bool) -> Markup:
-    judgement = iteration.judgement
+def _chip(round_: FinishedRound, *, is_best: bool) -> Markup:
+    judgement = round_.judgement
     score = "not judged"
     if judgement:
         score = judgement.verdict if judgement.score is None else f"score {fixed(judgement.score)}"
     kind = "open" if judgement is None else "success" if judgement.verdict == "SUCCESS" else "fail"
     return tag(
         "a",
-        tag("strong", f"Round {iteration.number}"),
+        tag("strong", f"Round {round_.number}"),
         span("quiet", score),
         span("quiet star", "shown above") if is_best else None,
-        href=f"#{iteration.clip}",
+        href=f"#{round_.clip}",
         class_=f"chip {kind}",
     )
 
 
-def _head(iteration: Iteration, is_best: bool) -> Markup:
-    judgement = iteration.judgement
+def _head(round_: FinishedRound, is_best: bool) -> Markup:
+    judgement = round_.judgement
     score = None
     if judgement and judgement.score is not None:
         score = span("score", "score ", tag("b", fixed(judgement.score)))
     star = span("badge best", "best") if is_best else None
-    title = tag("h3", f"Round {iteration.number}")
+    title = tag("h3", f"Round {round_.number}")
     return tag("header", title, badge(judgement.verdict if judgement else None), star, score)
 
 
-def _forces(iteration: Iteration, previous: Iteration | None, setting: Setting) -> Markup:
-    if iteration.force_field is None:
+def _forces(round_: FinishedRound, previous: FinishedRound | None, setting: Setting) -> Markup:
+    if round_.force_field is None:
         return missing("The force field of this round is missing.")
-    return force_cards(iteration.force_field, setting, previous=previous.force_field if previous else None)
+    return force_cards(round_.force_field, setting, previous=previous.force_field if previous else None)
 
 
-def _taken_over(iteration: Iteration) -> Markup | None:
-    if not iteration.reused_frames:
+def _taken_over(round_: FinishedRound) -> Markup | None:
+    if not round_.reused_frames:
         return None
-    text = f"Taken over instead of simulated: {describe_reused_frames(iteration.reused_frames)}."
+    text = f"Taken over instead of simulated: {describe_reused_frames(round_.reused_frames)}."
     return tag("p", text, class_="quiet")
 
 
-def _overlay(iteration: Iteration) -> Markup | None:
-    if iteration.overlay is None:
+def _overlay(round_: FinishedRound) -> Markup | None:
+    if round_.overlay is None:
         return None
     caption = tag("figcaption", "What perception followed: the object\u2019s mask and the tracked points.")
-    return tag(
-        "figure", image(iteration.overlay, "mask and tracks drawn on frames"), caption, class_="overlay"
-    )
+    return tag("figure", image(round_.overlay, "mask and tracks drawn on frames"), caption, class_="overlay")
 
 
 def _judgement(judgement: Judgement | None) -> list[Markup | None] | Markup:
@@ -238,8 +236,8 @@ def _quality(report: MotionReport) -> Markup:
     return facts(rows)
 
 
-def _plots(iteration: Iteration) -> Markup | None:
-    charts = [motion_charts(iteration), physics_charts(iteration)]
+def _plots(round_: FinishedRound) -> Markup | None:
+    charts = [motion_charts(round_), physics_charts(round_)]
     if not any(charts):
         return None
     return fold("Plots of this round", *charts)
