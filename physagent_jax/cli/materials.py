@@ -67,7 +67,7 @@ def _print_table(entries) -> None:
     from rich.table import Table
 
     from physagent_jax.report.facts import describe_property
-    from physagent_jax.report.formats import count, plain, quantity
+    from physagent_jax.report.formats import format_count, format_quantity, spell_out
     from physagent_jax.scene.materials import describe
 
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
@@ -80,8 +80,16 @@ def _print_table(entries) -> None:
         facts = {name: describe_property(value, unit) for name, value, unit in describe(each.material)}
         step, many = _cost(each.material)
         stiff = facts.get("bulk modulus") or facts.get("Young\u2019s modulus", "")
-        model = plain(each.material.model.value)
-        table.add_row(each.name, model, stiff, facts["density"], quantity(step, "s"), count(many), each.what)
+        model = spell_out(each.material.model.value)
+        table.add_row(
+            each.name,
+            model,
+            stiff,
+            facts["density"],
+            format_quantity(step, "s"),
+            format_count(many),
+            each.what,
+        )
     _print(table)
 
 
@@ -91,14 +99,14 @@ def _print_details(each) -> None:
     from rich.text import Text
 
     from physagent_jax.report.facts import describe_property
-    from physagent_jax.report.formats import count, plain, quantity
+    from physagent_jax.report.formats import format_count, format_quantity, spell_out
     from physagent_jax.scene.materials import describe
 
     step, many = _cost(each.material)
-    rows = [("model", plain(each.material.model.value))]
+    rows = [("model", spell_out(each.material.model.value))]
     rows += [(name, describe_property(value, unit)) for name, value, unit in describe(each.material)]
-    rows += [("stable step", f"{quantity(step, 's')} at the fast preset's grid spacing")]
-    rows += [(f"{CLIP_SECONDS:g} s of clip", f"at least {count(many)} substeps")]
+    rows += [("stable step", f"{format_quantity(step, 's')} at the fast preset's grid spacing")]
+    rows += [(f"{CLIP_SECONDS:g} s of clip", f"at least {format_count(many)} substeps")]
     rows += [("source", each.source), ("notes", each.notes)]
     if each.aliases:
         rows.append(("also called", ", ".join(each.aliases)))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from physagent_jax.agents.trace import FailedCall, Message, Trace
-from physagent_jax.report.formats import count, plural, seconds
-from physagent_jax.report.layout import facts, fold, listing
+from physagent_jax.report.formats import format_count, format_plural, format_seconds
+from physagent_jax.report.layout import make_facts, make_fold, make_list
 from physagent_jax.report.markup import Child, Markup, div, tag
 
 
-def agent_traces(
+def show_agent_traces(
     traces: Mapping[str, Trace | None], failed: Mapping[str, Sequence[FailedCall]]
 ) -> list[Markup]:
     """A fold for each agent that asked a model, and for each call without an answer; rules leave no trace and no fold.
@@ -20,7 +20,7 @@ def agent_traces(
         failed: Calls that gave no answer, by the agent's role.
     """
     folds = [
-        fold(
+        make_fold(
             f"A call of the {role} that gave no answer",
             tag("p", call.error, class_="missing"),
             *_trace(call.trace),
@@ -30,29 +30,29 @@ def agent_traces(
     ]
     for role, trace in traces.items():
         if trace is not None and not trace.is_empty:
-            folds.append(fold(f"How the {role} came to it", *_trace(trace)))
+            folds.append(make_fold(f"How the {role} came to it", *_trace(trace)))
     return folds
 
 
 def _trace(trace: Trace) -> list[Child]:
     rows = [
         ("model", trace.model) if trace.model else None,
-        ("tokens", f"{count(trace.input_tokens)} in, {count(trace.output_tokens)} out"),
-        ("waited", seconds(trace.latency_seconds)),
+        ("tokens", f"{format_count(trace.input_tokens)} in, {format_count(trace.output_tokens)} out"),
+        ("waited", format_seconds(trace.latency_seconds)),
     ]
     return [
-        facts(rows),
-        listing("Replies that were refused", trace.validation_errors),
-        listing("What was repaired", trace.repairs),
+        make_facts(rows),
+        make_list("Replies that were refused", trace.validation_errors),
+        make_list("What was repaired", trace.repairs),
         _text("The reply as it came", trace.raw_reply) if trace.raw_reply else None,
-        fold(plural(len(trace.messages), "message"), *map(_message, trace.messages))
+        make_fold(format_plural(len(trace.messages), "message"), *map(_message, trace.messages))
         if trace.messages
         else None,
     ]
 
 
 def _message(message: Message) -> Markup:
-    pictures = f", with {plural(message.pictures, 'picture')}" if message.pictures else ""
+    pictures = f", with {format_plural(message.pictures, 'picture')}" if message.pictures else ""
     return _text(f"{message.role}{pictures}", message.text)
 
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.motion import TrueMotion
 from physagent_jax.perception.schema import MotionReport
-from physagent_jax.report.directions import direction_table, world_axis_labels
-from physagent_jax.report.formats import prefix
+from physagent_jax.report.directions import label_world_axes, make_direction_table
+from physagent_jax.report.formats import find_prefix
 from physagent_jax.report.markup import Markup, div
 from physagent_jax.report.plot import Plot, Series, draw
 from physagent_jax.run.finished import FinishedRound
@@ -18,7 +18,7 @@ from physagent_jax.simulation.record import SimulationRecord
 AXIS_NAMES = ("x", "y", "z")
 
 
-def motion_charts(round_: FinishedRound) -> Markup | None:
+def draw_motion_charts(round_: FinishedRound) -> Markup | None:
     """Displacement, rotation, volume and stretch: perceived (solid) against true (dashed)."""
     report = round_.motion
     truth = round_.simulation.truth if round_.simulation else None
@@ -33,7 +33,7 @@ def motion_charts(round_: FinishedRound) -> Markup | None:
     return _grid(plots, round_)
 
 
-def physics_charts(round_: FinishedRound) -> Markup | None:
+def draw_physics_charts(round_: FinishedRound) -> Markup | None:
     """Energy, momentum, substep and volume change of the particles."""
     record = round_.simulation
     if record is None:
@@ -45,7 +45,7 @@ def physics_charts(round_: FinishedRound) -> Markup | None:
 _NOTICEABLE = 1e-4  # share of the largest flow of energy below which a curve would only be round-off
 
 
-def active_windows(force_field: ForceField | None, last_frame: int) -> list[tuple[float, float]]:
+def find_active_windows(force_field: ForceField | None, last_frame: int) -> list[tuple[float, float]]:
     """When forces act, in frames, overlapping windows merged."""
     if force_field is None:
         return []
@@ -62,7 +62,7 @@ def active_windows(force_field: ForceField | None, last_frame: int) -> list[tupl
 
 def _grid(plots: Sequence[tuple[str, str, list[Series], dict]], round_: FinishedRound) -> Markup:
     last = max((len(s.values) - 1 for _, _, series, _ in plots for s in series if s.xs is None), default=0)
-    bands = active_windows(round_.force_field, last)
+    bands = find_active_windows(round_.force_field, last)
     figures = [
         draw(Plot(title, unit, last, series, bands=bands, clip=round_.clip, **options))
         for title, unit, series, options in plots
@@ -86,7 +86,7 @@ def _column(rows: Sequence[Sequence[float] | None], axis: int) -> list[float | N
 
 
 def _displacement(report: MotionReport | None, truth: TrueMotion | None, scene: SceneConfig | None):
-    labels = world_axis_labels(direction_table(scene.camera)) if scene else AXIS_NAMES
+    labels = label_world_axes(make_direction_table(scene.camera)) if scene else AXIS_NAMES
     series = []
     for axis, label in enumerate(labels):
         seen = _column(report.centroid, axis) if report else None
@@ -124,7 +124,7 @@ def _stretch(report: MotionReport | None, truth: TrueMotion | None):
 
 def _energy(record: SimulationRecord):
     gravitational = record.gravitational_energy if any(record.gravitational_energy) else ()
-    factor, letter = prefix(_largest(record.kinetic_energy, record.elastic_energy, gravitational))
+    factor, letter = find_prefix(_largest(record.kinetic_energy, record.elastic_energy, gravitational))
     series = [
         Series("kinetic", [e * factor for e in record.kinetic_energy], 0),
         Series("elastic", [e * factor for e in record.elastic_energy], 2),
@@ -166,7 +166,7 @@ def _ledger(record: SimulationRecord):
     }
     largest = _largest(*flows.values())
     flows = {name: values for name, values in flows.items() if _largest(values) > _NOTICEABLE * largest}
-    factor, letter = prefix(largest)
+    factor, letter = find_prefix(largest)
     energy = [
         Series(name, [e * factor for e in values], color)
         for color, (name, values) in enumerate(flows.items())
@@ -185,7 +185,7 @@ def _ledger(record: SimulationRecord):
 
 def _substep(record: SimulationRecord):
     bound = record.stable_dt
-    factor, letter = prefix(max((bound or 0.0, *record.substep_dt)))
+    factor, letter = find_prefix(max((bound or 0.0, *record.substep_dt)))
     # The k-th interval leads to frame k + 1.
     ends = [k + 1 for k in range(len(record.substep_dt))]
     series = [Series("substep", [dt * factor for dt in record.substep_dt], 0, xs=ends, shape="step")]

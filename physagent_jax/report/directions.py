@@ -23,19 +23,19 @@ TURNS = (
 )
 
 
-def direction_table(camera: CameraConfig) -> DirectionTable:
+def make_direction_table(camera: CameraConfig) -> DirectionTable:
     """The viewer's six directions as the agents are told them."""
     return DirectionTable(**viewer_directions(camera))
 
 
-def components(vector: Sequence[float], table: DirectionTable) -> tuple[float, float, float]:
+def find_components(vector: Sequence[float], table: DirectionTable) -> tuple[float, float, float]:
     """A world vector along the viewer's (right, up, toward)."""
     return _dot(vector, table.right), _dot(vector, table.up), _dot(vector, table.toward)
 
 
 def describe_direction(vector: Sequence[float], table: DirectionTable) -> str:
     """A unit direction in words: "left", "right and slightly up"."""
-    ranked = sorted(zip(components(vector, table), WORDS), key=lambda pair: -abs(pair[0]))
+    ranked = sorted(zip(find_components(vector, table), WORDS), key=lambda pair: -abs(pair[0]))
     words = []
     for value, (positive, negative) in ranked:
         if abs(value) < NEGLIGIBLE:
@@ -47,7 +47,7 @@ def describe_direction(vector: Sequence[float], table: DirectionTable) -> str:
 
 def describe_axis(axis: Sequence[float], table: DirectionTable) -> str:
     """An axis without sense, in words: "the left-right axis"."""
-    values = [abs(value) for value in components(axis, table)]
+    values = [abs(value) for value in find_components(axis, table)]
     largest = max(range(3), key=values.__getitem__)
     if values[largest] >= ALIGNED:
         return f"the {AXES[largest]} axis"
@@ -56,17 +56,17 @@ def describe_axis(axis: Sequence[float], table: DirectionTable) -> str:
 
 def describe_turn(axis: Sequence[float], table: DirectionTable) -> str:
     """A right-hand turn about ``axis`` as the viewer sees it."""
-    values = components(axis, table)
+    values = find_components(axis, table)
     largest = max(range(3), key=lambda i: abs(values[i]))
     sense = TURNS[largest][0 if values[largest] > 0 else 1]
     return sense if abs(values[largest]) >= ALIGNED else f"mostly {sense}"
 
 
-def world_axis_labels(table: DirectionTable) -> tuple[str, str, str]:
+def label_world_axes(table: DirectionTable) -> tuple[str, str, str]:
     """The world axes with the viewer's word for each: ("x (right)", "y (away from us)", "z (up)")."""
     labels = []
     for name, unit in zip("xyz", ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
-        aligned = max(abs(value) for value in components(unit, table)) >= ALIGNED
+        aligned = max(abs(value) for value in find_components(unit, table)) >= ALIGNED
         labels.append(f"{name} ({describe_direction(unit, table)})" if aligned else name)
     return tuple(labels)
 

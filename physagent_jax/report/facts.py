@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from physagent_jax.report.directions import direction_table
+from physagent_jax.report.directions import make_direction_table
 from physagent_jax.report.force_terms import describe_force_term, describe_span
 from physagent_jax.report.formats import (
     UNKNOWN,
-    count,
-    number,
-    percent,
-    plain,
-    plural,
-    quantity,
-    seconds,
-    vector,
+    format_count,
+    format_number,
+    format_percent,
+    format_plural,
+    format_quantity,
+    format_seconds,
+    format_vector,
+    spell_out,
 )
-from physagent_jax.report.layout import facts, fold, missing, table
+from physagent_jax.report.layout import make_facts, make_fold, make_table, note_missing
 from physagent_jax.report.markup import Child, Markup, div, join, span, tag
 from physagent_jax.run.finished import FinishedRound
 from physagent_jax.run.manifest import AgentCost, Manifest, Stages
@@ -47,7 +47,7 @@ STAGE_NAMES = {
 }
 
 
-def scene_facts(scene: SceneConfig, record: SimulationRecord | None) -> list[Markup]:
+def make_scene_facts(scene: SceneConfig, record: SimulationRecord | None) -> list[Markup]:
     """What was simulated and why with these values."""
     columns = [
         _column("Object", _object_rows(scene, record)),
@@ -59,36 +59,41 @@ def scene_facts(scene: SceneConfig, record: SimulationRecord | None) -> list[Mar
     if scene.material_regions:
         head = ["centre [m]", "half size [m]", "model", "properties", "why"]
         rows = [
-            [vector(region.point), vector(region.half_size), *_material_cells(region.material)]
+            [format_vector(region.point), format_vector(region.half_size), *_material_cells(region.material)]
             for region in scene.material_regions
         ]
-        parts += [tag("h3", "Regions of other material"), table(head, rows)]
+        parts += [tag("h3", "Regions of other material"), make_table(head, rows)]
     return parts
 
 
-def simulation_facts(round_: FinishedRound) -> Markup:
+def make_simulation_facts(round_: FinishedRound) -> Markup:
     """What the best rollout did."""
     record = round_.simulation
     if record is None:
-        return missing(f"simulation.json of round {round_.number} is missing: no simulation facts.")
+        return note_missing(f"simulation.json of round {round_.number} is missing: no simulation facts.")
     smallest, largest = min(record.substep_dt, default=None), max(record.substep_dt, default=None)
-    used = quantity(smallest, "s")
+    used = format_quantity(smallest, "s")
     if smallest != largest:
-        used = f"{used} to {quantity(largest, 's')}"
+        used = f"{used} to {format_quantity(largest, 's')}"
     share = (
-        "" if largest is None or not record.stable_dt else f" ({percent(largest / record.stable_dt)} of it)"
+        ""
+        if largest is None or not record.stable_dt
+        else f" ({format_percent(largest / record.stable_dt)} of it)"
     )
     return join(
-        facts(
+        make_facts(
             [
                 (
                     "substeps",
-                    f"{count(record.substeps)} over {plural(len(record.substep_dt), 'frame interval')}",
+                    f"{format_count(record.substeps)} over {format_plural(len(record.substep_dt), 'frame interval')}",
                 ),
-                ("grid window", " \u00d7 ".join(count(nodes) for nodes in record.grid_shape) + " nodes"),
+                (
+                    "grid window",
+                    " \u00d7 ".join(format_count(nodes) for nodes in record.grid_shape) + " nodes",
+                ),
                 (
                     "stable bound at the start",
-                    "none" if record.stable_dt is None else quantity(record.stable_dt, "s"),
+                    "none" if record.stable_dt is None else format_quantity(record.stable_dt, "s"),
                 ),
                 ("substep used", used + share),
                 ("particles stopped at the wall", _stopped(record.stopped_particles)),
@@ -102,19 +107,19 @@ def simulation_facts(round_: FinishedRound) -> Markup:
     )
 
 
-def cost_facts(manifest: Manifest) -> Markup:
+def make_cost_facts(manifest: Manifest) -> Markup:
     """Where the time and the tokens went."""
     return div("columns cost", _stages(manifest.stages), _agents(manifest.agents))
 
 
-def reproduction(manifest: Manifest) -> list[Child]:
+def describe_reproduction(manifest: Manifest) -> list[Child]:
     """How to make the run again, and what it was made with."""
     return [
         tag("p", "The run was started with"),
         tag("pre", tag("code", manifest.command), class_="command"),
         tag("p", "In this folder, its best scene replays without any agent with"),
         tag("pre", tag("code", "physagent simulate scene.json"), class_="command"),
-        facts(
+        make_facts(
             [
                 ("seed", str(manifest.seed)),
                 ("revision", manifest.git_revision or "not a git working tree"),
@@ -128,7 +133,7 @@ def reproduction(manifest: Manifest) -> list[Child]:
 
 
 def _column(title: str, rows: Sequence[tuple[str, Child] | None]) -> Markup:
-    return tag("section", tag("h3", title), facts(rows), class_="column")
+    return tag("section", tag("h3", title), make_facts(rows), class_="column")
 
 
 def _with_reason(value: Child, reason: str) -> Markup:
@@ -140,9 +145,9 @@ def _object_rows(scene: SceneConfig, record: SimulationRecord | None) -> list[tu
     return [
         ("name", f"{source.name or source.path} ({source.kind})"),
         ("file", tag("code", source.path)),
-        ("longest side", quantity(source.extent, "m")),
-        ("Gaussians", count(record.gaussian_count)) if record else None,
-        ("particles", count(record.particle_count)) if record else None,
+        ("longest side", format_quantity(source.extent, "m")),
+        ("Gaussians", format_count(record.gaussian_count)) if record else None,
+        ("particles", format_count(record.particle_count)) if record else None,
         ("inside", "filled with particles" if scene.filling.enabled else "not filled"),
         ("anchor", _with_reason(_describe_anchor(scene.anchor), scene.anchor.reason)),
     ]
@@ -153,36 +158,39 @@ def describe_property(value: float | bool, unit: str) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if unit == "\u00b0":
-        return f"{number(value)}{unit}"
+        return f"{format_number(value)}{unit}"
     if unit in ("", "kg/m\u00b3"):
-        return f"{number(value)} {unit}".rstrip()
-    return quantity(value, unit)
+        return f"{format_number(value)} {unit}".rstrip()
+    return format_quantity(value, unit)
 
 
 def _material_rows(material: Material) -> list[tuple[str, Child]]:
     acting = [(name, describe_property(value, unit)) for name, value, unit in describe(material)]
     reason = [("from", material.reason)] if material.reason else []
-    return [("model", plain(material.model.value)), *acting, *reason]
+    return [("model", spell_out(material.model.value)), *acting, *reason]
 
 
 def _material_cells(material: Material) -> list[Child]:
     """Model, properties and reason of a region."""
     acting = ", ".join(f"{name} {describe_property(value, unit)}" for name, value, unit in describe(material))
-    return [plain(material.model.value), acting, material.reason or UNKNOWN]
+    return [spell_out(material.model.value), acting, material.reason or UNKNOWN]
 
 
 def _world_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
     acts = scene.always_gravity or scene.force_field.default_drop
-    gravity = f"on, {vector(scene.gravity, 1)} m/s\u00b2" if acts else "off"
+    gravity = f"on, {format_vector(scene.gravity, 1)} m/s\u00b2" if acts else "off"
     transfer = scene.transfer
-    damping = f", damping {number(transfer.damping_rate)} 1/s" if transfer.damping_rate else ""
+    damping = f", damping {format_number(transfer.damping_rate)} 1/s" if transfer.damping_rate else ""
     walls = [tag("li", describe_boundary(boundary)) for boundary in scene.boundaries]
     held = [tag("li", describe_constraint(constraint)) for constraint in scene.constraints]
-    viewer = direction_table(scene.camera)
+    viewer = make_direction_table(scene.camera)
     pushes = [tag("li", describe_force_term(term, viewer)) for term in scene.forces]
     return [
-        ("domain", f"{number(scene.domain.size)} m cube, {count(scene.domain.cells)} cells a side"),
-        ("grid spacing dx", quantity(scene.domain.dx, "m")),
+        (
+            "domain",
+            f"{format_number(scene.domain.size)} m cube, {format_count(scene.domain.cells)} cells a side",
+        ),
+        ("grid spacing dx", format_quantity(scene.domain.dx, "m")),
         ("transfer", f"{transfer.scheme.upper()}{damping}"),
         ("gravity", gravity),
         ("boundaries", tag("ul", walls) if walls else "none"),
@@ -193,17 +201,15 @@ def _world_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
 
 def _camera_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
     camera, timing, picture = scene.camera, scene.timing, scene.rendering
-    view = (
-        f"azimuth {number(camera.azimuth_degrees)}\u00b0, elevation {number(camera.elevation_degrees)}\u00b0"
-    )
-    target = "the domain\u2019s centre" if camera.target is None else f"{vector(camera.target)} m"
+    view = f"azimuth {format_number(camera.azimuth_degrees)}\u00b0, elevation {format_number(camera.elevation_degrees)}\u00b0"
+    target = "the domain\u2019s centre" if camera.target is None else f"{format_vector(camera.target)} m"
     scaling = scene.scaling
     return [
-        ("clip", f"{describe_clip(scene)}, {quantity(timing.frame_dt, 's')} a frame"),
+        ("clip", f"{describe_clip(scene)}, {format_quantity(timing.frame_dt, 's')} a frame"),
         ("pictures", f"{picture.width} \u00d7 {picture.height} px"),
         ("view", view),
-        ("looks at", f"{target} from {quantity(camera.distance, 'm')}"),
-        ("field of view", f"{number(camera.fov_degrees)}\u00b0, vertical"),
+        ("looks at", f"{target} from {format_quantity(camera.distance, 'm')}"),
+        ("field of view", f"{format_number(camera.fov_degrees)}\u00b0, vertical"),
         ("preset", scene.preset),
         ("what magnitude 1 means", scaling.reason) if scaling and scaling.reason else None,
     ]
@@ -213,17 +219,17 @@ def _describe_anchor(anchor: Anchor) -> str:
     if anchor.kind == "none":
         return "none: the object is free"
     if anchor.kind == "box":
-        return f"a box about {vector(anchor.point)} m, half size {vector(anchor.half_size)} m"
+        return f"a box about {format_vector(anchor.point)} m, half size {format_vector(anchor.half_size)} m"
     if anchor.kind == "mask":
         return f"the Gaussians of {anchor.mask_path}"
     where = "lowest" if anchor.kind == "base" else "highest"
-    return f"the {where} {number(100 * anchor.fraction)} % of its height"
+    return f"the {where} {format_number(100 * anchor.fraction)} % of its height"
 
 
 def describe_clip(scene: SceneConfig) -> str:
     """How long the clip is."""
     timing = scene.timing
-    return f"{plural(timing.frame_count, 'frame')}, {seconds((timing.frame_count - 1) * timing.frame_dt)}"
+    return f"{format_plural(timing.frame_count, 'frame')}, {format_seconds((timing.frame_count - 1) * timing.frame_dt)}"
 
 
 def describe_boundary(boundary: Boundary) -> str:
@@ -231,51 +237,53 @@ def describe_boundary(boundary: Boundary) -> str:
     if boundary.kind == "domain_box":
         return f"walls of the domain, {boundary.padding} cells thick"
     if boundary.kind == "cuboid":
-        words = f"material about {vector(boundary.point)} m, half size {vector(boundary.half_size)} m, "
-        words += f"is moved at {vector(boundary.velocity)} m/s" if any(boundary.velocity) else "is held"
+        words = f"material about {format_vector(boundary.point)} m, half size {format_vector(boundary.half_size)} m, "
+        words += (
+            f"is moved at {format_vector(boundary.velocity)} m/s" if any(boundary.velocity) else "is held"
+        )
         return words + describe_span(boundary.start, boundary.end)
     words = f"{_describe_solid(boundary)}, {boundary.surface.value}"
     if boundary.friction:
-        words += f", friction {number(boundary.friction)}"
+        words += f", friction {format_number(boundary.friction)}"
     if any(boundary.velocity):
-        words += f", moving at {vector(boundary.velocity)} m/s"
+        words += f", moving at {format_vector(boundary.velocity)} m/s"
     return words + describe_span(boundary.start, boundary.end)
 
 
 def _describe_solid(obstacle: HalfSpace | Sphere | Box | Mesh) -> str:
     if obstacle.kind == "half_space":
-        return f"plane through {vector(obstacle.point)} m facing {vector(obstacle.normal)}"
+        return f"plane through {format_vector(obstacle.point)} m facing {format_vector(obstacle.normal)}"
     if obstacle.kind == "mesh":
-        return f"mesh {obstacle.path} at {vector(obstacle.position)} m, scale {number(obstacle.scale)}"
-    place = f"about {vector(obstacle.point)} m"
+        return f"mesh {obstacle.path} at {format_vector(obstacle.position)} m, scale {format_number(obstacle.scale)}"
+    place = f"about {format_vector(obstacle.point)} m"
     if obstacle.kind == "sphere":
-        words = f"{place}, radius {quantity(obstacle.radius, 'm')}"
+        words = f"{place}, radius {format_quantity(obstacle.radius, 'm')}"
     else:
-        words = f"{place}, half size {vector(obstacle.half_size)} m"
+        words = f"{place}, half size {format_vector(obstacle.half_size)} m"
     return f"{'container' if obstacle.container else 'solid'} {obstacle.kind} {words}"
 
 
 def describe_constraint(constraint: Constraint) -> str:
     """A particle constraint in words."""
     if constraint.kind == "particle_release":
-        reach = f"{number(constraint.start_position)} to {number(constraint.end_position)} m"
-        way = f"{plural(constraint.layers, 'layer')} along {vector(constraint.normal)} from {reach}"
+        reach = f"{format_number(constraint.start_position)} to {format_number(constraint.end_position)} m"
+        way = f"{format_plural(constraint.layers, 'layer')} along {format_vector(constraint.normal)} from {reach}"
         return f"held, then let go in {way}" + describe_span(constraint.start, constraint.end)
-    where = f"particles about {vector(constraint.point)} m"
+    where = f"particles about {format_vector(constraint.point)} m"
     if constraint.kind == "particle_impulse":
         if constraint.delta_velocity is not None:
-            return f"{where} get {vector(constraint.delta_velocity)} m/s at {seconds(constraint.start)}"
-        return f"{where} get {vector(constraint.force)} N each at {seconds(constraint.start)}"
+            return f"{where} get {format_vector(constraint.delta_velocity)} m/s at {format_seconds(constraint.start)}"
+        return f"{where} get {format_vector(constraint.force)} N each at {format_seconds(constraint.start)}"
     if constraint.kind == "particle_translation":
-        words = f"{where} move at {vector(constraint.velocity)} m/s"
+        words = f"{where} move at {format_vector(constraint.velocity)} m/s"
     else:
-        speed = f"{number(constraint.angular_velocity)} rad/s"
-        words = f"{where} turn about {vector(constraint.normal)} at {speed}"
+        speed = f"{format_number(constraint.angular_velocity)} rad/s"
+        words = f"{where} turn about {format_vector(constraint.normal)} at {speed}"
     return words + describe_span(constraint.start, constraint.end)
 
 
 def _stopped(particle_steps: int) -> str:
-    return "none" if particle_steps == 0 else f"{count(particle_steps)} times"
+    return "none" if particle_steps == 0 else f"{format_count(particle_steps)} times"
 
 
 def describe_reused_frames(frames: int) -> str:
@@ -287,7 +295,7 @@ def _redone(record: SimulationRecord) -> Markup | None:
     if not record.redone_frames:
         return None
     rows = [[str(frame), why] for frame, why in sorted(record.redone_frames.items())]
-    return table(["redone frame", "because"], rows)
+    return make_table(["redone frame", "because"], rows)
 
 
 def _stages(stages: Stages) -> Markup:
@@ -296,7 +304,12 @@ def _stages(stages: Stages) -> Markup:
     bar = div(
         "stack",
         *[
-            tag("i", style=f"flex-grow:{value:.4g}", class_=f"s{index}", title=f"{title}: {seconds(value)}")
+            tag(
+                "i",
+                style=f"flex-grow:{value:.4g}",
+                class_=f"s{index}",
+                title=f"{title}: {format_seconds(value)}",
+            )
             for index, (title, value) in enumerate(entries)
             if value > 0
         ],
@@ -304,14 +317,14 @@ def _stages(stages: Stages) -> Markup:
     rows = [
         [
             span("stage", span(f"swatch block s{index}"), title),
-            seconds(value),
-            percent(value / total if total else None),
+            format_seconds(value),
+            format_percent(value / total if total else None),
         ]
         for index, (title, value) in enumerate(entries)
         if value > 0 or title != STAGE_NAMES["probe"]
     ]
-    rows.append([tag("strong", "in all"), tag("strong", seconds(total)), ""])
-    time = table(["stage", "wall time", "share"], rows, numeric=(1, 2), class_="compact")
+    rows.append([tag("strong", "in all"), tag("strong", format_seconds(total)), ""])
+    time = make_table(["stage", "wall time", "share"], rows, numeric=(1, 2), class_="compact")
     return tag("section", tag("h3", "Time"), bar if total else None, time, class_="column")
 
 
@@ -321,15 +334,19 @@ def _agents(agents: tuple[AgentCost, ...]) -> Markup:
         [
             a.agent,
             a.implementation,
-            f"{count(a.calls)}, {count(a.failed_calls)} failed" if a.failed_calls else count(a.calls),
-            count(a.input_tokens),
-            count(a.output_tokens),
-            seconds(a.seconds),
+            f"{format_count(a.calls)}, {format_count(a.failed_calls)} failed"
+            if a.failed_calls
+            else format_count(a.calls),
+            format_count(a.input_tokens),
+            format_count(a.output_tokens),
+            format_seconds(a.seconds),
         ]
         for a in agents
     ]
     body = (
-        table(head, rows, numeric=(2, 3, 4, 5), class_="compact") if rows else tag("p", "No agent took part.")
+        make_table(head, rows, numeric=(2, 3, 4, 5), class_="compact")
+        if rows
+        else tag("p", "No agent took part.")
     )
     return tag("section", tag("h3", "Agents"), body, class_="column")
 
@@ -344,4 +361,4 @@ def _inputs(manifest: Manifest) -> Markup | None:
     rows = [
         [tag("code", name), tag("code", digest, class_="hash")] for name, digest in manifest.inputs.items()
     ]
-    return fold("Input files and their SHA-256", table(["file", "hash"], rows))
+    return make_fold("Input files and their SHA-256", make_table(["file", "hash"], rows))

@@ -16,11 +16,16 @@ from physagent_jax.forces.schema import (
     SkillScaling,
     VelocityConstraint,
 )
-from physagent_jax.report.directions import describe_axis, describe_direction, describe_turn, direction_table
+from physagent_jax.report.directions import (
+    describe_axis,
+    describe_direction,
+    describe_turn,
+    make_direction_table,
+)
 from physagent_jax.report.force_terms import describe_force_term, describe_region
-from physagent_jax.report.formats import fixed, number, plain, vector, window
-from physagent_jax.report.icons import action_icon
-from physagent_jax.report.layout import json_fold
+from physagent_jax.report.formats import format_fixed, format_number, format_vector, format_window, spell_out
+from physagent_jax.report.icons import draw_action_icon
+from physagent_jax.report.layout import make_json_fold
 from physagent_jax.report.markup import Markup, div, span, tag
 from physagent_jax.scene.config import CameraConfig, ForceTerm, SceneConfig
 
@@ -55,13 +60,13 @@ class Setting:
     terms: tuple[ForceTerm, ...] = ()
 
 
-def setting_of(scene: SceneConfig | None) -> Setting:
+def read_setting(scene: SceneConfig | None) -> Setting:
     """The setting of a scene; the reference camera's defaults if the scene is not known."""
     if scene is None:
-        return Setting(direction_table(CameraConfig()))
+        return Setting(make_direction_table(CameraConfig()))
     timing = scene.timing
     return Setting(
-        direction_table(scene.camera),
+        make_direction_table(scene.camera),
         timing.frame_count - 1,
         timing.frame_dt,
         scene.scaling,
@@ -70,7 +75,7 @@ def setting_of(scene: SceneConfig | None) -> Setting:
     )
 
 
-def force_cards(
+def make_force_cards(
     force_field: ForceField, setting: Setting, *, previous: ForceField | None = None, name: str = ""
 ) -> Markup:
     """Cards of all actions and constraints, the scene's own terms, gravity, and the JSON behind a fold.
@@ -95,7 +100,7 @@ def force_cards(
         div("cards", *cards),
         _terms(setting),
         _gravity(force_field, setting),
-        json_fold("Force field as JSON", force_field),
+        make_json_fold("Force field as JSON", force_field),
     )
 
 
@@ -128,8 +133,12 @@ def _card(
     action = item.action_type if isinstance(item, Action) else None
     head = div(
         "force-head",
-        action_icon(action, item.vector, setting.directions, reversed_=item.magnitude < 0),
-        div("", tag("strong", plain(_kind(item)).capitalize()), tag("p", _effect(item, setting.directions))),
+        draw_action_icon(action, item.vector, setting.directions, reversed_=item.magnitude < 0),
+        div(
+            "",
+            tag("strong", spell_out(_kind(item)).capitalize()),
+            tag("p", _effect(item, setting.directions)),
+        ),
     )
     rows = [
         ("direction" if action is not ActionType.TORQUE else "axis", _direction(item, old)),
@@ -141,7 +150,7 @@ def _card(
 
 
 def _direction(item: Timed, old: Timed | None) -> list:
-    return [span("mono", vector(item.vector)), _was(old, item, "vector", vector)]
+    return [span("mono", format_vector(item.vector)), _was(old, item, "vector", format_vector)]
 
 
 def _magnitude(item: Timed, old: Timed | None, scaling: SkillScaling | None) -> list:
@@ -157,9 +166,9 @@ def _magnitude(item: Timed, old: Timed | None, scaling: SkillScaling | None) -> 
     )
     note = " reversed" if item.magnitude < 0 else ""
     return [
-        span("number", fixed(item.magnitude)),
+        span("number", format_fixed(item.magnitude)),
         span("quiet", note) if note else None,
-        _was(old, item, "magnitude", fixed),
+        _was(old, item, "magnitude", format_fixed),
         bar,
         _physical(item, scaling),
     ]
@@ -176,7 +185,7 @@ def _physical(item: Timed, scaling: SkillScaling | None) -> Markup | None:
         name = "velocity" if steady else "impulse"
     one = getattr(scaling, name)
     unit = UNITS[name]
-    text = f"{number(abs(item.magnitude) * one)} {unit} (1 means {number(one)})"
+    text = f"{format_number(abs(item.magnitude) * one)} {unit} (1 means {format_number(one)})"
     return span("quiet", text, title=f"1 means {meaning(name)}")
 
 
@@ -194,7 +203,7 @@ def _timeline(item: Timed, old: Timed | None, setting: Setting) -> list:
 
 
 def _describe_window(active: tuple[float, float] | None, frame_dt: float | None = None) -> str:
-    return "the whole clip" if active is None else window(*active, frame_dt)
+    return "the whole clip" if active is None else format_window(*active, frame_dt)
 
 
 def _was(old: Timed | None, item: Timed, field: str, words: Callable[[Any], str]) -> Markup | None:

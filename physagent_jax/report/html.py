@@ -11,17 +11,31 @@ from pathlib import Path
 from physagent_jax import __version__
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
-from physagent_jax.report.agent_traces import agent_traces
-from physagent_jax.report.charts import motion_charts, physics_charts
-from physagent_jax.report.facts import cost_facts, describe_clip, reproduction, scene_facts, simulation_facts
-from physagent_jax.report.force_cards import setting_of
-from physagent_jax.report.formats import count, fixed, seconds
-from physagent_jax.report.layout import badge, facts, json_fold, listing, missing, paragraphs, section
+from physagent_jax.report.agent_traces import show_agent_traces
+from physagent_jax.report.charts import draw_motion_charts, draw_physics_charts
+from physagent_jax.report.facts import (
+    describe_clip,
+    describe_reproduction,
+    make_cost_facts,
+    make_scene_facts,
+    make_simulation_facts,
+)
+from physagent_jax.report.force_cards import read_setting
+from physagent_jax.report.formats import format_count, format_fixed, format_seconds
+from physagent_jax.report.layout import (
+    make_badge,
+    make_facts,
+    make_json_fold,
+    make_list,
+    make_paragraphs,
+    make_section,
+    note_missing,
+)
 from physagent_jax.report.markup import Markup, div, join, raw, tag
-from physagent_jax.report.media import Clip, filmstrip, load_clip, player
+from physagent_jax.report.media import Clip, embed_filmstrip, embed_player, load_clip
 from physagent_jax.report.rounds import make_overview, make_probe_table, make_round_card
-from physagent_jax.report.truth import truth_table
-from physagent_jax.report.words import words_section
+from physagent_jax.report.truth import make_truth_table
+from physagent_jax.report.words import make_words_section
 from physagent_jax.run.finished import FinishedRound, FinishedRun, open_run
 from physagent_jax.run.store import REPORT
 
@@ -113,18 +127,20 @@ class _Players:
 
     def hero(self) -> Markup:
         if self.hero_clip is None:
-            return missing("There is no video yet.")
+            return note_missing("There is no video yet.")
         return self._player(self.hero_clip, self.hero_group)
 
     def of(self, round_: FinishedRound) -> Markup:
         clip = load_clip(round_.video)
         if clip is None:
-            return missing("The video of this round is missing.")
+            return note_missing("The video of this round is missing.")
         same = self.hero_clip is not None and clip.digest == self.hero_clip.digest
         return self._player(clip, round_.clip, f"player-{self.hero_group}" if same else None)
 
     def _player(self, clip: Clip, group: str, same_as: str | None = None) -> Markup:
-        return player(clip, group=group, frame_dt=self.run.frame_dt, folder=self.run.folder, same_as=same_as)
+        return embed_player(
+            clip, group=group, frame_dt=self.run.frame_dt, folder=self.run.folder, same_as=same_as
+        )
 
 
 def _header(run: FinishedRun) -> Markup:
@@ -135,7 +151,9 @@ def _header(run: FinishedRun) -> Markup:
     # The quotation marks belong to the page, not to the prompt.
     title = tag("h1", join("\u201c", run.prompt, "\u201d") if run.prompt else "A run without a prompt")
     kicker = tag("p", " \u00b7 ".join(filter(None, ["PhysAgent run", name])), class_="kicker")
-    return tag("header", kicker, title, badge(verdict), tag("nav", *links, class_="contents"), class_="page")
+    return tag(
+        "header", kicker, title, make_badge(verdict), tag("nav", *links, class_="contents"), class_="page"
+    )
 
 
 def _notices(run: FinishedRun) -> list[Markup | None]:
@@ -146,17 +164,17 @@ def _notices(run: FinishedRun) -> list[Markup | None]:
             div("notice", tag("strong", "This run is not complete. "), "It is under way, or was stopped.")
         )
     if manifest and manifest.warnings:
-        notices.append(div("notice", listing("Warnings", manifest.warnings)))
+        notices.append(div("notice", make_list("Warnings", manifest.warnings)))
     if run.problems:
-        notices.append(div("notice", listing("Missing from the run folder", run.problems)))
+        notices.append(div("notice", make_list("Missing from the run folder", run.problems)))
     return notices
 
 
 def _hero(run: FinishedRun, players: _Players) -> Markup:
     best = run.best
     text = best.motion.text if best and best.motion else ""
-    story = paragraphs(text) if text else missing("The motion report is missing.")
-    strip = filmstrip(players.hero_clip, run.frame_dt) if players.hero_clip else None
+    story = make_paragraphs(text) if text else note_missing("The motion report is missing.")
+    strip = embed_filmstrip(players.hero_clip, run.frame_dt) if players.hero_clip else None
     side = div("side", tag("h2", "What happened"), story, tag("h2", "At a glance"), _glance(run))
     return tag("section", div("hero-grid", div("clip", players.hero()), side), strip, class_="hero")
 
@@ -167,16 +185,16 @@ def _glance(run: FinishedRun) -> Markup:
     score = best.judgement.score if best and best.judgement else None
     tokens = sum(a.input_tokens + a.output_tokens for a in manifest.agents) if manifest else 0
     total = sum(manifest.stages.model_dump().values()) if manifest else 0
-    return facts(
+    return make_facts(
         [
-            ("score", f"{fixed(score)} of 1") if score is not None else None,
+            ("score", f"{format_fixed(score)} of 1") if score is not None else None,
             ("rounds", f"{len(run.rounds)}, the best is round {best.number}") if best else None,
             ("coarse rounds before", str(len(run.probe))) if run.probe else None,
             ("clip", describe_clip(scene)) if scene else None,
-            ("particles", count(record.particle_count)) if record else None,
-            ("Gaussians", count(record.gaussian_count)) if record else None,
-            ("wall time", seconds(total)) if total else None,
-            ("tokens", count(tokens) if tokens else "none, rules only")
+            ("particles", format_count(record.particle_count)) if record else None,
+            ("Gaussians", format_count(record.gaussian_count)) if record else None,
+            ("wall time", format_seconds(total)) if total else None,
+            ("tokens", format_count(tokens) if tokens else "none, rules only")
             if manifest and manifest.agents
             else None,
         ]
@@ -186,11 +204,13 @@ def _glance(run: FinishedRun) -> Markup:
 def _words(run: FinishedRun) -> Markup:
     lead = "What the semantic agent understood, word by word, and the force field that it compiled."
     if run.semantic is None:
-        body = [missing("semantic.json is missing: what was understood is not known.")]
+        body = [note_missing("semantic.json is missing: what was understood is not known.")]
     else:
-        body = words_section(run.prompt, run.semantic, setting_of(run.best_scene))
-    traces = agent_traces({"semantic agent": run.semantic_trace}, {"semantic agent": run.semantic_failed})
-    return section("words", SECTIONS["words"], *body, *traces, lead=lead)
+        body = make_words_section(run.prompt, run.semantic, read_setting(run.best_scene))
+    traces = show_agent_traces(
+        {"semantic agent": run.semantic_trace}, {"semantic agent": run.semantic_failed}
+    )
+    return make_section("words", SECTIONS["words"], *body, *traces, lead=lead)
 
 
 def _make_rounds(run: FinishedRun, players: _Players) -> Markup:
@@ -205,32 +225,34 @@ def _make_rounds(run: FinishedRun, players: _Players) -> Markup:
         cards.append(make_round_card(round_, previous, is_best=is_best, video=video, with_plots=not is_best))
         previous = round_
     if not cards:
-        cards.append(missing("There is no round yet."))
+        cards.append(note_missing("There is no round yet."))
     coarse = make_probe_table(run.probe, run.manifest.probe_best if run.manifest else None)
     chips = make_overview(run.rounds, run.best)
-    return section("rounds", SECTIONS["rounds"], coarse, chips, *cards, lead=lead)
+    return make_section("rounds", SECTIONS["rounds"], coarse, chips, *cards, lead=lead)
 
 
 def _measurements(run: FinishedRun) -> Markup:
     best = run.best
     if best is None:
-        return section("measurements", SECTIONS["measurements"], missing("Nothing has been measured yet."))
+        return make_section(
+            "measurements", SECTIONS["measurements"], note_missing("Nothing has been measured yet.")
+        )
     truth = best.simulation.truth if best.simulation else None
-    compared = truth_table(best.motion, truth) if best.motion and truth else None
+    compared = make_truth_table(best.motion, truth) if best.motion and truth else None
     lead = (
         f"Round {best.number}. Solid lines are what perception saw in the pictures, dashed lines what the "
         "particles did. Point at a plot to read values; click to go to that frame of the video."
     )
-    return section(
+    return make_section(
         "measurements",
         SECTIONS["measurements"],
         tag("h3", "Motion"),
-        motion_charts(best) or missing("Neither perceived nor true motion is stored."),
+        draw_motion_charts(best) or note_missing("Neither perceived nor true motion is stored."),
         tag("h3", "Perception against truth"),
-        compared or missing("The comparison needs both the motion report and the true motion."),
+        compared or note_missing("The comparison needs both the motion report and the true motion."),
         tag("h3", "Physics"),
-        physics_charts(best) or missing("simulation.json is missing: no physics to plot."),
-        simulation_facts(best) if best.simulation else None,
+        draw_physics_charts(best) or note_missing("simulation.json is missing: no physics to plot."),
+        make_simulation_facts(best) if best.simulation else None,
         lead=lead,
     )
 
@@ -238,22 +260,29 @@ def _measurements(run: FinishedRun) -> Markup:
 def _scene(run: FinishedRun) -> Markup:
     scene = run.best_scene
     if scene is None:
-        return section("scene", SECTIONS["scene"], missing("scene.json is missing: the scene is not known."))
+        return make_section(
+            "scene", SECTIONS["scene"], note_missing("scene.json is missing: the scene is not known.")
+        )
     record = run.best.simulation if run.best else None
-    return section("scene", SECTIONS["scene"], *scene_facts(scene, record), json_fold("Scene as JSON", scene))
+    return make_section(
+        "scene", SECTIONS["scene"], *make_scene_facts(scene, record), make_json_fold("Scene as JSON", scene)
+    )
 
 
 def _cost(run: FinishedRun) -> Markup:
-    body = cost_facts(run.manifest) if run.manifest else missing("manifest.json is missing.")
-    return section("cost", SECTIONS["cost"], body)
+    body = make_cost_facts(run.manifest) if run.manifest else note_missing("manifest.json is missing.")
+    return make_section("cost", SECTIONS["cost"], body)
 
 
 def _again(run: FinishedRun) -> Markup:
     manifest = run.manifest
     if manifest is None:
-        return section("again", SECTIONS["again"], missing("manifest.json is missing."))
-    return section(
-        "again", SECTIONS["again"], *reproduction(manifest), json_fold("Manifest as JSON", manifest)
+        return make_section("again", SECTIONS["again"], note_missing("manifest.json is missing."))
+    return make_section(
+        "again",
+        SECTIONS["again"],
+        *describe_reproduction(manifest),
+        make_json_fold("Manifest as JSON", manifest),
     )
 
 

@@ -11,14 +11,14 @@ from collections.abc import Sequence
 
 from physagent_jax.agents.schema import DirectionTable
 from physagent_jax.forces.schema import ActionType
-from physagent_jax.report.directions import components
+from physagent_jax.report.directions import find_components
 from physagent_jax.report.markup import Markup, tag
 
 RADIUS = 21.0
 OBLIQUE = (-0.45, 0.38)  # where one unit towards us lands in the picture (x right, y down)
 
 
-def action_icon(
+def draw_action_icon(
     kind: ActionType | None, vector: Sequence[float], table: DirectionTable, *, reversed_: bool
 ) -> Markup:
     """An arrow (translation, impulse), a double arrow (scale) or a turning arrow (torque).
@@ -30,7 +30,7 @@ def action_icon(
         reversed_: Whether the magnitude is negative: the arrow turns round, the stretch becomes a squeeze.
     """
     sign = -1.0 if reversed_ and kind is not ActionType.SCALE else 1.0
-    seen = [sign * value for value in components(vector, table)]
+    seen = [sign * value for value in find_components(vector, table)]
     tip = _project(seen)
     if kind is ActionType.SCALE:
         drawing = _double_arrow(tip, inwards=reversed_)

@@ -12,13 +12,13 @@ from physagent_jax.agents.schema import Verdict
 from physagent_jax.report.markup import Child, Markup, div, span, tag
 
 
-def section(id_: str, title: str, *children: Child, lead: str = "") -> Markup:
+def make_section(id_: str, title: str, *children: Child, lead: str = "") -> Markup:
     """A titled part of the page."""
     intro = tag("p", lead, class_="lead") if lead else None
     return tag("section", tag("h2", title), intro, *children, id=id_)
 
 
-def table(
+def make_table(
     head: Sequence[str],
     rows: Iterable[Sequence[Child]],
     *,
@@ -50,37 +50,37 @@ def table(
     return div("table", tag("table", tag("thead", header), tag("tbody", body), class_=class_ or None))
 
 
-def facts(rows: Iterable[tuple[str, Child] | None]) -> Markup:
+def make_facts(rows: Iterable[tuple[str, Child] | None]) -> Markup:
     """Names and values; None rows are skipped."""
     return tag(
         "dl", [(tag("dt", row[0]), tag("dd", row[1])) for row in rows if row is not None], class_="facts"
     )
 
 
-def listing(title: str, items: Sequence[Child]) -> Markup | None:
+def make_list(title: str, items: Sequence[Child]) -> Markup | None:
     """A titled list; None if it would be empty."""
     if not items:
         return None
     return div("listing", tag("h3", title), tag("ul", [tag("li", item) for item in items]))
 
 
-def badge(verdict: str | None) -> Markup:
+def make_badge(verdict: str | None) -> Markup:
     """A verdict as a coloured label."""
     kinds = {Verdict.SUCCESS.value: "success", Verdict.FAIL.value: "fail"}
     return span(f"badge {kinds.get(verdict or '', 'open')}", verdict or "not judged")
 
 
-def missing(text: str) -> Markup:
+def note_missing(text: str) -> Markup:
     """Says that something which belongs here is not there."""
     return tag("p", text, class_="missing")
 
 
-def fold(title: Child, *children: Child, open_: bool = False) -> Markup:
+def make_fold(title: Child, *children: Child, open_: bool = False) -> Markup:
     """Content behind a fold."""
     return tag("details", tag("summary", title), *children, open=open_)
 
 
-def json_fold(title: str, model: BaseModel) -> Markup:
+def make_json_fold(title: str, model: BaseModel) -> Markup:
     """A schema object as JSON behind a fold, short lists on one line."""
     text = json.dumps(model.model_dump(mode="json", exclude_none=True), indent=2, ensure_ascii=False)
     text = re.sub(r"\[\n([^\[\]{}]*?)\n\s*\]", _on_one_line, text)
@@ -91,6 +91,6 @@ def _on_one_line(match: re.Match[str]) -> str:
     return "[" + re.sub(r"\n\s*", " ", match[1].strip()) + "]"
 
 
-def paragraphs(text: str, class_: str = "") -> list[Markup]:
+def make_paragraphs(text: str, class_: str = "") -> list[Markup]:
     """Text as paragraphs, one per non-empty line."""
     return [tag("p", line.strip(), class_=class_ or None) for line in text.splitlines() if line.strip()]

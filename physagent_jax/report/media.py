@@ -13,7 +13,7 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.output.video import read_video
-from physagent_jax.report.formats import fixed
+from physagent_jax.report.formats import format_fixed
 from physagent_jax.report.markup import Markup, div, join, tag
 
 # Firefox plays no data URI above 32 MB, and base64 makes four bytes of three.
@@ -21,14 +21,14 @@ MAX_EMBEDDED_BYTES = 22 * 2**20
 STRIP_FRAMES, STRIP_HEIGHT = 8, 140
 
 
-def data_uri(content: bytes, mime: str) -> str:
+def encode_data_uri(content: bytes, mime: str) -> str:
     """Bytes as a URI that needs no file."""
     return f"data:{mime};base64,{base64.b64encode(content).decode('ascii')}"
 
 
-def image(path: Path, alt: str) -> Markup:
+def embed_image(path: Path, alt: str) -> Markup:
     """A picture file inside the page."""
-    return tag("img", src=data_uri(path.read_bytes(), "image/png"), alt=alt)
+    return tag("img", src=encode_data_uri(path.read_bytes(), "image/png"), alt=alt)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,7 +62,7 @@ def load_clip(path: Path | None) -> Clip | None:
     return Clip(path, path.read_bytes(), frames)
 
 
-def player(
+def embed_player(
     clip: Clip, *, group: str, frame_dt: float | None, folder: Path, same_as: str | None = None
 ) -> Markup:
     """A video element.
@@ -81,7 +81,7 @@ def player(
     elif len(clip.content) > MAX_EMBEDDED_BYTES:
         source = clip.path.relative_to(folder).as_posix()
     else:
-        source = data_uri(clip.content, "video/mp4")
+        source = encode_data_uri(clip.content, "video/mp4")
     height, width = clip.frames.shape[1:3]
     return tag(
         "video",
@@ -101,7 +101,7 @@ def player(
     )
 
 
-def filmstrip(clip: Clip, frame_dt: float | None) -> Markup | None:
+def embed_filmstrip(clip: Clip, frame_dt: float | None) -> Markup | None:
     """A row of pictures evenly through the clip, for print and for a glance."""
     if clip.frames is None:
         return None
@@ -109,7 +109,7 @@ def filmstrip(clip: Clip, frame_dt: float | None) -> Markup | None:
     chosen = sorted({round(i * last / (STRIP_FRAMES - 1)) for i in range(STRIP_FRAMES)})
     cells = []
     for index in chosen:
-        time = "" if frame_dt is None else f", {fixed(index * frame_dt)} s"
+        time = "" if frame_dt is None else f", {format_fixed(index * frame_dt)} s"
         picture = tag("img", src=_jpeg(clip.frames[index], STRIP_HEIGHT), alt=f"frame {index}")
         cells.append(tag("figure", picture, tag("figcaption", f"{index}{time}")))
     return div("filmstrip", join(cells))
@@ -124,4 +124,4 @@ def _jpeg(picture: np.ndarray, height: int | None = None) -> str:
         picture = blocks.mean(axis=(1, 3)).round().astype(np.uint8)
     buffer = io.BytesIO()
     iio.imwrite(buffer, picture, extension=".jpg", quality=85)
-    return data_uri(buffer.getvalue(), "image/jpeg")
+    return encode_data_uri(buffer.getvalue(), "image/jpeg")

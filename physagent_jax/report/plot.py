@@ -11,7 +11,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 
-from physagent_jax.report.formats import fixed, number, power_of_ten
+from physagent_jax.report.formats import format_fixed, format_number, format_power_of_ten
 from physagent_jax.report.markup import Markup, div, join, span, tag
 
 WIDTH, HEIGHT = 520, 232
@@ -75,14 +75,14 @@ _LARGEST = 1e300  # that an axis reaches
 _SHORT = 1e-2, 1e5  # between these, the numbers at an axis have few digits
 
 
-def nice_step(low: float, high: float, most: int = 7) -> float:
+def choose_step(low: float, high: float, most: int = 7) -> float:
     """1, 2 or 5 times a power of ten, so that [low, high] holds at most ``most`` steps."""
     rough = (high - low) / most
     power = 10.0 ** math.floor(math.log10(rough))
     return next(m * power for m in (1, 2, 5, 10) if m * power >= rough * 0.999)
 
 
-def ticks(low: float, high: float, step: float) -> list[float]:
+def place_ticks(low: float, high: float, step: float) -> list[float]:
     """The multiples of ``step`` within [low, high]."""
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
     return [round(i * step, 12) for i in range(first, last + 1)]
@@ -128,7 +128,7 @@ class _Frame:
 
     @property
     def step(self) -> float:
-        return nice_step(self.low, self.high)
+        return choose_step(self.low, self.high)
 
     @property
     def decimals(self) -> int:
@@ -138,7 +138,7 @@ class _Frame:
     @property
     def left(self) -> int:
         """Where the axis begins: right of the widest label, in the larger type of narrow screens too."""
-        labels = [fixed(t, self.decimals) for t in ticks(self.low, self.high, self.step)]
+        labels = [format_fixed(t, self.decimals) for t in place_ticks(self.low, self.high, self.step)]
         return 14 + 10 * max((len(label) for label in labels), default=0)
 
     def x(self, value: float) -> float:
@@ -175,7 +175,7 @@ def _with_short_numbers(plot: Plot) -> Plot:
 
     return dataclasses.replace(
         plot,
-        unit=f"{power_of_ten(power)} {plot.unit}",
+        unit=f"{format_power_of_ten(power)} {plot.unit}",
         series=[dataclasses.replace(s, values=[scaled(y) for y in s.values]) for s in plot.series],
         level=plot.level and (plot.level[0] * 10.0**-power, plot.level[1]),
         least_span=plot.least_span * 10.0**-power,
@@ -185,19 +185,19 @@ def _with_short_numbers(plot: Plot) -> Plot:
 def _grid(frame: _Frame) -> Markup:
     lines = [
         tag("line", x1=frame.left, x2=WIDTH - RIGHT, y1=frame.y(t), y2=frame.y(t))
-        for t in ticks(frame.low, frame.high, frame.step)
+        for t in place_ticks(frame.low, frame.high, frame.step)
     ]
     return tag("g", *lines, class_="grid")
 
 
 def _axes(frame: _Frame) -> Markup:
     vertical = [
-        tag("text", fixed(t, frame.decimals), x=frame.left - 7, y=frame.y(t) + 4, text_anchor="end")
-        for t in ticks(frame.low, frame.high, frame.step)
+        tag("text", format_fixed(t, frame.decimals), x=frame.left - 7, y=frame.y(t) + 4, text_anchor="end")
+        for t in place_ticks(frame.low, frame.high, frame.step)
     ]
     horizontal = [
-        tag("text", fixed(t, 0), x=frame.x(t), y=HEIGHT - BOTTOM + 17, text_anchor="middle")
-        for t in ticks(0, frame.last, max(1.0, nice_step(0, frame.last, 10)))
+        tag("text", format_fixed(t, 0), x=frame.x(t), y=HEIGHT - BOTTOM + 17, text_anchor="middle")
+        for t in place_ticks(0, frame.last, max(1.0, choose_step(0, frame.last, 10)))
     ]
     name = tag("text", "frame", x=(frame.left + WIDTH - RIGHT) / 2, y=HEIGHT - 5, text_anchor="middle")
     base = tag("line", x1=frame.left, x2=WIDTH - RIGHT, y1=HEIGHT - BOTTOM, y2=HEIGHT - BOTTOM, class_="axis")
@@ -257,7 +257,7 @@ def _legend(plot: Plot, decimals: int) -> Markup:
         # What is seen and what is true stay together when the legend wraps.
         entries.append(span("pair", *[_legend_entry(series, plot.last_frame, decimals) for series in twins]))
     if plot.level is not None:
-        entries.append(span("key", span("swatch level"), f"{plot.level[1]} {number(plot.level[0])}"))
+        entries.append(span("key", span("swatch level"), f"{plot.level[1]} {format_number(plot.level[0])}"))
     if plot.bands:
         entries.append(span("key", span("swatch band"), "force active"))
     if plot.marks:
@@ -270,7 +270,7 @@ def _legend_entry(series: Series, last: int, decimals: int) -> Markup:
     values = None
     if series.shape != "points":
         at = {x: y for x, y in series.points if y is not None}
-        values = ";".join(fixed(at[x], decimals) if x in at else "" for x in range(last + 1))
+        values = ";".join(format_fixed(at[x], decimals) if x in at else "" for x in range(last + 1))
     return span(
         "key",
         span(f"swatch {style} c{series.color}"),

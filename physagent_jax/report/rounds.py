@@ -6,14 +6,32 @@ from collections.abc import Sequence
 
 from physagent_jax.agents.schema import Check, Judgement, Rewrite
 from physagent_jax.perception.schema import MotionReport, Oscillation, WindowMotion
-from physagent_jax.report.agent_traces import agent_traces
-from physagent_jax.report.charts import motion_charts, physics_charts
+from physagent_jax.report.agent_traces import show_agent_traces
+from physagent_jax.report.charts import draw_motion_charts, draw_physics_charts
 from physagent_jax.report.facts import describe_reused_frames
-from physagent_jax.report.force_cards import Setting, force_cards, setting_of
-from physagent_jax.report.formats import UNKNOWN, count, fixed, number, percent, plain, plural, vector
-from physagent_jax.report.layout import badge, facts, fold, json_fold, listing, missing, paragraphs, table
+from physagent_jax.report.force_cards import Setting, make_force_cards, read_setting
+from physagent_jax.report.formats import (
+    UNKNOWN,
+    format_count,
+    format_fixed,
+    format_number,
+    format_percent,
+    format_plural,
+    format_vector,
+    spell_out,
+)
+from physagent_jax.report.layout import (
+    make_badge,
+    make_facts,
+    make_fold,
+    make_json_fold,
+    make_list,
+    make_paragraphs,
+    make_table,
+    note_missing,
+)
 from physagent_jax.report.markup import Child, Markup, div, join, span, tag
-from physagent_jax.report.media import image
+from physagent_jax.report.media import embed_image
 from physagent_jax.run.finished import FinishedRound
 
 MARKS = {True: ("pass", "\u2713 pass"), False: ("failed", "\u2717 fail"), None: ("open", "? not observable")}
@@ -42,14 +60,18 @@ def make_probe_table(probe: Sequence[FinishedRound], best: int | None) -> list[M
         rows.append(
             [
                 join(str(round_.number), taken),
-                fixed(judgement.score if judgement else None),
-                badge(judgement.verdict if judgement else None),
+                format_fixed(judgement.score if judgement else None),
+                make_badge(judgement.verdict if judgement else None),
                 judgement.suggestion or UNKNOWN if judgement else UNKNOWN,
-                count(record.particle_count) if record else UNKNOWN,
+                format_count(record.particle_count) if record else UNKNOWN,
             ]
         )
     lead = "Force fields were first tried on a coarse version of the scene. Round 1 begins with the best of them."
-    return [tag("h3", "Coarse rounds"), tag("p", lead), table(head, rows, numeric=(1, 4), class_="compact")]
+    return [
+        tag("h3", "Coarse rounds"),
+        tag("p", lead),
+        make_table(head, rows, numeric=(1, 4), class_="compact"),
+    ]
 
 
 def make_round_card(
@@ -69,7 +91,7 @@ def make_round_card(
         video: Its player.
         with_plots: Whether to add its plots (the best round's stand in a section of their own).
     """
-    setting = setting_of(round_.scene)
+    setting = read_setting(round_.scene)
     parts = [
         _head(round_, is_best),
         div("split", div("clip", video), _forces(round_, previous, setting)),
@@ -77,7 +99,7 @@ def make_round_card(
         _overlay(round_),
         _judgement(round_.judgement),
         _rewrite(round_.rewrite, round_.number + 1),
-        agent_traces(
+        show_agent_traces(
             {"planner": round_.planner_trace, "executor": round_.executor_trace}, round_.failed_calls
         ),
         _perception(round_.motion),
@@ -90,7 +112,7 @@ def _chip(round_: FinishedRound, *, is_best: bool) -> Markup:
     judgement = round_.judgement
     score = "not judged"
     if judgement:
-        score = judgement.verdict if judgement.score is None else f"score {fixed(judgement.score)}"
+        score = judgement.verdict if judgement.score is None else f"score {format_fixed(judgement.score)}"
     kind = "open" if judgement is None else "success" if judgement.verdict == "SUCCESS" else "fail"
     return tag(
         "a",
@@ -106,16 +128,16 @@ def _head(round_: FinishedRound, is_best: bool) -> Markup:
     judgement = round_.judgement
     score = None
     if judgement and judgement.score is not None:
-        score = span("score", "score ", tag("b", fixed(judgement.score)))
+        score = span("score", "score ", tag("b", format_fixed(judgement.score)))
     star = span("badge best", "best") if is_best else None
     title = tag("h3", f"Round {round_.number}")
-    return tag("header", title, badge(judgement.verdict if judgement else None), star, score)
+    return tag("header", title, make_badge(judgement.verdict if judgement else None), star, score)
 
 
 def _forces(round_: FinishedRound, previous: FinishedRound | None, setting: Setting) -> Markup:
     if round_.force_field is None:
-        return missing("The force field of this round is missing.")
-    return force_cards(round_.force_field, setting, previous=previous.force_field if previous else None)
+        return note_missing("The force field of this round is missing.")
+    return make_force_cards(round_.force_field, setting, previous=previous.force_field if previous else None)
 
 
 def _taken_over(round_: FinishedRound) -> Markup | None:
@@ -129,17 +151,21 @@ def _overlay(round_: FinishedRound) -> Markup | None:
     if round_.overlay is None:
         return None
     caption = tag("figcaption", "What perception followed: the object\u2019s mask and the tracked points.")
-    return tag("figure", image(round_.overlay, "mask and tracks drawn on frames"), caption, class_="overlay")
+    return tag(
+        "figure", embed_image(round_.overlay, "mask and tracks drawn on frames"), caption, class_="overlay"
+    )
 
 
 def _judgement(judgement: Judgement | None) -> list[Markup | None] | Markup:
     if judgement is None:
-        return missing("The planner\u2019s judgement of this round is missing.")
+        return note_missing("The planner\u2019s judgement of this round is missing.")
     rows = [_check(check) for check in judgement.checks]
     suggestion = None
     if judgement.suggestion:
-        suggestion = div("callout", tag("strong", "The planner suggests"), paragraphs(judgement.suggestion))
-    checks = table(
+        suggestion = div(
+            "callout", tag("strong", "The planner suggests"), make_paragraphs(judgement.suggestion)
+        )
+    checks = make_table(
         ["question", "expected", "observed", "result", "score"], rows, class_="checks", numeric=(4,)
     )
     title = tag("h4", "What the planner checked")
@@ -150,7 +176,7 @@ def _check(check: Check) -> list[Child]:
     kind, word = MARKS[check.passed]
     remedy = tag("small", check.remedy, class_="remedy") if check.remedy else None
     result = span(f"result {kind}", word)
-    return [join(check.question, remedy), check.expected, check.observed, result, fixed(check.score)]
+    return [join(check.question, remedy), check.expected, check.observed, result, format_fixed(check.score)]
 
 
 def _rewrite(rewrite: Rewrite | None, next_round: int) -> Markup | None:
@@ -158,7 +184,7 @@ def _rewrite(rewrite: Rewrite | None, next_round: int) -> Markup | None:
         return None
     rules = None
     if rewrite.rules_applied:
-        chips = [span("rule", plain(name)) for name in rewrite.rules_applied]
+        chips = [span("rule", spell_out(name)) for name in rewrite.rules_applied]
         rules = div("rules", span("quiet", "hard rules applied:"), join(*chips))
     changes = tag("ul", [tag("li", change) for change in rewrite.changes])
     if not rewrite.changes:
@@ -169,14 +195,14 @@ def _rewrite(rewrite: Rewrite | None, next_round: int) -> Markup | None:
 
 def _perception(report: MotionReport | None) -> Markup:
     if report is None:
-        return missing("The motion report of this round is missing.")
-    return fold(
+        return note_missing("The motion report of this round is missing.")
+    return make_fold(
         "What perception measured",
-        paragraphs(report.text),
+        make_paragraphs(report.text),
         _windows(report.windows),
         div("columns", _course(report), _quality(report)),
-        listing("What weakened a measurement", report.quality.notes),
-        json_fold("Motion report as JSON", report),
+        make_list("What weakened a measurement", report.quality.notes),
+        make_json_fold("Motion report as JSON", report),
     )
 
 
@@ -185,25 +211,25 @@ def _windows(windows: Sequence[WindowMotion]) -> Markup:
     rows = []
     for w in windows:
         stretch = None if w.stretch is None else [w.stretch[axis][axis] for axis in range(3)]
-        turn = "\u2014" if w.rotation_degrees is None else f"{fixed(w.rotation_degrees, 1)}\u00b0"
-        reasons = "; ".join(f"{plain(name)}: {why}" for name, why in w.unobservable.items())
-        farthest = vector(w.peak_displacement)
+        turn = "\u2014" if w.rotation_degrees is None else f"{format_fixed(w.rotation_degrees, 1)}\u00b0"
+        reasons = "; ".join(f"{spell_out(name)}: {why}" for name, why in w.unobservable.items())
+        farthest = format_vector(w.peak_displacement)
         if w.peak_frame is not None:
             farthest += f" at frame {w.peak_frame}"
         rows.append(
             [
                 f"{w.first}\u2013{w.last}",
-                vector(w.displacement),
-                fixed(w.path_length),
+                format_vector(w.displacement),
+                format_fixed(w.path_length),
                 farthest,
                 turn,
-                vector(stretch),
-                fixed(w.volume_ratio),
+                format_vector(stretch),
+                format_fixed(w.volume_ratio),
                 reasons or "\u2014",
             ]
         )
     note = tag("p", "Lengths in body lengths; vectors and stretch along world x, y, z.", class_="quiet")
-    return join(table(head, rows, class_="dense"), note)
+    return join(make_table(head, rows, class_="dense"), note)
 
 
 def _course(report: MotionReport) -> Markup:
@@ -213,31 +239,31 @@ def _course(report: MotionReport) -> Markup:
         ("at rest again", "not within the clip" if settle is None else f"frame {settle}"),
         ("oscillation", _oscillation(report.oscillation)),
     ]
-    return facts(rows)
+    return make_facts(rows)
 
 
 def _oscillation(swing: Oscillation | None) -> str:
     if swing is None:
         return "none"
-    size = f"{number(swing.frequency_hz)} Hz, amplitude {number(swing.amplitude)} body lengths"
-    return f"{size} along {vector(swing.direction)}, {plural(swing.reversals, 'reversal')}"
+    size = f"{format_number(swing.frequency_hz)} Hz, amplitude {format_number(swing.amplitude)} body lengths"
+    return f"{size} along {format_vector(swing.direction)}, {format_plural(swing.reversals, 'reversal')}"
 
 
 def _quality(report: MotionReport) -> Markup:
     quality = report.quality
     leaves = quality.leaves_frame
     rows = [
-        ("tracks kept", percent(quality.tracks_kept)),
-        ("fit residual", f"{number(quality.fit_residual)} body lengths"),
-        ("depth noise", f"{number(quality.depth_noise)} body lengths"),
-        ("object in frame 0", f"{percent(quality.mask_fraction)} of the picture"),
+        ("tracks kept", format_percent(quality.tracks_kept)),
+        ("fit residual", f"{format_number(quality.fit_residual)} body lengths"),
+        ("depth noise", f"{format_number(quality.depth_noise)} body lengths"),
+        ("object in frame 0", f"{format_percent(quality.mask_fraction)} of the picture"),
         ("leaves the picture", "never" if leaves is None else f"from frame {leaves}"),
     ]
-    return facts(rows)
+    return make_facts(rows)
 
 
 def _plots(round_: FinishedRound) -> Markup | None:
-    charts = [motion_charts(round_), physics_charts(round_)]
+    charts = [draw_motion_charts(round_), draw_physics_charts(round_)]
     if not any(charts):
         return None
-    return fold("Plots of this round", *charts)
+    return make_fold("Plots of this round", *charts)

@@ -7,22 +7,22 @@ from collections.abc import Iterator, Sequence
 
 from physagent_jax.metrics.motion import ALIGNED_DEGREES, TrueMotion
 from physagent_jax.perception.schema import MotionReport
-from physagent_jax.report.formats import UNKNOWN, fixed
-from physagent_jax.report.layout import table
+from physagent_jax.report.formats import UNKNOWN, format_fixed
+from physagent_jax.report.layout import make_table
 from physagent_jax.report.markup import Markup, div, tag
 
 NOTE = "The truth is for your eyes only; no agent saw it. Agents judge by the pictures alone."
 DECIMALS = 3
 
 
-def truth_table(report: MotionReport, truth: TrueMotion) -> Markup:
+def make_truth_table(report: MotionReport, truth: TrueMotion) -> Markup:
     """What perception measured beside what the particles did, at the end of the clip and over it."""
     head = ["measure", "perceived", "true", "difference", "unit"]
-    rows = table(head, _rows(report, truth), numeric=(1, 2, 3))
+    rows = make_table(head, _rows(report, truth), numeric=(1, 2, 3))
     return div("truth", tag("p", NOTE, class_="truth-note"), rows)
 
 
-def centroid_error(report: MotionReport, truth: TrueMotion) -> tuple[float, float] | None:
+def measure_centroid_error(report: MotionReport, truth: TrueMotion) -> tuple[float, float] | None:
     """Root mean square and largest distance of the two centres over the clip [body lengths]."""
     pairs = zip(report.centroid, truth.centroid)
     distances = [math.dist(seen, true) for seen, true in pairs if seen is not None]
@@ -48,11 +48,17 @@ def _rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]]:
     volume = _at(report.volume_ratio, last), _at(truth.volume_ratio, last)
     yield _row(f"Volume in frame {last}", *volume, "of frame 0")
     yield from _stretch_rows(report, truth)
-    error = centroid_error(report, truth)
+    error = measure_centroid_error(report, truth)
     if error is not None:
         mean, largest = error
-        yield ["Distance between the two centres, RMS", "", "", fixed(mean, DECIMALS), "body lengths"]
-        yield ["Distance between the two centres, largest", "", "", fixed(largest, DECIMALS), "body lengths"]
+        yield ["Distance between the two centres, RMS", "", "", format_fixed(mean, DECIMALS), "body lengths"]
+        yield [
+            "Distance between the two centres, largest",
+            "",
+            "",
+            format_fixed(largest, DECIMALS),
+            "body lengths",
+        ]
 
 
 def _stretch_rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]]:
@@ -77,13 +83,13 @@ def _stretch_rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]
 
 def _row(name: str, seen: float | None, true: float | None, unit: str) -> list[str]:
     if seen is None or true is None:
-        shown = "not observable" if seen is None else fixed(seen, DECIMALS)
-        return [name, shown, fixed(true, DECIMALS), UNKNOWN, unit]
-    return [name, fixed(seen, DECIMALS), fixed(true, DECIMALS), _signed(seen - true), unit]
+        shown = "not observable" if seen is None else format_fixed(seen, DECIMALS)
+        return [name, shown, format_fixed(true, DECIMALS), UNKNOWN, unit]
+    return [name, format_fixed(seen, DECIMALS), format_fixed(true, DECIMALS), _signed(seen - true), unit]
 
 
 def _signed(value: float) -> str:
-    text = fixed(value, DECIMALS)
+    text = format_fixed(value, DECIMALS)
     return text if value <= 0 or float(text) == 0 else f"+{text}"
 
 

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 
 from physagent_jax.agents.schema import Evidence, ExpectedMotion, MotionKind, SemanticReply
 from physagent_jax.report.directions import describe_axis, describe_direction, describe_turn
-from physagent_jax.report.force_cards import Setting, force_cards
-from physagent_jax.report.formats import fixed, plural, window
-from physagent_jax.report.layout import listing, table
+from physagent_jax.report.force_cards import Setting, make_force_cards
+from physagent_jax.report.formats import format_fixed, format_plural, format_window
+from physagent_jax.report.layout import make_list, make_table
 from physagent_jax.report.markup import Markup, div, join, span, tag
 
 # What a value is about, told from its place: decides the highlight's colour.
@@ -47,7 +47,7 @@ class Highlight:
     rows: tuple[int, ...]
 
 
-def words_section(prompt: str, reply: SemanticReply, setting: Setting) -> list[Markup | None]:
+def make_words_section(prompt: str, reply: SemanticReply, setting: Setting) -> list[Markup | None]:
     """The marked prompt, the table of evidence, assumptions, expectations and the force field."""
     highlights = find_highlights(prompt, reply.evidence, reply.not_understood)
     marked = {row for highlight in highlights for row in highlight.rows}
@@ -57,14 +57,14 @@ def words_section(prompt: str, reply: SemanticReply, setting: Setting) -> list[M
         _evidence_table(reply.evidence, marked),
         div(
             "listings",
-            listing(
+            make_list(
                 "What a viewer should see", [describe_expectation(e, setting) for e in reply.expectations]
             ),
-            listing("Assumptions", reply.notes),
-            listing("Not understood", reply.not_understood),
+            make_list("Assumptions", reply.notes),
+            make_list("Not understood", reply.not_understood),
         ),
         tag("h3", "The force field, as first compiled"),
-        force_cards(reply.force_field, setting, name="compiled"),
+        make_force_cards(reply.force_field, setting, name="compiled"),
     ]
 
 
@@ -76,7 +76,7 @@ def find_highlights(
     Longer phrases are placed first; a shorter one goes where it does not overlap them, and joins the
     phrase that contains it if there is no such place.
     """
-    topics = [(item.words, topic_of(item.field), row) for row, item in enumerate(evidence)]
+    topics = [(item.words, find_topic(item.field), row) for row, item in enumerate(evidence)]
     topics += [(words, UNKNOWN_TOPIC, None) for words in not_understood]
     placed: list[Highlight] = []
     for words, topic, row in sorted(topics, key=lambda entry: -len(entry[0])):
@@ -93,7 +93,7 @@ def find_highlights(
     return sorted(placed, key=lambda highlight: highlight.start)
 
 
-def topic_of(field: str) -> str:
+def find_topic(field: str) -> str:
     """The topic of a value's place, like "actions[0].vector"."""
     for topic, names in TOPICS:
         if any(name in field for name in names):
@@ -113,13 +113,13 @@ def describe_expectation(expected: ExpectedMotion, setting: Setting) -> Markup:
         where = " in all directions"
     elif axis is not None:
         where = f" {describe_direction(axis, viewer)}"
-    parts = [f"strength {fixed(expected.strength)}", window(*expected.window, setting.frame_dt)]
+    parts = [f"strength {format_fixed(expected.strength)}", format_window(*expected.window, setting.frame_dt)]
     if expected.sudden:
         parts.append("with a blow")
     if expected.partial:
         parts.append("in a part of the object")
     if expected.repeats > 1:
-        parts.append(plural(expected.repeats, "time"))
+        parts.append(format_plural(expected.repeats, "time"))
     if expected.released:
         parts.append("then let go")
     quote = span("quiet", f" \u2014 from \u201c{expected.words}\u201d") if expected.words else None
@@ -172,12 +172,12 @@ def _evidence_table(evidence: Sequence[Evidence], marked: set[int]) -> Markup:
         return tag("p", "The agent gave no evidence for its choices.", class_="quiet")
     rows, ids = [], []
     for index, item in enumerate(evidence):
-        words = span(f"topic {topic_of(item.field)}", item.words or "\u2014")
+        words = span(f"topic {find_topic(item.field)}", item.words or "\u2014")
         if index not in marked:
             words = join(words, span("quiet", " (not literally in the sentence)"))
         rows.append([str(index + 1), words, _place(item.field), item.value, item.why])
         ids.append(f"evidence-{index}")
-    return table(["", "words", "led to", "value", "because"], rows, ids=ids, class_="evidence")
+    return make_table(["", "words", "led to", "value", "because"], rows, ids=ids, class_="evidence")
 
 
 def _place(field: str) -> Markup:

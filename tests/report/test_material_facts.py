@@ -4,14 +4,16 @@ import re
 
 import pytest
 
-from physagent_jax.report.facts import describe_property, scene_facts
+from physagent_jax.report.facts import describe_property, make_scene_facts
 from physagent_jax.scene.config import Material, MaterialModel, MaterialRegion, SceneConfig, Source
 from physagent_jax.scene.materials import LIBRARY
 
 
 def page_text(scene):
     """The facts without markup."""
-    return " ".join(re.sub(r"<[^>]+>", " ", "".join(str(part) for part in scene_facts(scene, None))).split())
+    return " ".join(
+        re.sub(r"<[^>]+>", " ", "".join(str(part) for part in make_scene_facts(scene, None))).split()
+    )
 
 
 def scene_of(material, *regions):

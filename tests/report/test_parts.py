@@ -12,39 +12,46 @@ from physagent_jax.report.directions import (
     describe_axis,
     describe_direction,
     describe_turn,
-    direction_table,
-    world_axis_labels,
+    label_world_axes,
+    make_direction_table,
 )
 from physagent_jax.report.force_cards import describe_region
-from physagent_jax.report.formats import fixed, number, percent, quantity, seconds, vector
+from physagent_jax.report.formats import (
+    format_fixed,
+    format_number,
+    format_percent,
+    format_quantity,
+    format_seconds,
+    format_vector,
+)
 from physagent_jax.report.markup import escape, join, raw, tag
-from physagent_jax.report.plot import Plot, Series, draw, nice_step, ticks
+from physagent_jax.report.plot import Plot, Series, choose_step, draw, place_ticks
 from physagent_jax.report.words import find_highlights
 from physagent_jax.scene.config import CameraConfig
 
-FRONT = direction_table(CameraConfig())
-FROM_PLUS_X = direction_table(CameraConfig(azimuth_degrees=90))
+FRONT = make_direction_table(CameraConfig())
+FROM_PLUS_X = make_direction_table(CameraConfig(azimuth_degrees=90))
 
 
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        (number(0.0), "0"),
-        (number(1234.5), "1234"),
-        (number(-0.25), "\u22120.25"),
-        (number(1.2345e-7), "1.23 \u00d7 10\u207b\u2077"),
-        (number(9.999), "10"),
-        (fixed(-0.001), "0.00"),
-        (vector((-1, 0, 0.5)), "(\u22121.00, 0.00, 0.50)"),
-        (quantity(1e5, "Pa"), "100 kPa"),
-        (quantity(2e6, "Pa"), "2 MPa"),
-        (quantity(5e-4, "s"), "500 \u00b5s"),
-        (quantity(0.0, "J"), "0 J"),
-        (seconds(75.4), "1 min 15 s"),
-        (seconds(0.012), "12 ms"),
-        (percent(0.48), "48 %"),
-        (percent(0.0131), "1.3 %"),
-        (percent(None), "\u2014"),
+        (format_number(0.0), "0"),
+        (format_number(1234.5), "1234"),
+        (format_number(-0.25), "\u22120.25"),
+        (format_number(1.2345e-7), "1.23 \u00d7 10\u207b\u2077"),
+        (format_number(9.999), "10"),
+        (format_fixed(-0.001), "0.00"),
+        (format_vector((-1, 0, 0.5)), "(\u22121.00, 0.00, 0.50)"),
+        (format_quantity(1e5, "Pa"), "100 kPa"),
+        (format_quantity(2e6, "Pa"), "2 MPa"),
+        (format_quantity(5e-4, "s"), "500 \u00b5s"),
+        (format_quantity(0.0, "J"), "0 J"),
+        (format_seconds(75.4), "1 min 15 s"),
+        (format_seconds(0.012), "12 ms"),
+        (format_percent(0.48), "48 %"),
+        (format_percent(0.0131), "1.3 %"),
+        (format_percent(None), "\u2014"),
     ],
 )
 def test_numbers_for_people(text, expected):
@@ -58,7 +65,7 @@ def test_directions_follow_the_camera():
     assert describe_direction((1, 0, 0), FROM_PLUS_X) == "towards us"
     assert describe_direction((0.9, 0, -0.43), FRONT) == "right and slightly down"
     assert describe_axis((0, 0, -1), FRONT) == "the vertical axis"
-    assert world_axis_labels(FRONT) == ("x (right)", "y (away from us)", "z (up)")
+    assert label_world_axes(FRONT) == ("x (right)", "y (away from us)", "z (up)")
 
 
 def test_turns_follow_the_right_hand_rule():
@@ -102,8 +109,8 @@ def test_highlights_that_overlap_share_a_mark():
 
 @pytest.mark.parametrize(("low", "high"), [(0, 1), (-0.33, 0.21), (1e-7, 3e-7), (0.95, 1.05), (-4e5, 9e6)])
 def test_ticks_are_round_and_few(low, high):
-    step = nice_step(low, high)
-    marks = ticks(low, high, step)
+    step = choose_step(low, high)
+    marks = place_ticks(low, high, step)
     assert 2 <= len(marks) <= 8
     assert all(low - 1e-9 * step <= mark <= high + 1e-9 * step for mark in marks)
 

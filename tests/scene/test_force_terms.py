@@ -8,8 +8,8 @@ import pytest
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces import terms
 from physagent_jax.mpm import simulate
-from physagent_jax.report.facts import scene_facts
-from physagent_jax.report.force_cards import force_cards, setting_of
+from physagent_jax.report.facts import make_scene_facts
+from physagent_jax.report.force_cards import make_force_cards, read_setting
 from physagent_jax.report.markup import join
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
@@ -227,10 +227,10 @@ def test_the_report_tells_the_terms_in_words(robot_path):
         "uniform acceleration (0.00, 0.00, 3.00) m/s\u00b2, rising over 0.1 s, falling over 60 ms, 0 s to 0.2 s; "
         "region: beyond (0.50, 0.50, 0.50) of the bounding box, towards (0.00, 0.00, 1.00)",
     ]
-    facts = str(join(*scene_facts(scene, None)))
-    cards = str(force_cards(scene.force_field, setting_of(scene)))
+    facts = str(join(*make_scene_facts(scene, None)))
+    cards = str(make_force_cards(scene.force_field, read_setting(scene)))
     for words in expected:
         assert words in facts and words in cards
     assert "No force acts" not in cards
     bare = parsed(robot_path)
-    assert "No force acts" in str(force_cards(bare.force_field, setting_of(bare)))
+    assert "No force acts" in str(make_force_cards(bare.force_field, read_setting(bare)))
