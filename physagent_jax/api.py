@@ -23,7 +23,7 @@ from physagent_jax.run.loop import agents_of, run_loop
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.resolve import ResolvedRun, resolve
 from physagent_jax.run.spec import RunSpec
-from physagent_jax.scene.body import Body, body_of, make_body
+from physagent_jax.scene.body import Body, make_body, make_scene_body
 from physagent_jax.scene.compile import CompiledScene, compile_scene
 from physagent_jax.scene.cost import Limits
 from physagent_jax.scene.fuse import fuse
@@ -157,7 +157,7 @@ def load_scene(path: str | Path, *, object_path: str | Path | None = None) -> Co
     config, notes = read_scene(path, None if object_path is None else Path(object_path))
     for text in notes:
         warnings.warn(text, UserWarning, stacklevel=2)
-    return compile_scene(config, body_of(config, path.parent), path.parent)
+    return compile_scene(config, make_scene_body(config, path.parent), path.parent)
 
 
 def synthesize(

@@ -9,10 +9,10 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.run.material import AFFORDABLE, resolve_material
 from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.config import MaterialModel
-from physagent_jax.scene.materials import LIBRARY, softened, substeps
-from physagent_jax.scene.materials.soften import softening_warning
+from physagent_jax.scene.materials import LIBRARY, count_substeps, soften
+from physagent_jax.scene.materials.soften import explain_softening
 from physagent_jax.scene.presets import PRESETS, PresetName
-from physagent_jax.scene.priors import material_for
+from physagent_jax.scene.priors import choose_material
 
 FAST = PRESETS[PresetName.FAST]
 
@@ -27,7 +27,7 @@ def test_the_table_lists_every_material_with_its_price(capsys):
     out = capsys.readouterr().out
     assert all(name in out for name in LIBRARY)
     assert "207 GPa" in out and "7850 kg/m\u00b3" in out
-    steel = substeps(LIBRARY["steel"].material, FAST.domain.dx, 2.0)
+    steel = count_substeps(LIBRARY["steel"].material, FAST.domain.dx, 2.0)
     assert f"{steel:,}".replace(",", "\u202f") in out
 
 
@@ -65,7 +65,7 @@ def chosen(kind="robot", **choice):
 
 
 def test_without_options_the_kind_decides():
-    assert chosen("sand") == (material_for("sand"), ())
+    assert chosen("sand") == (choose_material("sand"), ())
 
 
 def test_a_named_material_is_taken_whole():
@@ -75,7 +75,7 @@ def test_a_named_material_is_taken_whole():
 
 def test_a_model_keeps_the_kinds_values():
     material, _ = chosen(name="fixed_corotated")
-    prior = material_for("robot")
+    prior = choose_material("robot")
     assert material.model is MaterialModel.FIXED_COROTATED
     assert (material.youngs_modulus, material.density) == (prior.youngs_modulus, prior.density)
     assert chosen("sand", name="hencky")[0].friction_angle is None
@@ -96,7 +96,7 @@ def test_a_stiff_material_is_warned_about_with_a_remedy_that_works():
     assert "substeps" in warning
     factor = float(warning.split("`material.soften` ")[1].split()[0])
     material, warnings = chosen(name="steel", soften=factor)
-    assert warnings == () and substeps(material, FAST.domain.dx, 1.96) <= AFFORDABLE
+    assert warnings == () and count_substeps(material, FAST.domain.dx, 1.96) <= AFFORDABLE
     steel = LIBRARY["steel"].material
     assert material.yield_stress / material.youngs_modulus == pytest.approx(
         steel.yield_stress / steel.youngs_modulus
@@ -122,9 +122,9 @@ def test_softening_a_liquid_is_measured_by_its_compression():
     water = LIBRARY["water"].material
     load = water.density * 9.80665
     factor = 0.03 * water.bulk_modulus / load  # its own weight then compresses a column of a metre by 3 %
-    assert "3 %" in (softening_warning(water, softened(water, factor)) or "")
-    assert softening_warning(water, softened(water, factor / 10)) is None
-    assert softening_warning(water, softened(water, factor / 10), length=10.0) is not None
+    assert "3 %" in (explain_softening(water, soften(water, factor)) or "")
+    assert explain_softening(water, soften(water, factor / 10)) is None
+    assert explain_softening(water, soften(water, factor / 10), length=10.0) is not None
 
 
 def test_a_prediction_replaces_the_kinds_prior(tmp_path):

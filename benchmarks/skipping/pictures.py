@@ -20,7 +20,7 @@ from physagent_jax.output.splats import write_splat_frames
 from physagent_jax.output.video import write_frames, write_video
 from physagent_jax.render import Camera, Projected, look_at, project
 from physagent_jax.run.artifacts import motion_of
-from physagent_jax.scene.body import body_of
+from physagent_jax.scene.body import make_scene_body
 from physagent_jax.scene.compile import CompiledScene, compile_scene
 from physagent_jax.scene.config import Domain, Filling, Rendering, SceneConfig, Source, Timing
 from physagent_jax.simulation.recording import Recording
@@ -100,7 +100,7 @@ def _clip(particles: int, frames: int, pixels: int) -> tuple[CompiledScene, Reco
         force_field=ForceField(default_drop=True),
         rendering=Rendering(width=pixels, height=pixels),
     )
-    scene = compile_scene(config, body_of(config, ROBOT.parent))
+    scene = compile_scene(config, make_scene_body(config, ROBOT.parent))
     return scene, simulate_scene(scene)
 
 

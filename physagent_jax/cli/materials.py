@@ -41,11 +41,11 @@ class Materials:
 
 
 def _cost(material) -> tuple[float, int]:
-    from physagent_jax.scene.materials import stable_step, substeps
+    from physagent_jax.scene.materials import count_substeps, stable_step
     from physagent_jax.scene.presets import PRESETS, PresetName
 
     dx = PRESETS[PresetName.FAST].domain.dx
-    return stable_step(material, dx), substeps(material, dx, CLIP_SECONDS)
+    return stable_step(material, dx), count_substeps(material, dx, CLIP_SECONDS)
 
 
 def _as_json(each) -> dict:

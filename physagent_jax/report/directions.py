@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from physagent_jax.agents.schema import DirectionTable
-from physagent_jax.scene.camera import viewer_directions
+from physagent_jax.scene.camera import find_viewer_directions
 from physagent_jax.scene.config import CameraConfig
 
 # A component below this share of a unit vector is not worth a word (about 9 degrees).
@@ -25,7 +25,7 @@ TURNS = (
 
 def make_direction_table(camera: CameraConfig) -> DirectionTable:
     """The viewer's six directions as the agents are told them."""
-    return DirectionTable(**viewer_directions(camera))
+    return DirectionTable(**find_viewer_directions(camera))
 
 
 def find_components(vector: Sequence[float], table: DirectionTable) -> tuple[float, float, float]:

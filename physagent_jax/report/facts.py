@@ -201,7 +201,8 @@ def _world_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
 
 def _camera_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
     camera, timing, picture = scene.camera, scene.timing, scene.rendering
-    view = f"azimuth {format_number(camera.azimuth_degrees)}\u00b0, elevation {format_number(camera.elevation_degrees)}\u00b0"
+    azimuth, elevation = format_number(camera.azimuth_degrees), format_number(camera.elevation_degrees)
+    view = f"azimuth {azimuth}\u00b0, elevation {elevation}\u00b0"
     target = "the domain\u2019s centre" if camera.target is None else f"{format_vector(camera.target)} m"
     scaling = scene.scaling
     return [

@@ -33,7 +33,8 @@ def describe_force_term(term: ForceTerm, table: DirectionTable) -> str:
         case Vortex():
             words = _describe_vortex(term, table)
         case Turbulence():
-            words = f"turbulence of {format_number(term.strength)} m/s\u00b2 on scales of {format_quantity(term.length_scale, 'm')}"
+            scale = format_quantity(term.length_scale, "m")
+            words = f"turbulence of {format_number(term.strength)} m/s\u00b2 on scales of {scale}"
             words += f" and {format_seconds(term.time_scale)}, seed {term.seed}"
         case Uniform():
             words = f"uniform acceleration {format_vector(term.acceleration)} m/s\u00b2"

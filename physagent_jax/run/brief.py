@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from physagent_jax.agents.schema import DirectionTable, SceneBrief
-from physagent_jax.scene.camera import viewer_directions
+from physagent_jax.scene.camera import find_viewer_directions
 from physagent_jax.scene.fuse import SceneTemplate
 
 
@@ -16,5 +16,5 @@ def make_brief(template: SceneTemplate) -> SceneBrief:
         anchored=None if anchor.kind == "none" else anchor.reason or anchor.kind,
         frame_count=timing.frame_count,
         frame_dt=timing.frame_dt,
-        directions=DirectionTable(**viewer_directions(template.camera)),
+        directions=DirectionTable(**find_viewer_directions(template.camera)),
     )

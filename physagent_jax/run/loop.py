@@ -40,7 +40,7 @@ from physagent_jax.run.resolve import ResolvedRun
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.run.store import PROBE, RunStore
 from physagent_jax.scene.body import Body, make_body
-from physagent_jax.scene.coarse import coarser
+from physagent_jax.scene.coarse import coarsen
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import SceneConfig
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
@@ -242,7 +242,7 @@ class _Loop:
 
     def _coarse(self, template: SceneTemplate, body: Body) -> _Series:
         with self._watch("prepare"):
-            preset = coarser(template.preset, body)
+            preset = coarsen(template.preset, body)
             coarse = dataclasses.replace(template, preset=preset)
             base_dir = self._run.base_dir
             small = make_body(template.source, preset.filling, preset.domain, base_dir)

@@ -12,11 +12,11 @@ from physagent_jax.core.reading import read_json
 from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.config import Material, MaterialModel
 from physagent_jax.scene.config.material import WITHOUT_STRESS
-from physagent_jax.scene.materials import LIBRARY, find_material, softened, stable_step, substeps
-from physagent_jax.scene.materials.soften import softening_for, softening_warning
+from physagent_jax.scene.materials import LIBRARY, count_substeps, find_material, soften, stable_step
+from physagent_jax.scene.materials.soften import explain_softening, find_softening
 from physagent_jax.scene.physgm import import_physgm
 from physagent_jax.scene.presets import Preset
-from physagent_jax.scene.priors import material_for
+from physagent_jax.scene.priors import choose_material
 
 AFFORDABLE = 10_000  # substeps of a clip that `--soften auto` aims at
 EXPENSIVE = 100_000  # substeps of a clip beyond which a warning is due; usual runs take some thousands
@@ -37,11 +37,11 @@ def resolve_material(
     duration = (preset.timing.frame_count - 1) * preset.timing.frame_dt
     hard = material
     if choice.soften == "auto":
-        factor = softening_for(material, dx=dx, duration=duration, at_most=AFFORDABLE)
-        material = softened(material, factor)
+        factor = find_softening(material, dx=dx, duration=duration, at_most=AFFORDABLE)
+        material = soften(material, factor)
     elif choice.soften is not None:
-        material = softened(material, choice.soften)
-    if (seen := softening_warning(hard, material)) is not None:
+        material = soften(material, choice.soften)
+    if (seen := explain_softening(hard, material)) is not None:
         warnings.append(seen)
     if preset.timing.substep_dt == "auto":
         _warn_of_cost(material, dx, duration, warnings)
@@ -55,13 +55,13 @@ def _base(choice: MaterialChoice, kind: str, base_dir: Path, warnings: list[str]
         warnings += notes
         return material
     if choice.name is None:
-        return material_for(kind)
+        return choose_material(kind)
     models = [model.value for model in MaterialModel]
     try:
         return find_material(choice.name).material
     except UserError as error:
         if choice.name in models:
-            return _of_model(MaterialModel(choice.name), material_for(kind))
+            return _of_model(MaterialModel(choice.name), choose_material(kind))
         model = nearest(choice.name, [m for m in models if m not in LIBRARY], count=1)
         hint = f"Or the constitutive model {model[0]}? " if model else ""
         raise UserError(f"`material.name`: {error.what}", got=error.got, do=f"{hint}{error.do}") from None
@@ -96,12 +96,12 @@ def _with_values(choice: MaterialChoice, material: Material) -> Material:
 
 
 def _warn_of_cost(material: Material, dx: float, duration: float, warnings: list[str]) -> None:
-    many = substeps(material, dx, duration)
+    many = count_substeps(material, dx, duration)
     if many <= EXPENSIVE:
         return
     try:
         remedy = (
-            f"`material.soften` {softening_for(material, dx=dx, duration=duration, at_most=AFFORDABLE):g}"
+            f"`material.soften` {find_softening(material, dx=dx, duration=duration, at_most=AFFORDABLE):g}"
         )
         remedy += f" brings it to {AFFORDABLE:,}, with the same strains at yield"
     except UserError as error:

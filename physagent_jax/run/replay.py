@@ -11,11 +11,11 @@ from physagent_jax.run.artifacts import write_recording
 from physagent_jax.run.manifest import Stages
 from physagent_jax.run.provenance import make_manifest, settings_hash
 from physagent_jax.run.store import RunStore
-from physagent_jax.scene.body import body_of
+from physagent_jax.scene.body import make_scene_body
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import SceneConfig
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
-from physagent_jax.scene.load import file_sha256
+from physagent_jax.scene.load import hash_file
 from physagent_jax.simulation.ahead import compile_ahead
 from physagent_jax.simulation.record import SimulationRecord
 from physagent_jax.simulation.simulate import Progress, simulate_scene
@@ -45,7 +45,7 @@ def replay_scene(
     base_dir = scene_file.parent
     files = config.files(base_dir)
     settings = config.model_dump(mode="json", exclude={"source": {"path"}})
-    inputs = {name: file_sha256(path) for name, path in files.items()}
+    inputs = {name: hash_file(path) for name, path in files.items()}
     inputs["settings"] = settings_hash((settings, save_frames, save_splats))
     manifest = make_manifest(command=command, prompt=config.prompt, seed=config.filling.seed, inputs=inputs)
     with RunStore.open(out, manifest, overwrite=overwrite, needed=[scene_file, *files.values()]) as store:
@@ -56,7 +56,7 @@ def replay_scene(
         watch = Stopwatch()
         with watch("prepare"), warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", UserWarning)
-            body = body_of(config, base_dir)
+            body = make_scene_body(config, base_dir)
             check_cost(estimate_cost(config, body), limits)
             scene = compile_scene(config, body, base_dir)
         for warning in caught:

@@ -17,9 +17,9 @@ from physagent_jax.scene.anchor import MASK_BYTES
 from physagent_jax.scene.card import ObjectCard, load_card
 from physagent_jax.scene.config import Anchor, CameraConfig, Source
 from physagent_jax.scene.fuse import SceneTemplate
-from physagent_jax.scene.load import file_sha256
+from physagent_jax.scene.load import hash_file
 from physagent_jax.scene.presets import PRESETS, Preset
-from physagent_jax.scene.priors import anchor_for, damping_for, find_kind, guess_kind
+from physagent_jax.scene.priors import choose_anchor, choose_damping, find_kind, guess_kind
 
 _PRESET_PARTS = ("domain", "filling", "timing", "transfer", "rendering")
 
@@ -67,7 +67,7 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
     """
     base_dir = Path(base_dir).resolve()
     path = base_dir / spec.object.path
-    sha256 = file_sha256(path)
+    sha256 = hash_file(path)
     if spec.anchor.mask_path is not None:
         check_regular(base_dir / spec.anchor.mask_path, most=MASK_BYTES, what="the anchor mask")
     card = load_card(path)
@@ -84,7 +84,7 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
             anchor=resolve_anchor(spec.anchor, source.kind, base_dir=base_dir),
             camera=_camera(spec.camera, card),
             friction=spec.friction,
-            damping_rate=damping_for(source.kind),
+            damping_rate=choose_damping(source.kind),
             ledger=spec.ledger,
         )
     except ValidationError as error:
@@ -96,7 +96,7 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
     if spec.perception.prompt is not None:
         rendering, timing = template.preset.rendering, template.preset.timing
         read_mask(spec.perception.prompt, rendering.width, rendering.height, timing.frame_count, base_dir)
-    inputs = {what: file_sha256(file) for what, file in spec.files(base_dir).items()}
+    inputs = {what: hash_file(file) for what, file in spec.files(base_dir).items()}
     inputs["settings"] = settings_hash([spec.identity(), _resolved_identity(template)])
     return ResolvedRun(spec, base_dir, template, inputs, warnings)
 
@@ -137,7 +137,7 @@ def resolve_anchor(
     match choice.kind:
         case "auto":
             said = said or AnchorRequest()
-            return anchor_for(kind, said.kind, said.words)
+            return choose_anchor(kind, said.kind, said.words)
         case "box":
             return Anchor(kind="box", point=choice.point, half_size=choice.half_size, reason=reason)
         case "mask":
@@ -145,7 +145,7 @@ def resolve_anchor(
             return Anchor(
                 kind="mask", mask_path=str((Path(base_dir) / choice.mask_path).resolve()), reason=reason
             )
-    return anchor_for(kind, choice.kind).model_copy(update=dict(reason=reason))
+    return choose_anchor(kind, choice.kind).model_copy(update=dict(reason=reason))
 
 
 def _source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str) -> Source:

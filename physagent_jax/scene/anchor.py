@@ -14,7 +14,7 @@ from physagent_jax.scene.config import Anchor
 MASK_BYTES = 256 * 2**20  # one per Gaussian
 
 
-def anchored_particles(
+def select_anchored(
     anchor: Anchor,
     x_rest: np.ndarray,
     gaussian_index: np.ndarray,

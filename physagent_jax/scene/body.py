@@ -80,6 +80,6 @@ def _warn_if_sparse(particles: Particles, dx: float) -> None:
         )
 
 
-def body_of(config: SceneConfig, base_dir: str | Path) -> Body:
+def make_scene_body(config: SceneConfig, base_dir: str | Path) -> Body:
     """The body of a complete scene."""
     return make_body(config.source, config.filling, config.domain, base_dir)

@@ -11,29 +11,29 @@ UP = np.array([0.0, 0.0, 1.0])
 MARGIN = 0.88  # share of the half picture that the framed points may fill
 
 
-def reference_camera(config: CameraConfig, rendering: Rendering, domain: Domain) -> Camera:
+def make_reference_camera(config: CameraConfig, rendering: Rendering, domain: Domain) -> Camera:
     """The pinhole camera that ``config`` describes."""
     target = np.full(3, 0.5 * domain.size) if config.target is None else np.asarray(config.target)
-    eye = target - config.distance * view_direction(config)
+    eye = target - config.distance * find_view_direction(config)
     return look_at(
         eye, target, UP, fov_degrees=config.fov_degrees, width=rendering.width, height=rendering.height
     )
 
 
-def view_direction(config: CameraConfig) -> np.ndarray:
+def find_view_direction(config: CameraConfig) -> np.ndarray:
     """From the camera to its target (unit), shape (3,)."""
     azimuth, elevation = np.radians([config.azimuth_degrees, config.elevation_degrees])
     horizontal = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
     return np.cos(elevation) * horizontal - np.sin(elevation) * UP
 
 
-def viewer_directions(config: CameraConfig) -> dict[str, tuple[float, float, float]]:
+def find_viewer_directions(config: CameraConfig) -> dict[str, tuple[float, float, float]]:
     """The viewer's words as unit world vectors: right, left, up, down, toward, away.
 
     Right and left run along the picture's horizontal axis, up and down along the world's vertical,
     toward and away horizontally to and from the camera.
     """
-    away = view_direction(config) * [1, 1, 0]
+    away = find_view_direction(config) * [1, 1, 0]
     away = away / np.linalg.norm(away)
     right = np.cross(away, UP)
     table = {"right": right, "left": -right, "up": UP, "down": -UP, "toward": -away, "away": away}
@@ -43,7 +43,7 @@ def viewer_directions(config: CameraConfig) -> dict[str, tuple[float, float, flo
     }  # type: ignore[return-value]
 
 
-def framing(points: np.ndarray, camera: CameraConfig, rendering: Rendering) -> CameraConfig:
+def frame_camera(points: np.ndarray, camera: CameraConfig, rendering: Rendering) -> CameraConfig:
     """Moves ``camera`` (along its direction, and sideways) until it just shows ``points``.
 
     Args:
@@ -51,7 +51,7 @@ def framing(points: np.ndarray, camera: CameraConfig, rendering: Rendering) -> C
         camera: Its direction and field of view are kept.
         rendering: For the aspect ratio.
     """
-    forward = view_direction(camera)
+    forward = find_view_direction(camera)
     right = np.cross(forward, UP)
     right = right / np.linalg.norm(right)
     up = np.cross(right, forward)

@@ -15,7 +15,7 @@ PICTURE_SHARE = 1 / 3  # of the sides
 SMALLEST_PICTURE = 96  # [px], shorter side; in smaller ones nothing can be followed
 
 
-def coarser(preset: Preset, body: Body) -> Preset:
+def coarsen(preset: Preset, body: Body) -> Preset:
     """The settings with `COARSER` times longer cells, as many particles per cell, and smaller pictures.
 
     The clip stays as it is, because force fields count in its frames. The step is chosen anew: what was right for the

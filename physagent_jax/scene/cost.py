@@ -105,7 +105,7 @@ def check_cost(cost: Cost, limits: Limits) -> None:
             f"the limit is {_minutes(limits.minutes)} a round",
             do=f"Make it smaller or softer, or pass --max-minutes {_rounded_up(minutes)}",
         )
-    available = MEMORY_SHARE * machine_memory() if limits.memory is None else limits.memory * 1e9
+    available = MEMORY_SHARE * read_machine_memory() if limits.memory is None else limits.memory * 1e9
     if cost.memory > available:
         raise UserError(
             f"this would take at least {cost.memory / 1e9:.1f} GB of memory, most of it for {cost.largest[1]}; "
@@ -114,7 +114,7 @@ def check_cost(cost: Cost, limits: Limits) -> None:
         )
 
 
-def machine_memory() -> float:
+def read_machine_memory() -> float:
     """Memory that this process may use, of the machine or its control group [bytes]; inf if unknown."""
     sizes = []
     if "SC_PHYS_PAGES" in getattr(os, "sysconf_names", {}):

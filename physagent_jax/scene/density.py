@@ -101,7 +101,7 @@ def _clamped(scales: np.ndarray, axes: np.ndarray, grid: CellGrid) -> tuple[np.n
         high = max(0.8 * high, low)
 
 
-def interior(
+def find_interior(
     wall: np.ndarray, *, exclude: int | None, cast: int, search: np.ndarray | None = None
 ) -> np.ndarray:
     """Empty cells that are inside the walls.

@@ -11,7 +11,7 @@ from scipy import ndimage
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.config import Filling
-from physagent_jax.scene.density import CellGrid, interior, overlap_density
+from physagent_jax.scene.density import CellGrid, find_interior, overlap_density
 
 SURFACE_SHARE = 0.5  # of the cap that surface particles may take if the inside needs the rest
 OUTSIDE, OUTER, INNER = 0, 1, 2  # layers of cells; outer ones are solid and at most two cells from outside
@@ -92,14 +92,14 @@ def fill(cloud: GaussianCloud, config: Filling, *, dx: float) -> Particles:
     wall, search = _walls(cloud, config, grid, cells)
     inside = np.zeros_like(wall)
     if config.enabled:
-        inside = interior(
+        inside = find_interior(
             wall, exclude=config.exclude_direction, cast=config.ray_cast_direction, search=search
         )
     layer = _layers(wall | inside)
     hollow, lack = _lacking(layer, cells, config)
     lacking = int(lack.sum())
     room = config.max_particles - lacking  # for the surface
-    surface = even_subset(cells, max(room, int(SURFACE_SHARE * config.max_particles)))
+    surface = select_evenly(cells, max(room, int(SURFACE_SHARE * config.max_particles)))
     kept = _even_counts(hollow, lack, config.max_particles - len(surface))
     added = _stratified_points(grid, hollow, lack, kept, layer[tuple(hollow.T)] == INNER, config)
     x = np.concatenate([means[surface], added])
@@ -225,7 +225,7 @@ def _ranks(counts: np.ndarray) -> np.ndarray:
 
 
 def _even_counts(cells: np.ndarray, available: np.ndarray, count: int) -> np.ndarray:
-    """How many of each cell's ``available`` points to keep, spread as by `even_subset`; at most ``count`` in all."""
+    """How many of each cell's ``available`` points to keep, spread as by `select_evenly`; at most ``count`` in all."""
     if available.sum() <= count:
         return available
     layers = np.cumsum([(available > taken).sum() for taken in range(available.max())])
@@ -237,7 +237,7 @@ def _even_counts(cells: np.ndarray, available: np.ndarray, count: int) -> np.nda
     return kept
 
 
-def even_subset(cells: np.ndarray, count: int) -> np.ndarray:
+def select_evenly(cells: np.ndarray, count: int) -> np.ndarray:
     """Increasing indices of ``count`` points, spread evenly in space.
 
     Every occupied cell gives one point before any gives a second; a layer that does not fit whole is thinned

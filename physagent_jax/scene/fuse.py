@@ -10,7 +10,7 @@ from physagent_jax.forces import calibration
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.forces.skills import closed_form_scaling, free_path
 from physagent_jax.scene.body import Body
-from physagent_jax.scene.camera import framing
+from physagent_jax.scene.camera import frame_camera
 from physagent_jax.scene.config import (
     Anchor,
     CameraConfig,
@@ -65,7 +65,7 @@ def fuse(ingredients: SceneTemplate, body: Body, force_field: ForceField) -> Sce
     )
     boundaries: tuple = (DomainBox(),)
     if force_field.default_drop:
-        boundaries += (ground(body, ingredients.anchor, ingredients.friction),)
+        boundaries += (make_ground(body, ingredients.anchor, ingredients.friction),)
     config = SceneConfig(
         prompt=ingredients.prompt,
         preset=ingredients.preset_name,
@@ -87,8 +87,8 @@ def fuse(ingredients: SceneTemplate, body: Body, force_field: ForceField) -> Sce
     )
     if config.camera.target is not None:
         return config
-    points = expected_sweep(config, body)
-    return config.model_copy(update=dict(camera=framing(points, config.camera, config.rendering)))
+    points = estimate_sweep(config, body)
+    return config.model_copy(update=dict(camera=frame_camera(points, config.camera, config.rendering)))
 
 
 def _reference_time(ingredients: SceneTemplate) -> float:
@@ -100,7 +100,7 @@ def _reference_time(ingredients: SceneTemplate) -> float:
     return ingredients.preset.timing.duration if free else calibration.HELD_TIME
 
 
-def ground(body: Body, anchor: Anchor, friction: float) -> HalfSpace:
+def make_ground(body: Body, anchor: Anchor, friction: float) -> HalfSpace:
     """The floor: `calibration.DROP_HEIGHT` under what can fall, right under what is held at its foot."""
     clearance = 0.0 if anchor.kind == "base" else calibration.DROP_HEIGHT * body.extent
     height = max(float(body.low[2]) - clearance, LOWEST_FLOOR)
@@ -109,7 +109,7 @@ def ground(body: Body, anchor: Anchor, friction: float) -> HalfSpace:
     )
 
 
-def expected_sweep(config: SceneConfig, body: Body) -> np.ndarray:
+def estimate_sweep(config: SceneConfig, body: Body) -> np.ndarray:
     """Corners of where an unopposed object would be during the clip, for the camera [m], shape (m, 3).
 
     Only a guess for the framing: pushes and blows integrated as for a free body, cut off where the camera

@@ -36,7 +36,7 @@ def load_object(source: Source, base_dir: str | Path) -> GaussianCloud:
     """
     path = Path(base_dir) / source.path
     check_object(path)
-    if source.sha256 is not None and (found := file_sha256(path)) != source.sha256.lower():
+    if source.sha256 is not None and (found := hash_file(path)) != source.sha256.lower():
         raise UserError(
             f"{path} is not the file that this scene was made with",
             got=f"sha256 {found[:12]}..., expected {source.sha256[:12]}...",
@@ -52,7 +52,7 @@ def check_object(path: str | Path) -> None:
     check_regular(path, most=MOST_BYTES, what="the object file")
 
 
-def file_sha256(path: str | Path) -> str:
+def hash_file(path: str | Path) -> str:
     """SHA-256 of a file's bytes, in hexadecimal.
 
     Raises:

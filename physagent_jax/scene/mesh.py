@@ -11,8 +11,8 @@ import trimesh
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.config import SignedAxis
 from physagent_jax.scene.mesh_files import read_mesh
-from physagent_jax.scene.placement import up_rotation
-from physagent_jax.scene.surfels import baked_light, even_points, surfels, value_noise
+from physagent_jax.scene.placement import find_up_rotation
+from physagent_jax.scene.surfels import bake_light, make_surfels, place_evenly, value_noise
 
 OVERSAMPLING = 3  # random points per point kept
 DISC_RADIUS = 0.7  # standard deviation over the mean spacing: the least that leaves no visible gaps
@@ -44,7 +44,7 @@ def gaussians_from_mesh(
     """
     mesh = read_mesh(path)
     points, faces = trimesh.sample.sample_surface(mesh, OVERSAMPLING * count, seed=seed)[:2]
-    keep = even_points(np.asarray(points), count)
+    keep = place_evenly(np.asarray(points), count)
     points, faces = np.asarray(points)[keep], np.asarray(faces)[keep]
     bary = trimesh.triangles.points_to_barycentric(mesh.triangles[faces], points)
     face_normals = np.asarray(mesh.face_normals)[faces]
@@ -57,9 +57,9 @@ def gaussians_from_mesh(
     rgb = _colours(mesh, faces, bary)
     if rgb is None:
         rgb = _painted(points, shading, float(mesh.extents.max()), seed)
-    rgb = rgb * baked_light(shading @ up_rotation(up).T)[:, None]
+    rgb = rgb * bake_light(shading @ find_up_rotation(up).T)[:, None]
     radius = DISC_RADIUS * np.sqrt(mesh.area / count)
-    return surfels(points, face_normals, radius, rgb)
+    return make_surfels(points, face_normals, radius, rgb)
 
 
 def _colours(mesh: trimesh.Trimesh, faces: np.ndarray, bary: np.ndarray) -> np.ndarray | None:

@@ -20,9 +20,9 @@ from physagent_jax.scene.config import (
     Timing,
     Transfer,
 )
-from physagent_jax.scene.physgaussian_conditions import Reader, conditions
-from physagent_jax.scene.physgaussian_materials import MATERIAL_KEYS, read_material, unused_keys
-from physagent_jax.scene.placement import extra_rotation
+from physagent_jax.scene.physgaussian_conditions import ConditionReader, read_conditions
+from physagent_jax.scene.physgaussian_materials import MATERIAL_KEYS, find_unused_keys, read_material
+from physagent_jax.scene.placement import find_extra_rotation
 
 CENTER = (1.0, 1.0, 1.0)  # PhysGaussian centres every object here
 
@@ -74,7 +74,7 @@ def import_physgaussian(
     """
     if not isinstance(data, dict):
         raise UserError("a PhysGaussian scene is a JSON object", got=type(data).__name__, do="Check the file")
-    reader = Reader(data, "")
+    reader = ConditionReader(data, "")
     try:
         source = _source(reader, object_path)
         material, notes = read_material(reader)
@@ -86,7 +86,7 @@ def import_physgaussian(
             frame_dt=reader.number("frame_dt", 1e-2),
             substep_dt=substep_dt,
         )
-        boundaries, constraints = conditions(reader, substep_dt)
+        boundaries, constraints = read_conditions(reader, substep_dt)
         config = SceneConfig(
             preset="physgaussian",
             source=source,
@@ -106,7 +106,7 @@ def import_physgaussian(
         raise validation_message(error, "PhysGaussian scene") from None
     for note in notes:
         reader.warn(note)
-    meaningless = _MEANINGLESS | unused_keys(reader)
+    meaningless = _MEANINGLESS | find_unused_keys(reader)
     for key in data:
         if key in meaningless:
             reader.warn(f"`{key}` is ignored: {meaningless[key]}")
@@ -115,7 +115,7 @@ def import_physgaussian(
     return config, reader.warnings
 
 
-def _source(reader: Reader, object_path: str) -> Source:
+def _source(reader: ConditionReader, object_path: str) -> Source:
     crop: Any = None if reader.data.get("sim_area") is None else reader.numbers("sim_area", 6)
     return Source(
         path=object_path,
@@ -128,7 +128,7 @@ def _source(reader: Reader, object_path: str) -> Source:
     )
 
 
-def _regions(reader: Reader) -> tuple[MaterialRegion, ...]:
+def _regions(reader: ConditionReader) -> tuple[MaterialRegion, ...]:
     """Boxes of other E, nu and density; the law and its other keys are the scene's."""
     return tuple(
         MaterialRegion(
@@ -138,7 +138,7 @@ def _regions(reader: Reader) -> tuple[MaterialRegion, ...]:
     )
 
 
-def _filling(reader: Reader, domain: Domain) -> Filling:
+def _filling(reader: ConditionReader, domain: Domain) -> Filling:
     """Filling; its cells are counted along the domain there and along the object here."""
     if reader.data.get("particle_filling") is None:
         return Filling(enabled=False, max_particles=2_000_000, volumes="cells")
@@ -166,7 +166,7 @@ def _filling(reader: Reader, domain: Domain) -> Filling:
     )
 
 
-def _transfer(reader: Reader, substep_dt: float) -> Transfer:
+def _transfer(reader: ConditionReader, substep_dt: float) -> Transfer:
     """Damping: a factor per substep there, a rate here; rpic_damping below -0.001 turns affine terms off."""
     rpic = reader.number("rpic_damping", 0.0)
     factor = reader.number("grid_v_damping_scale", 1.1)  # 1 or more means none
@@ -179,7 +179,7 @@ def _transfer(reader: Reader, substep_dt: float) -> Transfer:
     )
 
 
-def _gravity(reader: Reader) -> tuple[float, float, float]:
+def _gravity(reader: ConditionReader) -> tuple[float, float, float]:
     if isinstance(reader.data.get("g"), list | tuple):
         return reader.vector("g")
     scalar = reader.number("g", 9.8)
@@ -190,7 +190,7 @@ def _gravity(reader: Reader) -> tuple[float, float, float]:
     return (0.0, 0.0, -abs(scalar))
 
 
-def _camera(reader: Reader, source: Source, units_per_metre: float | None) -> CameraConfig:
+def _camera(reader: ConditionReader, source: Source, units_per_metre: float | None) -> CameraConfig:
     """The orbit camera. Its angles count from an axis that is built in the file's frame, hence the rotation."""
     target = reader.vector("mpm_space_viewpoint_center", CENTER)
     up = np.asarray(reader.vector("mpm_space_vertical_upward_axis", (0.0, 0.0, 1.0)))
@@ -214,7 +214,7 @@ def _camera(reader: Reader, source: Source, units_per_metre: float | None) -> Ca
         units_per_metre = 1.0
     if abs(elevation) > 85:
         reader.warn("`init_elevation` is limited to 85 degrees")
-    turn = extra_rotation(source.rotation_degrees, source.rotation_axes)
+    turn = find_extra_rotation(source.rotation_degrees, source.rotation_axes)
     return CameraConfig(
         target=target,
         azimuth_degrees=_our_azimuth(math.radians(azimuth), turn, up / norm),

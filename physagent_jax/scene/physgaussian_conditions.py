@@ -24,7 +24,7 @@ _SURFACES = {"sticky": Surface.STICKY, "slip": Surface.SLIP}  # anything else se
 _MISSING = object()
 
 
-class Reader:
+class ConditionReader:
     """Typed access to a JSON object; errors name the key, warnings collect at the root.
 
     Args:
@@ -71,11 +71,11 @@ class Reader:
         x, y, z = self.numbers(key, 3, default)
         return (x, y, z)
 
-    def part(self, key: str) -> Reader:
+    def part(self, key: str) -> ConditionReader:
         """An object."""
         return self._sub(key, self.data[key])
 
-    def parts(self, key: str) -> list[Reader]:
+    def parts(self, key: str) -> list[ConditionReader]:
         """A list of objects; empty if the key is missing or null."""
         value = self.data.get(key)
         if value is None:
@@ -100,17 +100,17 @@ class Reader:
             raise self._wrong(key, f"must be a finite number of at most {LARGEST:g}", value)
         return float(value)
 
-    def _sub(self, key: str, value: object) -> Reader:
+    def _sub(self, key: str, value: object) -> ConditionReader:
         if not isinstance(value, dict):
             raise self._wrong(key, "must be an object", value)
-        return Reader(value, f"{self.name(key)}.", self.warnings)
+        return ConditionReader(value, f"{self.name(key)}.", self.warnings)
 
     def _wrong(self, key: str, rule: str, value: object) -> UserError:
         got = shortened(repr(value) if isinstance(value, int | float | str) else type(value).__name__, 60)
         return UserError(f"PhysGaussian scene: `{self.name(key)}` {rule}", got=got, do="Mend the file")
 
 
-def conditions(reader: Reader, substep_dt: float) -> tuple[tuple, tuple]:
+def read_conditions(reader: ConditionReader, substep_dt: float) -> tuple[tuple, tuple]:
     """Boundaries and constraints, in the file's order.
 
     The domain's walls come last, whether there is a ``bounding_box`` or not: without them PhysGaussian writes
@@ -138,15 +138,15 @@ def conditions(reader: Reader, substep_dt: float) -> tuple[tuple, tuple]:
     return (*boundaries, DomainBox(padding=3)), tuple(constraints)
 
 
-def _never(part: Reader) -> bool:
+def _never(part: ConditionReader) -> bool:
     return part.number("end_time", END) <= part.number("start_time", 0.0)
 
 
-def _window(part: Reader) -> dict[str, Any]:
+def _window(part: ConditionReader) -> dict[str, Any]:
     return dict(start=part.number("start_time", 0.0), end=part.number("end_time", END))
 
 
-def _cuboid(part: Reader) -> list:
+def _cuboid(part: ConditionReader) -> list:
     if part.number("reset", 0):
         part.warn(f"`{part.name('reset')}` is ignored: it zeroes the whole grid outside the window")
     return [
@@ -159,7 +159,7 @@ def _cuboid(part: Reader) -> list:
     ]
 
 
-def _surface_collider(part: Reader) -> list:
+def _surface_collider(part: ConditionReader) -> list:
     surface = part.word("surface", "sticky")
     if surface == "cut":
         part.warn(f"`{part.name('surface')}` = 'cut' is left out: it is tied to one scene of PhysGaussian")
@@ -183,7 +183,7 @@ def _surface_collider(part: Reader) -> list:
     ]
 
 
-def _impulse(part: Reader, substep_dt: float) -> ParticleImpulse:
+def _impulse(part: ConditionReader, substep_dt: float) -> ParticleImpulse:
     return ParticleImpulse(
         point=part.vector("point", (1.0, 1.0, 1.0)),
         half_size=part.vector("size", (1.0, 1.0, 1.0)),
@@ -193,7 +193,7 @@ def _impulse(part: Reader, substep_dt: float) -> ParticleImpulse:
     )
 
 
-def _translation(part: Reader) -> list:
+def _translation(part: ConditionReader) -> list:
     return [
         ParticleTranslation(
             point=part.vector("point"),
@@ -204,7 +204,7 @@ def _translation(part: Reader) -> list:
     ]
 
 
-def _rotation(part: Reader) -> list:
+def _rotation(part: ConditionReader) -> list:
     """PhysGaussian turns from its first horizontal axis h towards h x normal: left-handed about the normal."""
     half_height, radius = part.numbers("half_height_and_radius", 2)
     return [
@@ -220,7 +220,7 @@ def _rotation(part: Reader) -> list:
     ]
 
 
-def _release(part: Reader) -> list:
+def _release(part: ConditionReader) -> list:
     """Layers held still and let go one after another; ``num_layers`` is honoured (PhysGaussian overwrites it).
 
     The sign of PhysGaussian's ``normal`` means nothing: positions are coordinates along its axis.

@@ -17,7 +17,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import did_you_mean
 from physagent_jax.core.reading import shortened
 from physagent_jax.scene.config import Material, MaterialModel
-from physagent_jax.scene.physgaussian_conditions import Reader
+from physagent_jax.scene.physgaussian_conditions import ConditionReader
 
 # The keys that each of its materials reads besides E, nu and density.
 _KEYS = {
@@ -46,13 +46,13 @@ _DIFFERENCES = {
 }
 
 
-def unused_keys(reader: Reader) -> dict[str, str]:
+def find_unused_keys(reader: ConditionReader) -> dict[str, str]:
     """Keys of other materials than the scene's, and why they are ignored."""
     name = reader.data.get("material", "jelly")
     return {key: f"it means nothing for `{name}`" for key in _PLASTIC_KEYS - set(_KEYS.get(name, ()))}
 
 
-def read_material(reader: Reader, part: Reader | None = None) -> tuple[Material, list[str]]:
+def read_material(reader: ConditionReader, part: ConditionReader | None = None) -> tuple[Material, list[str]]:
     """The scene's material, or that of an entry of `additional_material_params`, and what acts differently here.
 
     Missing keys take PhysGaussian's defaults: friction_angle 25, softening 0.1, everything else 0. Without a yield
@@ -82,7 +82,7 @@ def read_material(reader: Reader, part: Reader | None = None) -> tuple[Material,
     return Material.model_validate(values | law), notes
 
 
-def _law(name: str, reader: Reader, youngs_modulus: float, nu: float, notes: list[str]) -> dict:
+def _law(name: str, reader: ConditionReader, youngs_modulus: float, nu: float, notes: list[str]) -> dict:
     """The model and its own parameters; E and nu may still be out of range."""
     mu = youngs_modulus / (2 * (1 + nu)) if nu > -1 else 0.0
     match name:
@@ -108,7 +108,7 @@ def _law(name: str, reader: Reader, youngs_modulus: float, nu: float, notes: lis
             return {"model": MaterialModel.FIXED_COROTATED}
 
 
-def _metal(reader: Reader, mu: float, notes: list[str]) -> dict:
+def _metal(reader: ConditionReader, mu: float, notes: list[str]) -> dict:
     bound = reader.number("yield_stress", 0.0)
     if bound <= 0:
         notes.append(_no_yield_stress("metal", "a liquid: it keeps no shear stress"))
@@ -120,7 +120,7 @@ def _metal(reader: Reader, mu: float, notes: list[str]) -> dict:
     }
 
 
-def _foam(reader: Reader, notes: list[str]) -> dict:
+def _foam(reader: ConditionReader, notes: list[str]) -> dict:
     yield_stress = reader.number("yield_stress", 0.0)
     viscosity = reader.number("plastic_viscosity", 0.0)
     if yield_stress <= 0:
@@ -132,7 +132,7 @@ def _foam(reader: Reader, notes: list[str]) -> dict:
     return {"model": MaterialModel.VISCOPLASTIC, "yield_stress": yield_stress, "plastic_viscosity": viscosity}
 
 
-def _plasticine(reader: Reader, mu: float, notes: list[str]) -> dict:
+def _plasticine(reader: ConditionReader, mu: float, notes: list[str]) -> dict:
     bound = reader.number("yield_stress", 0.0)
     if bound <= 0:
         notes.append(_no_yield_stress("plasticine", "elastic: its return mapping then does nothing"))
@@ -147,7 +147,7 @@ def _plasticine(reader: Reader, mu: float, notes: list[str]) -> dict:
     return law | {"model": MaterialModel.VON_MISES, "hardening_modulus": -softening}
 
 
-def _hardening(reader: Reader) -> float:
+def _hardening(reader: ConditionReader) -> float:
     """`xi`, which acts only if `hardening` is 1."""
     return reader.number("xi", 0.0) if reader.number("hardening", 0.0) == 1 else 0.0
 

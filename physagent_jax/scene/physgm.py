@@ -18,7 +18,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shortened, validation_message
 from physagent_jax.core.strict import LARGEST
 from physagent_jax.scene.config import Material
-from physagent_jax.scene.materials import LIBRARY, substeps, with_youngs_modulus
+from physagent_jax.scene.materials import LIBRARY, count_substeps, replace_youngs_modulus
 from physagent_jax.scene.presets import PRESETS, PresetName
 
 # PhysGM's classes in the order of its logits, and what they are here.
@@ -88,7 +88,7 @@ def import_physgm(data: object, *, warn_of_cost: bool = True) -> tuple[Material,
         )
     known = LIBRARY[CLASSES[name]]
     try:
-        material = with_youngs_modulus(known.material, youngs_modulus).changed(
+        material = replace_youngs_modulus(known.material, youngs_modulus).changed(
             poissons_ratio=nu,
             reason=f"PhysGM predicts {name}, E = {youngs_modulus:.3g} Pa, nu = {poissons_ratio:.3g}; "
             f"the rest as of {known.name} ({known.what})",
@@ -110,7 +110,7 @@ def _too_soft(material: Material) -> list[str]:
 
 
 def _too_stiff(material: Material) -> list[str]:
-    many = substeps(material, PRESETS[PresetName.FAST].domain.dx, CLIP_SECONDS)
+    many = count_substeps(material, PRESETS[PresetName.FAST].domain.dx, CLIP_SECONDS)
     if many <= EXPENSIVE:
         return []
     return [

@@ -77,9 +77,9 @@ def place(cloud: GaussianCloud, source: Source, domain: Domain) -> tuple[Gaussia
     Raises:
         UserError: Nothing is left after the crop, the object has no extent, or it does not fit.
     """
-    turn = extra_rotation(source.rotation_degrees, source.rotation_axes)
+    turn = find_extra_rotation(source.rotation_degrees, source.rotation_axes)
     cloud = _crop(cloud, turn, source.crop)
-    rotation = up_rotation(source.up) @ turn
+    rotation = find_up_rotation(source.up) @ turn
     turned = np.asarray(cloud.means, np.float64) @ rotation.T
     if not np.isfinite(turned).all():
         raise UserError("the object has Gaussians whose centre is not finite", do="Export the file again")
@@ -99,13 +99,13 @@ def place(cloud: GaussianCloud, source: Source, domain: Domain) -> tuple[Gaussia
     return placement.cloud_to_world(cloud), placement
 
 
-def up_rotation(up: SignedAxis) -> np.ndarray:
+def find_up_rotation(up: SignedAxis) -> np.ndarray:
     """The shortest proper rotation that brings ``up`` onto +z, shape (3, 3); +x stays for z and y axes."""
     axis, degrees = _TO_PLUS_Z[up]
     return _exact(Rotation.from_euler(axis, degrees, degrees=True))
 
 
-def extra_rotation(degrees: tuple[float, ...], axes: tuple[int, ...]) -> np.ndarray:
+def find_extra_rotation(degrees: tuple[float, ...], axes: tuple[int, ...]) -> np.ndarray:
     """Product of right-handed rotations about the fixed axes, the first applied first, shape (3, 3)."""
     matrix = np.eye(3)
     for angle, axis in zip(degrees, axes):

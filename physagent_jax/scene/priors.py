@@ -220,7 +220,7 @@ def guess_kind(name: str) -> str:
     return UNKNOWN
 
 
-def material_for(kind: str) -> Material:
+def choose_material(kind: str) -> Material:
     """The material prior of a kind; that of `UNKNOWN` for one that is not listed."""
     prior = PRIORS.get(kind, PRIORS[UNKNOWN])
     return Material.model_validate(
@@ -235,12 +235,14 @@ def material_for(kind: str) -> Material:
     )
 
 
-def damping_for(kind: str) -> float:
+def choose_damping(kind: str) -> float:
     """Drag of the surrounding air on an object of ``kind`` [1/s] (`Transfer.damping_rate`)."""
     return PRIORS.get(kind, PRIORS[UNKNOWN]).damping_rate
 
 
-def anchor_for(kind: str, requested: Literal["base", "top", "none"] | None = None, words: str = "") -> Anchor:
+def choose_anchor(
+    kind: str, requested: Literal["base", "top", "none"] | None = None, words: str = ""
+) -> Anchor:
     """What is held: what the prompt asks for, else what the kind implies.
 
     Args:

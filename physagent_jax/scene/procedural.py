@@ -13,7 +13,7 @@ import numpy as np
 
 from physagent_jax.core.arrays import on_device
 from physagent_jax.gaussians.cloud import GaussianCloud
-from physagent_jax.scene.shapes import Patch, bezier, build, lathe, leaf, tube
+from physagent_jax.scene.shapes import Patch, bezier, build, make_lathe, make_leaf, make_tube
 from physagent_jax.scene.surfels import value_noise
 
 _TAU = 2 * np.pi
@@ -30,11 +30,11 @@ def make_plant(seed: int = 0, *, count: int = 8000) -> GaussianCloud:
     trunk[1:3, :2] *= rng.choice([-1, 1])
     patches = [
         *_pot(seed),
-        Patch(tube(trunk, lambda v: 0.062 - 0.008 * v), _bark(seed), detail=1.3, shade=0.92),
+        Patch(make_tube(trunk, lambda v: 0.062 - 0.008 * v), _bark(seed), detail=1.3, shade=0.92),
     ]
     branches = [_branch(trunk, k, rng) for k in range(9)]
     patches += [
-        Patch(tube(b, lambda v: 0.026 - 0.012 * v), _bark(seed), detail=1.3, shade=0.9) for b in branches
+        Patch(make_tube(b, lambda v: 0.026 - 0.012 * v), _bark(seed), detail=1.3, shade=0.9) for b in branches
     ]
     for b, branch in enumerate(branches):
         patches += _foliage(branch, 8, rng, seed + 17 * b)
@@ -67,7 +67,7 @@ def _foliage(branch: np.ndarray, count: int, rng: np.random.Generator, seed: int
         outward = branch[3] - branch[0]
         direction = np.array([np.cos(angle), np.sin(angle), rng.uniform(-0.05, 0.75)])
         direction += 0.9 * outward / np.linalg.norm(outward)
-        surface = leaf(
+        surface = make_leaf(
             base,
             direction,
             length=rng.uniform(0.15, 0.22),
@@ -124,7 +124,7 @@ def _pot(seed: int) -> list[Patch]:
     def ring(profile):  # a lathe through (radius, height) points
         at = np.linspace(0, 1, len(profile))
         r, z = np.asarray(profile).T
-        return lathe(lambda angle, v: np.interp(v, at, r), lambda v: np.interp(v, at, z))
+        return make_lathe(lambda angle, v: np.interp(v, at, r), lambda v: np.interp(v, at, z))
 
     return [
         Patch(ring([(0.001, 0.0), (0.105, 0.0)]), clay, shade=0.9, detail=0.5),
@@ -209,15 +209,15 @@ def make_jelly(seed: int = 0, *, count: int = 8000) -> GaussianCloud:
     def fluted(base, depth):
         return lambda angle, v: base(v) * (1 + depth(v) * (np.abs(np.cos(0.5 * flutes * angle)) - 0.6))
 
-    side = lathe(
+    side = make_lathe(
         fluted(lambda v: 0.50 - 0.13 * np.maximum(v, 0) ** 1.4, lambda v: 0.13 + 0 * v), lambda v: 0.56 * v
     )
     # A dome that closes the top: the radius falls from the side's to nothing as the height levels out.
-    dome = lathe(
+    dome = make_lathe(
         fluted(lambda v: 0.37 * np.cos(0.5 * np.pi * np.clip(v, 0, 0.9999)), lambda v: 0.13 * (1 - v)),
         lambda v: 0.56 + 0.14 * np.sin(0.5 * np.pi * v),
     )
-    foot = lathe(fluted(lambda v: 0.475 * v + 1e-4, lambda v: 0.13 * v), lambda v: 0.0 * v)
+    foot = make_lathe(fluted(lambda v: 0.475 * v + 1e-4, lambda v: 0.13 * v), lambda v: 0.0 * v)
     paint = _jelly_paint(seed)
     patches = [Patch(side, paint), Patch(dome, paint), Patch(foot, paint, shade=0.85, detail=0.6)]
     return _standing(build(patches, count, seed, opacity=0.95, gloss=0.75), height=0.7)

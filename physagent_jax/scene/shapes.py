@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from physagent_jax.gaussians.cloud import GaussianCloud
-from physagent_jax.scene.surfels import baked_light, even_points, surfels
+from physagent_jax.scene.surfels import bake_light, make_surfels, place_evenly
 
 DISC_RADIUS = 0.68  # standard deviation over the mean spacing
 _CANDIDATES = 10  # random parameter pairs per wanted sample
@@ -54,7 +54,7 @@ def build(
     areas = [_area_vectors(p.surface, u, v)[1].mean() * p.detail for p in patches]
     parts = [_sampled(p, max(round(count * a / sum(areas)), 8), rng, gloss) for p, a in zip(patches, areas)]
     points, normals, radius, rgb = (np.concatenate(field) for field in zip(*parts))
-    return surfels(points, normals, radius, rgb, opacity=opacity)
+    return make_surfels(points, normals, radius, rgb, opacity=opacity)
 
 
 def _area_vectors(surface: Surface, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -73,11 +73,11 @@ def _sampled(patch: Patch, count: int, rng: np.random.Generator, gloss: float):
     keys = np.log(np.maximum(area, 1e-12)) + rng.gumbel(size=len(area))
     chosen = np.sort(np.argpartition(-keys, 3 * count)[: 3 * count])
     u, v = u[chosen], v[chosen]
-    keep = even_points(patch.surface(u, v), count)
+    keep = place_evenly(patch.surface(u, v), count)
     u, v = u[keep], v[keep]
     points = patch.surface(u, v)
     normals = _area_vectors(patch.surface, u, v)[0]
-    light = patch.shade * baked_light(normals, two_sided=patch.two_sided)
+    light = patch.shade * bake_light(normals, two_sided=patch.two_sided)
     rgb = patch.paint(points, u, v) * light[:, None] + gloss * _highlight(normals)[:, None]
     radius = np.full(count, DISC_RADIUS * np.sqrt(area.mean() / count))
     return points, normals, radius, rgb
@@ -89,7 +89,7 @@ def _highlight(normals: np.ndarray) -> np.ndarray:
     return np.maximum(normals @ (halfway / np.linalg.norm(halfway)), 0) ** 40
 
 
-def lathe(radius: Callable, height: Callable) -> Surface:
+def make_lathe(radius: Callable, height: Callable) -> Surface:
     """Surface of revolution about z: ``u`` turns, ``v`` runs up; ``radius(angle, v)``, ``height(v)`` [m]."""
 
     def surface(u, v):
@@ -100,7 +100,7 @@ def lathe(radius: Callable, height: Callable) -> Surface:
     return surface
 
 
-def tube(controls: np.ndarray, radius: Callable) -> Surface:
+def make_tube(controls: np.ndarray, radius: Callable) -> Surface:
     """Tube of ``radius(v)`` [m] around a cubic Bezier curve with ``controls``, shape (4, 3)."""
     controls = np.asarray(controls, np.float64)
     axis = controls[3] - controls[0]
@@ -119,7 +119,7 @@ def tube(controls: np.ndarray, radius: Callable) -> Surface:
     return surface
 
 
-def leaf(base, direction, *, length: float, width: float, droop: float, roll: float) -> Surface:
+def make_leaf(base, direction, *, length: float, width: float, droop: float, roll: float) -> Surface:
     """A pointed, slightly folded blade; ``u`` runs across, ``v`` from the base to the tip.
 
     Args:

@@ -17,7 +17,7 @@ FLATNESS = 0.15  # thickness over radius
 KEY_LIGHT = (-0.45, -0.65, 0.62)  # from the upper left front, in a z-up frame with the viewer at -y
 
 
-def surfels(points, normals, radius, rgb, *, opacity: float = 0.98) -> GaussianCloud:
+def make_surfels(points, normals, radius, rgb, *, opacity: float = 0.98) -> GaussianCloud:
     """Builds discs that lie in the surface.
 
     Args:
@@ -48,7 +48,7 @@ def _quats_to(normals: np.ndarray) -> np.ndarray:
     return half / np.linalg.norm(half, axis=1, keepdims=True)
 
 
-def even_points(points: np.ndarray, count: int) -> np.ndarray:
+def place_evenly(points: np.ndarray, count: int) -> np.ndarray:
     """Indices of ``count`` well spread points out of a denser random set, in increasing order.
 
     Repeatedly thins the set: of every pair of mutual nearest neighbours the second goes, closest pairs
@@ -90,7 +90,7 @@ def value_noise(points: np.ndarray, frequency: float, seed: int, *, octaves: int
     return np.clip(0.5 + 0.5 * total / 0.9, 0, 1)
 
 
-def baked_light(normals: np.ndarray, *, ambient: float = 0.45, two_sided: bool = False) -> np.ndarray:
+def bake_light(normals: np.ndarray, *, ambient: float = 0.45, two_sided: bool = False) -> np.ndarray:
     """Brightness from a key light, a sky that is brighter from above, and a faint rim; shape (n,).
 
     Args:

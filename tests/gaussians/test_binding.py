@@ -22,7 +22,7 @@ from physagent_jax.gaussians import (
     read_ply,
     splats_to_cloud,
 )
-from physagent_jax.scene.compile.buckets import fill_up
+from physagent_jax.scene.compile.buckets import pad_gaussians
 
 
 @pytest.fixture
@@ -148,7 +148,7 @@ def test_what_fills_a_scene_up_is_not_exported(cloud):
     cloud = jax.tree.map(lambda leaf: leaf[:57], cloud)
     cloud = dataclasses.replace(cloud, opacities=cloud.opacities.at[7].set(0.0))  # the object's own: it stays
     binding = bind(cloud.means, cloud.means)
-    filled, bound = fill_up(cloud, binding)
+    filled, bound = pad_gaussians(cloud, binding)
     assert filled.count > cloud.count
     F = identities(cloud.count)
     exported = splats_to_cloud(deform(filled, bound, cloud.means, F, np.eye(3)))

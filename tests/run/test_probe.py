@@ -12,7 +12,7 @@ from physagent_jax.forces.schema import Action, ForceField, SphereRegion
 from physagent_jax.report.html import write_report
 from physagent_jax.run.manifest import Manifest
 from physagent_jax.run.resolve import resolve
-from physagent_jax.scene.coarse import coarser
+from physagent_jax.scene.coarse import coarsen
 from physagent_jax.scene.config import SceneConfig
 from physagent_jax.scene.presets import PRESETS, PresetName
 from physagent_jax.simulation.record import SimulationRecord
@@ -27,7 +27,7 @@ def body(particles, extent=1.0):
 @pytest.mark.parametrize("name", PresetName)
 def test_a_coarse_scene_is_the_same_clip_with_fewer_particles_cells_and_pixels(name):
     fine = PRESETS[name]
-    coarse = coarser(fine, body(16_000))
+    coarse = coarsen(fine, body(16_000))
     assert coarse.domain.size == fine.domain.size and coarse.domain.dx == 2 * fine.domain.dx
     assert coarse.filling.max_particles == 2000
     assert coarse.rendering.width == round(fine.rendering.width / 3)
@@ -38,7 +38,7 @@ def test_a_coarse_scene_is_the_same_clip_with_fewer_particles_cells_and_pixels(n
 @pytest.mark.parametrize("small", [body(1000), body(16_000, extent=0.5)])
 def test_what_is_too_coarse_already_is_not_coarsened(small):
     with pytest.raises(UserError, match="too coarse already"):
-        coarser(PRESETS[PresetName.FAST], small)
+        coarsen(PRESETS[PresetName.FAST], small)
 
 
 # --- in the loop --------------------------------------------------------------------------------------

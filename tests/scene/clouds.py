@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from physagent_jax.gaussians.cloud import GaussianCloud
-from physagent_jax.scene.surfels import even_points, surfels
+from physagent_jax.scene.surfels import make_surfels, place_evenly
 
 
 def cloud_of(means, *, scale=0.01, opacity=0.9, quats=None) -> GaussianCloud:
@@ -31,13 +31,13 @@ def box_shell(size, count: int, *, seed: int = 0, skip: tuple[int, ...] = ()) ->
         n = round(count * share)
         p = rng.uniform(-0.5, 0.5, (3 * n, 3)) * size
         p[:, face // 2] = (0.5 - face % 2) * size[face // 2]
-        p = p[even_points(p, n)]
+        p = p[place_evenly(p, n)]
         normal = np.zeros(3)
         normal[face // 2] = 1 - 2 * (face % 2)
         points.append(p)
         normals.append(np.tile(normal, (n, 1)))
     points, normals = np.concatenate(points), np.concatenate(normals)
-    return surfels(points, normals, 0.65 * np.sqrt(areas.sum() / count), np.full((len(points), 3), 0.5))
+    return make_surfels(points, normals, 0.65 * np.sqrt(areas.sum() / count), np.full((len(points), 3), 0.5))
 
 
 def sphere_shell(radius: float, count: int, *, opening: float = 0.0) -> GaussianCloud:
@@ -49,4 +49,4 @@ def sphere_shell(radius: float, count: int, *, opening: float = 0.0) -> Gaussian
     normals = np.stack([ring * np.cos(angle), y, ring * np.sin(angle)], axis=1)
     normals = normals[y < 1 - 2 * opening]
     spacing = np.sqrt(4 * np.pi * radius**2 / count)
-    return surfels(radius * normals, normals, 0.65 * spacing, np.full((len(normals), 3), 0.5))
+    return make_surfels(radius * normals, normals, 0.65 * spacing, np.full((len(normals), 3), 0.5))

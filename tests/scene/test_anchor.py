@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.scene.anchor import anchored_particles
+from physagent_jax.scene.anchor import select_anchored
 from physagent_jax.scene.config import Anchor
 
 X = np.stack([np.zeros(11), np.zeros(11), np.linspace(1.0, 2.0, 11)], axis=1)  # a rod, 0.1 m apart
@@ -10,7 +10,7 @@ ON_SURFACE = np.arange(11)
 
 
 def held(anchor, x=X, index=ON_SURFACE, base_dir=".", **options):
-    return np.flatnonzero(anchored_particles(anchor, x, index, base_dir, **options)).tolist()
+    return np.flatnonzero(select_anchored(anchor, x, index, base_dir, **options)).tolist()
 
 
 def test_none_holds_nothing():

@@ -33,19 +33,19 @@ def body_of(scene):
 
 def test_a_bucket_is_hardly_larger_and_there_are_few():
     counts = np.arange(1, 100_000)
-    sizes = np.array([buckets.bucket(count) for count in counts])
+    sizes = np.array([buckets.round_up(count) for count in counts])
     assert (sizes >= counts).all() and (sizes <= 1.125 * counts).all() and (np.diff(sizes) >= 0).all()
-    assert all(buckets.bucket(size) == size for size in np.unique(sizes))
+    assert all(buckets.round_up(size) == size for size in np.unique(sizes))
     octave = np.unique(sizes[(sizes > 32_768) & (sizes <= 65_536)])
     assert len(octave) == 8
 
 
 def test_copies_fill_each_block_and_share_their_mass():
     order, block = np.random.default_rng(0).permutation(150), np.repeat([3, 7], [101, 49])
-    filled = buckets.with_copies(order, block)
-    assert len(filled) == buckets.bucket(101) + buckets.bucket(49) == 104 + 52
+    filled = buckets.add_copies(order, block)
+    assert len(filled) == buckets.round_up(101) + buckets.round_up(49) == 104 + 52
     assert set(filled[:104]) == set(order[:101]) and set(filled[104:]) == set(order[101:])
-    np.testing.assert_allclose(np.bincount(filled, buckets.shares(filled)), 1)
+    np.testing.assert_allclose(np.bincount(filled, buckets.split_mass(filled)), 1)
     kept = filled[np.append(True, np.diff(filled) != 0)]
     np.testing.assert_array_equal(kept, order)  # the order itself is kept
 
@@ -69,8 +69,8 @@ def busy(robot_path):
 
 def test_a_scene_moves_and_looks_as_without_copies(busy, monkeypatch):
     body, found = body_of(busy), []
-    for bucket in (buckets.bucket, lambda count: count):
-        monkeypatch.setattr(buckets, "bucket", bucket)
+    for bucket in (buckets.round_up, lambda count: count):
+        monkeypatch.setattr(buckets, "round_up", bucket)
         scene = compile_scene(busy, body)
         recording = simulate_scene(scene)
         found.append((scene, recording, recording.x[:, scene.back], recording.F[:, scene.back]))
@@ -104,8 +104,8 @@ def test_copies_stay_with_their_originals(busy):
 def test_gaussians_that_fill_up_are_invisible_and_come_last(robot_path):
     body = body_of(config(robot_path))
     count, given = body.cloud.count, (body.cloud, body.binding)
-    cloud, binding = filled = buckets.fill_up(*given)
-    assert cloud.count == len(binding.indices) == buckets.bucket(count) > count
+    cloud, binding = filled = buckets.pad_gaussians(*given)
+    assert cloud.count == len(binding.indices) == buckets.round_up(count) > count
     assert not np.asarray(cloud.opacities[count:]).any()
     for leaf, before in zip(jax.tree.leaves(filled), jax.tree.leaves(given)):
         np.testing.assert_array_equal(leaf[:count], before)
@@ -113,8 +113,8 @@ def test_gaussians_that_fill_up_are_invisible_and_come_last(robot_path):
 
 def test_held_particles_come_in_buckets_too():
     mask = np.random.default_rng(0).random(5000) < 0.2
-    places, count = np.asarray(buckets.places(mask)), mask.sum()
-    assert len(places) == buckets.bucket(count) > count
+    places, count = np.asarray(buckets.find_places(mask)), mask.sum()
+    assert len(places) == buckets.round_up(count) > count
     np.testing.assert_array_equal(places[:count], np.flatnonzero(mask))
     assert (places[count:] == len(mask)).all()
 

@@ -8,7 +8,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.mpm import FixedCorotated, NeoHookean, rollout, simulate, stable_dt
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
-from physagent_jax.scene.camera import framing, reference_camera, viewer_directions
+from physagent_jax.scene.camera import find_viewer_directions, frame_camera, make_reference_camera
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.fuse import SceneTemplate, fuse
 from physagent_jax.scene.presets import PRESETS, PresetName
@@ -142,8 +142,8 @@ def test_boxes_that_miss_the_object_are_refused_with_its_place(source, body, par
 def test_the_viewers_words_point_where_the_picture_says(azimuth, elevation):
     """Moving along "right", "up" and "toward" moves a point's picture right, up, and makes it nearer."""
     view = c.CameraConfig(azimuth_degrees=azimuth, elevation_degrees=elevation)
-    camera = reference_camera(view, c.Rendering(), c.Domain())
-    words = {word: np.asarray(v) for word, v in viewer_directions(view).items()}
+    camera = make_reference_camera(view, c.Rendering(), c.Domain())
+    words = {word: np.asarray(v) for word, v in find_viewer_directions(view).items()}
 
     def picture(point):
         p = np.asarray(camera.viewmat)[:3, :3] @ point + np.asarray(camera.viewmat)[:3, 3]
@@ -162,7 +162,7 @@ def test_framing_shows_every_point_and_not_much_more():
     rng = np.random.default_rng(0)
     points = rng.uniform(-1, 1, (50, 3)) * [1.5, 0.4, 0.6] + [2, 2.5, 1.8]
     view = c.CameraConfig(azimuth_degrees=25, elevation_degrees=15)
-    camera = reference_camera(framing(points, view, c.Rendering()), c.Rendering(), c.Domain())
+    camera = make_reference_camera(frame_camera(points, view, c.Rendering()), c.Rendering(), c.Domain())
     local = points @ np.asarray(camera.viewmat)[:3, :3].T + np.asarray(camera.viewmat)[:3, 3]
     pixels = local[:, :2] / local[:, 2:] * np.asarray(camera.K)[0, 0] + [camera.width / 2, camera.height / 2]
     size = np.array([camera.width, camera.height])

@@ -21,7 +21,7 @@ from physagent_jax.scene.config import (
     Source,
     Timing,
 )
-from physagent_jax.scene.cost import Limits, check_cost, estimate_cost, machine_memory
+from physagent_jax.scene.cost import Limits, check_cost, estimate_cost, read_machine_memory
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def test_limits_are_numbers():
             Limits(minutes=value)
         with pytest.raises(UserError, match="--max-memory"):
             Limits(memory=value)
-    assert 1e8 < machine_memory() < 1e15
+    assert 1e8 < read_machine_memory() < 1e15
 
 
 def test_the_command_refuses_before_it_begins_and_runs_when_told_to(robot_path, tmp_path, capsys):

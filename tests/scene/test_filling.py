@@ -11,7 +11,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.formats.ply import read_ply
 from physagent_jax.scene.config import Domain, Filling, Source
 from physagent_jax.scene.density import CellGrid, overlap_density
-from physagent_jax.scene.filling import even_subset, fill
+from physagent_jax.scene.filling import fill, select_evenly
 from physagent_jax.scene.mesh import gaussians_from_mesh
 from physagent_jax.scene.placement import place
 from physagent_jax.scene.procedural import make_plant
@@ -164,7 +164,7 @@ def test_an_even_subset_is_even_in_space_not_in_count():
     dense = rng.uniform([0, 0, 0], [10, 20, 20], (50_000, 3))
     sparse = rng.uniform([10, 0, 0], [20, 20, 20], (3000, 3))
     cells = np.concatenate([dense, sparse]).astype(int)
-    kept = even_subset(cells, 4000)
+    kept = select_evenly(cells, 4000)
     assert len(kept) == len(set(kept.tolist())) == 4000
     occupied_sparse = len(np.unique(cells[50_000:], axis=0))
     left = (kept < 50_000).sum()

@@ -7,7 +7,7 @@ import trimesh
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.formats.ply import read_ply, write_ply
 from physagent_jax.scene.config import Source
-from physagent_jax.scene.load import file_sha256, load_object
+from physagent_jax.scene.load import hash_file, load_object
 from tests.scene.clouds import cloud_of
 
 
@@ -42,11 +42,9 @@ def test_a_ply_of_gaussians_with_faces_beside_them_is_gaussians(tmp_path):
 def test_the_hash_is_sha256_of_the_bytes(tmp_path):
     (tmp_path / "x.bin").write_bytes(b"abc")
     # FIPS 180-2, appendix B.1
-    assert (
-        file_sha256(tmp_path / "x.bin") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
-    )
+    assert hash_file(tmp_path / "x.bin") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
     with pytest.raises(UserError, match="cannot read"):
-        file_sha256(tmp_path / "gone")
+        hash_file(tmp_path / "gone")
 
 
 def test_a_changed_file_is_refused(robot_path):

@@ -13,15 +13,15 @@ from physagent_jax.scene.config import Material, MaterialModel
 from physagent_jax.scene.config.material import MODEL_PARAMETERS, OPTIONAL_PARAMETERS
 from physagent_jax.scene.materials import (
     LIBRARY,
+    count_substeps,
     describe,
     find_material,
-    scaled_for,
-    softened,
+    replace_youngs_modulus,
+    soften,
+    soften_for,
     stable_step,
-    substeps,
-    with_youngs_modulus,
 )
-from physagent_jax.scene.materials.soften import softening_for
+from physagent_jax.scene.materials.soften import find_softening
 
 # --- the schema ---------------------------------------------------------------------------------------
 
@@ -214,14 +214,14 @@ def test_substeps_of_a_clip():
     rubber = Material(youngs_modulus=1e6, poissons_ratio=0.0, density=1e3)
     dt = 0.05 * math.sqrt(1e-3)
     assert stable_step(rubber, 0.05) == pytest.approx(dt)
-    assert substeps(rubber, 0.05, 2.0) == math.ceil(2.0 / dt)
-    assert substeps(Material(model=MaterialModel.STATIONARY), 0.05, 2.0) == 1
+    assert count_substeps(rubber, 0.05, 2.0) == math.ceil(2.0 / dt)
+    assert count_substeps(Material(model=MaterialModel.STATIONARY), 0.05, 2.0) == 1
 
 
 @pytest.mark.parametrize("name", LIBRARY)
 def test_softening_keeps_density_nu_and_strains(name):
     hard = LIBRARY[name].material
-    soft = softened(hard, 100.0)
+    soft = soften(hard, 100.0)
     assert (soft.density, soft.poissons_ratio, soft.model) == (hard.density, hard.poissons_ratio, hard.model)
     assert soft.youngs_modulus == pytest.approx(hard.youngs_modulus / 100)
     for parameter in ("yield_stress", "hardening_modulus", "plastic_viscosity", "bulk_modulus"):
@@ -235,32 +235,32 @@ def test_softening_keeps_density_nu_and_strains(name):
 
 def test_softening_keeps_the_flow_of_fluids_and_the_damping_ratio_of_solids():
     honey = LIBRARY["honey"].material
-    assert softened(honey, 1e3).viscosity == honey.viscosity
+    assert soften(honey, 1e3).viscosity == honey.viscosity
     solid = Material(youngs_modulus=4e6, viscosity=100.0)
     # zeta = eta omega / (2 E) with omega proportional to sqrt(E)
-    assert softened(solid, 16.0).viscosity == pytest.approx(25.0)
+    assert soften(solid, 16.0).viscosity == pytest.approx(25.0)
 
 
 def test_another_stiffness_keeps_the_strain_at_yield():
     steel = LIBRARY["steel"].material
-    stiffer = with_youngs_modulus(steel, 2 * steel.youngs_modulus)
+    stiffer = replace_youngs_modulus(steel, 2 * steel.youngs_modulus)
     assert stiffer.yield_stress == pytest.approx(2 * steel.yield_stress)
-    assert softened(steel, 1.0) == steel
+    assert soften(steel, 1.0) == steel
 
 
 @pytest.mark.parametrize("factor", [0.5, 0.0, -1.0, math.nan, math.inf])
 def test_softening_by_less_than_one_is_refused(factor):
     with pytest.raises(UserError, match="at least 1"):
-        softened(Material(), factor)
+        soften(Material(), factor)
 
 
 @pytest.mark.parametrize("material", [*LIBRARY.values(), Material(youngs_modulus=1e9, viscosity=1e3)])
 def test_a_scaled_material_needs_as_many_substeps_as_asked_and_not_far_fewer(material):
     material = getattr(material, "material", material)
-    scaled = scaled_for(material, dx=0.04, duration=2.0, at_most=5_000)
-    many = substeps(scaled, 0.04, 2.0)
+    scaled = soften_for(material, dx=0.04, duration=2.0, at_most=5_000)
+    many = count_substeps(scaled, 0.04, 2.0)
     assert many <= 5_000
-    if substeps(material, 0.04, 2.0) <= 5_000:
+    if count_substeps(material, 0.04, 2.0) <= 5_000:
         assert scaled == material
     else:
         assert many > 4_500
@@ -269,4 +269,4 @@ def test_a_scaled_material_needs_as_many_substeps_as_asked_and_not_far_fewer(mat
 def test_viscosity_that_forbids_the_step_is_said():
     tar = Material(model=MaterialModel.FLUID, viscosity=1e4, density=1e3, bulk_modulus=1e9)
     with pytest.raises(UserError, match="viscosity of 10000 Pa s"):
-        softening_for(tar, dx=0.04, duration=2.0, at_most=1_000)
+        find_softening(tar, dx=0.04, duration=2.0, at_most=1_000)

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.covariance import quat_to_matrix
 from physagent_jax.scene.mesh import gaussians_from_mesh
-from physagent_jax.scene.surfels import SH_DC, baked_light, even_points, value_noise
+from physagent_jax.scene.surfels import SH_DC, bake_light, place_evenly, value_noise
 
 
 def colours(cloud):
@@ -125,7 +125,7 @@ def test_what_is_no_mesh_is_refused(tmp_path, name, content, message):
 
 
 def test_even_points_terminates_on_duplicates():
-    assert len(even_points(np.zeros((50, 3)), 7)) == 7
+    assert len(place_evenly(np.zeros((50, 3)), 7)) == 7
 
 
 def test_noise_is_seeded_bounded_and_smooth():
@@ -140,5 +140,5 @@ def test_noise_is_seeded_bounded_and_smooth():
 def test_baked_light_is_brightest_towards_the_key_light():
     directions = np.random.default_rng(0).normal(size=(4000, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    brightest = directions[np.argmax(baked_light(directions))]
+    brightest = directions[np.argmax(bake_light(directions))]
     assert brightest[2] > 0.5 and brightest[1] < 0 and brightest[0] < 0  # above, in front, left

@@ -7,7 +7,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.covariance import covariance_matrices, quats_scales_to_covariances
 from physagent_jax.gaussians.formats.ply import read_ply
 from physagent_jax.scene.config import Domain, Source
-from physagent_jax.scene.placement import extra_rotation, place, up_rotation
+from physagent_jax.scene.placement import find_extra_rotation, find_up_rotation, place
 from tests.scene.clouds import cloud_of
 
 AXES = {
@@ -32,7 +32,7 @@ def random_cloud(n=200, seed=0):
 
 @pytest.mark.parametrize("up", AXES)
 def test_every_up_axis_is_rotated_onto_z_by_a_proper_rotation(up):
-    rotation = up_rotation(up)
+    rotation = find_up_rotation(up)
     np.testing.assert_array_equal(rotation @ AXES[up], (0, 0, 1))
     assert np.linalg.det(rotation) == 1.0
     if up[1] != "x":  # what is to the right in the picture stays there
@@ -41,9 +41,9 @@ def test_every_up_axis_is_rotated_onto_z_by_a_proper_rotation(up):
 
 def test_extra_rotations_are_right_handed_and_the_first_is_applied_first():
     # By hand: a quarter turn about x takes +y to +z; a quarter turn about z then leaves +z alone.
-    np.testing.assert_allclose(extra_rotation((90.0, 90.0), (0, 2)) @ (0, 1, 0), (0, 0, 1), atol=1e-15)
+    np.testing.assert_allclose(find_extra_rotation((90.0, 90.0), (0, 2)) @ (0, 1, 0), (0, 0, 1), atol=1e-15)
     # In the other order: about z first takes +y to -x, which the turn about x leaves alone.
-    np.testing.assert_allclose(extra_rotation((90.0, 90.0), (2, 0)) @ (0, 1, 0), (-1, 0, 0), atol=1e-15)
+    np.testing.assert_allclose(find_extra_rotation((90.0, 90.0), (2, 0)) @ (0, 1, 0), (-1, 0, 0), atol=1e-15)
 
 
 def test_longest_side_is_the_extent_and_the_box_is_centred():

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from physagent_jax.scene.config import MaterialModel
-from physagent_jax.scene.priors import PRIORS, UNKNOWN, anchor_for, guess_kind, material_for
+from physagent_jax.scene.priors import PRIORS, UNKNOWN, choose_anchor, choose_material, guess_kind
 
 
 @pytest.mark.parametrize(
@@ -49,7 +49,7 @@ def test_no_word_belongs_to_two_kinds():
 
 @pytest.mark.parametrize("kind", PRIORS)
 def test_materials_are_soft_enough_to_be_seen_moving_and_say_why(kind):
-    material = material_for(kind)
+    material = choose_material(kind)
     assert 5e3 <= material.youngs_modulus <= 3e5
     assert 50 <= material.density <= 2000
     assert material.reason and kind in material.reason
@@ -67,35 +67,35 @@ def test_materials_are_soft_enough_to_be_seen_moving_and_say_why(kind):
     ],
 )
 def test_matter_that_does_not_spring_back_has_its_own_law(kind, model):
-    assert material_for(kind).model is model
+    assert choose_material(kind).model is model
 
 
 @pytest.mark.parametrize("kind", ["clay", "metal"])
 def test_clay_and_metal_stand_under_their_weight_and_are_dented_by_a_fall(kind):
-    material, gravity, length = material_for(kind), 9.8, 1.0
+    material, gravity, length = choose_material(kind), 9.8, 1.0
     speed = math.sqrt(2 * gravity * 0.5 * length)
     impact = math.sqrt(material.density * material.youngs_modulus) * speed  # rho c v
     assert material.density * gravity * length < material.yield_stress < 0.5 * impact
 
 
 def test_sound_in_the_liquid_is_ten_times_as_fast_as_its_fall():
-    material = material_for("liquid")
+    material = choose_material("liquid")
     speed = math.sqrt(material.bulk_modulus / material.density)
     assert speed == pytest.approx(10 * math.sqrt(2 * 9.8 * 0.5), rel=0.02)
 
 
 def test_an_unlisted_kind_gets_the_material_of_an_unknown_object():
-    assert material_for("nebula") == material_for(UNKNOWN)
+    assert choose_material("nebula") == choose_material(UNKNOWN)
 
 
 def test_plants_are_rooted_and_others_are_free():
-    plant = anchor_for("plant")
+    plant = choose_anchor("plant")
     assert plant.kind == "base" and 0 < plant.fraction < 0.5 and "rooted" in plant.reason
-    assert all(anchor_for(kind).kind == "none" for kind in PRIORS if kind != "plant")
+    assert all(choose_anchor(kind).kind == "none" for kind in PRIORS if kind != "plant")
 
 
 def test_the_prompt_wins_over_the_kind():
-    free = anchor_for("plant", "none", "is thrown")
+    free = choose_anchor("plant", "none", "is thrown")
     assert free.kind == "none" and "is thrown" in free.reason
-    assert anchor_for("robot", "top", "hangs").kind == "top"
-    assert anchor_for("robot", "base", "glued to the table").kind == "base"
+    assert choose_anchor("robot", "top", "hangs").kind == "top"
+    assert choose_anchor("robot", "base", "glued to the table").kind == "base"

@@ -12,9 +12,9 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import check_regular
 from physagent_jax.mpm import Contact, boundaries
 from physagent_jax.scene import config as c
-from physagent_jax.scene.compile.select import leaf
+from physagent_jax.scene.compile.select import to_device
 from physagent_jax.scene.mesh_files import MOST_BYTES
-from physagent_jax.scene.placement import extra_rotation
+from physagent_jax.scene.placement import find_extra_rotation
 from physagent_jax.scene.signed_distance import load_solid, sample
 
 
@@ -40,44 +40,44 @@ def _compiled(boundary: c.Boundary, domain: c.Domain, place: str, base_dir: str 
             return boundaries.DomainBox(boundary.padding)
         case c.HalfSpace():
             return boundaries.HalfSpace(
-                point=leaf(boundary.point), normal=leaf(boundary.normal), **_contact(boundary)
+                point=to_device(boundary.point), normal=to_device(boundary.normal), **_contact(boundary)
             )
         case c.Sphere():
             return boundaries.Sphere(
-                point=leaf(boundary.point),
-                radius=leaf(boundary.radius),
+                point=to_device(boundary.point),
+                radius=to_device(boundary.radius),
                 container=boundary.container,
                 **_contact(boundary),
             )
         case c.Box():
             return boundaries.Box(
-                point=leaf(boundary.point),
-                half_size=leaf(boundary.half_size),
+                point=to_device(boundary.point),
+                half_size=to_device(boundary.half_size),
                 container=boundary.container,
                 **_contact(boundary),
             )
         case c.Mesh():
             values, origin = _sampled(boundary, domain, place, base_dir)
             return boundaries.SignedDistance(
-                values=leaf(values), origin=leaf(origin), spacing=domain.dx, **_contact(boundary)
+                values=to_device(values), origin=to_device(origin), spacing=domain.dx, **_contact(boundary)
             )
         case c.Cuboid():
             return boundaries.Cuboid(
-                point=leaf(boundary.point),
-                half_size=leaf(boundary.half_size),
-                velocity=leaf(boundary.velocity),
-                start=leaf(boundary.start),
-                end=leaf(boundary.end),
+                point=to_device(boundary.point),
+                half_size=to_device(boundary.half_size),
+                velocity=to_device(boundary.velocity),
+                start=to_device(boundary.start),
+                end=to_device(boundary.end),
             )
 
 
 def _contact(obstacle: c.HalfSpace | c.Sphere | c.Box | c.Mesh) -> dict[str, Any]:
     return dict(
-        friction=leaf(obstacle.friction),
-        start=leaf(obstacle.start),
-        end=leaf(obstacle.end),
+        friction=to_device(obstacle.friction),
+        start=to_device(obstacle.start),
+        end=to_device(obstacle.end),
         contact=Contact(obstacle.surface.value),
-        velocity=leaf(obstacle.velocity) if any(obstacle.velocity) else None,
+        velocity=to_device(obstacle.velocity) if any(obstacle.velocity) else None,
     )
 
 
@@ -97,5 +97,5 @@ def _sampled(mesh: c.Mesh, domain: c.Domain, place: str, base_dir: str | Path):
 def _sample_once(path: Path, stamp: int, place: str, placed: tuple, dx: float, low: float, high: float):
     del stamp  # part of the key: the file may have changed
     scale, position, degrees, axes = placed
-    triangles = load_solid(path, f"{place}.path") @ (scale * extra_rotation(degrees, axes)).T
+    triangles = load_solid(path, f"{place}.path") @ (scale * find_extra_rotation(degrees, axes)).T
     return sample(triangles + np.asarray(position), dx, low, high, place)

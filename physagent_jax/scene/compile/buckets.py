@@ -17,13 +17,13 @@ from physagent_jax.gaussians.binding import Binding
 from physagent_jax.gaussians.cloud import GaussianCloud
 
 
-def bucket(count: int) -> int:
+def round_up(count: int) -> int:
     """``count`` rounded up to one of eight sizes per octave: by 12.5 % at most, and not at all below 16."""
     step = 2 ** max(0, int(count).bit_length() - 4)
     return -(-count // step) * step
 
 
-def with_copies(order: np.ndarray, block: np.ndarray) -> np.ndarray:
+def add_copies(order: np.ndarray, block: np.ndarray) -> np.ndarray:
     """``order`` with some of its entries twice, one after the other, so that each block fills its bucket.
 
     Args:
@@ -32,30 +32,30 @@ def with_copies(order: np.ndarray, block: np.ndarray) -> np.ndarray:
     """
     times = []
     for count in np.unique(block, return_counts=True)[1]:
-        missing, repeats = bucket(count) - count, np.ones(count, int)
+        missing, repeats = round_up(count) - count, np.ones(count, int)
         repeats[np.arange(missing) * count // max(missing, 1)] = 2
         times.append(repeats)
     return np.repeat(order, np.concatenate(times))
 
 
-def shares(order: np.ndarray) -> np.ndarray:
+def split_mass(order: np.ndarray) -> np.ndarray:
     """What part of its particle's mass and volume each entry of ``order`` has, shape (n,)."""
     return 1 / np.bincount(order)[order]
 
 
-def places(mask: np.ndarray) -> jax.Array:
+def find_places(mask: np.ndarray) -> jax.Array:
     """Where ``mask``, shape (n,), is true; to fill the bucket, n."""
-    return filled(np.flatnonzero(mask), len(mask))
+    return pad_indices(np.flatnonzero(mask), len(mask))
 
 
-def filled(held: np.ndarray, count: int) -> jax.Array:
+def pad_indices(held: np.ndarray, count: int) -> jax.Array:
     """Indices of ``held`` particles and, to fill the bucket, their ``count``: no particle, which nothing is done to."""
-    return on_device(np.pad(held, (0, bucket(len(held)) - len(held)), constant_values=count), np.int32)
+    return on_device(np.pad(held, (0, round_up(len(held)) - len(held)), constant_values=count), np.int32)
 
 
-def fill_up(cloud: GaussianCloud, binding: Binding) -> tuple[GaussianCloud, Binding]:
+def pad_gaussians(cloud: GaussianCloud, binding: Binding) -> tuple[GaussianCloud, Binding]:
     """The Gaussians of a bucket: after the given ones, copies of the last that nobody sees."""
-    missing = bucket(cloud.count) - cloud.count
+    missing = round_up(cloud.count) - cloud.count
 
     def last_again(leaf: jax.Array) -> jax.Array:
         rows = np.asarray(leaf)

@@ -10,7 +10,7 @@ from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.mpm import PrescribedMotion
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile import buckets
-from physagent_jax.scene.compile.select import DTYPE, in_box, in_cylinder, leaf, not_empty
+from physagent_jax.scene.compile.select import DTYPE, check_not_empty, select_box, select_cylinder, to_device
 
 STILL = (0.0, 0.0, 0.0)
 
@@ -22,18 +22,18 @@ def compile_constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarra
         place = f"constraints[{index}]"
         match constraint:
             case c.ParticleImpulse():
-                inside = in_box(rest, constraint, place).astype(DTYPE)
+                inside = select_box(rest, constraint, place).astype(DTYPE)
                 change = constraint.delta_velocity or constraint.force
                 # A force per particle accelerates by F / m; a velocity change by dv / duration.
                 weight = inside / mass if constraint.force else inside / constraint.duration
-                window = leaf(constraint.start), leaf(constraint.start + constraint.duration)
-                forces.append(UniformAcceleration(leaf(change), *window, leaf(weight)))
+                window = to_device(constraint.start), to_device(constraint.start + constraint.duration)
+                forces.append(UniformAcceleration(to_device(change), *window, to_device(weight)))
             case c.ParticleTranslation():
-                inside = in_box(rest, constraint, place)
+                inside = select_box(rest, constraint, place)
                 motions.append(_motion(inside, constraint, constraint.velocity, STILL, constraint.point))
             case c.ParticleRotation():
                 axis = np.asarray(constraint.normal)
-                inside = in_cylinder(rest, constraint, place)
+                inside = select_cylinder(rest, constraint, place)
                 motions.append(
                     _motion(
                         inside,
@@ -47,18 +47,18 @@ def compile_constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarra
                 inside, times = _release_times(rest, constraint, place)
                 held = _motion(inside, constraint, STILL, STILL, STILL)
                 ends = np.pad(times, (0, len(held.particles) - len(times)))
-                motions.append(dataclasses.replace(held, end=leaf(ends)))
+                motions.append(dataclasses.replace(held, end=to_device(ends)))
     return tuple(forces), tuple(motions)
 
 
 def _motion(inside: np.ndarray, constraint, velocity, angular_velocity, center) -> PrescribedMotion:
     return PrescribedMotion(
-        particles=buckets.places(inside),
-        velocity=leaf(velocity),
-        angular_velocity=leaf(angular_velocity),
-        center=leaf(center),
-        start=leaf(constraint.start),
-        end=leaf(constraint.end),
+        particles=buckets.find_places(inside),
+        velocity=to_device(velocity),
+        angular_velocity=to_device(angular_velocity),
+        center=to_device(center),
+        start=to_device(constraint.start),
+        end=to_device(constraint.end),
     )
 
 
@@ -71,6 +71,6 @@ def _release_times(rest: np.ndarray, release: c.ParticleRelease, place: str) -> 
     reach = abs(release.start_position - release.end_position)
     height = rest.astype(np.float64) @ np.asarray(release.normal)
     share = np.abs(height - release.end_position) / reach
-    inside = not_empty(share <= 1, rest, place)
+    inside = check_not_empty(share <= 1, rest, place)
     layer = np.minimum(np.floor(release.layers * (1 - share[inside])), release.layers - 1)
     return inside, release.end * (layer + 1) / release.layers

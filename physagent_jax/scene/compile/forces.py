@@ -15,7 +15,7 @@ from physagent_jax.forces.skills import closed_form_scaling, compile_force_field
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import buckets
-from physagent_jax.scene.compile.select import DTYPE, leaf
+from physagent_jax.scene.compile.select import DTYPE, to_device
 
 
 def compile_forces(
@@ -50,7 +50,7 @@ def compile_force_terms(config: c.SceneConfig, rest: np.ndarray) -> tuple:
             )
         weight = None
         if term.region is not None:
-            weight = leaf(region_mask(term.region, rest, f"{place}.region"))
+            weight = to_device(region_mask(term.region, rest, f"{place}.region"))
         compiled.append(_term(term, _envelope(term.envelope), weight))
     return tuple(compiled)
 
@@ -59,48 +59,48 @@ def _term(term: c.ForceTerm, envelope: Envelope, weight):
     match term:
         case c.Wind():
             return terms.Wind(
-                direction=leaf(term.direction or (1.0, 0.0, 0.0)),  # of still air, any
-                speed=leaf(term.speed),
-                linear_drag=leaf(term.linear_drag),
-                quadratic_drag=leaf(term.quadratic_drag),
+                direction=to_device(term.direction or (1.0, 0.0, 0.0)),  # of still air, any
+                speed=to_device(term.speed),
+                linear_drag=to_device(term.linear_drag),
+                quadratic_drag=to_device(term.quadratic_drag),
                 envelope=envelope,
-                center=None if term.center is None else leaf(term.center),
-                radius=None if term.radius is None else leaf(term.radius),
+                center=None if term.center is None else to_device(term.center),
+                radius=None if term.radius is None else to_device(term.radius),
                 weight=weight,
             )
         case c.Attractor():
-            place = leaf(term.point), leaf(term.strength)
-            return terms.Attractor(*place, leaf(term.power), leaf(term.softening), envelope, weight)
+            place = to_device(term.point), to_device(term.strength)
+            return terms.Attractor(*place, to_device(term.power), to_device(term.softening), envelope, weight)
         case c.Vortex():
             return terms.Vortex(
-                point=leaf(term.point),
-                axis=leaf(term.axis),
-                swirl=leaf(term.swirl),
-                inward=leaf(term.inward),
-                axial=leaf(term.axial),
-                core=leaf(term.core),
-                power=leaf(term.power),
+                point=to_device(term.point),
+                axis=to_device(term.axis),
+                swirl=to_device(term.swirl),
+                inward=to_device(term.inward),
+                axial=to_device(term.axial),
+                core=to_device(term.core),
+                power=to_device(term.power),
                 envelope=envelope,
                 weight=weight,
             )
         case c.Turbulence():
             return terms.Turbulence.from_seed(
                 term.seed,
-                strength=leaf(term.strength),
-                length_scale=leaf(term.length_scale),
-                time_scale=leaf(term.time_scale),
+                strength=to_device(term.strength),
+                length_scale=to_device(term.length_scale),
+                time_scale=to_device(term.time_scale),
                 envelope=envelope,
                 modes=term.modes,
                 weight=weight,
                 dtype=DTYPE,
             )
         case c.Uniform():
-            return terms.UniformField(leaf(term.acceleration), envelope, weight)
+            return terms.UniformField(to_device(term.acceleration), envelope, weight)
 
 
 def _envelope(envelope: c.Envelope) -> Envelope:
     values = envelope.model_dump(exclude={"kind"})
-    return Envelope(EnvelopeKind(envelope.kind), **{name: leaf(value) for name, value in values.items()})
+    return Envelope(EnvelopeKind(envelope.kind), **{name: to_device(value) for name, value in values.items()})
 
 
 def compile_skills(
@@ -127,5 +127,5 @@ def compile_skills(
         frame_count=timing.frame_count,
         parameters=parameters,
     )
-    held = (buckets.filled(np.asarray(grip.particles), len(rest)) for grip in grips)
+    held = (buckets.pad_indices(np.asarray(grip.particles), len(rest)) for grip in grips)
     return skills, tuple(dataclasses.replace(grip, particles=places) for grip, places in zip(grips, held))

@@ -12,7 +12,7 @@ from physagent_jax.core.arrays import on_device
 from physagent_jax.mpm import materials as m
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
-from physagent_jax.scene.compile.select import DTYPE, in_box
+from physagent_jax.scene.compile.select import DTYPE, select_box
 
 _ORDER = {model: rank for rank, model in enumerate(c.MaterialModel)}
 
@@ -38,7 +38,7 @@ class ParticleMaterials:
         """
         choice = np.zeros(body.particles.count, np.int32)
         for index, region in enumerate(config.material_regions):
-            choice[in_box(body.particles.x, region, f"material_regions[{index}]")] = index + 1
+            choice[select_box(body.particles.x, region, f"material_regions[{index}]")] = index + 1
         return ParticleMaterials(
             (config.material, *(region.material for region in config.material_regions)), choice
         )

@@ -25,9 +25,9 @@ from physagent_jax.mpm.constraints import RigidBody
 from physagent_jax.mpm.timestep import divide_frame
 from physagent_jax.render.camera import Camera
 from physagent_jax.scene import config as c
-from physagent_jax.scene.anchor import anchored_particles
+from physagent_jax.scene.anchor import select_anchored
 from physagent_jax.scene.body import Body
-from physagent_jax.scene.camera import reference_camera
+from physagent_jax.scene.camera import make_reference_camera
 from physagent_jax.scene.compile import buckets
 from physagent_jax.scene.compile.boundaries import compile_boundaries
 from physagent_jax.scene.compile.constraints import compile_constraints
@@ -95,7 +95,7 @@ class CompiledScene:
         binding = dataclasses.replace(
             binding, indices=self.back.astype(np.int32)[np.asarray(binding.indices)]
         )
-        return buckets.fill_up(self.body.cloud.of_least_degree(), binding)
+        return buckets.pad_gaussians(self.body.cloud.of_least_degree(), binding)
 
 
 def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".") -> CompiledScene:
@@ -106,11 +106,11 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     """
     materials = ParticleMaterials.of(config, body)
     order = cell_order(body.particles.x, config.domain.dx, materials.model)
-    order = buckets.with_copies(order, materials.model[order])
+    order = buckets.add_copies(order, materials.model[order])
     rest, volume = _rest(body, order)
-    materials, share = materials.permute(order), buckets.shares(order)
+    materials, share = materials.permute(order), buckets.split_mass(order)
     whole = materials.density * body.particles.volume[order]  # mass of a particle with all its copies
-    held = anchored_particles(
+    held = select_anchored(
         config.anchor,
         rest,
         body.particles.gaussian_index[order],
@@ -119,9 +119,9 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     )
     forces, constraints = compile_forces(config, body, rest, volume)
     imposed, prescribed = compile_constraints(config, rest, whole)
-    bodies = tuple(RigidBody(buckets.places(mask)) for mask in materials.find_rigid_bodies())
+    bodies = tuple(RigidBody(buckets.find_places(mask)) for mask in materials.find_rigid_bodies())
     if (still := held | materials.find_stationary()).any():
-        prescribed = (*prescribed, PrescribedMotion.fixed(buckets.places(still)))
+        prescribed = (*prescribed, PrescribedMotion.fixed(buckets.find_places(still)))
     falling = config.force_field.default_drop or config.always_gravity
     model = Model(
         grid=Grid.whole(config.domain.size, config.domain.cells),
@@ -142,7 +142,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     state = State.at_rest(on_device(rest), materials=model.materials)
     substeps = _substeps(config, model, state)
     model = model.replace(dt=on_device(config.timing.frame_dt / substeps, DTYPE))
-    camera = reference_camera(config.camera, config.rendering, config.domain)
+    camera = make_reference_camera(config.camera, config.rendering, config.domain)
     anchored = int(held @ share + 0.5)
     return CompiledScene(config, body, model, state, substeps, camera, order, anchored, len(bodies))
 
@@ -150,7 +150,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
 def _rest(body: Body, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rest positions [m], shape (n, 3), and rest volumes [m^3], shape (n,), of the model's particles."""
     particles = body.particles
-    return particles.x[order].astype(DTYPE), buckets.shares(order) * particles.volume[order]
+    return particles.x[order].astype(DTYPE), buckets.split_mass(order) * particles.volume[order]
 
 
 def _substeps(config: c.SceneConfig, model: Model, state: State) -> int:

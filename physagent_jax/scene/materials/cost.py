@@ -34,7 +34,7 @@ def stiffness(material: Material) -> float:
     return at_rest * (material.hardening_cap or 1.0)
 
 
-def substeps(material: Material, dx: float, duration: float) -> int:
+def count_substeps(material: Material, dx: float, duration: float) -> int:
     """Substeps that a clip of ``duration`` [s] needs at least."""
     step = stable_step(material, dx)
     return 1 if math.isinf(step) else math.ceil(duration / step)

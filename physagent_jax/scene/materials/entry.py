@@ -28,7 +28,7 @@ class NamedMaterial:
     aliases: tuple[str, ...] = ()
 
 
-def entry(
+def make_entry(
     name: str,
     what: str,
     model: MaterialModel,

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import validation_message
 from physagent_jax.scene.config.material import WITHOUT_STRESS, Material, MaterialModel
-from physagent_jax.scene.materials.cost import stiffness, substeps
+from physagent_jax.scene.materials.cost import count_substeps, stiffness
 
 SEEN = 0.01
 """Strain that can be seen: about a pixel of an object that is a hundred pixels long."""
@@ -23,7 +23,7 @@ STANDARD_GRAVITY = 9.80665
 _SCALED = ("yield_stress", "hardening_modulus", "softening_modulus", "plastic_viscosity", "bulk_modulus")
 
 
-def softened(material: Material, factor: float) -> Material:
+def soften(material: Material, factor: float) -> Material:
     """A stand-in ``factor`` times as soft; the stable step grows by sqrt(factor).
 
     Density, nu and all strains stay: yield stress, hardening, softening and plastic viscosity are divided like
@@ -54,27 +54,27 @@ def softened(material: Material, factor: float) -> Material:
     )
 
 
-def with_youngs_modulus(material: Material, youngs_modulus: float) -> Material:
-    """The material with another E [Pa] and the same strains; see `softened`."""
+def replace_youngs_modulus(material: Material, youngs_modulus: float) -> Material:
+    """The material with another E [Pa] and the same strains; see `soften`."""
     return _scaled(material, youngs_modulus / material.youngs_modulus)
 
 
-def scaled_for(material: Material, *, dx: float, duration: float, at_most: int = 10_000) -> Material:
+def soften_for(material: Material, *, dx: float, duration: float, at_most: int = 10_000) -> Material:
     """The material, softened just enough for a clip of ``duration`` [s] to take ``at_most`` substeps.
 
     Raises:
         UserError: The viscosity alone needs more substeps; softening does not help.
     """
-    return softened(material, softening_for(material, dx=dx, duration=duration, at_most=at_most))
+    return soften(material, find_softening(material, dx=dx, duration=duration, at_most=at_most))
 
 
-def softening_for(material: Material, *, dx: float, duration: float, at_most: int) -> float:
-    """The factor of `scaled_for`, rounded up to two digits; 1 if nothing is to be done.
+def find_softening(material: Material, *, dx: float, duration: float, at_most: int) -> float:
+    """The factor of `soften_for`, rounded up to two digits; 1 if nothing is to be done.
 
     Raises:
-        UserError: As `scaled_for`.
+        UserError: As `soften_for`.
     """
-    if substeps(material, dx, duration) <= at_most:
+    if count_substeps(material, dx, duration) <= at_most:
         return 1.0
     # From the condition of `mpm.timestep`, dt^2 (4 k / m) + 2 dt (8 eta / m) = 4 with m = rho dx^2.
     step, inertia = duration / at_most, material.density * dx**2
@@ -93,7 +93,7 @@ def softening_for(material: Material, *, dx: float, duration: float, at_most: in
     return max(1.0, math.ceil(factor / digits - 1e-9) * digits)
 
 
-def softening_warning(before: Material, after: Material, *, length: float = 1.0) -> str | None:
+def explain_softening(before: Material, after: Material, *, length: float = 1.0) -> str | None:
     """What a softer stand-in shows that the material would not; None if nothing that can be seen.
 
     The measure is the strain of a column of ``length`` under its own weight, rho g L / E (K of a fluid): the loads of

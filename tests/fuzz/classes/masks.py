@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from physagent_jax.scene.anchor import anchored_particles
+from physagent_jax.scene.anchor import select_anchored
 from physagent_jax.scene.config import Anchor
 from tests.fuzz import seeds
 from tests.fuzz.contract import Breach, Case, Fault
@@ -29,7 +29,7 @@ def _held(folder: Path, exact: bool):
     rng = np.random.default_rng(0)
     index = np.concatenate([np.arange(COUNT), np.full(10, -1)])
     x, anchor = rng.uniform(size=(len(index), 3)), Anchor(kind="mask", mask_path=NAME)
-    held = anchored_particles(anchor, x, index, folder, gaussian_count=COUNT if exact else None)
+    held = select_anchored(anchor, x, index, folder, gaussian_count=COUNT if exact else None)
     if held.shape != (len(index),) or held.dtype != bool or not held.any():
         raise Breach(Fault.SILENT, f"held {held.dtype} {held.shape}, {held.sum()} particles")
     return held

@@ -7,7 +7,7 @@ import numpy as np
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians import Splats
 from physagent_jax.render import look_at, render
-from physagent_jax.scene.camera import framing, reference_camera, viewer_directions
+from physagent_jax.scene.camera import find_viewer_directions, frame_camera, make_reference_camera
 from physagent_jax.scene.config import CameraConfig, Domain, Rendering
 from tests.fuzz.contract import Case
 from tests.fuzz.drawing import Draw
@@ -75,9 +75,9 @@ def _scene_camera(draw: Draw) -> Case:
 
     def act(_):
         config, pictures = CameraConfig(**values), Rendering(width=SIZE, height=SIZE)
-        camera = reference_camera(config, pictures, Domain())
-        seen = framing(points, config, pictures)
+        camera = make_reference_camera(config, pictures, Domain())
+        seen = frame_camera(points, config, pictures)
         arrays = [np.asarray(part, np.float32) for part in (camera.viewmat, camera.K)]
-        return arrays, viewer_directions(config), seen
+        return arrays, find_viewer_directions(config), seen
 
     return Case(f"a scene's camera {values}", act, refusals=(UserError, ValueError), seconds=60.0)

@@ -14,7 +14,7 @@ import numpy as np
 from physagent_jax.kernels import use_cpu
 from physagent_jax.mpm import kernels
 from physagent_jax.mpm.checks import check_start
-from physagent_jax.scene.body import Body, body_of
+from physagent_jax.scene.body import Body, make_scene_body
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import SceneConfig, load_scene
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
@@ -242,7 +242,7 @@ def compiled(folder: Path):
 
 def _body(config: SceneConfig, folder: Path) -> Body:
     if config.source.path != seeds.OBJECT:
-        return body_of(config, folder)
+        return make_scene_body(config, folder)
     key = config.model_copy(update=dict(source=config.source, filling=config.filling, domain=config.domain))
     return _usual_body(
         json.dumps([key.source.model_dump(), key.filling.model_dump(), key.domain.model_dump()])
@@ -255,4 +255,4 @@ def _usual_body(parts: str) -> Body:
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, seeds.OBJECT).write_bytes(seeds.gaussians())
         config = SceneConfig.model_validate({"source": source, "filling": filling, "domain": domain})
-        return body_of(config, os.fspath(folder))
+        return make_scene_body(config, os.fspath(folder))
