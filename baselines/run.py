@@ -18,7 +18,7 @@ from physagent_jax.core.files import write_text
 from physagent_jax.report.html import write_report
 from physagent_jax.run.artifacts import write_best, write_rollout
 from physagent_jax.run.manifest import Stages
-from physagent_jax.run.provenance import make_manifest, settings_hash
+from physagent_jax.run.provenance import hash_settings, make_manifest
 from physagent_jax.run.store import RunStore
 from physagent_jax.simulation.stopwatch import Stopwatch
 
@@ -70,7 +70,7 @@ def solve(command: Command) -> RunStore:
         command=f"python -m baselines.run --method {command.method} --task {command.task}",
         prompt=TASKS[command.task].prompt,
         seed=0,
-        inputs={"settings": settings_hash(settings)},
+        inputs={"settings": hash_settings(settings)},
     )
     with RunStore.open(out, manifest, overwrite=command.overwrite) as store:
         if store.manifest.complete:

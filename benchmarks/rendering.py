@@ -25,7 +25,15 @@ from benchmarks import harness
 from benchmarks.cases.splats import sphere
 from benchmarks.harness import Job, link, number, provenance, table
 from physagent_jax.gaussians.cloud import Splats
-from physagent_jax.render import Camera, frames_at_once, look_at, pair_capacity, rasterize, render, render_all
+from physagent_jax.render import (
+    Camera,
+    choose_batch_size,
+    choose_pair_capacity,
+    look_at,
+    rasterize,
+    render,
+    render_all,
+)
 
 CASES = ((20_000, 256, 40.0), (100_000, 512, 200.0))  # Gaussians, side of the picture [px], aim [ms]
 _MEANING = """What a picture costs, by `python -m benchmarks.rendering`. A sphere covered with overlapping Gaussians
@@ -92,7 +100,7 @@ def measured(count: int, side: int, aim: float, repeats: int) -> dict:
     splats = sphere(count)
     camera = look_at((0, -3.2, 0.4), (0, 0, 0), (0, 0, 1), fov_degrees=40, width=side, height=side)
     white = jnp.ones(3, jnp.float32)
-    capacity = pair_capacity(splats, camera)
+    capacity = choose_pair_capacity(splats, camera)
 
     def loss(splats):
         image, _ = rasterize(splats, camera, white, capacity=capacity)
@@ -132,7 +140,7 @@ def _timed(function, repeats: int) -> tuple[list[float], float]:
 
 def _together(splats: Splats, camera: Camera, repeats: int) -> float:
     """Milliseconds per frame where as many are rendered at the same time as is best."""
-    frames = [splats] * (frames_at_once() * repeats)
+    frames = [splats] * (choose_batch_size() * repeats)
     begun = time.perf_counter()
     render_all(frames, camera)
     return 1e3 * (time.perf_counter() - begun) / len(frames)

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.protocols import Agents
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import validation_message
+from physagent_jax.core.reading import format_validation_error
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.protocols import PerceptionBackends
@@ -203,7 +203,7 @@ def _valid(**fields: Any) -> RunSpec:
         return RunSpec.model_validate(fields)
     except ValidationError as error:
         do = "`physagent schema run` prints the schema"
-        raise validation_message(error, "arguments", RunSpec, do=do) from None
+        raise format_validation_error(error, "arguments", RunSpec, do=do) from None
 
 
 def _force_field(value: ForceField | Mapping[str, Any] | None) -> ForceField:
@@ -212,4 +212,4 @@ def _force_field(value: ForceField | Mapping[str, Any] | None) -> ForceField:
     try:
         return ForceField.model_validate(dict(value))
     except ValidationError as error:
-        raise validation_message(error, "`force_field`", ForceField) from None
+        raise format_validation_error(error, "`force_field`", ForceField) from None

@@ -12,7 +12,7 @@ import pytest
 
 from physagent_jax.cli import main
 from physagent_jax.cli.console import FrameBar
-from physagent_jax.cli.stopping import Stopped, check, stoppable
+from physagent_jax.cli.stopping import Stopped, allow_stopping, check
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
@@ -48,14 +48,14 @@ def test_a_run_stops_at_the_next_frame_and_goes_on_as_if_never_stopped(
 
 
 def test_nothing_happens_unless_asked():
-    with stoppable():
+    with allow_stopping():
         check()
-    with stoppable():
+    with allow_stopping():
         signal.raise_signal(signal.SIGTERM)
         with pytest.raises(Stopped) as stop:
             check()
     assert stop.value.exit_code == 143
-    with stoppable():
+    with allow_stopping():
         check()  # a new block knows nothing of the last one
 
 

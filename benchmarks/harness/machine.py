@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from physagent_jax.run.provenance import describe_platform, git_revision, versions
+from physagent_jax.run.provenance import describe_platform, read_git_revision, read_versions
 
 
 def circumstances() -> dict[str, object]:
@@ -16,7 +16,7 @@ def circumstances() -> dict[str, object]:
     return {
         "machine": f"{_processor()}, {os.cpu_count()} cores; {describe_platform()}",
         "load_average": [round(load, 2) for load in os.getloadavg()],
-        "versions": versions(),
+        "versions": read_versions(),
         "git_revision": _revision(),
         "command": "python -m " + shlex.join([_module(), *sys.argv[1:]]),
     }
@@ -24,7 +24,7 @@ def circumstances() -> dict[str, object]:
 
 def _revision() -> str | None:
     """The checkout's revision; results and documents that a benchmark has rewritten do not make it "-dirty"."""
-    found = git_revision()
+    found = read_git_revision()
     if found is None or not found.endswith("-dirty"):
         return found
     command = ["git", "status", "--porcelain", "--untracked-files=no", "--", ":/"]

@@ -19,7 +19,7 @@ from physagent_jax.output.motion_file import write_motion
 from physagent_jax.output.splats import write_splat_frames
 from physagent_jax.output.video import write_frames, write_video
 from physagent_jax.render import Camera, Projected, look_at, project
-from physagent_jax.run.artifacts import motion_of
+from physagent_jax.run.artifacts import make_motion
 from physagent_jax.scene.body import make_scene_body
 from physagent_jax.scene.compile import CompiledScene, compile_scene
 from physagent_jax.scene.config import Domain, Filling, Rendering, SceneConfig, Source, Timing
@@ -111,7 +111,7 @@ def _files(sizes: Sizes) -> Pair:
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder)
             write_video(out / "video.mp4", recording.rgb, 1 / scene.config.timing.frame_dt)
-            motion = motion_of(scene, recording)
+            motion = make_motion(scene, recording)
             write_motion(out / "motion.npz", motion)
             if everything:
                 write_frames(out / "frames", recording.rgb)

@@ -16,9 +16,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from physagent_jax.agents.matching import agrees, all_causes, own_causes
+from physagent_jax.agents.matching import agrees, find_own_causes, list_causes
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.agents.vectors import add, clamp, cosine, normalised, scaled
+from physagent_jax.agents.vectors import add, clamp, cosine, normalise, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import (
@@ -94,7 +94,7 @@ def base_directions(table: DirectionTable) -> list[Vector]:
     lines = [(table.right, table.left), (table.up, table.down), (table.toward, table.away)]
     vectors = []
     for choice in itertools.product(*[((0.0, 0.0, 0.0), *line) for line in lines]):
-        unit = normalised(add(choice))
+        unit = normalise(add(choice))
         if unit is not None:
             vectors.append(unit)
     return vectors
@@ -130,7 +130,7 @@ def unit_vectors(entries: Entries, _context: Context) -> tuple[Entries, list[str
         kept = []
         for index, item in enumerate(entries[group]):
             vector = _numbers(item.get("vector"), 3)
-            unit = normalised(vector) if vector else None
+            unit = normalise(vector) if vector else None
             if vector is None or unit is None:
                 reasons.append(f"{group}[{index}].vector is no direction: the entry is dropped")
                 continue
@@ -217,10 +217,10 @@ def directional_rigidity(entries: Entries, context: Context) -> tuple[Entries, l
     reasons: list[str] = []
     allowed = base_directions(context.brief.directions)
     for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
-        allowed += [axis, scaled(axis, -1.0)]
+        allowed += [axis, scale(axis, -1.0)]
     for expectation in context.expectations:
         if expectation.direction is not None:
-            allowed += [expectation.direction, scaled(expectation.direction, -1.0)]
+            allowed += [expectation.direction, scale(expectation.direction, -1.0)]
     for group, index, item in _each(entries):
         nearest = max(allowed, key=lambda v: cosine(v, tuple(item["vector"])))
         if cosine(nearest, tuple(item["vector"])) < _SAME_VECTOR:
@@ -239,7 +239,7 @@ def sentence_direction(entries: Entries, context: Context) -> tuple[Entries, lis
     for expectation in context.expectations:
         if expectation.kind in (MotionKind.SWAY, MotionKind.FALL, MotionKind.STILL):
             continue
-        causes = own_causes(expectation, context.expectations, ForceField.model_validate(entries))
+        causes = find_own_causes(expectation, context.expectations, ForceField.model_validate(entries))
         if not causes or any(agrees(cause, expectation) for cause in causes):
             continue
         for cause in causes:
@@ -269,7 +269,7 @@ def paired_translation(entries: Entries, context: Context) -> tuple[Entries, lis
         field = ForceField.model_validate(entries)
         slabs = [
             cause
-            for cause in all_causes(field)
+            for cause in list_causes(field)
             if cause.type is ConstraintType.PARTICLE_TRANSLATION
             and cause.item.region is not None
             and abs(cosine(cause.item.vector, expectation.direction)) > _PARALLEL
@@ -290,8 +290,8 @@ def _is_pair(slabs: list) -> bool:
     if len(slabs) != 2:
         return False
     one, two = (cause.item for cause in slabs)
-    speeds = [scaled(item.vector, item.magnitude) for item in (one, two)]
-    return math.dist(speeds[0], scaled(speeds[1], -1.0)) < 1e-6 and one.active_time == two.active_time
+    speeds = [scale(item.vector, item.magnitude) for item in (one, two)]
+    return math.dist(speeds[0], scale(speeds[1], -1.0)) < 1e-6 and one.active_time == two.active_time
 
 
 def _mirrored(item: dict[str, Any]) -> dict[str, Any]:

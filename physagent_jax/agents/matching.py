@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.agents.vectors import cosine, scaled
+from physagent_jax.agents.vectors import cosine, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import (
     Action,
@@ -62,10 +62,10 @@ class Cause:
     @property
     def direction(self) -> Vector:
         """The vector with the magnitude's sign."""
-        return scaled(self.item.vector, 1.0 if self.item.magnitude > 0 else -1.0)
+        return scale(self.item.vector, 1.0 if self.item.magnitude > 0 else -1.0)
 
 
-def all_causes(force_field: ForceField) -> list[Cause]:
+def list_causes(force_field: ForceField) -> list[Cause]:
     """Every entry of a force field."""
     return [Cause("actions", i, a) for i, a in enumerate(force_field.actions)] + [
         Cause("constraints", i, c) for i, c in enumerate(force_field.constraints)
@@ -80,12 +80,14 @@ def overlaps(cause: Cause, window: tuple[float, float]) -> bool:
     return first < window[1] and last > window[0]
 
 
-def together(one: ExpectedMotion, other: ExpectedMotion) -> bool:
+def share_time(one: ExpectedMotion, other: ExpectedMotion) -> bool:
     """Whether two expected motions share a part of their windows."""
     return one.window[0] < other.window[1] and one.window[1] > other.window[0]
 
 
-def thrown_up(expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion], brief: SceneBrief) -> bool:
+def is_thrown_up(
+    expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion], brief: SceneBrief
+) -> bool:
     """Whether it leaps or is thrown upwards and is to come down again."""
     if not expectation.sudden or expectation.direction is None:
         return False
@@ -93,11 +95,11 @@ def thrown_up(expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion
     return upwards and any(other.kind is MotionKind.FALL for other in expectations)
 
 
-def causes_of(expectation: ExpectedMotion, force_field: ForceField) -> list[Cause]:
+def find_causes(expectation: ExpectedMotion, force_field: ForceField) -> list[Cause]:
     """Entries of a fitting type that act in the window: those along the expected line, else all of them."""
     fitting = [
         cause
-        for cause in all_causes(force_field)
+        for cause in list_causes(force_field)
         if cause.type in FITTING_TYPES[expectation.kind] and overlaps(cause, expectation.window)
     ]
     if expectation.direction is None:
@@ -106,7 +108,7 @@ def causes_of(expectation: ExpectedMotion, force_field: ForceField) -> list[Caus
     return aligned or fitting
 
 
-def own_causes(
+def find_own_causes(
     expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion], force_field: ForceField
 ) -> list[Cause]:
     """Causes of an expected motion without those that serve another one: they are not to be turned from it."""
@@ -114,26 +116,26 @@ def own_causes(
         cause.name
         for other in expectations
         if other is not expectation and other.kind is not MotionKind.SWAY
-        for cause in causes_of(other, force_field)
+        for cause in find_causes(other, force_field)
         if agrees(cause, other)
     }
     return [
         cause
-        for cause in causes_of(expectation, force_field)
+        for cause in find_causes(expectation, force_field)
         if cause.name not in served or agrees(cause, expectation)
     ]
 
 
-def misfits(
+def find_misfits(
     expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion], force_field: ForceField
 ) -> list[Cause]:
     """Actions in the window whose type cannot cause this motion and that no other expectation needs."""
     needed = {
-        c.name for other in expectations if other is not expectation for c in causes_of(other, force_field)
+        c.name for other in expectations if other is not expectation for c in find_causes(other, force_field)
     }
     return [
         cause
-        for cause in all_causes(force_field)
+        for cause in list_causes(force_field)
         if cause.group == "actions"
         and cause.type not in FITTING_TYPES[expectation.kind]
         and overlaps(cause, expectation.window)

@@ -16,7 +16,7 @@ def add(vectors: Iterable[Vector]) -> Vector:
     return (x, y, z)
 
 
-def scaled(v: Vector, factor: float) -> Vector:
+def scale(v: Vector, factor: float) -> Vector:
     """``factor * v``; adding 0.0 turns -0.0 into 0.0, so that equal vectors print alike."""
     return (factor * v[0] + 0.0, factor * v[1] + 0.0, factor * v[2] + 0.0)
 
@@ -40,10 +40,10 @@ def norm(v: Vector) -> float:
     return math.sqrt(dot(v, v))
 
 
-def normalised(v: Vector) -> Vector | None:
+def normalise(v: Vector) -> Vector | None:
     """The unit vector along ``v``, or None if ``v`` is (nearly) zero: the summands cancelled."""
     length = norm(v)
-    return None if length < 1e-6 else scaled(v, 1.0 / length)
+    return None if length < 1e-6 else scale(v, 1.0 / length)
 
 
 def cosine(a: Vector, b: Vector) -> float:

@@ -6,7 +6,7 @@ import os
 import sys
 from contextlib import nullcontext
 
-from physagent_jax.cli.stopping import Stopped, stoppable
+from physagent_jax.cli.stopping import Stopped, allow_stopping
 from physagent_jax.cli.text import accept_any_character, check_arguments
 from physagent_jax.core.errors import UserError
 
@@ -21,7 +21,7 @@ def main(arguments: list[str] | None = None) -> int:
     arguments = [argument for argument in arguments if argument != "--debug"]
     simulates = _computes(arguments) and arguments[0] in ("run", "simulate")
     try:
-        with stoppable() if simulates else nullcontext():
+        with allow_stopping() if simulates else nullcontext():
             return _execute(arguments, simulates)
     except BrokenPipeError:  # whoever reads the output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -56,13 +56,13 @@ def _execute(arguments: list[str], simulates: bool) -> int:
         COMMANDS,
         prog="physagent",
         description=DESCRIPTION,
-        args=joined(arguments) or ["--help"],
+        args=join_options(arguments) or ["--help"],
         config=(tyro.conf.EnumChoicesFromValues, tyro.conf.FlagCreatePairsOff, tyro.conf.DisallowNone),
     )
     return command()
 
 
-def joined(arguments: list[str]) -> list[str]:
+def join_options(arguments: list[str]) -> list[str]:
     """Glues ``--up -y`` to ``--up=-y``: a parser would take the axis for another option."""
     glued: list[str] = []
     for argument in arguments:

@@ -8,7 +8,7 @@ import sys
 from typing import Any
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.names import unknown_name
+from physagent_jax.core.names import explain_unknown_name
 
 _LAYERS = ("default", "safe", "forksafe", "threadsafe", "tbb", "omp", "workqueue")
 
@@ -54,7 +54,7 @@ def _check_numba() -> None:
         )
     layer = os.environ.get("NUMBA_THREADING_LAYER")
     if layer is not None and layer not in _LAYERS:
-        raise unknown_name("`NUMBA_THREADING_LAYER`", layer, _LAYERS)
+        raise explain_unknown_name("`NUMBA_THREADING_LAYER`", layer, _LAYERS)
 
 
 def _check_xla_flags() -> None:

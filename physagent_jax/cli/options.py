@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import validation_message
+from physagent_jax.core.reading import format_validation_error
 
 if TYPE_CHECKING:
     from physagent_jax.run.spec import RunSpec
@@ -70,7 +70,7 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
     try:
         return RunSpec.model_validate(_nested(values))
     except ValidationError as error:
-        raise validation_message(
+        raise format_validation_error(
             error, "command line", do="`physagent run --help` lists the options"
         ) from None
 
@@ -98,15 +98,15 @@ def read_whole_spec(path: Path, changed: Iterable[str]) -> RunSpec:
 
 
 @contextmanager
-def in_options() -> Iterator[None]:
+def report_as_options() -> Iterator[None]:
     """Errors within name fields of the spec by the options that set them."""
     try:
         yield
     except UserError as error:
-        raise UserError(in_words(error.what), got=error.got, do=in_words(error.do)) from None
+        raise UserError(name_options(error.what), got=error.got, do=name_options(error.do)) from None
 
 
-def in_words(text: str) -> str:
+def name_options(text: str) -> str:
     """``text`` with the options' names for the spec's fields."""
     for field, option in OPTIONS.items():
         text = text.replace(f"field `{field}`", f"`{option}`")

@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 import tyro
 
 from physagent_jax.cli.console import ConsoleObserver, stderr, warn
-from physagent_jax.cli.options import in_options, in_words, read_whole_spec, to_spec
+from physagent_jax.cli.options import name_options, read_whole_spec, report_as_options, to_spec
 from physagent_jax.scene.config import SignedAxis
 from physagent_jax.scene.presets import PresetName
 
@@ -113,7 +113,7 @@ class Run:
         begun = time.perf_counter()
         limits = Limits(self.max_minutes, self.max_memory)
         if self.spec is None:
-            with in_options():
+            with report_as_options():
                 run = resolve(to_spec(vars(self)), origin="command line")
         else:
             changed = [
@@ -121,7 +121,7 @@ class Run:
             ]
             run = resolve(read_whole_spec(self.spec, changed), self.spec.parent, origin=str(self.spec))
         for text in run.warnings:  # now, while the run can still be stopped
-            warn(in_words(text) if self.spec is None else text)
+            warn(name_options(text) if self.spec is None else text)
         observer = ConsoleObserver()
         command = " ".join(map(shlex.quote, sys.argv))
         try:

@@ -29,7 +29,7 @@ class Stopped(KeyboardInterrupt):
 
 
 @contextmanager
-def stoppable() -> Iterator[None]:
+def allow_stopping() -> Iterator[None]:
     """Lets `check` answer to signals within the ``with`` block; in threads other than the main one, nothing changes."""
     global _asked
     if threading.current_thread() is not threading.main_thread():

@@ -9,7 +9,7 @@ import unicodedata
 from collections.abc import Sequence
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import shortened
+from physagent_jax.core.reading import shorten
 
 _LONGEST = 4096  # bytes of an argument: as long as a path may be on Linux, and more than a sentence needs
 _HANDLER = "physagent.stand_in"  # how Python calls what replaces characters that an encoding lacks
@@ -38,7 +38,7 @@ def check_arguments(arguments: Sequence[str]) -> None:
         UserError: One is empty, too long, holds a zero byte, or bytes that are no text in the terminal's encoding.
     """
     for argument in arguments:
-        shown = shortened(repr(argument), 60)
+        shown = shorten(repr(argument), 60)
         if not argument or (argument.startswith("--") and argument.endswith("=")):
             raise UserError("an argument is empty", got=shown, do="Leave the option out, or give it a value")
         if "\0" in argument:
@@ -50,7 +50,7 @@ def check_arguments(arguments: Sequence[str]) -> None:
         except UnicodeEncodeError:  # Python keeps such bytes as halves of characters
             raise UserError(
                 "the command line holds bytes that are no text in this terminal's encoding",
-                got=shortened(ascii(argument), 80),
+                got=shorten(ascii(argument), 80),
                 do="Type it anew, use other file names, or set a UTF-8 locale (`export LC_ALL=C.UTF-8`)",
             ) from None
 

@@ -6,6 +6,6 @@ import jax
 import numpy as np
 
 
-def on_device(values, dtype=None) -> jax.Array:
+def to_device(values, dtype=None) -> jax.Array:
     """``values`` as a JAX array, for host code: `jnp.asarray` would compile a program per shape to convert them."""
     return jax.device_put(np.asarray(values, dtype))

@@ -20,7 +20,7 @@ _MARK = "[0-9a-f]{8}"  # tells temporary names from those of users
 
 
 @contextlib.contextmanager
-def replacing(path: str | Path) -> Iterator[Path]:
+def replace_file(path: str | Path) -> Iterator[Path]:
     """Yields a temporary name beside ``path``; renames it to ``path`` when the block succeeds.
 
     The name keeps the suffix (encoders choose their format by it) and the folder (a rename across file
@@ -38,7 +38,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
         yield temporary
         os.replace(temporary, path)
     except OSError as error:
-        raise cannot_write(path, error) from error
+        raise explain_write_error(path, error) from error
     finally:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
@@ -76,7 +76,7 @@ def make_folders(folder: Path) -> list[Path]:
     return missing
 
 
-def cannot_write(path: str | Path, error: OSError) -> UserError:
+def explain_write_error(path: str | Path, error: OSError) -> UserError:
     """What to tell of an operating system's refusal to write ``path``."""
     if error.errno in _FULL:
         remedy = "Make room and give the same command again"
@@ -85,8 +85,8 @@ def cannot_write(path: str | Path, error: OSError) -> UserError:
     return UserError(f"cannot write {path}", got=error.strerror or error, do=remedy)
 
 
-def leftovers(path: str | Path) -> list[Path]:
-    """What `replacing` left beside ``path`` when a process was killed, if nobody is writing it now."""
+def find_leftovers(path: str | Path) -> list[Path]:
+    """What `replace_file` left beside ``path`` when a process was killed, if nobody is writing it now."""
     path = Path(path)
     pattern = re.compile(re.escape(f".{path.stem}.") + _MARK + re.escape(path.suffix))
     try:
@@ -96,15 +96,15 @@ def leftovers(path: str | Path) -> list[Path]:
 
 
 def remove_leftovers(path: str | Path) -> None:
-    """Removes `leftovers`."""
-    for leftover in leftovers(path):
+    """Removes `find_leftovers`."""
+    for leftover in find_leftovers(path):
         leftover.unlink(missing_ok=True)
 
 
 def link_or_copy(source: Path, target: Path) -> None:
     """Gives a file a second name, so that its bytes are kept once; a copy where the file system has no hard links.
 
-    What `replacing` writes to one of the names later leaves the other as it is.
+    What `replace_file` writes to one of the names later leaves the other as it is.
     """
     try:
         os.link(source, target)
@@ -119,7 +119,7 @@ def write_text(path: str | Path, text: str) -> None:
 
 def write_bytes(path: str | Path, content: bytes) -> None:
     """Writes a file atomically."""
-    with replacing(path) as temporary:
+    with replace_file(path) as temporary:
         temporary.write_bytes(content)
 
 

@@ -10,23 +10,23 @@ from physagent_jax.core.errors import UserError
 _LISTED = 12  # names at most that a message lists in full
 
 
-def nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
+def find_nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
     """Up to ``count`` of the ``known`` names that ``name`` may be a misspelling of, the nearest first."""
     by_key = {_key(each): each for each in known}
     close = difflib.get_close_matches(_key(name[:80]), by_key, n=count, cutoff=0.6)
     return [by_key[each] for each in close]
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
+def suggest(name: str, known: Iterable[str]) -> str:
     """A sentence that names the nearest; a short list is given whole; "" if nothing is near."""
     known = list(known)
-    near = nearest(name, known)
+    near = find_nearest(name, known)
     if near:
         return f"Did you mean {' or '.join(f'`{each}`' for each in near)}?"
     return f"Known: {', '.join(known)}." if 0 < len(known) <= _LISTED else ""
 
 
-def unknown_name(what: str, name: object, known: Iterable[str], do: str = "") -> UserError:
+def explain_unknown_name(what: str, name: object, known: Iterable[str], do: str = "") -> UserError:
     """The error for a ``name`` that is not one of the ``known``.
 
     Args:
@@ -35,7 +35,7 @@ def unknown_name(what: str, name: object, known: Iterable[str], do: str = "") ->
         known: What there is.
         do: What else to do.
     """
-    hint = did_you_mean(name, known) if isinstance(name, str) else ""
+    hint = suggest(name, known) if isinstance(name, str) else ""
     return UserError(f"{what} is not known", got=repr(name)[:80], do=f"{hint} {do}".strip())
 
 

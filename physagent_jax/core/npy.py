@@ -15,7 +15,7 @@ from typing import IO
 import numpy as np
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import check_counts, open_regular, shortened
+from physagent_jax.core.reading import check_counts, open_regular, shorten
 
 _HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 # What NumPy's reader of headers, which evaluates a literal, raises over headers that are none.
@@ -35,7 +35,7 @@ def read_npy(path: str | Path, *, most: int, what: str) -> np.ndarray:
     """
     with open_regular(path, most=most, what=what) as file:
         size = os.fstat(file.fileno()).st_size
-        return _array(file, size, f"{what} {shortened(path)}")
+        return _array(file, size, f"{what} {shorten(path)}")
 
 
 def read_npz(path: str | Path, keys: Iterable[str], *, most: int, what: str) -> dict[str, np.ndarray]:
@@ -44,7 +44,7 @@ def read_npz(path: str | Path, keys: Iterable[str], *, most: int, what: str) -> 
     Raises:
         UserError: As `read_npy`, or it is no `.npz` file, or takes more than ``most`` bytes when unpacked.
     """
-    place = f"{what} {shortened(path)}"
+    place = f"{what} {shorten(path)}"
     with open_regular(path, most=most, what=what) as file:
         try:
             with zipfile.ZipFile(file) as archive:
@@ -57,7 +57,7 @@ def read_npz(path: str | Path, keys: Iterable[str], *, most: int, what: str) -> 
             raise
         # RuntimeError and NotImplementedError: encrypted, or packed in another way than NumPy does.
         except (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError, ValueError) as error:
-            raise UserError(f"cannot read {place}", got=shortened(error), do="Write it again") from None
+            raise UserError(f"cannot read {place}", got=shorten(error), do="Write it again") from None
 
 
 def _member(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, place: str) -> np.ndarray:
@@ -91,5 +91,5 @@ def _array(file: IO[bytes], size: int, place: str) -> np.ndarray:
 
 
 def _no_array(place: str, error: Exception) -> UserError:
-    reason = f"no array of NumPy: {shortened(error, 80)}"
+    reason = f"no array of NumPy: {shorten(error, 80)}"
     return UserError(f"cannot read {place}", got=reason, do="Save it with `numpy.save`")

@@ -18,7 +18,7 @@ from typing import Any, TypeVar, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.names import did_you_mean
+from physagent_jax.core.names import suggest
 
 Schema = TypeVar("Schema", bound=BaseModel)
 
@@ -59,7 +59,7 @@ def open_regular(path: str | Path, *, most: int, what: str = "the file") -> io.B
     Raises:
         UserError: There is none, it cannot be read, is no regular file, or is larger.
     """
-    shown = shortened(path)
+    shown = shorten(path)
     try:
         # Without O_NONBLOCK, opening a pipe waits for somebody to write into it.
         handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0))
@@ -96,10 +96,10 @@ def read_bytes(path: str | Path, *, most: int, what: str = "the file") -> bytes:
             data = file.read(most + 1)
         except OSError as error:
             raise UserError(
-                f"cannot read {what} {shortened(path)}", got=error.strerror or error, do="Check the disk"
+                f"cannot read {what} {shorten(path)}", got=error.strerror or error, do="Check the disk"
             ) from None
     if len(data) > most:  # the system told another size, as for what it makes up while it is read
-        raise _too_large(what, shortened(path), len(data), most)
+        raise _too_large(what, shorten(path), len(data), most)
     return data
 
 
@@ -133,7 +133,7 @@ def read_json(path: str | Path, *, what: str = "the file") -> Any:
     Raises:
         UserError: As `open_regular` and `decode_json`.
     """
-    return decode_json(read_bytes(path, most=JSON_BYTES, what=what), shortened(path))
+    return decode_json(read_bytes(path, most=JSON_BYTES, what=what), shorten(path))
 
 
 def decode_json(data: bytes, origin: str) -> Any:
@@ -163,7 +163,7 @@ def decode_json(data: bytes, origin: str) -> Any:
         value = kind(literal)
         if not (math.isfinite(value) if kind is float else -(2**63) <= value < 2**64):
             raise UserError(
-                f"{origin} holds a number that is too large", got=shortened(literal, 40), do="Mend it"
+                f"{origin} holds a number that is too large", got=shorten(literal, 40), do="Mend it"
             )
         return value
 
@@ -199,7 +199,7 @@ def read_yaml(path: str | Path, *, what: str = "the file") -> Any:
     """
     import yaml
 
-    data, origin = read_bytes(path, most=YAML_BYTES, what=what), shortened(path)
+    data, origin = read_bytes(path, most=YAML_BYTES, what=what), shorten(path)
     try:
         text = data.decode("utf-8")
         # A reference may stand for itself, or for a thousand others: a document of a few lines could fill the memory.
@@ -209,7 +209,7 @@ def read_yaml(path: str | Path, *, what: str = "the file") -> Any:
     except RecursionError:
         raise _too_deep(origin) from None
     except (yaml.YAMLError, ValueError, TypeError, OverflowError) as error:
-        raise UserError(f"{origin} is not YAML of plain values", got=shortened(error), do="Mend it") from None
+        raise UserError(f"{origin} is not YAML of plain values", got=shorten(error), do="Mend it") from None
     if references:
         raise UserError(f"{origin} holds references (*name)", do="Write out what they stand for")
     return decode_json(plain.encode(), origin)
@@ -242,7 +242,7 @@ def read_model(path: str | Path, schema: type[Schema], *, what: str = "the file"
     Raises:
         UserError: As `read_json`, or it breaks the schema; the message names the field.
     """
-    return parse_model(read_json(path, what=what), schema, shortened(path))
+    return parse_model(read_json(path, what=what), schema, shorten(path))
 
 
 def parse_model(data: Any, schema: type[Schema], origin: str) -> Schema:
@@ -254,10 +254,10 @@ def parse_model(data: Any, schema: type[Schema], origin: str) -> Schema:
     try:
         return schema.model_validate(data)
     except ValidationError as error:
-        raise validation_message(error, origin, schema) from None
+        raise format_validation_error(error, origin, schema) from None
 
 
-def validation_message(
+def format_validation_error(
     error: ValidationError,
     origin: str,
     schema: type[BaseModel] | None = None,
@@ -274,16 +274,16 @@ def validation_message(
     complaints = error.errors(include_url=False)
     # A misspelt key often comes with a complaint that the right one is missing.
     first = next((each for each in complaints if each["type"] in _MISSPELT), complaints[0])
-    field = shortened(".".join(str(part) for part in first["loc"]), _SHOWN) or "(top level)"
+    field = shorten(".".join(str(part) for part in first["loc"]), _SHOWN) or "(top level)"
     message = first["msg"].removeprefix("Value error, ")
     more = error.error_count() - 1
     extra = f" ({more} more problem{'s' if more > 1 else ''})" if more else ""
     got = first["input"]
     shown = repr(got) if isinstance(got, str | int | float | list | tuple | None) else type(got).__name__
-    hint = did_you_mean(*_misspelt(first, schema))
+    hint = suggest(*_misspelt(first, schema))
     return UserError(
         f"{origin}: field `{field}`: {message}{extra}",
-        got=shortened(shown, _SHOWN),
+        got=shorten(shown, _SHOWN),
         do=f"{hint} {do}".strip(),
     )
 
@@ -321,7 +321,7 @@ def _keys_at(annotation: Any, place: list) -> set[str]:
 # --- words ---------------------------------------------------------------------------------------------
 
 
-def shortened(text: object, length: int = 200) -> str:
+def shorten(text: object, length: int = 200) -> str:
     """``text`` as a message can show it: not longer than ``length``, every character printable."""
     text = str(text)
     text = text if len(text) <= length else f"{text[: length - 3]}..."

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.names import did_you_mean, unknown_name
+from physagent_jax.core.names import explain_unknown_name, suggest
 
 Choice = str | tuple[str, Mapping[str, Any]]
 """A name, or a name with the options that the implementation is made with."""
@@ -35,7 +35,7 @@ class Registry:
             UserError: There is none.
         """
         if name not in self.entries:
-            raise unknown_name(self.what, name, self.entries)
+            raise explain_unknown_name(self.what, name, self.entries)
         return name
 
     def make(self, choice: Choice) -> Any:
@@ -62,7 +62,7 @@ def _check_options(what: str, options: Mapping[str, Any], factory: Callable[...,
         names = [each.name for each in taken if each.kind in (each.POSITIONAL_OR_KEYWORD, each.KEYWORD_ONLY)]
         unknown = [name for name in options if name not in names]
         if unknown:
-            hint = did_you_mean(unknown[0], names) if names else "It takes none"
+            hint = suggest(unknown[0], names) if names else "It takes none"
             raise UserError(f"{what} does not take these options", got=", ".join(unknown)[:80], do=hint)
     needed = [each.name for each in taken if each.default is each.empty and each.kind not in _COLLECTING]
     missing = [name for name in needed if name not in options]

@@ -13,7 +13,7 @@ def polar(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return u @ flip @ vt, vt.T @ np.diag(s) @ flip @ vt
 
 
-def unwrapped(rotations: list[np.ndarray | None]) -> list[np.ndarray | None]:
+def unwrap(rotations: list[np.ndarray | None]) -> list[np.ndarray | None]:
     """Rotation vectors of a sequence of rotation matrices, whose angle may grow beyond 180 degrees.
 
     Of all vectors that stand for the same rotation, the one nearest to the previous frame's is taken.

@@ -32,7 +32,7 @@ class Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-def unit_vector(value: Vector) -> Vector:
+def normalise_direction(value: Vector) -> Vector:
     """Normalises a direction; a zero vector is refused."""
     norm = math.sqrt(sum(c * c for c in value))
     if norm < 1e-9:
@@ -40,5 +40,5 @@ def unit_vector(value: Vector) -> Vector:
     return (value[0] / norm, value[1] / norm, value[2] / norm)
 
 
-Direction = Annotated[Numbers, AfterValidator(unit_vector)]
+Direction = Annotated[Numbers, AfterValidator(normalise_direction)]
 """Normalised on input, zero refused."""

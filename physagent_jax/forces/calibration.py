@@ -77,7 +77,7 @@ FLOOR_ROOM = 0.12
 """[L] that the picture leaves below the floor: the near edge of what lies on it hangs lower."""
 
 
-def meaning(skill: str) -> str:
+def describe_meaning(skill: str) -> str:
     """What M = 1 does, for people and language models.
 
     Args:

@@ -13,7 +13,7 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.core.strict import unit_vector
+from physagent_jax.core.strict import normalise_direction
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import Action, ForceField, VelocityConstraint, is_too_short
 
@@ -127,7 +127,7 @@ def _entry(item, values: ActionParameters, frame_count: int, place: str):
     direction = item.vector
     if tuple(vector.tolist()) != direction:
         try:
-            direction = unit_vector(tuple(vector.tolist()))
+            direction = normalise_direction(tuple(vector.tolist()))
         except ValueError as error:
             raise UserError(f"`parameters.{place}.vector`: {error}") from None
     return item.model_copy(

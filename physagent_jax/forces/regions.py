@@ -8,7 +8,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region, SphereRegion
 
 
-def region_mask(region: Region, rest: np.ndarray, origin: str = "region") -> np.ndarray:
+def make_region_mask(region: Region, rest: np.ndarray, origin: str = "region") -> np.ndarray:
     """Particles of ``region``.
 
     Args:

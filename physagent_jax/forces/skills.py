@@ -29,12 +29,12 @@ import numpy as np
 from jax.core import Tracer
 from pydantic import ValidationError
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import validation_message
+from physagent_jax.core.reading import format_validation_error
 from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, STRAIN, STRETCH_RAMP, TRAVEL, TURN
 from physagent_jax.forces.parameters import ActionParameters, Array, ForceFieldParameters, check_entries
-from physagent_jax.forces.regions import region_mask
+from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.schema import (
     Action,
     ActionType,
@@ -50,7 +50,7 @@ SECTIONS, SECTION_WIDTH = 32, 0.1  # cross-sections looked at, and half their th
 _TINY = float(np.finfo(np.float32).tiny)
 
 
-def closed_form_scaling(
+def make_closed_form_scaling(
     *, extent: float, youngs_modulus: float, density: float, duration: float
 ) -> SkillScaling:
     """The k of the table above for a free object.
@@ -79,7 +79,7 @@ def closed_form_scaling(
         )
     except ValidationError as error:
         do = "Use a longer clip or a softer, denser material"
-        raise validation_message(error, f"forces in {reason}", do=do) from None
+        raise format_validation_error(error, f"forces in {reason}", do=do) from None
 
 
 def compile_force_field(
@@ -121,13 +121,15 @@ def compile_force_field(
         place = f"force_field.constraints[{index}]"
         bound = _Bound(constraint, values, place, rest, volume, frame_dt, frame_count)
         if constraint.constraint_type is ConstraintType.PARTICLE_IMPULSE:
-            forces.append(bound.blow(scaling.impulse))
+            forces.append(bound.apply_impulse(scaling.impulse))
         else:
-            constraints.append(bound.held(scaling.velocity))
+            constraints.append(bound.hold(scaling.velocity))
     return tuple(forces), tuple(constraints)
 
 
-def free_path(field: ForceField, scaling: SkillScaling, *, frame_dt: float, frame_count: int) -> np.ndarray:
+def compute_free_path(
+    field: ForceField, scaling: SkillScaling, *, frame_dt: float, frame_count: int
+) -> np.ndarray:
     """Displacement of a free body that the field's pushes and blows act on whole, and nothing else does.
 
     Velocities are those at the ends of the frames, so that the path runs a little ahead of the exact one.
@@ -168,7 +170,7 @@ def _skill(action: Action, scaling: SkillScaling, bound: _Bound):
         case ActionType.TRANSLATION:
             return UniformAcceleration(bound.vector(scaling.translation), start, end, weight)
         case ActionType.IMPULSE:
-            return bound.blow(scaling.impulse)
+            return bound.apply_impulse(scaling.impulse)
         case ActionType.TORQUE:
             return Torque(axis, bound.leaf(scaling.torque * magnitude), start, end, weight)
         case ActionType.SCALE:
@@ -205,14 +207,14 @@ class _Bound:
         self._dtype, self._rest, self._volume = rest.dtype, rest, volume
         self._mask = np.ones(len(rest), bool)
         if timed.region is not None:
-            self._mask = region_mask(timed.region, rest, f"{place}.region")
+            self._mask = make_region_mask(timed.region, rest, f"{place}.region")
         first, last = values.window
         self.window = self.leaf(first * frame_dt), self.leaf(last * frame_dt)
         self.weight = None if timed.region is None else self.leaf(self._mask)
 
     def leaf(self, value) -> jax.Array:
         """``value`` as an array of the particles' dtype."""
-        return value.astype(self._dtype) if _is_traced(value) else on_device(value, self._dtype)
+        return value.astype(self._dtype) if _is_traced(value) else to_device(value, self._dtype)
 
     def vector(self, k: float) -> jax.Array:
         """k M v, shape (3,)."""
@@ -250,15 +252,15 @@ class _Bound:
         largest = max(map(stress, sections)) if xp is np else jax.lax.map(stress, sections).max()
         return xp.maximum(1.0, largest / (0.5 * extent))
 
-    def blow(self, k: float) -> UniformAcceleration:
+    def apply_impulse(self, k: float) -> UniformAcceleration:
         """The velocity change k M v, spread evenly over the window."""
         start, end = self.window
         return UniformAcceleration(self.vector(k) / (end - start), start, end, self.weight)
 
-    def held(self, k: float) -> PrescribedMotion:
+    def hold(self, k: float) -> PrescribedMotion:
         """The particles move with k M v during the window."""
         with jax.ensure_compile_time_eval():  # places are known, also where numbers are traced
-            particles = on_device(np.flatnonzero(self._mask), np.int32)
+            particles = to_device(np.flatnonzero(self._mask), np.int32)
         zero = self.leaf(np.zeros(3))
         return PrescribedMotion(particles, self.vector(k), zero, zero, *self.window)
 

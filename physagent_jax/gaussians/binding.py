@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.spatial import KDTree
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.gaussians.cloud import GaussianCloud, Splats
@@ -74,9 +74,9 @@ def bind(
     weights /= weights.sum(axis=1, keepdims=True)
     offsets = np.where(coincident[:, None, None], 0.0, means[:, None, :] - particles[indices])
     return Binding(
-        on_device(indices, np.int32),
-        on_device(weights, np.float32),
-        on_device(offsets, np.float32),
+        to_device(indices, np.int32),
+        to_device(weights, np.float32),
+        to_device(offsets, np.float32),
     )
 
 

@@ -7,7 +7,7 @@ import operator
 import jax
 import numpy as np
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.gaussians.cloud import GaussianCloud, Splats
 from physagent_jax.gaussians.covariance import decompose_covariances
 from physagent_jax.gaussians.sh import rotate_sh
@@ -27,8 +27,8 @@ def splats_to_cloud(splats: Splats) -> GaussianCloud:
     quats, scales = decompose_covariances(splats.covariances)
     return GaussianCloud(
         means=splats.means,
-        quats=on_device(quats, np.float32),
-        scales=on_device(scales, np.float32),
+        quats=to_device(quats, np.float32),
+        scales=to_device(scales, np.float32),
         opacities=splats.opacities,
         sh=rotate_sh(splats.sh, splats.rotations),
     )

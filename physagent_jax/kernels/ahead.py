@@ -31,7 +31,9 @@ def start_compiling(targets: Targets) -> None:
         return
     from physagent_jax.kernels import store  # needs Numba, without which there is nothing to do
 
-    missing = {name: made for name, made in targets.items() if name not in running and not store.is_stored(name)}
+    missing = {
+        name: made for name, made in targets.items() if name not in running and not store.is_stored(name)
+    }
     if missing:
         script = f"from physagent_jax.kernels import ahead; ahead.compile_all({missing!r}, parent=0)"
         process = subprocess.Popen(

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from physagent_jax.core.rotations import polar, unwrapped
+from physagent_jax.core.rotations import polar, unwrap
 from physagent_jax.core.strict import Strict, Vector
 from physagent_jax.perception.schema import MotionReport
 
@@ -37,7 +37,7 @@ class TrueMotion(Strict):
     stretch: tuple[Vector, ...]
 
 
-def true_motion(positions: np.ndarray) -> TrueMotion:
+def measure_true_motion(positions: np.ndarray) -> TrueMotion:
     """Motion of the particles themselves.
 
     Args:
@@ -53,7 +53,7 @@ def true_motion(positions: np.ndarray) -> TrueMotion:
     size = float(np.ptp(x[0], axis=0).max()) or 1.0
     spread = x.std(axis=1)
     rest = x[0] - x[0].mean(axis=0)
-    turns = unwrapped([_rotation(rest, frame - frame.mean(axis=0)) for frame in x])
+    turns = unwrap([_rotation(rest, frame - frame.mean(axis=0)) for frame in x])
     floor = 1e-6 * size
     return TrueMotion(
         object_size=size,

@@ -15,7 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.state import Grid, Model, State
 
@@ -163,10 +163,10 @@ def _array(name: str, value: Any, dtype: np.dtype, shape: tuple[int, ...]) -> An
 
 
 def _cast(value: Any, dtype: np.dtype) -> Any:
-    """``value`` itself if that is its precision. What is known is converted by NumPy (see `on_device`)."""
+    """``value`` itself if that is its precision. What is known is converted by NumPy (see `to_device`)."""
     if jax.dtypes.canonicalize_dtype(value.dtype) == dtype:
         return value
-    return value.astype(dtype) if isinstance(value, Tracer) else on_device(value, dtype)
+    return value.astype(dtype) if isinstance(value, Tracer) else to_device(value, dtype)
 
 
 def _per_particle(name: str, part: _Part, count: int, dtype: np.dtype) -> _Part:

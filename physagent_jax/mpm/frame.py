@@ -11,7 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import reductions
 from physagent_jax.mpm.diagnosis import MAX_SUBSTEPS, Breach, Fault, explain_failure, find_breach, is_hopeless
@@ -161,7 +161,7 @@ def count_substeps(model: Model, state: State, pace: Pace) -> int:
     if pace.fixed and pace.substep_dt is not None:
         return divide_frame(frame_dt, pace.substep_dt)
     elastic = pace.substep_dt or pace.safety * float(stable_dt(model, state))
-    horizon = on_device(frame_dt, state.x.dtype)
+    horizon = to_device(frame_dt, state.x.dtype)
     # With the frame as the step, forces give their mean over it: blows within the frame are foreseen.
     kinematic = float(kinematic_dt(model.replace(dt=horizon), state, horizon))
     dt = elastic if math.isnan(kinematic) else min(elastic, kinematic)
@@ -181,7 +181,7 @@ def _fit(plan: FramePlan, state: State) -> FramePlan:
     speed = float(np.linalg.norm(np.asarray(state.v), axis=-1).max())
     reach = plan.margin * (speed * plan.frame_dt + 2 * model.grid.dx)
     grid = fit_window(model.grid, x.min(0), x.max(0), reach)
-    return dataclasses.replace(plan, model=model.replace(grid=grid, dt=on_device(plan.dt, state.x.dtype)))
+    return dataclasses.replace(plan, model=model.replace(grid=grid, dt=to_device(plan.dt, state.x.dtype)))
 
 
 # Attempt
@@ -191,7 +191,7 @@ def attempt_frame(plan: FramePlan, state: State, ledger: bool) -> tuple[State, H
     """`advance` from ``state`` with what acts during the frame, the particles sorted meanwhile."""
     begin = float(state.time)
     present = select_acting(plan.model, begin, begin + plan.frame_dt)
-    substeps = on_device(plan.substeps, np.int32)
+    substeps = to_device(plan.substeps, np.int32)
     after, health, total = advance(*permute_particles(plan.order, present, state), substeps, ledger)
     return unpermute_particles(plan.order, plan.model, after), health, total
 

@@ -10,9 +10,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.names import unknown_name
+from physagent_jax.core.names import explain_unknown_name
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.fields import PER_BLOCK, PER_PARTICLE
 from physagent_jax.mpm.materials.base import History, Material
@@ -45,7 +45,7 @@ class Grid:
     def whole(size: float, cells: int) -> Grid:
         """The window that covers the whole domain of side ``size`` [m]."""
         nodes = cells + 1
-        return Grid(on_device(np.zeros(3, np.int32)), (nodes, nodes, nodes), size / cells, cells)
+        return Grid(to_device(np.zeros(3, np.int32)), (nodes, nodes, nodes), size / cells, cells)
 
     def node_positions(self, dtype) -> tuple[jax.Array, jax.Array, jax.Array]:
         """Node coordinates [m], shapes (nx, 1, 1), (1, ny, 1), (1, 1, nz): they broadcast, never materialise."""
@@ -113,7 +113,7 @@ class Model:
     def __post_init__(self):
         for name, known in _KNOWN.items():
             if getattr(self, name) not in known:
-                raise unknown_name(f"`Model.{name}`", getattr(self, name), known)
+                raise explain_unknown_name(f"`Model.{name}`", getattr(self, name), known)
         if not 0 <= self.rpic_damping <= 1:
             raise UserError("`Model.rpic_damping` must be within [0, 1]", got=self.rpic_damping)
         if not 0 <= self.damping_rate < math.inf:

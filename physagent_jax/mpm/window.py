@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.mpm.state import Grid
 
 # A new shape means a new compilation, which costs more than many nodes too many: sides are multiples of a granule, the
@@ -46,7 +46,7 @@ def fit_window(grid: Grid, low: np.ndarray, high: np.ndarray, reach: float) -> G
     shape = _sides(needed, grid.shape, nodes)
     slack = np.asarray(shape) - needed
     origin = np.clip(first - slack // 2, 0, nodes - np.asarray(shape))
-    return dataclasses.replace(grid, origin=on_device(origin, np.int32), shape=shape)
+    return dataclasses.replace(grid, origin=to_device(origin, np.int32), shape=shape)
 
 
 def _sides(needed: np.ndarray, have: tuple[int, int, int], most: int) -> tuple[int, int, int]:
@@ -69,4 +69,4 @@ def _sides(needed: np.ndarray, have: tuple[int, int, int], most: int) -> tuple[i
 
 def find_smallest_window(size: float, cells: int) -> Grid:
     """A minimal window of a domain of side ``size`` [m]; `fit_window` grows it to the object."""
-    return Grid(on_device(np.zeros(3, np.int32)), (_GRANULE, _GRANULE, _GRANULE), size / cells, cells)
+    return Grid(to_device(np.zeros(3, np.int32)), (_GRANULE, _GRANULE, _GRANULE), size / cells, cells)

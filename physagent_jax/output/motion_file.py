@@ -33,7 +33,7 @@ from pathlib import Path
 import numpy as np
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.files import replacing
+from physagent_jax.core.files import replace_file
 from physagent_jax.core.npy import read_npz
 
 FORMAT = 1
@@ -122,7 +122,7 @@ def write_motion(path: str | Path, motion: Motion) -> Path:
     for key, array in arrays.items():
         if not np.isfinite(array).all():
             raise ValueError(f"`{key}` holds values beyond the range of {array.dtype}")
-    with replacing(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+    with replace_file(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         for key, array in arrays.items():
             content = io.BytesIO()
             np.lib.format.write_array(content, np.asanyarray(array), allow_pickle=False)

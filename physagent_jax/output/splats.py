@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.core.files import replacing
+from physagent_jax.core.files import replace_file
 from physagent_jax.gaussians.binding import deform
 from physagent_jax.gaussians.cloud import GaussianCloud, Splats
 from physagent_jax.gaussians.covariance import transform_covariances
@@ -27,7 +27,7 @@ def write_splat_frames(folder: Path, body: Body, x: np.ndarray, F: np.ndarray) -
         x: Particle positions in the body's order [m], shape (T, n, 3).
         F: Deformation gradients, shape (T, n, 3, 3).
     """
-    paths = [folder / name for name in splat_names("", len(x))]
+    paths = [folder / name for name in make_splat_names("", len(x))]
     bend = jax.jit(deform)
     for path, positions, gradients in zip(paths, x, F):
         splats = bend(
@@ -37,17 +37,17 @@ def write_splat_frames(folder: Path, body: Body, x: np.ndarray, F: np.ndarray) -
             jnp.asarray(gradients, jnp.float32),
             body.placement.rotation,
         )
-        with replacing(path) as temporary:
-            write_ply(temporary, in_source_frame(splats, body.placement))
+        with replace_file(path) as temporary:
+            write_ply(temporary, to_source_frame(splats, body.placement))
     return paths
 
 
-def splat_names(folder: str, count: int) -> list[str]:
+def make_splat_names(folder: str, count: int) -> list[str]:
     """Names of the files of ``count`` frames in ``folder``."""
     return [str(PurePosixPath(folder, f"{index:04d}.ply")) for index in range(count)]
 
 
-def in_source_frame(splats: Splats, placement: Placement) -> GaussianCloud:
+def to_source_frame(splats: Splats, placement: Placement) -> GaussianCloud:
     """Undoes the placement, so that frame 0 equals the object file (SH turned along)."""
     back = jnp.asarray(placement.rotation.T, jnp.float32)
     shrink = jnp.broadcast_to(back / placement.scale, (splats.means.shape[0], 3, 3))

@@ -13,7 +13,7 @@ from av.error import FFmpegError
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.files import replacing, write_bytes
+from physagent_jax.core.files import replace_file, write_bytes
 
 # Constant rate factor 18 is visually lossless for H.264; "yuv420p" and the index in front ("faststart")
 # are what browsers and phones need. One thread: with several, the bytes depend on the machine and the moment.
@@ -45,7 +45,7 @@ def write_video(path: str | Path, frames: np.ndarray, fps: float) -> Path:
     path = Path(path)
     padded = np.pad(frames, ((0, 0), (0, frames.shape[1] % 2), (0, frames.shape[2] % 2), (0, 0)), mode="edge")
     with (
-        replacing(path) as temporary,
+        replace_file(path) as temporary,
         av.open(str(temporary), "w", options={"movflags": "+faststart"}) as file,
     ):
         stream = _h264_stream(file, padded.shape[2], padded.shape[1], fps)
@@ -88,13 +88,13 @@ def write_frames(folder: str | Path, frames: np.ndarray) -> list[Path]:
         ValueError: The frames are not uint8 RGB.
     """
     folder = Path(folder)
-    paths = [folder / name for name in frame_names("", len(_checked(frames)))]
+    paths = [folder / name for name in make_frame_names("", len(_checked(frames)))]
     for path, picture in zip(paths, frames, strict=True):
         write_picture(path, picture)
     return paths
 
 
-def frame_names(folder: str, count: int) -> list[str]:
+def make_frame_names(folder: str, count: int) -> list[str]:
     """Names of the pictures of ``count`` frames in ``folder``."""
     return [str(PurePosixPath(folder, f"frame_{index:04d}.png")) for index in range(count)]
 

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 
 from physagent_jax.perception import lift
-from physagent_jax.perception.fit import hidden_spread
+from physagent_jax.perception.fit import estimate_hidden_spread
 from physagent_jax.perception.follow import Path
 from physagent_jax.perception.windows import Frames
 from physagent_jax.render.camera import Camera
@@ -60,9 +60,11 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
         camera: The camera.
     """
     nothing = np.full(3, np.nan)
-    edges = np.stack([lift.extents(d, m, camera) if m.any() else nothing for d, m in zip(depth, masks)])
-    size, center = float(edges[0].max()), lift.center(trusted[0], masks[0], camera)
-    points = [lift.surface(d, camera)[::7] for d in trusted]
+    edges = np.stack(
+        [lift.measure_extents(d, m, camera) if m.any() else nothing for d, m in zip(depth, masks)]
+    )
+    size, center = float(edges[0].max()), lift.find_center(trusted[0], masks[0], camera)
+    points = [lift.unproject_surface(d, camera)[::7] for d in trusted]
     loose = np.array([p is not None and p.residual > LOOSEST * size for p in path.poses])
     path = dataclasses.replace(path, poses=[None if bad else p for p, bad in zip(path.poses, loose)])
     area, cut, out = masks.sum((1, 2)), *_leaving(masks)
@@ -84,7 +86,7 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
         chain=path.chain,
         box=np.where(cut[:, None], np.nan, np.maximum(edges / size, THINNEST)),
         depth_shown=np.array(
-            [len(p) > 3 and hidden_spread(p, forward) > LEAST_RELIEF * size for p in points]
+            [len(p) > 3 and estimate_hidden_spread(p, forward) > LEAST_RELIEF * size for p in points]
         ),
         reasons={
             "centroid": why(gone, (~np.isfinite(centroid[:, 0]), CUT)),
@@ -111,7 +113,7 @@ def _centroids(path: Path, points: list[np.ndarray], cut: np.ndarray, center: np
     for t, (pose, chain) in enumerate(zip(path.poses, path.chain)):
         if len(points[t]) == 0:
             continue
-        middle, here = lift.middle(points[t]), None
+        middle, here = lift.find_middle(points[t]), None
         if t == 0:
             here = center
         elif pose is not None and chain in start:

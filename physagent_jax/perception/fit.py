@@ -78,7 +78,7 @@ def fit_affine(
         total = w.sum()
         a0, b0 = w @ a / total, w @ b / total
         x, y = a - a0, b - b0
-        rotation = rigid_rotation(x, y, w) if matrix is None else polar(matrix)[0]
+        rotation = fit_rigid_rotation(x, y, w) if matrix is None else polar(matrix)[0]
         pull = total * (prior * extent) ** 2
         cross, square = (w[:, None] * y).T @ x, (w[:, None] * x).T @ x
         matrix = (cross + pull * rotation) @ np.linalg.inv(square + pull * np.eye(3))
@@ -96,7 +96,7 @@ def huber(distance: np.ndarray, *, floor: float) -> np.ndarray:
     return limit / np.maximum(distance, limit)
 
 
-def rigid_rotation(x: np.ndarray, y: np.ndarray, weights: np.ndarray) -> np.ndarray:
+def fit_rigid_rotation(x: np.ndarray, y: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Rotation matrix that best turns centred points x into y (Kabsch), shape (3, 3)."""
     if not (np.any(x) and np.any(y)):
         return np.eye(3)
@@ -105,7 +105,7 @@ def rigid_rotation(x: np.ndarray, y: np.ndarray, weights: np.ndarray) -> np.ndar
         return Rotation.align_vectors(y, x, weights=weights)[0].as_matrix()
 
 
-def hidden_spread(points: np.ndarray, direction: np.ndarray) -> float:
+def estimate_hidden_spread(points: np.ndarray, direction: np.ndarray) -> float:
     """Standard deviation of points along ``direction`` that the other two directions do not explain [m]."""
     cov = np.cov(points.T)
     cov += (1e-12 * np.trace(cov) + 1e-30) * np.eye(3)

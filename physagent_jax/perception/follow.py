@@ -75,7 +75,7 @@ def follow(
     )
     start, base, chain, horizon = 0, Affine.identity(), 0, count
     while start < count and not (start == count - 1 and path.poses[start] is not None):
-        seeds, corner = seed_points(frames[start], depths[start])
+        seeds, corner = place_seeds(frames[start], depths[start])
         if start == 0 and len(seeds):
             path.texture = float(np.mean(corner > LEAST_CORNER))
         reached = start
@@ -101,7 +101,7 @@ def link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> i
     followed = clip.track(queries, until=span.stop)
     before = lift.unproject(seeds, lift.sample(depths[start], seeds), camera)
     known = np.isfinite(before[:, 0])  # seeds at the rim of what broke up may have no depth
-    face = lift.facing(depths[start], seeds, camera)
+    face = lift.measure_facing(depths[start], seeds, camera)
     forward = camera.forward
     for t in range(start + 1, span.stop):
         at, on, sure = followed.xy[t], followed.visible[t], followed.confidence[t]
@@ -111,7 +111,7 @@ def link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> i
         if pairs.sum() < FEWEST or kept < KEPT_FIT:
             break
         # Where the surface is steep, a pixel off is far off in depth.
-        trust = (np.minimum(face, lift.facing(depths[t], at, camera))[pairs] + 0.05) * sure[pairs]
+        trust = (np.minimum(face, lift.measure_facing(depths[t], at, camera))[pairs] + 0.05) * sure[pairs]
         step = fit_affine(before[pairs], after[pairs], trust)
         path.poses[t], path.chain[t], path.kept[t] = step.after(base), chain, kept
         reached = t
@@ -126,7 +126,7 @@ def link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> i
     return reached
 
 
-def seed_points(frame: np.ndarray, depth: np.ndarray, count: int = SEEDS) -> tuple[np.ndarray, np.ndarray]:
+def place_seeds(frame: np.ndarray, depth: np.ndarray, count: int = SEEDS) -> tuple[np.ndarray, np.ndarray]:
     """The best-textured pixel of each cell of a grid over the trusted surface.
 
     Args:

@@ -10,7 +10,7 @@ from physagent_jax.render.camera import Camera
 _KERNEL = np.ones((3, 3), np.uint8)
 
 
-def trusted_depth(depth: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, float]:
+def keep_trusted_depth(depth: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, float]:
     """Keeps depth where it can be trusted: inside an eroded mask and close to its 3x3 median.
 
     Depth at an object's edge is a blend of what is in front and what is behind. Where erosion would eat a
@@ -59,7 +59,7 @@ def unproject(xy: np.ndarray, depth: np.ndarray, camera: Camera) -> np.ndarray:
     return (rays * depth[..., None] - view[:3, 3]) @ view[:3, :3]
 
 
-def surface(depth: np.ndarray, camera: Camera) -> np.ndarray:
+def unproject_surface(depth: np.ndarray, camera: Camera) -> np.ndarray:
     """World points of all pixels with finite depth [m], shape (n, 3)."""
     y, x = np.nonzero(np.isfinite(depth))
     return unproject(np.stack([x + 0.5, y + 0.5], 1), depth[y, x].astype(float), camera)
@@ -78,7 +78,7 @@ def sample(depth: np.ndarray, xy: np.ndarray) -> np.ndarray:
     return np.where(inside, top * (1 - fy) + bottom * fy, np.nan)
 
 
-def facing(depth: np.ndarray, xy: np.ndarray, camera: Camera, *, reach: float = 1.5) -> np.ndarray:
+def measure_facing(depth: np.ndarray, xy: np.ndarray, camera: Camera, *, reach: float = 1.5) -> np.ndarray:
     """Cosine of the angle between the surface's normal and the viewing axis, shape (N,).
 
     Args:
@@ -92,7 +92,7 @@ def facing(depth: np.ndarray, xy: np.ndarray, camera: Camera, *, reach: float = 
     return np.nan_to_num(1 / np.sqrt(1 + slope**2))
 
 
-def extents(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
+def measure_extents(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
     """Edge lengths of the world-axis box around the visible surface [m], shape (3,).
 
     Takes the whole mask with its untouched depth: the trusted part is too small by the eroded rim.
@@ -102,17 +102,17 @@ def extents(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
         mask: The object, shape (H, W).
         camera: The camera.
     """
-    low, high = np.percentile(surface(np.where(mask, depth, np.nan), camera), [0.03, 99.97], axis=0)
+    low, high = np.percentile(unproject_surface(np.where(mask, depth, np.nan), camera), [0.03, 99.97], axis=0)
     return high - low
 
 
-def middle(points: np.ndarray) -> np.ndarray:
+def find_middle(points: np.ndarray) -> np.ndarray:
     """Trimmed mean of points: without the outer tenth by distance from the median, shape (3,)."""
     distance = np.linalg.norm(points - np.median(points, axis=0), axis=1)
     return points[distance <= np.quantile(distance, 0.9)].mean(axis=0)
 
 
-def rim_depth(depth: np.ndarray, mask: np.ndarray) -> float:
+def measure_rim_depth(depth: np.ndarray, mask: np.ndarray) -> float:
     """z-depth of the outline, where the surface turns away from the camera [m].
 
     The outline of a round body runs around its middle, so its depth tells where the hidden half ends;
@@ -134,7 +134,7 @@ def rim_depth(depth: np.ndarray, mask: np.ndarray) -> float:
     return float(np.clip(rim, front, back + 0.5 * (back - front)))
 
 
-def center(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
+def find_center(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
     """The object's likely centre: middle of the mask, at the depth of its rim; world [m], shape (3,).
 
     The mean of the visible surface lies too near. It would seem to travel when the object turns on the spot.
@@ -145,4 +145,6 @@ def center(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
         camera: The camera.
     """
     y, x = np.nonzero(mask)
-    return unproject(np.array([x.mean() + 0.5, y.mean() + 0.5]), np.array(rim_depth(depth, mask)), camera)
+    return unproject(
+        np.array([x.mean() + 0.5, y.mean() + 0.5]), np.array(measure_rim_depth(depth, mask)), camera
+    )

@@ -16,7 +16,7 @@ from physagent_jax.perception.prompt import find_prompt
 from physagent_jax.perception.protocols import Masks, PerceptionBackends, Segmenter, SegmentPrompt
 from physagent_jax.perception.schema import MotionReport, Quality
 from physagent_jax.perception.windows import Frames, measure_window
-from physagent_jax.perception.words import ViewerWords, tell
+from physagent_jax.perception.words import ViewerWords, describe_motion
 from physagent_jax.render.camera import Camera
 
 VISIBLE = 0.01
@@ -92,7 +92,7 @@ def perceive(
     spans = _spans(len(rgb), windows)
     if masks[0].sum() < LEAST_PIXELS:
         return _nothing(rgb, masks, frame_dt, spans, notes)
-    trusted, noise = zip(*(lift.trusted_depth(d, m) for d, m in zip(z, masks)))
+    trusted, noise = zip(*(lift.keep_trusted_depth(d, m) for d, m in zip(z, masks)))
     trusted = np.stack(trusted)
     if estimate.uncertainty is not None:
         trusted = np.where(estimate.uncertainty <= LARGEST_UNCERTAINTY * z, trusted, np.float32(np.nan))
@@ -114,14 +114,14 @@ def perceive(
     pixel = float(np.nanmedian(trusted[0]) / np.asarray(camera.K)[0, 0]) / size
     report = _report(
         frames,
-        lift.surface(trusted[0], camera)[::17],
+        lift.unproject_surface(trusted[0], camera)[::17],
         frame_dt,
         spans,
         quality,
         threshold=max(VISIBLE, pixel),
     )
     return Perception(
-        report.model_copy(update={"text": tell(report, ViewerWords(camera, up))}),
+        report.model_copy(update={"text": describe_motion(report, ViewerWords(camera, up))}),
         masks,
         path.tracks,
         path.visible,
@@ -182,7 +182,7 @@ def _masks(z: np.ndarray, found: Masks) -> tuple[np.ndarray, list[str]]:
 def _report(frames: Frames, rest: np.ndarray, frame_dt, spans, quality, *, threshold: float) -> MotionReport:
     """The report without its text; ``rest`` are surface points of frame 0 [m], shape (n, 3)."""
     turn = frames.rotation_from(0, len(frames.centroid) - 1)
-    begun = timing.onset(_distances(frames, rest, 0), threshold)
+    begun = timing.find_onset(_distances(frames, rest, 0), threshold)
     volume = [frames.volume(t) for t in range(len(turn))]
     return MotionReport(
         frame_count=len(turn),
@@ -193,9 +193,9 @@ def _report(frames: Frames, rest: np.ndarray, frame_dt, spans, quality, *, thres
         centroid=tuple(tuple(c.tolist()) if np.isfinite(c).all() else None for c in frames.centroid),
         rotation_degrees=tuple(None if v is None else float(np.degrees(np.linalg.norm(v))) for v in turn),
         volume_ratio=tuple(v if np.isfinite(v) else None for v in volume),
-        oscillation=timing.oscillation(frames.centroid, frame_dt, threshold + quality.fit_residual),
+        oscillation=timing.find_oscillation(frames.centroid, frame_dt, threshold + quality.fit_residual),
         onset_frame=begun,
-        settle_frame=timing.settled(_distances(frames, rest, -1), threshold),
+        settle_frame=timing.find_settling(_distances(frames, rest, -1), threshold),
         quality=quality,
         text="",
     )

@@ -12,7 +12,7 @@ _SHIFT = 4
 """Sub-pixel bits of OpenCV's drawing calls."""
 
 
-def overlay(
+def draw_overlay(
     rgb: np.ndarray,
     masks: np.ndarray,
     tracks: np.ndarray,

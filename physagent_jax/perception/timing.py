@@ -11,7 +11,7 @@ LEAST_REVERSALS = 2
 """Out, back beyond, and out again: fewer reversals are a single excursion."""
 
 
-def onset(distance: np.ndarray, threshold: float) -> int | None:
+def find_onset(distance: np.ndarray, threshold: float) -> int | None:
     """First frame from which the object is visibly away from frame 0 for two frames in a row.
 
     Args:
@@ -25,7 +25,7 @@ def onset(distance: np.ndarray, threshold: float) -> int | None:
     return int(frames[0]) if len(frames) else None
 
 
-def settled(distance_to_end: np.ndarray, threshold: float) -> int | None:
+def find_settling(distance_to_end: np.ndarray, threshold: float) -> int | None:
     """Frame from which the object stays where it ends, None if it moves until the end.
 
     Args:
@@ -41,7 +41,7 @@ def settled(distance_to_end: np.ndarray, threshold: float) -> int | None:
     return first if rest >= max(3, count // 10) else None
 
 
-def oscillation(centroid: np.ndarray, frame_dt: float, threshold: float) -> Oscillation | None:
+def find_oscillation(centroid: np.ndarray, frame_dt: float, threshold: float) -> Oscillation | None:
     """Swinging of the centroid along one of its principal directions, the widest that reverses.
 
     The directions come from the path less its straight trend; the reversals from the path itself, so that

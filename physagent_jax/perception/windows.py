@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from physagent_jax.core.rotations import polar, unwrapped
+from physagent_jax.core.rotations import polar, unwrap
 from physagent_jax.perception.fit import Affine
 from physagent_jax.perception.schema import WindowMotion
 
@@ -44,7 +44,7 @@ class Frames:
 
     def rotation_from(self, first: int, last: int) -> list[np.ndarray | None]:
         """Unwrapped rotation vectors of frames first..last relative to ``first`` [rad]."""
-        return unwrapped([self._turn(first, t) for t in range(first, last + 1)])
+        return unwrap([self._turn(first, t) for t in range(first, last + 1)])
 
     def _turn(self, first: int, t: int) -> np.ndarray | None:
         a, b = self.poses[first], self.poses[t]

@@ -48,9 +48,9 @@ class ViewerWords:
         """Direction like "to the left (world -x)"; with the lengths of its parts where it has several."""
         parts = self.components(vector)
         if len(parts) > 1:
-            return f"({', '.join(f'{size:.2f} {name}' for size, name in parts)}; {world_axis(vector)})"
+            return f"({', '.join(f'{size:.2f} {name}' for size, name in parts)}; {name_world_axis(vector)})"
         name = parts[0][1] if parts else "nowhere"
-        return f"{'to the ' if name in ('left', 'right') else ''}{name} ({world_axis(vector)})"
+        return f"{'to the ' if name in ('left', 'right') else ''}{name} ({name_world_axis(vector)})"
 
     def turn(self, axis: Vectorlike) -> str:
         """Sense of a rotation about ``axis`` (right-hand rule) as the viewer sees it."""
@@ -61,14 +61,14 @@ class ViewerWords:
             (self.right, "tipping its top towards the camera", "tipping its top away from the camera"),
         )
         along, plus, minus = max(senses, key=lambda s: abs(float(a @ s[0])))
-        return f"{plus if a @ along > 0 else minus}, about {world_axis(axis)}"
+        return f"{plus if a @ along > 0 else minus}, about {name_world_axis(axis)}"
 
     def axes(self) -> tuple[tuple[str, np.ndarray], ...]:
         """Names of the three directions along which stretch is told, with their unit vectors."""
         return ("left-right", self.right), ("up-down", self.up), ("towards-away", self.away)
 
 
-def world_axis(vector: Vectorlike) -> str:
+def name_world_axis(vector: Vectorlike) -> str:
     """Says "world -x" if ``vector`` lies within 18 degrees of an axis, else its numbers."""
     v = np.asarray(vector, float)
     k = int(np.argmax(np.abs(v)))
@@ -77,7 +77,7 @@ def world_axis(vector: Vectorlike) -> str:
     return "world (" + ", ".join(f"{x:.2f}" for x in v) + ")"
 
 
-def tell(report: MotionReport, words: ViewerWords) -> str:
+def describe_motion(report: MotionReport, words: ViewerWords) -> str:
     """The whole report as one paragraph."""
     whole, quarters, asked = report.windows[0], report.windows[1:5], report.windows[5:]
     parts = [_whole(whole, words), _swing(report, words), _times(report, whole)]
@@ -138,7 +138,7 @@ def _factors(w: WindowMotion, words: ViewerWords) -> str:
     for name, n in words.axes():
         factor = float(n @ S @ n)
         if abs(factor - 1) > least and (name != "towards-away" or w.stretch_view_axis_observable):
-            told.append(f"{factor:.2f}x {name} ({world_axis(n).replace('+', '').replace('-', '')})")
+            told.append(f"{factor:.2f}x {name} ({name_world_axis(n).replace('+', '').replace('-', '')})")
     return ", ".join(told)
 
 

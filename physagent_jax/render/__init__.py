@@ -4,8 +4,8 @@ from physagent_jax.render.camera import Camera, look_at
 from physagent_jax.render.project import Projected, project
 from physagent_jax.render.renderer import (
     Rendering,
-    frames_at_once,
-    pair_capacity,
+    choose_batch_size,
+    choose_pair_capacity,
     rasterize,
     render,
     render_all,
@@ -15,9 +15,9 @@ __all__ = [
     "Camera",
     "Projected",
     "Rendering",
-    "frames_at_once",
+    "choose_batch_size",
     "look_at",
-    "pair_capacity",
+    "choose_pair_capacity",
     "project",
     "rasterize",
     "render",

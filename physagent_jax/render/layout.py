@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.render.tiles import tile_grid
+from physagent_jax.render.tiles import make_tile_grid
 
 
 class Layout:
@@ -15,7 +15,7 @@ class Layout:
     def __init__(self, width: int, height: int, tile_size: int, lanes: int):
         self.key = (width, height, tile_size, lanes)
         self.width, self.height, self.tile_size = width, height, tile_size
-        self.columns, self.rows = tile_grid(width, height, tile_size)
+        self.columns, self.rows = make_tile_grid(width, height, tile_size)
         self.tiles = self.columns * self.rows
         self.lanes = min(lanes, self.tiles)
         self.groups = -(-self.tiles // self.lanes)

@@ -19,7 +19,7 @@ from physagent_jax.render.camera import Camera
 from physagent_jax.render.layout import Layout
 from physagent_jax.render.project import Projected, project
 from physagent_jax.render.rasterize import blend
-from physagent_jax.render.tiles import build_tile_lists, count_pairs, tile_grid, tile_rectangles
+from physagent_jax.render.tiles import build_tile_lists, count_pairs, find_tile_rectangles, make_tile_grid
 
 TILE_SIZE = 16
 
@@ -63,7 +63,7 @@ def render(
             to be had.
     """
     key = _key(splats, camera)
-    capacity = capacities.get(key) or pair_capacity(splats, camera)
+    capacity = capacities.get(key) or choose_pair_capacity(splats, camera)
     rendering, total = rasterize(splats, camera, background, capacity=capacity, kernels=kernels)
     if int(total) > capacity:  # not what is noted by now: another thread may have noted more since
         capacity = round_up(int(total))
@@ -75,7 +75,7 @@ def render(
 def render_all(
     frames: Sequence[Splats], camera: Camera, *, background=(1.0, 1.0, 1.0), kernels: Kernels = "auto"
 ) -> list[Rendering]:
-    """`render` of each frame, `frames_at_once` at the same time.
+    """`render` of each frame, `choose_batch_size` at the same time.
 
     On CPU a frame by itself leaves cores idle while its tile lists are made.
     """
@@ -85,18 +85,18 @@ def render_all(
 
     alone = [splats for splats in frames[:1] if _key(splats, camera) not in capacities]
     done = [one(splats) for splats in alone]  # so that what has to be compiled is compiled once
-    with ThreadPoolExecutor(frames_at_once()) as pool:
+    with ThreadPoolExecutor(choose_batch_size()) as pool:
         return done + list(pool.map(one, frames[len(done) :]))
 
 
-def frames_at_once() -> int:
+def choose_batch_size() -> int:
     """Frames that are best rendered at the same time: on CPU one per core, if the kernels allow it."""
     if find_platform() != "cpu":
         return 1
     return threads.caller_count() if use_cpu() else threads.core_count()
 
 
-def pair_capacity(splats: Splats, camera: Camera) -> int:
+def choose_pair_capacity(splats: Splats, camera: Camera) -> int:
     """A capacity for `rasterize` with room for about a quarter more pairs than these splats need.
 
     Raises:
@@ -123,7 +123,7 @@ def rasterize(
         splats: Gaussians in world space.
         camera: Pinhole camera.
         background: Colour behind the splats, shape (3,).
-        capacity: Room for pairs (Gaussian, tile), static; see `pair_capacity`.
+        capacity: Room for pairs (Gaussian, tile), static; see `choose_pair_capacity`.
         tile_size: Edge of a tile [px].
         lanes: Tiles blended in lockstep; default one on the CPU, all elsewhere.
         kernels: As in `mpm.Model`. Those for the CPU blend in single precision, tiles of 16 pixels one at a time;
@@ -134,7 +134,7 @@ def rasterize(
         everywhere: call again with more room.
     """
     if lanes is None:
-        tiles = int(np.prod(tile_grid(camera.width, camera.height, tile_size)))
+        tiles = int(np.prod(make_tile_grid(camera.width, camera.height, tile_size)))
         lanes = 1 if find_platform() == "cpu" else tiles
     layout = Layout(camera.width, camera.height, tile_size, lanes)
     projected = _project(splats, camera)
@@ -143,7 +143,7 @@ def rasterize(
 
 
 def _project(splats: Splats, camera: Camera) -> Projected:
-    """`project` as the program that `pair_capacity` and `rasterize` share."""
+    """`project` as the program that `choose_pair_capacity` and `rasterize` share."""
     return project(splats, jax.tree.map(lambda array: _in_precision(array, splats.means.dtype), camera))
 
 
@@ -171,7 +171,7 @@ def draw(
 
 @functools.partial(jax.jit, static_argnums=(1, 2))
 def _count(projected: Projected, width: int, height: int) -> jax.Array:
-    return count_pairs(tile_rectangles(projected, width, height, TILE_SIZE))
+    return count_pairs(find_tile_rectangles(projected, width, height, TILE_SIZE))
 
 
 def _key(splats: Splats, camera: Camera) -> tuple[int, int, int]:

@@ -34,12 +34,12 @@ class TileLists:
     total: jax.Array
 
 
-def tile_grid(width: int, height: int, tile_size: int) -> tuple[int, int]:
+def make_tile_grid(width: int, height: int, tile_size: int) -> tuple[int, int]:
     """Columns and rows of tiles that cover the image."""
     return -(-width // tile_size), -(-height // tile_size)
 
 
-def tile_rectangles(projected: Projected, width: int, height: int, tile_size: int) -> jax.Array:
+def find_tile_rectangles(projected: Projected, width: int, height: int, tile_size: int) -> jax.Array:
     """The tiles that hold a pixel centre inside each Gaussian's box.
 
     Args:
@@ -85,10 +85,10 @@ def build_tile_lists(
         tile_size: [px].
     """
     count = projected.depths.shape[0]
-    columns, rows = tile_grid(width, height, tile_size)
+    columns, rows = make_tile_grid(width, height, tile_size)
     tiles = columns * rows
     order = jnp.argsort(jax.lax.stop_gradient(projected.depths)).astype(jnp.int32)
-    rectangles = tile_rectangles(projected, width, height, tile_size)[order]
+    rectangles = find_tile_rectangles(projected, width, height, tile_size)[order]
     counts = rectangles[:, 2] * rectangles[:, 3]
     total = count_pairs(rectangles)
 

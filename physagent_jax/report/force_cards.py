@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from physagent_jax.agents.schema import DirectionTable
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, meaning
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, describe_meaning
 from physagent_jax.forces.schema import (
     Action,
     ActionType,
@@ -186,7 +186,7 @@ def _physical(item: Timed, scaling: SkillScaling | None) -> Markup | None:
     one = getattr(scaling, name)
     unit = UNITS[name]
     text = f"{format_number(abs(item.magnitude) * one)} {unit} (1 means {format_number(one)})"
-    return span("quiet", text, title=f"1 means {meaning(name)}")
+    return span("quiet", text, title=f"1 means {describe_meaning(name)}")
 
 
 def _timeline(item: Timed, old: Timed | None, setting: Setting) -> list:

@@ -8,13 +8,13 @@ from pathlib import Path, PurePosixPath
 import numpy as np
 
 from physagent_jax.agents.schema import Judgement
-from physagent_jax.core.files import link_or_copy, replacing, write_text
+from physagent_jax.core.files import link_or_copy, replace_file, write_text
 from physagent_jax.output.motion_file import Motion, read_motion, write_motion
-from physagent_jax.output.splats import splat_names, write_splat_frames
-from physagent_jax.output.video import frame_names, write_frames, write_picture, write_video
+from physagent_jax.output.splats import make_splat_names, write_splat_frames
+from physagent_jax.output.video import make_frame_names, write_frames, write_picture, write_video
 from physagent_jax.perception.measure import Perception
-from physagent_jax.perception.overlay import overlay
-from physagent_jax.run.key_frames import spread
+from physagent_jax.perception.overlay import draw_overlay
+from physagent_jax.run.key_frames import spread_evenly
 from physagent_jax.run.store import RunStore
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import CompiledScene
@@ -54,9 +54,9 @@ def write_recording(
     store.write(f"{place / 'simulation.json'}", recording.record)
     write_video(store.claimed(f"{place / 'video.mp4'}"), recording.rgb, 1 / scene.config.timing.frame_dt)
     if save_motion:
-        write_motion(store.claimed(f"{place / 'motion.npz'}"), motion_of(scene, recording))
+        write_motion(store.claimed(f"{place / 'motion.npz'}"), make_motion(scene, recording))
     if save_frames:
-        store.claim(*frame_names(f"{place / 'frames'}", len(recording.rgb)))
+        store.claim(*make_frame_names(f"{place / 'frames'}", len(recording.rgb)))
         write_frames(store.path / place / "frames", recording.rgb)
 
 
@@ -76,16 +76,16 @@ def write_best(store: RunStore, index: int, body: Body, *, save_frames: bool, sa
     copied = ["scene.json", "video.mp4", "motion.npz", *(f"frames/{name}" for name in frames)]
     store.claim(*copied)
     for name in copied:
-        with replacing(store.path / name) as temporary:
+        with replace_file(store.path / name) as temporary:
             # A scene file is edited by people, who do not expect another one to change with it.
             (shutil.copyfile if name == "scene.json" else link_or_copy)(folder / name, temporary)
     if save_splats:
         motion = read_motion(folder / "motion.npz")
-        store.claim(*splat_names("splats", len(motion.x)))
+        store.claim(*make_splat_names("splats", len(motion.x)))
         write_splat_frames(store.path / "splats", body, motion.x, motion.F)
 
 
-def motion_of(scene: CompiledScene, recording: Recording) -> Motion:
+def make_motion(scene: CompiledScene, recording: Recording) -> Motion:
     """The recording as a motion file's contents, particles in the body's order."""
     body, cloud = scene.body, scene.body.cloud
     return Motion(
@@ -106,6 +106,6 @@ def motion_of(scene: CompiledScene, recording: Recording) -> Motion:
 
 def write_filmstrip(path: Path, rgb: np.ndarray, seen: Perception) -> None:
     """A strip of evenly spaced frames with perception's mask and tracks drawn on them."""
-    chosen = spread(len(rgb), FILMSTRIP_FRAMES)
-    strip = np.concatenate(overlay(rgb, seen.masks, seen.tracks, seen.visible, frames=chosen), axis=1)
+    chosen = spread_evenly(len(rgb), FILMSTRIP_FRAMES)
+    strip = np.concatenate(draw_overlay(rgb, seen.masks, seen.tracks, seen.visible, frames=chosen), axis=1)
     write_picture(path, strip)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from physagent_jax.agents.schema import Judgement, Verdict
 
 
-def best_round(judgements: Sequence[Judgement]) -> int:
+def find_best_round(judgements: Sequence[Judgement]) -> int:
     """Index of the highest score, the first of equals; without scores the first success, else the last round."""
     scores = [judgement.score for judgement in judgements if judgement.score is not None]
     if len(scores) == len(judgements):

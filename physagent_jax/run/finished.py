@@ -14,12 +14,12 @@ from pydantic import BaseModel
 from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
 from physagent_jax.agents.trace import FailedCall, Trace
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import parse_model, read_json, shortened
+from physagent_jax.core.reading import parse_model, read_json, shorten
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.output.motion_file import Motion, read_motion
 from physagent_jax.output.video import read_video
 from physagent_jax.perception.schema import MotionReport
-from physagent_jax.run.best import best_round
+from physagent_jax.run.best import find_best_round
 from physagent_jax.run.manifest import Manifest
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.run.store import PROBE, REPORT
@@ -99,7 +99,7 @@ class FinishedRun:
                 return round_
         judged = [it for it in self.rounds if it.judgement]
         if judged:
-            return judged[best_round([it.judgement for it in judged if it.judgement])]
+            return judged[find_best_round([it.judgement for it in judged if it.judgement])]
         return self.rounds[-1] if self.rounds else None
 
     @property
@@ -140,7 +140,7 @@ class FinishedRun:
     def _require(self, path: Path | None, name: str) -> Path:
         if path is None:
             raise UserError(
-                f"{shortened(self.folder)} has no {name}", do="Finish the run: give its command again"
+                f"{shorten(self.folder)} has no {name}", do="Finish the run: give its command again"
             )
         return path
 
@@ -158,7 +158,7 @@ def open_run(folder: str | Path) -> FinishedRun:
     """
     folder = Path(folder)
     if not os.path.isdir(folder):  # False too where the system cannot take the name
-        raise UserError(f"{shortened(folder)} is not a run folder", got="no folder", do="Check the path")
+        raise UserError(f"{shorten(folder)} is not a run folder", got="no folder", do="Check the path")
     reader = _Reader(folder)
     spec = reader.model("run.json", RunSpec, optional=True)
     manifest = reader.model("manifest.json", Manifest)

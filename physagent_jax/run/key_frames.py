@@ -24,9 +24,9 @@ class VideoKeyFrames:
     def pick(self, most: int = 6) -> tuple[KeyFrame, ...]:
         """At most ``most`` evenly spaced frames, the first and the last among them."""
         pictures = read_video(self.video)
-        return tuple(KeyFrame(k, encode_png(pictures[k])) for k in spread(len(pictures), most))
+        return tuple(KeyFrame(k, encode_png(pictures[k])) for k in spread_evenly(len(pictures), most))
 
 
-def spread(count: int, most: int) -> list[int]:
+def spread_evenly(count: int, most: int) -> list[int]:
     """Indices of at most ``most`` of ``count`` frames, evenly spaced from the first to the last."""
     return np.linspace(0, count - 1, min(most, count)).round().astype(int).tolist()

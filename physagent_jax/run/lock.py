@@ -8,7 +8,7 @@ import warnings
 from pathlib import Path
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.files import cannot_write, check_writable, make_folders
+from physagent_jax.core.files import check_writable, explain_write_error, make_folders
 
 try:
     import fcntl
@@ -53,7 +53,7 @@ def _make(folder: Path) -> list[Path]:
     try:
         return make_folders(folder)
     except OSError as error:
-        raise cannot_write(folder, error) from error
+        raise explain_write_error(folder, error) from error
 
 
 def _hold(folder: Path) -> int | None:
@@ -64,7 +64,7 @@ def _hold(folder: Path) -> int | None:
         try:
             handle = os.open(folder, os.O_RDONLY)
         except OSError as error:
-            raise cannot_write(folder, error) from error
+            raise explain_write_error(folder, error) from error
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             if os.path.samestat(os.fstat(handle), os.stat(folder)):

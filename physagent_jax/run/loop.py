@@ -29,13 +29,13 @@ from physagent_jax.perception.protocols import PerceptionBackends, SegmentPrompt
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.render.camera import Camera
 from physagent_jax.run.artifacts import write_best, write_rollout, write_verdict
-from physagent_jax.run.best import best_round
+from physagent_jax.run.best import find_best_round
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.key_frames import VideoKeyFrames
 from physagent_jax.run.manifest import AgentCost, Stages
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.prompt import make_prompt, read_mask
-from physagent_jax.run.provenance import make_manifest, settings_hash
+from physagent_jax.run.provenance import hash_settings, make_manifest
 from physagent_jax.run.resolve import ResolvedRun
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.run.store import PROBE, RunStore
@@ -120,7 +120,7 @@ def run_loop(
             got=backends.segmenter.name,
             do="Leave it out, or choose another `perception.segmenter`",
         )
-    named = {"agents": settings_hash(agents.names), "perception": settings_hash(backends.names)}
+    named = {"agents": hash_settings(agents.names), "perception": hash_settings(backends.names)}
     inputs = {**run.inputs, **named}
     manifest = make_manifest(command=command, prompt=run.spec.prompt, seed=run.spec.seed, inputs=inputs)
     manifest = manifest.model_copy(update=dict(warnings=run.warnings))
@@ -236,7 +236,7 @@ class _Loop:
             self._warnings += (f"coarse rounds were left out: {error}",)
         if not attempts:
             return reply.force_field
-        best = best_round([attempt.round.judgement for attempt in attempts])
+        best = find_best_round([attempt.round.judgement for attempt in attempts])
         self.save_costs(probe_iterations=len(attempts), probe_best=best)
         return attempts[best].scene.force_field
 
@@ -336,7 +336,7 @@ class _Loop:
     def finish(self, attempts: list[Attempt], body: Body) -> None:
         """Puts the best round's files at the top of the folder and closes the manifest."""
         judgements = [attempt.round.judgement for attempt in attempts]
-        best = best_round(judgements)
+        best = find_best_round(judgements)
         self.observer.stage("writing the results")
         with self._watch("write"):
             write_best(

@@ -7,7 +7,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.names import nearest
+from physagent_jax.core.names import find_nearest
 from physagent_jax.core.reading import read_json
 from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.config import Material, MaterialModel
@@ -62,7 +62,7 @@ def _base(choice: MaterialChoice, kind: str, base_dir: Path, warnings: list[str]
     except UserError as error:
         if choice.name in models:
             return _of_model(MaterialModel(choice.name), choose_material(kind))
-        model = nearest(choice.name, [m for m in models if m not in LIBRARY], count=1)
+        model = find_nearest(choice.name, [m for m in models if m not in LIBRARY], count=1)
         hint = f"Or the constitutive model {model[0]}? " if model else ""
         raise UserError(f"`material.name`: {error.what}", got=error.got, do=f"{hint}{error.do}") from None
 

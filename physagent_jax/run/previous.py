@@ -11,7 +11,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from physagent_jax.core.files import cannot_write, remove_leftovers
+from physagent_jax.core.files import explain_write_error, remove_leftovers
 
 MANIFEST = "manifest.json"
 _ASIDE = ".previous"
@@ -22,7 +22,7 @@ def exists(path: Path) -> bool:
     return (path / _ASIDE / MANIFEST).is_file()
 
 
-def manifest_of(path: Path) -> Path:
+def find_manifest(path: Path) -> Path:
     """Where the replaced run's manifest is."""
     return path / _ASIDE / MANIFEST
 
@@ -60,7 +60,7 @@ def _move(source: Path, target: Path, names: list[str]) -> None:
             (target / name).parent.mkdir(parents=True, exist_ok=True)
             os.replace(source / name, target / name)
         except OSError as error:
-            raise cannot_write(target / name, error) from error
+            raise explain_write_error(target / name, error) from error
     _remove_empty(source, names)
 
 

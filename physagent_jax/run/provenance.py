@@ -23,8 +23,8 @@ def make_manifest(*, command: str, prompt: str, seed: int, inputs: dict[str, str
     return Manifest(
         command=command,
         prompt=prompt,
-        versions=versions(),
-        git_revision=git_revision(),
+        versions=read_versions(),
+        git_revision=read_git_revision(),
         platform=describe_platform(),
         kernels=describe_kernels("auto"),
         seed=seed,
@@ -32,13 +32,13 @@ def make_manifest(*, command: str, prompt: str, seed: int, inputs: dict[str, str
     )
 
 
-def settings_hash(settings: object) -> str:
+def hash_settings(settings: object) -> str:
     """sha256 of JSON-serialisable settings in canonical form."""
     text = json.dumps(settings, sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def versions() -> dict[str, str]:
+def read_versions() -> dict[str, str]:
     """Of this package, of Python and of what it computes with."""
     found = {"physagent_jax": __version__, "python": platform.python_version()}
     for package in _PACKAGES:
@@ -54,7 +54,7 @@ def describe_platform() -> str:
     return f"{platform.system()} {platform.machine()}, {jax.devices()[0].device_kind}"
 
 
-def git_revision() -> str | None:
+def read_git_revision() -> str | None:
     """Revision of the package's own checkout; None for an installed package."""
     try:
         done = subprocess.run(

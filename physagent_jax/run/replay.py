@@ -6,10 +6,10 @@ import warnings
 from collections.abc import Callable
 from pathlib import Path
 
-from physagent_jax.output.splats import splat_names, write_splat_frames
+from physagent_jax.output.splats import make_splat_names, write_splat_frames
 from physagent_jax.run.artifacts import write_recording
 from physagent_jax.run.manifest import Stages
-from physagent_jax.run.provenance import make_manifest, settings_hash
+from physagent_jax.run.provenance import hash_settings, make_manifest
 from physagent_jax.run.store import RunStore
 from physagent_jax.scene.body import make_scene_body
 from physagent_jax.scene.compile import compile_scene
@@ -46,7 +46,7 @@ def replay_scene(
     files = config.files(base_dir)
     settings = config.model_dump(mode="json", exclude={"source": {"path"}})
     inputs = {name: hash_file(path) for name, path in files.items()}
-    inputs["settings"] = settings_hash((settings, save_frames, save_splats))
+    inputs["settings"] = hash_settings((settings, save_frames, save_splats))
     manifest = make_manifest(command=command, prompt=config.prompt, seed=config.filling.seed, inputs=inputs)
     with RunStore.open(out, manifest, overwrite=overwrite, needed=[scene_file, *files.values()]) as store:
         record = store.read("simulation.json", SimulationRecord)
@@ -67,7 +67,7 @@ def replay_scene(
             write_recording(store, scene, recording, save_frames=save_frames)
             if save_splats:
                 x, F = recording.x[:, scene.back], recording.F[:, scene.back]
-                store.claim(*splat_names("splats", len(x)))
+                store.claim(*make_splat_names("splats", len(x)))
                 write_splat_frames(store.path / "splats", body, x, F)
         stages = Stages(**watch.seconds())
         store.finish(stages=stages, warnings=tuple(str(each.message) for each in caught))

@@ -8,10 +8,10 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from physagent_jax.agents.schema import AnchorRequest
-from physagent_jax.core.reading import check_regular, validation_message
+from physagent_jax.core.reading import check_regular, format_validation_error
 from physagent_jax.run.material import resolve_material
 from physagent_jax.run.prompt import read_mask
-from physagent_jax.run.provenance import settings_hash
+from physagent_jax.run.provenance import hash_settings
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
 from physagent_jax.scene.anchor import MASK_BYTES
 from physagent_jax.scene.card import ObjectCard, load_card
@@ -88,7 +88,9 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
             ledger=spec.ledger,
         )
     except ValidationError as error:
-        raise validation_message(error, origin, do="`physagent schema scene` prints the ranges") from None
+        raise format_validation_error(
+            error, origin, do="`physagent schema scene` prints the ranges"
+        ) from None
     if spec.object.up is None and card.up is None:
         warnings += (
             "the file's up axis is not known: +z assumed; pass --up if the object lies or stands on its head",
@@ -97,7 +99,7 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
         rendering, timing = template.preset.rendering, template.preset.timing
         read_mask(spec.perception.prompt, rendering.width, rendering.height, timing.frame_count, base_dir)
     inputs = {what: hash_file(file) for what, file in spec.files(base_dir).items()}
-    inputs["settings"] = settings_hash([spec.identity(), _resolved_identity(template)])
+    inputs["settings"] = hash_settings([spec.identity(), _resolved_identity(template)])
     return ResolvedRun(spec, base_dir, template, inputs, warnings)
 
 

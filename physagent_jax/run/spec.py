@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, JsonValue, ValidationError, model_validator
 
 from physagent_jax.agents import registry as agents
-from physagent_jax.core.reading import YAML_SUFFIXES, read_json, read_yaml, validation_message
+from physagent_jax.core.reading import YAML_SUFFIXES, format_validation_error, read_json, read_yaml
 from physagent_jax.core.strict import Seed, Strict
 from physagent_jax.perception import backends
 from physagent_jax.run.manifest import MOST_ROUNDS
@@ -309,7 +309,7 @@ def read_spec(path: str | Path) -> RunSpec:
     try:
         return RunSpec.model_validate(data)
     except ValidationError as error:
-        raise validation_message(
+        raise format_validation_error(
             error, str(path), RunSpec, do="`physagent schema run` prints the schema"
         ) from None
 

@@ -15,7 +15,7 @@ from typing import TypeVar
 from pydantic import BaseModel
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.files import leftovers, remove_leftovers, write_text
+from physagent_jax.core.files import find_leftovers, remove_leftovers, write_text
 from physagent_jax.core.reading import read_model
 from physagent_jax.run import previous
 from physagent_jax.run.lock import FolderLock
@@ -69,7 +69,9 @@ class RunStore:
             if earlier and overwrite and not earlier.complete and earlier.inputs != manifest.inputs:
                 earlier = _give_way(path, earlier)
             if earlier is None:
-                begun = leftovers(path / "manifest.json")  # by a process that was killed before it had one
+                begun = find_leftovers(
+                    path / "manifest.json"
+                )  # by a process that was killed before it had one
                 if set(path.iterdir()) - set(begun):
                     raise UserError(f"{path} exists and is not a run folder", do="Choose another --out")
                 remove_leftovers(path / "manifest.json")
@@ -196,7 +198,7 @@ def _recover(path: Path) -> Manifest | None:
         for name in earlier.files:
             remove_leftovers(path / name)
     if previous.exists(path):
-        replaced = _read(previous.manifest_of(path), Manifest)
+        replaced = _read(previous.find_manifest(path), Manifest)
         assert replaced is not None
         if earlier is None:
             previous.restore(path, replaced.files)
@@ -215,7 +217,7 @@ def _give_way(path: Path, unfinished: Manifest) -> Manifest | None:
 def _another_run(path: Path, earlier: Manifest) -> UserError:
     what = f"{path} holds another run ({earlier.prompt!r}, or other settings)"
     if previous.exists(path):
-        replaced = _read(previous.manifest_of(path), Manifest)
+        replaced = _read(previous.find_manifest(path), Manifest)
         assert replaced is not None
         return UserError(
             what,

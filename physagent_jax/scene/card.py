@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from physagent_jax.core.reading import read_model, shortened
+from physagent_jax.core.reading import read_model, shorten
 from physagent_jax.core.strict import Strict
 from physagent_jax.scene.config.common import Degrees, SignedAxis
 from physagent_jax.scene.priors import find_kind
@@ -46,4 +46,4 @@ def load_card(object_path: str | Path) -> ObjectCard:
     card = read_model(path, ObjectCard, what="the object card")
     if card.kind is None:
         return card
-    return card.model_copy(update=dict(kind=find_kind(card.kind, f"`kind` of {shortened(path)}")))
+    return card.model_copy(update=dict(kind=find_kind(card.kind, f"`kind` of {shorten(path)}")))

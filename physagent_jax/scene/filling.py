@@ -52,7 +52,7 @@ def fill(cloud: GaussianCloud, config: Filling, *, dx: float) -> Particles:
     """Makes particles of the Gaussians' centres and fills what they enclose.
 
     On a grid of ``config.cells`` along the object's longest side, cells whose density exceeds
-    ``density_threshold``, or that hold a Gaussian's centre, are walls; `density.interior` finds the inside.
+    ``density_threshold``, or that hold a Gaussian's centre, are walls; `density.find_interior` finds the inside.
     Walls are topped up to ``particles_per_cell``, counting the Gaussians in them, and inside cells get as
     many, stratified and jittered.
 
@@ -286,7 +286,7 @@ def _volumes(cells: np.ndarray, wall: np.ndarray, layer: np.ndarray, spacing: fl
     """
     half_cells = np.where(layer == OUTSIDE, 0, np.where(wall & (layer == OUTER), 1, 2)).astype(
         np.uint8
-    )  # half cells
+    )
     total = half_cells.sum(dtype=np.int64)
     block = 1
     while True:

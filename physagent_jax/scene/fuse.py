@@ -8,7 +8,7 @@ import numpy as np
 
 from physagent_jax.forces import calibration
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.forces.skills import closed_form_scaling, free_path
+from physagent_jax.forces.skills import compute_free_path, make_closed_form_scaling
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.camera import frame_camera
 from physagent_jax.scene.config import (
@@ -57,7 +57,7 @@ class SceneTemplate:
 def fuse(ingredients: SceneTemplate, body: Body, force_field: ForceField) -> SceneConfig:
     """The scene that simulates ``force_field``; the same input gives the same bytes."""
     preset, material = ingredients.preset, ingredients.material
-    scaling = closed_form_scaling(
+    scaling = make_closed_form_scaling(
         extent=body.extent,
         youngs_modulus=material.youngs_modulus,
         density=material.density,
@@ -122,7 +122,9 @@ def estimate_sweep(config: SceneConfig, body: Body) -> np.ndarray:
     limit = (calibration.SWEEP if config.anchor.kind == "none" else calibration.HELD_SWEEP) * extent
     timing, scaling = config.timing, config.scaling
     assert scaling is not None
-    path = free_path(config.force_field, scaling, frame_dt=timing.frame_dt, frame_count=timing.frame_count)
+    path = compute_free_path(
+        config.force_field, scaling, frame_dt=timing.frame_dt, frame_count=timing.frame_count
+    )
     reach = np.linalg.norm(path, axis=1)
     path = path * np.minimum(1.0, limit / np.maximum(reach, 1e-12))[:, None]
     points = [corners + shift for shift in (path.min(0), path.max(0), np.zeros(3))]

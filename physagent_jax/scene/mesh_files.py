@@ -14,8 +14,8 @@ import trimesh
 from trimesh.resolvers import FilePathResolver
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.names import unknown_name
-from physagent_jax.core.reading import MIB, check_counts, read_bytes, shortened
+from physagent_jax.core.names import explain_unknown_name
+from physagent_jax.core.reading import MIB, check_counts, read_bytes, shorten
 from physagent_jax.gaussians.formats.ply_header import read_ply_header
 from physagent_jax.scene.gltf_check import check_glb, check_gltf
 
@@ -42,7 +42,7 @@ def read_mesh(path: str | Path) -> trimesh.Trimesh:
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in (".ply", *MESH_SUFFIXES):
-        raise unknown_name(f"the kind of mesh of {shortened(path)}", suffix, (".ply", *MESH_SUFFIXES))
+        raise explain_unknown_name(f"the kind of mesh of {shorten(path)}", suffix, (".ply", *MESH_SUFFIXES))
     data = read_bytes(path, most=MOST_BYTES, what="the mesh file")
     beside = _Beside(path)
     data = _checked(data, path, suffix, beside)
@@ -58,12 +58,12 @@ def read_mesh(path: str | Path) -> trimesh.Trimesh:
     except Exception as error:  # trimesh's loaders raise whatever their parsers meet
         reason = beside.missing[0] if beside.missing else f"{type(error).__name__}: {error}"
         raise UserError(
-            f"cannot read the mesh {shortened(path)}",
-            got=shortened(reason),
+            f"cannot read the mesh {shorten(path)}",
+            got=shorten(reason),
             do="Export it again as .obj or .glb",
         ) from None
     if not isinstance(mesh, trimesh.Trimesh):
-        raise UserError(f"{shortened(path)} holds no faces", do="Give a mesh with triangles, or a 3DGS .ply")
+        raise UserError(f"{shorten(path)} holds no faces", do="Give a mesh with triangles, or a 3DGS .ply")
     if beside.missing:
         warnings.warn(f"{path}: colours are left out: {beside.missing[0]}", stacklevel=2)
     return mesh
@@ -71,7 +71,7 @@ def read_mesh(path: str | Path) -> trimesh.Trimesh:
 
 def _checked(data: bytes, path: Path, suffix: str, beside: _Beside) -> bytes:
     """The file's bytes, text in UTF-8, once its counts have been checked."""
-    place = shortened(path)
+    place = shorten(path)
     match suffix:
         case ".ply":
             return data if read_ply_header(path).order else _as_utf8(data)
@@ -85,7 +85,7 @@ def _checked(data: bytes, path: Path, suffix: str, beside: _Beside) -> bytes:
             data = _as_utf8(data)
             for pattern, what in ((_BAD_VERTEX, "three numbers"), (_BAD_FACE, "vertices counted from 1")):
                 if found := pattern.search(data):
-                    line = repr(shortened(found.group().decode(), 60))
+                    line = repr(shorten(found.group().decode(), 60))
                     raise UserError(f"{place}: a line does not have {what}", got=line, do="Export it again")
             return data
         case ".off":
@@ -115,7 +115,7 @@ def _as_utf8(data: bytes) -> bytes:
 
 
 def _check_mesh(mesh: trimesh.Trimesh, path: Path) -> None:
-    shown, vertices, faces = shortened(path), np.asarray(mesh.vertices), np.asarray(mesh.faces)
+    shown, vertices, faces = shorten(path), np.asarray(mesh.vertices), np.asarray(mesh.faces)
     if len(faces) == 0:
         raise UserError(f"{shown} holds no faces", do="Give a mesh with triangles, or a 3DGS .ply")
     if vertices.ndim != 2 or vertices.shape[1] != 3 or not (0 <= faces.min() and faces.max() < len(vertices)):
@@ -151,7 +151,7 @@ class _Beside(FilePathResolver):
             FileNotFoundError: There is none that may be read; trimesh goes on without colours.
         """
         name = name.strip()
-        reason = f"it names the file {shortened(name, 80)!r}, which is not in its folder"
+        reason = f"it names the file {shorten(name, 80)!r}, which is not in its folder"
         for candidate in (name, name.replace("\\", "/").rsplit("/", 1)[-1]):
             try:
                 place = os.path.realpath(os.path.join(self._folder, candidate))

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import validation_message
+from physagent_jax.core.reading import format_validation_error
 from physagent_jax.scene.config import (
     CameraConfig,
     Domain,
@@ -103,7 +103,7 @@ def import_physgaussian(
             camera=_camera(reader, source, file_units_per_metre),
         )
     except ValidationError as error:
-        raise validation_message(error, "PhysGaussian scene") from None
+        raise format_validation_error(error, "PhysGaussian scene") from None
     for note in notes:
         reader.warn(note)
     meaningless = _MEANINGLESS | find_unused_keys(reader)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.names import nearest, unknown_name
-from physagent_jax.core.reading import shortened
+from physagent_jax.core.names import explain_unknown_name, find_nearest
+from physagent_jax.core.reading import shorten
 from physagent_jax.core.strict import LARGEST, Vector
 from physagent_jax.scene.config import (
     Cuboid,
@@ -106,7 +106,7 @@ class ConditionReader:
         return ConditionReader(value, f"{self.name(key)}.", self.warnings)
 
     def _wrong(self, key: str, rule: str, value: object) -> UserError:
-        got = shortened(repr(value) if isinstance(value, int | float | str) else type(value).__name__, 60)
+        got = shorten(repr(value) if isinstance(value, int | float | str) else type(value).__name__, 60)
         return UserError(f"PhysGaussian scene: `{self.name(key)}` {rule}", got=got, do="Mend the file")
 
 
@@ -131,8 +131,8 @@ def read_conditions(reader: ConditionReader, substep_dt: float) -> tuple[tuple, 
             constraints.append(_impulse(part, substep_dt))
         elif kind in _CONSTRAINTS:
             constraints += _CONSTRAINTS[kind](part)
-        elif nearest(kind, _KINDS):
-            raise unknown_name(f"PhysGaussian scene: `{part.name('type')}`", kind, _KINDS)
+        elif find_nearest(kind, _KINDS):
+            raise explain_unknown_name(f"PhysGaussian scene: `{part.name('type')}`", kind, _KINDS)
         else:
             reader.warn(f"`{part.name('type')}` = {kind!r} is left out: such a condition is not known")
     return (*boundaries, DomainBox(padding=3)), tuple(constraints)

@@ -14,8 +14,8 @@ from __future__ import annotations
 import math
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.names import did_you_mean
-from physagent_jax.core.reading import shortened
+from physagent_jax.core.names import suggest
+from physagent_jax.core.reading import shorten
 from physagent_jax.scene.config import Material, MaterialModel
 from physagent_jax.scene.physgaussian_conditions import ConditionReader
 
@@ -63,10 +63,10 @@ def read_material(reader: ConditionReader, part: ConditionReader | None = None) 
     """
     name = reader.data.get("material", "jelly")
     if not isinstance(name, str) or name not in _KEYS:
-        near = did_you_mean(name, _KEYS) if isinstance(name, str) else ""
+        near = suggest(name, _KEYS) if isinstance(name, str) else ""
         raise UserError(
             "PhysGaussian scene: `material` is unknown",
-            got=shortened(repr(name), 60),
+            got=shorten(repr(name), 60),
             do=f"{near if near.startswith('Did') else ''} Available: {', '.join(_KEYS)}",
         )
     if part is None:

@@ -15,7 +15,7 @@ import math
 from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import shortened, validation_message
+from physagent_jax.core.reading import format_validation_error, shorten
 from physagent_jax.core.strict import LARGEST
 from physagent_jax.scene.config import Material
 from physagent_jax.scene.materials import LIBRARY, count_substeps, replace_youngs_modulus
@@ -94,7 +94,7 @@ def import_physgm(data: object, *, warn_of_cost: bool = True) -> tuple[Material,
             f"the rest as of {known.name} ({known.what})",
         )
     except ValidationError as error:
-        raise validation_message(error, "PhysGM prediction", do="Mend the file") from None
+        raise format_validation_error(error, "PhysGM prediction", do="Mend the file") from None
     warnings += _too_soft(material) or (_too_stiff(material) if warn_of_cost else [])
     return material, warnings
 
@@ -137,7 +137,7 @@ def _class(data: dict, warnings: list[str]) -> str:
     if name in CLASSES:
         return name
     warnings.append(
-        f"PhysGM's class {shortened(name, 60)!r} is not known: the object is taken as rubber, as PhysGM does"
+        f"PhysGM's class {shorten(name, 60)!r} is not known: the object is taken as rubber, as PhysGM does"
     )
     return FALLBACK
 

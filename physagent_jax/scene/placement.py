@@ -8,7 +8,7 @@ import warnings
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.config import Domain, SignedAxis, Source
@@ -140,7 +140,7 @@ def _crop(cloud: GaussianCloud, turn: np.ndarray, crop) -> GaussianCloud:
 
 
 def _select(cloud: GaussianCloud, keep: np.ndarray) -> GaussianCloud:
-    fields = {f.name: on_device(np.asarray(getattr(cloud, f.name))[keep]) for f in dataclasses.fields(cloud)}
+    fields = {f.name: to_device(np.asarray(getattr(cloud, f.name))[keep]) for f in dataclasses.fields(cloud)}
     return GaussianCloud(**fields)
 
 
@@ -152,9 +152,9 @@ def _moved(cloud: GaussianCloud, means: np.ndarray, rotation: np.ndarray, scale:
     scales = np.asarray(cloud.scales, np.float64) * scale
     return dataclasses.replace(
         cloud,
-        means=on_device(means, np.float32),
-        quats=on_device(turned, np.float32),
-        scales=on_device(scales, np.float32),
+        means=to_device(means, np.float32),
+        quats=to_device(turned, np.float32),
+        scales=to_device(scales, np.float32),
     )
 
 

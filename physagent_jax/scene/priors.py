@@ -17,7 +17,7 @@ import re
 from collections.abc import Mapping
 from typing import Literal
 
-from physagent_jax.core.names import unknown_name
+from physagent_jax.core.names import explain_unknown_name
 from physagent_jax.scene.config import Anchor, Material, MaterialModel
 
 UNKNOWN = "object"
@@ -197,7 +197,7 @@ def find_kind(name: str, what: str = "the kind") -> str:
     for word in (key, key.removesuffix("s"), key.removesuffix("es")):
         if word in by_word:
             return by_word[word]
-    raise unknown_name(what, name, by_word, do=f"Kinds: {', '.join(PRIORS)}")
+    raise explain_unknown_name(what, name, by_word, do=f"Kinds: {', '.join(PRIORS)}")
 
 
 def guess_kind(name: str) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.shapes import Patch, bezier, build, make_lathe, make_leaf, make_tube
 from physagent_jax.scene.surfels import value_noise
@@ -250,7 +250,7 @@ def _standing(
     scale = height / (high - low)[2] if height else length / (high - low)[0]
     center = 0.5 * (low + high)
     means = scale * (means - [center[0], center[1], low[2]])
-    return dataclasses.replace(cloud, means=on_device(means, np.float32), scales=cloud.scales * scale)
+    return dataclasses.replace(cloud, means=to_device(means, np.float32), scales=cloud.scales * scale)
 
 
 PROCEDURAL: dict[str, Callable[..., GaussianCloud]] = {

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import map_coordinates
 from scipy.spatial import KDTree
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.gaussians.cloud import GaussianCloud
 
 SH_DC = 0.28209479177387814  # Y_00; colour = SH_DC * sh[0] + 0.5
@@ -32,11 +32,11 @@ def make_surfels(points, normals, radius, rgb, *, opacity: float = 0.98) -> Gaus
     scales = np.stack([radius, radius, FLATNESS * radius], axis=1)
     sh = (np.clip(rgb, 0, 1) - 0.5) / SH_DC
     return GaussianCloud(
-        means=on_device(points, np.float32),
-        quats=on_device(_quats_to(np.asarray(normals, np.float64)), np.float32),
-        scales=on_device(scales, np.float32),
+        means=to_device(points, np.float32),
+        quats=to_device(_quats_to(np.asarray(normals, np.float64)), np.float32),
+        scales=to_device(scales, np.float32),
         opacities=jnp.full((count,), opacity, jnp.float32),
-        sh=on_device(sh[:, None, :], np.float32),
+        sh=to_device(sh[:, None, :], np.float32),
     )
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import jax
 import numpy as np
 
-from physagent_jax.metrics.motion import true_motion
+from physagent_jax.metrics.motion import measure_true_motion
 from physagent_jax.mpm import Frame, stable_dt
 from physagent_jax.mpm.energy import (
     angular_momentum,
@@ -195,7 +195,7 @@ def _record(
         min_volume_ratio=tuple(f.min_J for f in frames),
         max_volume_ratio=tuple(f.max_J for f in frames),
         ledger=_summed(exchanges) if exchanges else None,
-        truth=true_motion(gaussians),
+        truth=measure_true_motion(gaussians),
         **{name: tuple(values.tolist()) for name, values in series.items()},
     )
 
@@ -207,7 +207,7 @@ def _summed(exchanges: list[Exchange]) -> Ledger:
     return Ledger(**{name: tuple(np.cumsum(column, axis=0).tolist()) for name, column in columns.items()})
 
 
-def rest_centre(scene: CompiledScene) -> np.ndarray:
+def find_rest_centre(scene: CompiledScene) -> np.ndarray:
     """The mass centre at rest [m], shape (3,)."""
     mass, x = np.asarray(scene.model.mass), np.asarray(scene.state.x)
     return (mass[:, None] * x).sum(0) / mass.sum()

@@ -21,14 +21,14 @@ import math
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField, VelocityConstraint
 from physagent_jax.scene.config import SceneConfig
 
-CLOCK_SLACK = 1  # frames; by as much the clock may be off (`clock_is_right`)
+CLOCK_SLACK = 1  # frames; by as much the clock may be off (`is_clock_right`)
 STRIDE = 8  # frames between places from which a push that is cut short can go on
 _CAN_BE_CUT = (ActionType.TRANSLATION, ActionType.TORQUE, ConstraintType.PARTICLE_TRANSLATION)
 
 Timed = Action | VelocityConstraint
 
 
-def last_shared_frame(one: SceneConfig, other: SceneConfig) -> int | None:
+def find_last_shared_frame(one: SceneConfig, other: SceneConfig) -> int | None:
     """The last frame that is the same in both scenes; the files that they name must not have changed in between.
 
     Returns:
@@ -45,7 +45,7 @@ def last_shared_frame(one: SceneConfig, other: SceneConfig) -> int | None:
     return min(max(0, math.floor(agreed) - CLOCK_SLACK), last)
 
 
-def restart_frames(config: SceneConfig) -> tuple[int, ...]:
+def find_restart_frames(config: SceneConfig) -> tuple[int, ...]:
     """Frames at which a scene that shares this one's past is likely to part from it, in order.
 
     The remedies of an executor begin where something begins or ends, or cut a push short.
@@ -59,7 +59,7 @@ def restart_frames(config: SceneConfig) -> tuple[int, ...]:
     return tuple(sorted(frame for frame in frames if 0 < frame < config.timing.frame_count - 2))
 
 
-def clock_is_right(time: float, frame: int, frame_dt: float) -> bool:
+def is_clock_right(time: float, frame: int, frame_dt: float) -> bool:
     """Whether a state's clock ``time`` [s] is so near its frame's that `CLOCK_SLACK` makes up for the rest."""
     return abs(time - frame * frame_dt) < 0.25 * CLOCK_SLACK * frame_dt
 

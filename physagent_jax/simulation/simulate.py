@@ -16,16 +16,16 @@ import numpy as np
 from physagent_jax.gaussians.binding import deform
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.mpm import Frame, simulate
-from physagent_jax.render import frames_at_once, render_all
+from physagent_jax.render import choose_batch_size, render_all
 from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.simulation.recording import (
     FrameOutput,
     FrameStatistics,
     Recording,
     RestartCache,
-    rest_centre,
+    find_rest_centre,
 )
-from physagent_jax.simulation.shared_frames import clock_is_right, last_shared_frame, restart_frames
+from physagent_jax.simulation.shared_frames import find_last_shared_frame, find_restart_frames, is_clock_right
 from physagent_jax.simulation.stopwatch import Stopwatch
 
 RESTART_BYTES = 2**30  # of host memory for what a later scene may go on from
@@ -53,13 +53,13 @@ def simulate_scene(
         UserError: The scene cannot be simulated (`mpm.simulate` says why).
     """
     watch = watch or Stopwatch()
-    begin = shared_restart(scene, restart_cache)
+    begin = find_shared_restart(scene, restart_cache)
     outputs, statistics, restarts = _shared(restart_cache, begin)
     reused, total = len(outputs), scene.config.timing.frame_count
     if progress and reused:
         progress(reused, total)
-    wanted, centre = restart_frames(scene.config), rest_centre(scene)
-    for batch in _batches(watch.timed("simulate", scene_frames(scene, begin))):
+    wanted, centre = find_restart_frames(scene.config), find_rest_centre(scene)
+    for batch in _batches(watch.timed("simulate", simulate_frames(scene, begin))):
         with watch("render"):
             outputs += _outputs(scene, batch)
         with watch("simulate"):
@@ -76,23 +76,23 @@ def simulate_scene(
 
 def _batches(frames: Iterator[Frame]) -> Iterator[list[Frame]]:
     """As many frames as are rendered at the same time, again and again."""
-    while batch := list(itertools.islice(frames, frames_at_once())):
+    while batch := list(itertools.islice(frames, choose_batch_size())):
         yield batch
 
 
 def _outputs(scene: CompiledScene, batch: list[Frame]) -> list[FrameOutput]:
-    splats = [splats_at(scene, frame) for frame in batch]
+    splats = [deform_splats(scene, frame) for frame in batch]
     background = scene.config.rendering.background
     pictures = render_all(splats, scene.camera, background=background, kernels=scene.model.kernels)
     shown = [np.asarray(each.means)[: scene.body.cloud.count] for each in splats]
     return [FrameOutput.of(*parts) for parts in zip(pictures, shown, batch)]
 
 
-def shared_restart(scene: CompiledScene, cache: RestartCache | None) -> Frame | None:
+def find_shared_restart(scene: CompiledScene, cache: RestartCache | None) -> Frame | None:
     """The last frame in ``cache`` that ``scene`` can go on from, its state on the device; None = begin at rest."""
     if cache is None or cache.body is not scene.body:
         return None
-    shared = last_shared_frame(cache.config, scene.config)
+    shared = find_last_shared_frame(cache.config, scene.config)
     fit = [index for index in cache.restarts if shared is not None and index <= shared]
     if not fit:
         return None
@@ -118,10 +118,10 @@ def _worth_keeping(
     state_bytes = sum(leaf.nbytes for leaf in jax.tree.leaves(frame.state))
     needed = len(outputs) * outputs[0].nbytes + (len(restarts) + 1) * state_bytes
     timing = scene.config.timing
-    return needed <= RESTART_BYTES and clock_is_right(float(frame.state.time), frame.index, timing.frame_dt)
+    return needed <= RESTART_BYTES and is_clock_right(float(frame.state.time), frame.index, timing.frame_dt)
 
 
-def scene_frames(scene: CompiledScene, begin: Frame | None = None) -> Iterator[Frame]:
+def simulate_frames(scene: CompiledScene, begin: Frame | None = None) -> Iterator[Frame]:
     """The frames of ``scene`` after ``begin``, simulated one after another; from the rest pose on if None."""
     timing = scene.config.timing
     return simulate(
@@ -137,6 +137,6 @@ def scene_frames(scene: CompiledScene, begin: Frame | None = None) -> Iterator[F
     )
 
 
-def splats_at(scene: CompiledScene, frame: Frame) -> Splats:
+def deform_splats(scene: CompiledScene, frame: Frame) -> Splats:
     """The Gaussians of one frame; after those of the body, invisible ones (`CompiledScene.gaussians`)."""
     return deform(*scene.gaussians, frame.state.x, frame.state.F, scene.body.placement.rotation)

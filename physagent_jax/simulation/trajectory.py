@@ -54,7 +54,7 @@ def trajectory(
     Args:
         scene: What to simulate.
         parameters: Numbers in place of its force field's own, traced or not; None = its own.
-        substeps: Steps per frame; None = `static_substeps`, or give them where the scene's model or state is traced.
+        substeps: Steps per frame; None = `find_static_substeps`. Needed where the scene's model or state is traced.
 
     Raises:
         UserError: ``substeps`` is below 1, or the parameters do not fit the scene's force field.
@@ -71,7 +71,7 @@ def trajectory(
 
 def with_static_step(scene: CompiledScene, substeps: int | None = None) -> CompiledScene:
     """The scene with the grid and step that `trajectory` takes, for `mpm.rollout`; arguments and errors as there."""
-    substeps = static_substeps(scene) if substeps is None else substeps
+    substeps = find_static_substeps(scene) if substeps is None else substeps
     if substeps < 1:
         raise UserError("`substeps` must be at least 1", got=substeps)
     timing, domain = scene.config.timing, scene.config.domain
@@ -82,7 +82,7 @@ def with_static_step(scene: CompiledScene, substeps: int | None = None) -> Compi
     return dataclasses.replace(scene, model=model, substeps=substeps)
 
 
-def static_substeps(scene: CompiledScene) -> int:
+def find_static_substeps(scene: CompiledScene) -> int:
     """Steps per frame that `trajectory` takes: as the scene says, or `SAFETY` times the stable bound at rest.
 
     It does not depend on the force field's numbers. Where the scene's model or state is traced it cannot be found.

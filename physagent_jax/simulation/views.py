@@ -8,7 +8,7 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.binding import deform
-from physagent_jax.render import Camera, frames_at_once, render_all
+from physagent_jax.render import Camera, choose_batch_size, render_all
 from physagent_jax.simulation.recording import Recording, to_uint8
 
 
@@ -43,7 +43,7 @@ def render_recording(
     camera = scene.camera if camera is None else camera
     cloud, binding = scene.gaussians
     pictures: list[np.ndarray] = []
-    at_once = frames_at_once()
+    at_once = choose_batch_size()
     for first in range(0, len(wanted), at_once):
         splats = [
             deform(cloud, binding, recording.x[index], recording.F[index], scene.body.placement.rotation)

@@ -12,7 +12,7 @@ import math
 from physagent_jax.agents.context import Round
 from physagent_jax.agents.rules.tolerances import list_windows
 from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, SemanticReply, Verdict
-from physagent_jax.agents.vectors import add, norm, scaled
+from physagent_jax.agents.vectors import add, norm, scale
 from physagent_jax.forces import calibration
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, HalfSpaceRegion
 from physagent_jax.perception.schema import MotionReport, WindowMotion
@@ -51,18 +51,18 @@ class ToyWorld:
         for step in range(last * STEPS + 1):
             push, torque, strain, drive = self._acting(field, max(step - 0.5, 0.0) / STEPS)
             if self.scene.anchored is not None:
-                place, angle = scaled(push, 0.5 * HELD * (step > 0)), scaled(torque, 0.3 * (step > 0))
+                place, angle = scale(push, 0.5 * HELD * (step > 0)), scale(torque, 0.3 * (step > 0))
             if step % STEPS == 0:
                 places.append(place)
                 angles.append(angle)
-                strains.append(scaled(strain, step > 0))
+                strains.append(scale(strain, step > 0))
             if self.scene.anchored is not None:
                 continue
-            gravity = scaled(self.scene.directions.down, GRAVITY if field.default_drop else 0.0)
-            speed = add([speed, scaled(push, dt), scaled(gravity, dt)])
-            turning = add([turning, scaled(torque, dt)])
-            place = add([place, scaled(add([speed, drive]), dt)])
-            angle = add([angle, scaled(turning, dt)])
+            gravity = scale(self.scene.directions.down, GRAVITY if field.default_drop else 0.0)
+            speed = add([speed, scale(push, dt), scale(gravity, dt)])
+            turning = add([turning, scale(torque, dt)])
+            place = add([place, scale(add([speed, drive]), dt)])
+            angle = add([angle, scale(turning, dt)])
         return places, angles, strains
 
     def _acting(self, field: ForceField, frame: float):
@@ -72,20 +72,18 @@ class ToyWorld:
             first, last = item.active_time or (0, self.scene.frame_count - 1)
             if not first <= frame < last:
                 continue
-            vector = scaled(item.vector, self.gain * item.magnitude)
+            vector = scale(item.vector, self.gain * item.magnitude)
             kind = getattr(item, "action_type", None) or item.constraint_type
             if kind is ActionType.TRANSLATION:
-                push.append(scaled(vector, 2.0 * calibration.TRAVEL))
+                push.append(scale(vector, 2.0 * calibration.TRAVEL))
             elif kind in (ActionType.IMPULSE, ConstraintType.PARTICLE_IMPULSE):
-                push.append(
-                    scaled(vector, calibration.TRAVEL * (self.scene.frame_count - 1) / (last - first))
-                )
+                push.append(scale(vector, calibration.TRAVEL * (self.scene.frame_count - 1) / (last - first)))
             elif kind is ActionType.TORQUE:
-                torque.append(scaled(vector, 2.0 * math.degrees(calibration.TURN)))
+                torque.append(scale(vector, 2.0 * math.degrees(calibration.TURN)))
             elif kind is ActionType.SCALE:
                 strain.append(_along(item.vector, calibration.EXPECTED_STRAIN * self.gain * item.magnitude))
             elif not isinstance(item.region, HalfSpaceRegion):
-                drive.append(scaled(item.vector, calibration.PRESCRIBED_TRAVEL * item.magnitude))
+                drive.append(scale(item.vector, calibration.PRESCRIBED_TRAVEL * item.magnitude))
             else:  # one of two end slabs: prescribed, whatever the stiffness
                 side = math.copysign(1.0, sum(v * n for v, n in zip(item.vector, item.region.normal)))
                 share = (frame - first) / (self.scene.frame_count - 1)
@@ -95,16 +93,16 @@ class ToyWorld:
         return add(push), add(torque), add(strain), add(drive)
 
     def _window(self, a: int, b: int, places, angles, strains) -> WindowMotion:
-        moved = [add([p, scaled(places[a], -1.0)]) for p in places[a : b + 1]]
+        moved = [add([p, scale(places[a], -1.0)]) for p in places[a : b + 1]]
         peak = max(range(len(moved)), key=lambda i: norm(moved[i]))
-        turned = add([angles[b], scaled(angles[a], -1.0)])
+        turned = add([angles[b], scale(angles[a], -1.0)])
         degrees = norm(turned)
         stretch = [[0.0] * 3 for _ in range(3)]
         for i in range(3):
             stretch[i][i] = max(1.0 + strains[b][i], 0.05)
         return window(
             a, b, displacement=moved[-1], peak_displacement=moved[peak], peak_frame=a + peak,
-            rotation_degrees=degrees, rotation_axis=scaled(turned, 1 / degrees) if degrees > 1e-9 else None,
+            rotation_degrees=degrees, rotation_axis=scale(turned, 1 / degrees) if degrees > 1e-9 else None,
             stretch=stretch, volume_ratio=math.prod(stretch[i][i] for i in range(3)),
         )  # fmt: skip
 

@@ -12,7 +12,7 @@ from pydantic import Field
 
 from physagent_jax.core import reading
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.names import did_you_mean
+from physagent_jax.core.names import suggest
 from physagent_jax.core.strict import Strict
 
 DEVICES = ("/dev/zero", "/dev/urandom", "/dev/full", "/dev/null")
@@ -173,6 +173,6 @@ def test_counts_are_compared_with_what_there_is():
 
 
 def test_names_are_near_whatever_their_case_and_hyphens():
-    assert "`wet_sand`" in did_you_mean("Wet-Snad", ["wet_sand", "steel", "jelly"])
-    assert did_you_mean("qqqq", ["a", "b"]) == "Known: a, b."
-    assert did_you_mean("qqqq", map(str, range(50))) == ""
+    assert "`wet_sand`" in suggest("Wet-Snad", ["wet_sand", "steel", "jelly"])
+    assert suggest("qqqq", ["a", "b"]) == "Known: a, b."
+    assert suggest("qqqq", map(str, range(50))) == ""

@@ -14,10 +14,10 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces import calibration
 from physagent_jax.forces.parameters import ActionParameters, ForceFieldParameters
 from physagent_jax.forces.schema import ForceField, SkillScaling
-from physagent_jax.forces.skills import closed_form_scaling, compile_force_field, free_path
+from physagent_jax.forces.skills import compile_force_field, compute_free_path, make_closed_form_scaling
 
 FRAMES, FRAME_DT = 26, 0.04
-SCALING = closed_form_scaling(extent=0.83, youngs_modulus=5e4, density=390.0, duration=1.0)
+SCALING = make_closed_form_scaling(extent=0.83, youngs_modulus=5e4, density=390.0, duration=1.0)
 REGION = {"kind": "sphere", "center": [0.4, 0.6, 0.5], "radius": 0.4}
 FIELD = ForceField.model_validate(
     {
@@ -178,7 +178,7 @@ def test_the_free_path_is_what_pushes_and_blows_add_up_to():
         field = ForceField.model_validate(
             {"actions": [{"action_type": kind, "vector": [0, 0, 1], "magnitude": 1.2, **window}]}
         )
-        return free_path(field, SCALING, frame_dt=1 / 200, frame_count=201)[-1, 2]
+        return compute_free_path(field, SCALING, frame_dt=1 / 200, frame_count=201)[-1, 2]
 
     travel = 1.2 * calibration.TRAVEL * 0.83
     np.testing.assert_allclose(end("translation"), travel, rtol=0.01)  # half a frame ahead
@@ -198,5 +198,7 @@ def test_what_one_gives_is_within_what_a_viewer_expects():
 def test_what_one_means_is_said_in_words():
     for skill in SkillScaling.model_fields:
         if skill != "reason":
-            assert calibration.meaning(skill)
-    assert "90 degrees" in calibration.meaning("torque") and "0.15" in calibration.meaning("scale")
+            assert calibration.describe_meaning(skill)
+    assert "90 degrees" in calibration.describe_meaning("torque") and "0.15" in calibration.describe_meaning(
+        "scale"
+    )

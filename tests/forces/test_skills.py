@@ -7,7 +7,7 @@ from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.forces.skills import closed_form_scaling, compile_force_field
+from physagent_jax.forces.skills import compile_force_field, make_closed_form_scaling
 from physagent_jax.mpm import step
 from physagent_jax.mpm.energy import angular_momentum, momentum
 from tests.mpm.blocks import block
@@ -35,7 +35,7 @@ def moved(
         dt=FRAME_DT / per_frame,
         dtype=np.float64,
     )
-    scaling = closed_form_scaling(extent=extent, youngs_modulus=E, density=density, duration=DURATION)
+    scaling = make_closed_form_scaling(extent=extent, youngs_modulus=E, density=density, duration=DURATION)
     forces, constraints = compile_force_field(
         force_field,
         scaling,
@@ -194,7 +194,7 @@ def test_a_thin_neck_is_strained_no_more_than_a_bar(x64):
     thin = np.all(np.abs(x[:, 1:] - 0.7) < 0.05, axis=1)
     keep = thin | ~neck
     rest, volume = x[keep], np.asarray(model.volume)[keep]
-    scaling = closed_form_scaling(extent=0.5, youngs_modulus=1e5, density=1000.0, duration=DURATION)
+    scaling = make_closed_form_scaling(extent=0.5, youngs_modulus=1e5, density=1000.0, duration=DURATION)
     pull = field(action_type="scale")
 
     def strength(rest, volume):
@@ -214,4 +214,4 @@ def test_a_thin_neck_is_strained_no_more_than_a_bar(x64):
 def test_accelerations_beyond_float32_are_refused_in_words(change):
     values = {"extent": 1.0, "youngs_modulus": 1e5, "density": 200.0, "duration": 2.0} | change
     with pytest.raises(UserError, match="closed form for L = "):
-        closed_form_scaling(**values)
+        make_closed_form_scaling(**values)

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from physagent_jax.forces.envelope import Envelope
-from physagent_jax.forces.terms import Wind, still_air
+from physagent_jax.forces.terms import Wind, make_still_air
 
 ALONG = jnp.array([0.6, 0.0, 0.8], jnp.float32)
 
@@ -66,7 +66,7 @@ def test_both_drags_together_match_an_integrator(k1, x64):
 def test_terminal_velocity_under_gravity(k1, k2, x64):
     """g = k1 v + k2 v^2; forces are added at the same v, so the error is g dt / 2 to first order."""
     exact = 9.8 / k1 if k2 == 0 else (-k1 + np.sqrt(k1**2 + 4 * k2 * 9.8)) / (2 * k2)
-    term = still_air(k1, k2, Envelope.constant())
+    term = make_still_air(k1, k2, Envelope.constant())
     fall = [
         -float(blown(term, np.zeros(3), dt=dt, steps=round(20 / dt), gravity=np.array([0, 0, -9.8]))[0, 2])
         for dt in (2e-3, 1e-3)
@@ -118,7 +118,7 @@ def test_nothing_is_dragged_outside_the_window(x64):
 
 def test_still_air_stops_and_keeps_the_direction(x64):
     v0 = np.array([1.0, -2.0, 0.5])
-    v = np.asarray(blown(still_air(0.3, 0.4, Envelope.constant()), v0, dt=0.5, steps=20)[0])
+    v = np.asarray(blown(make_still_air(0.3, 0.4, Envelope.constant()), v0, dt=0.5, steps=20)[0])
     np.testing.assert_allclose(np.cross(v, v0), 0, atol=1e-12)
     assert 0 < v @ v0 < 0.02 * (v0 @ v0)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from physagent_jax.metrics.motion import compare, true_motion
+from physagent_jax.metrics.motion import compare, measure_true_motion
 from physagent_jax.perception.schema import MotionReport, Quality, WindowMotion
 
 
@@ -14,7 +14,7 @@ def box():
 
 
 def test_translation_in_body_lengths(box):
-    moved = true_motion(np.stack([box, box + (1.0, 0, -0.5)]))
+    moved = measure_true_motion(np.stack([box, box + (1.0, 0, -0.5)]))
     assert moved.object_size == pytest.approx(2, rel=0.01)
     assert moved.centroid[1] == pytest.approx((0.5, 0, -0.25), rel=0.01)
     assert moved.rotation_degrees[1] == pytest.approx(0, abs=1e-6)
@@ -25,11 +25,13 @@ def test_rotation_is_unwrapped(box):
     frames = [
         Rotation.from_rotvec(np.radians(a) * np.array((0, 0, 1.0))).apply(box) for a in range(0, 400, 40)
     ]
-    assert true_motion(np.stack(frames)).rotation_degrees == pytest.approx(list(range(0, 400, 40)), abs=1e-6)
+    assert measure_true_motion(np.stack(frames)).rotation_degrees == pytest.approx(
+        list(range(0, 400, 40)), abs=1e-6
+    )
 
 
 def test_squash_is_no_rotation(box):
-    squashed = true_motion(np.stack([box, box * (1.2, 1.2, 0.4)]))
+    squashed = measure_true_motion(np.stack([box, box * (1.2, 1.2, 0.4)]))
     assert squashed.rotation_degrees[1] == pytest.approx(0, abs=1e-6)
     assert squashed.stretch[1] == pytest.approx((1.2, 1.2, 0.4), rel=1e-4)
     assert squashed.volume_ratio[1] == pytest.approx(1.2 * 1.2 * 0.4, rel=1e-4)
@@ -38,11 +40,11 @@ def test_squash_is_no_rotation(box):
 def test_one_stray_particle_does_not_make_a_box(box):
     stray = box.copy()
     stray[0] = (50, 50, 50)
-    assert true_motion(np.stack([box, stray])).volume_ratio[1] == pytest.approx(1, rel=0.01)
+    assert measure_true_motion(np.stack([box, stray])).volume_ratio[1] == pytest.approx(1, rel=0.01)
 
 
 def test_a_single_particle_is_no_error():
-    assert true_motion(np.zeros((2, 1, 3))).rotation_degrees == pytest.approx((0, 0))
+    assert measure_true_motion(np.zeros((2, 1, 3))).rotation_degrees == pytest.approx((0, 0))
 
 
 def report(centroid, rotation, volume, size=1.0):
@@ -78,7 +80,7 @@ def report(centroid, rotation, volume, size=1.0):
 
 
 def test_errors(box):
-    truth = true_motion(np.stack([box, box + (1.0, 0, 0)]))
+    truth = measure_true_motion(np.stack([box, box + (1.0, 0, 0)]))
     errors = compare(report(((0, 0, 0), (0.6, 0, 0)), (0, 3), (1, 0.9), size=truth.object_size), truth)
     assert errors["centroid_error_last"] == pytest.approx(0.1, abs=0.002)
     assert errors["rotation_error_max"] == pytest.approx(3)
@@ -88,7 +90,7 @@ def test_errors(box):
 
 
 def test_unobserved_is_none_not_zero(box):
-    truth = true_motion(np.stack([box, box]))
+    truth = measure_true_motion(np.stack([box, box]))
     errors = compare(report(((0, 0, 0), None), (0, None), (1, None)), truth)
     assert errors["centroid_error_last"] is None and errors["rotation_error_last"] is None
     assert errors["centroid_error_max"] == 0 and errors["frames_observed"] == 1
@@ -96,4 +98,4 @@ def test_unobserved_is_none_not_zero(box):
 
 def test_frames_must_agree(box):
     with pytest.raises(ValueError, match="same clip"):
-        compare(report(((0, 0, 0),), (0,), (1,)), true_motion(np.stack([box, box])))
+        compare(report(((0, 0, 0),), (0,), (1,)), measure_true_motion(np.stack([box, box])))

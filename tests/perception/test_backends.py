@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.metrics.motion import compare, true_motion
+from physagent_jax.metrics.motion import compare, measure_true_motion
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.backends.colour import ColorSegmenter
 from physagent_jax.perception.backends.flow import FlowTracker
@@ -37,7 +37,7 @@ def clip():
 def test_models_measure_a_motion_from_colour_pictures_alone(clip):
     backends = model_backends(clip, forth, back)
     seen = perceive(clip.rgb, None, clip.camera, frame_dt=DT, backends=backends)
-    errors = compare(seen.report, true_motion(clip.particles))
+    errors = compare(seen.report, measure_true_motion(clip.particles))
     assert errors["centroid_error_max"] < 0.03 and errors["size_ratio"] == pytest.approx(1, abs=0.02)
     assert seen.report.object_size == pytest.approx(np.ptp(clip.particles[0], axis=0).max(), rel=0.03)
     assert backends.tracker.model.encodings == 1
@@ -80,7 +80,7 @@ def test_depth_that_is_unsure_of_itself_is_not_used(clip):
     plain = dataclasses.replace(
         backends, depth=type("Sure", (type(backends.depth),), {"estimate": _sure})(clip, blurred=118)
     )
-    truth = true_motion(clip.particles)
+    truth = measure_true_motion(clip.particles)
     kept, fooled = (
         compare(perceive(clip.rgb, None, clip.camera, frame_dt=DT, backends=each).report, truth)
         for each in (backends, plain)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.metrics.motion import compare, true_motion
+from physagent_jax.metrics.motion import compare, measure_true_motion
 from physagent_jax.perception.measure import perceive
 from tests.perception import scenes
 from tests.perception.scenes import bent, blob, film, plant, rotated, stretched, translated
@@ -39,7 +39,7 @@ def seen(name: str):
     shape, motion = MOTIONS[name]
     clip = film(shape(), motion)
     result = perceive(clip.rgb, clip.depth, clip.camera, frame_dt=DT, windows=((3, 9),))
-    truth = true_motion(clip.particles)
+    truth = measure_true_motion(clip.particles)
     return result, truth, compare(result.report, truth)
 
 

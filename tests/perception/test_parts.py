@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from physagent_jax.core.rotations import unwrapped
+from physagent_jax.core.rotations import unwrap
 from physagent_jax.perception import fit, follow, lift, timing
 from physagent_jax.perception.backends.colour import ColorSegmenter
 from physagent_jax.perception.backends.depth_sensor import DepthSensor
 from physagent_jax.perception.backends.flow import FlowTracker
-from physagent_jax.perception.overlay import overlay
+from physagent_jax.perception.overlay import draw_overlay
 from physagent_jax.perception.protocols import Tracks
-from physagent_jax.perception.words import ViewerWords, world_axis
+from physagent_jax.perception.words import ViewerWords, name_world_axis
 from physagent_jax.render.camera import look_at
 from tests.perception import scenes
 
@@ -68,7 +68,7 @@ def test_depth_that_bleeds_at_the_edge_is_not_trusted():
     depth = np.where(mask, 2.0, np.nan).astype(np.float32)
     depth[15, 15:45] = 2.6
     depth[30, 30] = 5.0
-    trusted, noise = lift.trusted_depth(depth, mask)
+    trusted, noise = lift.keep_trusted_depth(depth, mask)
     assert np.nanmax(trusted) == pytest.approx(2.0) and noise == 0
     assert np.isfinite(trusted).sum() > 0.7 * mask.sum()
 
@@ -76,15 +76,15 @@ def test_depth_that_bleeds_at_the_edge_is_not_trusted():
 def test_a_thin_object_keeps_its_depth():
     mask = np.zeros((60, 60), bool)
     mask[10:50, 30:32] = True
-    trusted, _ = lift.trusted_depth(np.full((60, 60), 2.0, np.float32), mask)
+    trusted, _ = lift.keep_trusted_depth(np.full((60, 60), 2.0, np.float32), mask)
     assert np.isfinite(trusted).sum() == mask.sum()
 
 
 def test_the_rim_of_a_round_body_tells_its_middle():
     clip = scenes.film(scenes.blob(axes=(0.4, 0.4, 0.4)), scenes.translated((0, 0, 0)), frames=1)
     depth, mask = clip.depth[0], np.isfinite(clip.depth[0])
-    center = lift.center(lift.trusted_depth(depth, mask)[0], mask, clip.camera)
-    front = lift.middle(lift.surface(depth, clip.camera))
+    center = lift.find_center(lift.keep_trusted_depth(depth, mask)[0], mask, clip.camera)
+    front = lift.find_middle(lift.unproject_surface(depth, clip.camera))
     assert np.linalg.norm(center) < 0.1 < np.linalg.norm(front)
 
 
@@ -106,7 +106,11 @@ def test_a_flat_side_keeps_its_unseen_thickness():
     R = Rotation.from_rotvec((0, 0, 0.6)).as_matrix()
     found = fit.fit_affine(a, a * (1.4, 1, 0.7) @ R.T)
     assert found.matrix == pytest.approx(R @ np.diag((1.4, 1, 0.7)), abs=0.01)
-    assert fit.hidden_spread(a, np.array((0, 1.0, 0))) < 1e-3 < fit.hidden_spread(a, np.array((1.0, 0, 0)))
+    assert (
+        fit.estimate_hidden_spread(a, np.array((0, 1.0, 0)))
+        < 1e-3
+        < fit.estimate_hidden_spread(a, np.array((1.0, 0, 0)))
+    )
 
 
 def test_angles_grow_beyond_half_a_turn():
@@ -114,12 +118,12 @@ def test_angles_grow_beyond_half_a_turn():
     angles = np.radians(np.linspace(0, 500, 26))
     rotations = [Rotation.from_rotvec(a * axis).as_matrix() for a in angles]
     rotations[3] = None
-    vectors = unwrapped(rotations)
+    vectors = unwrap(rotations)
     assert vectors[3] is None
     assert [v @ axis for v in vectors if v is not None] == pytest.approx(
         np.delete(angles, 3).tolist(), abs=1e-6
     )
-    back = unwrapped([Rotation.from_rotvec(a * axis).as_matrix() for a in (*angles, *angles[::-1])])
+    back = unwrap([Rotation.from_rotvec(a * axis).as_matrix() for a in (*angles, *angles[::-1])])
     assert np.linalg.norm(back[-1]) == pytest.approx(0, abs=1e-6)
 
 
@@ -141,7 +145,7 @@ def test_oscillation_of_a_sine(periods):
     t = np.linspace(0, 1, 60)
     path = 0.2 * np.sin(2 * np.pi * periods * t)[:, None] * (0.6, 0, 0.8) + 0.1 * t[:, None] * (0, 1, 0)
     path[7] = np.nan
-    found = timing.oscillation(path, 0.1, 0.01)
+    found = timing.find_oscillation(path, 0.1, 0.01)
     assert found.reversals == 2 * periods
     assert found.frequency_hz == pytest.approx(periods / 5.9, rel=0.03)
     assert found.amplitude == pytest.approx(0.2, rel=0.05)
@@ -153,16 +157,16 @@ def test_oscillation_of_a_sine(periods):
 )
 def test_no_oscillation(path):
     t = np.linspace(0, 1, 50)
-    assert timing.oscillation(path(t)[:, None] * (1.0, 0, 0), 0.1, 0.01) is None
+    assert timing.find_oscillation(path(t)[:, None] * (1.0, 0, 0), 0.1, 0.01) is None
 
 
 def test_onset_and_settling_of_a_ramp():
     ramp = np.clip(np.arange(40) - 10, 0, 15) * 0.05
-    assert timing.onset(ramp, 0.01) == 11
-    assert timing.settled(np.abs(ramp - ramp[-1]), 0.01) == 25
-    assert timing.onset(np.zeros(9), 0.01) is None
-    assert timing.settled(np.abs(np.arange(40) - 39) * 0.05, 0.01) is None
-    assert timing.onset(np.array([0, 0, 0.2, 0, 0]), 0.01) is None, "a single frame's jump is noise"
+    assert timing.find_onset(ramp, 0.01) == 11
+    assert timing.find_settling(np.abs(ramp - ramp[-1]), 0.01) == 25
+    assert timing.find_onset(np.zeros(9), 0.01) is None
+    assert timing.find_settling(np.abs(np.arange(40) - 39) * 0.05, 0.01) is None
+    assert timing.find_onset(np.array([0, 0, 0.2, 0, 0]), 0.01) is None, "a single frame's jump is noise"
 
 
 @pytest.mark.parametrize(
@@ -182,8 +186,8 @@ def test_viewers_words(eye, up):
 
 
 def test_world_axes():
-    assert world_axis((-0.5, 0.01, 0)) == "world -x"
-    assert world_axis((0.5, 0.5, 0)) == "world (0.50, 0.50, 0.00)"
+    assert name_world_axis((-0.5, 0.01, 0)) == "world -x"
+    assert name_world_axis((0.5, 0.5, 0)) == "world (0.50, 0.50, 0.00)"
 
 
 def test_depth_sensor_marks_missing_surface():
@@ -197,11 +201,11 @@ def test_overlay_draws_without_touching_its_input():
     masks = np.zeros((3, 40, 40), bool)
     masks[:, 10:30, 10:30] = True
     tracks = np.full((3, 2, 2), 20.0) + np.arange(3)[:, None, None]
-    drawn = overlay(rgb, masks, tracks, np.ones((3, 2), bool))
+    drawn = draw_overlay(rgb, masks, tracks, np.ones((3, 2), bool))
     assert drawn.shape == rgb.shape and drawn.dtype == np.uint8
     assert (rgb == 200).all() and (drawn[2, 12:28, 12:28] != 200).any()
-    assert overlay(rgb, masks, np.zeros((3, 0, 2)), np.zeros((3, 0), bool)).shape == rgb.shape
-    some = overlay(rgb, masks, tracks, np.ones((3, 2), bool), frames=[2, 0])
+    assert draw_overlay(rgb, masks, np.zeros((3, 0, 2)), np.zeros((3, 0), bool)).shape == rgb.shape
+    some = draw_overlay(rgb, masks, tracks, np.ones((3, 2), bool), frames=[2, 0])
     np.testing.assert_array_equal(some, drawn[[2, 0]])
 
 

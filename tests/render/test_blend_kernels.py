@@ -42,7 +42,7 @@ SCENES = {"sphere": sphere(800), "opaque": opaque(), "thin": thin()}
 def test_pictures_and_gradients_are_the_references(name, width, height):
     scene = SCENES[name]
     camera = look_at((0, -3.2, 0.4), (0.2, 0, 0), (0, 0, 1), fov_degrees=40, width=width, height=height)
-    capacity = pair_capacity(scene, camera)
+    capacity = choose_pair_capacity(scene, camera)
     rng = np.random.default_rng(0)
     weights = jnp.asarray(rng.normal(size=(5, height, width)), jnp.float32)
 
@@ -77,7 +77,7 @@ def test_pictures_and_gradients_are_the_references(name, width, height):
 def test_kernels_repeat_bit_by_bit():
     camera = look_at((0, -3.2, 0.4), (0, 0, 0), (0, 0, 1), fov_degrees=40, width=64, height=64)
     splats = SCENES["sphere"]
-    capacity = pair_capacity(splats, camera)
+    capacity = choose_pair_capacity(splats, camera)
 
     @jax.jit
     def slope(splats):
@@ -91,7 +91,7 @@ def test_a_gaussian_without_an_opacity_is_nothing():
     """NaN is no alpha: the reference leaves such a Gaussian out, and so do the kernels."""
     camera = look_at((0, -3.2, 0.4), (0, 0, 0), (0, 0, 1), fov_degrees=40, width=48, height=48)
     splats = SCENES["sphere"]
-    capacity = pair_capacity(splats, camera)
+    capacity = choose_pair_capacity(splats, camera)
     projected = project(splats, camera)
     spoilt = dataclasses.replace(projected, opacities=projected.opacities.at[::7].set(jnp.nan))
     lists = build_tile_lists(projected, 48, 48, capacity=capacity, tile_size=16)

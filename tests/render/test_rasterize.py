@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.render import look_at, pair_capacity, rasterize, render, renderer
+from physagent_jax.render import choose_pair_capacity, look_at, rasterize, render, renderer
 from physagent_jax.render.project import project
 from physagent_jax.render.reference import render_reference
-from physagent_jax.render.tiles import build_tile_lists, count_pairs, sort_pairs, tile_rectangles
+from physagent_jax.render.tiles import build_tile_lists, count_pairs, find_tile_rectangles, sort_pairs
 from tests.render.scenes import BACKGROUND, camera, random_splats
 
 FIELDS = ("rgb", "depth", "alpha")
@@ -113,7 +113,7 @@ def test_render_grows_its_capacity_once_and_remembers_it():
     small = renderer.capacities[700, 50, 37]
     image = render(splats, near)
     large = renderer.capacities[700, 50, 37]
-    assert small < pair_capacity(splats, near) <= large
+    assert small < choose_pair_capacity(splats, near) <= large
     assert not np.isnan(image.rgb).any()
     compiled = renderer.draw._cache_size()
     render(splats, far)
@@ -164,7 +164,7 @@ def test_tile_lists_hold_exactly_the_pairs_that_reach_a_pixel():
     assert (
         lists.total
         == lists.starts[-1]
-        == np.sum(np.prod(tile_rectangles(projected, 50, 37, 16)[:, 2:], axis=1))
+        == np.sum(np.prod(find_tile_rectangles(projected, 50, 37, 16)[:, 2:], axis=1))
     )
 
 

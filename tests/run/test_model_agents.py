@@ -13,7 +13,7 @@ from physagent_jax.agents.trace import AgentError, FailedCall, Message, Reply, T
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.report.html import write_report
-from physagent_jax.run.best import best_round
+from physagent_jax.run.best import find_best_round
 from physagent_jax.run.manifest import Manifest
 from tests.run.specs import made, small
 
@@ -360,4 +360,4 @@ def verdicts(*pairs):
     ],
 )
 def test_the_best_round(judgements, best):
-    assert best_round(judgements) == best
+    assert find_best_round(judgements) == best

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.files import link_or_copy, remove_leftovers, replacing, write_new, write_text
+from physagent_jax.core.files import link_or_copy, remove_leftovers, replace_file, write_new, write_text
 from physagent_jax.run.manifest import Manifest, Stages
 from physagent_jax.run.store import RunStore
 
@@ -65,7 +65,7 @@ def test_a_file_under_two_names_is_replaced_under_one(tmp_path):
     """As at the top of a run folder: whoever replaces one of the names leaves the other."""
     write_text(tmp_path / "round.npz", "one")
     for _ in range(2):  # a run that was stopped at its end puts the best round on top again
-        with replacing(tmp_path / "top.npz") as temporary:
+        with replace_file(tmp_path / "top.npz") as temporary:
             link_or_copy(tmp_path / "round.npz", temporary)
         assert os.path.samefile(tmp_path / "round.npz", tmp_path / "top.npz")
         assert len(list(tmp_path.iterdir())) == 2
@@ -80,7 +80,7 @@ def test_runs_with_linked_files_are_replaced_and_restored(tmp_path):
         with RunStore.open(path, manifest(name), overwrite=True) as store:
             store.begin()
             write_text(store.claimed("iterations/0/motion.npz"), name)
-            with replacing(store.claimed("motion.npz")) as temporary:
+            with replace_file(store.claimed("motion.npz")) as temporary:
                 link_or_copy(path / "iterations/0/motion.npz", temporary)
             if not stopped:
                 store.finish(stages=Stages())

@@ -12,7 +12,7 @@ from physagent_jax.render.renderer import draw
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import buckets, compile_scene
-from physagent_jax.simulation.simulate import scene_frames, simulate_scene, splats_at
+from physagent_jax.simulation.simulate import deform_splats, simulate_frames, simulate_scene
 
 DOMAIN = c.Domain(size=4.0, cells=48)
 
@@ -93,7 +93,7 @@ def test_a_scene_moves_and_looks_as_without_copies(busy, monkeypatch):
 
 def test_copies_stay_with_their_originals(busy):
     scene = compile_scene(busy, body_of(busy))
-    end = list(scene_frames(scene))[-1].state
+    end = list(simulate_frames(scene))[-1].state
     twice = np.flatnonzero(np.diff(scene.order) == 0)
     assert len(twice) > 0
     for leaf in jax.tree.leaves(dataclasses.replace(end, history=())):
@@ -158,5 +158,5 @@ def test_bands_that_are_zero_are_not_drawn(robot_path):
         cut = dataclasses.replace(body.cloud, sh=sh).of_least_degree()
         assert cut.sh_degree == kept
         np.testing.assert_array_equal(cut.sh, sh[:, : (kept + 1) ** 2])
-    drawn = splats_at(compiled := compile_scene(scene, body), next(iter(scene_frames(compiled))))
+    drawn = deform_splats(compiled := compile_scene(scene, body), next(iter(simulate_frames(compiled))))
     assert drawn.sh.shape[1] == (degree + 1) ** 2

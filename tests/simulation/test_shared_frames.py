@@ -25,8 +25,8 @@ from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.materials import LIBRARY
 from physagent_jax.simulation import simulate as driver
-from physagent_jax.simulation.shared_frames import clock_is_right, last_shared_frame, restart_frames
-from physagent_jax.simulation.simulate import shared_restart, simulate_scene
+from physagent_jax.simulation.shared_frames import find_last_shared_frame, find_restart_frames, is_clock_right
+from physagent_jax.simulation.simulate import find_shared_restart, simulate_scene
 from tests.run.specs import made, small, with_rules
 from tests.run.test_loop import ScriptedPlanner
 
@@ -89,8 +89,8 @@ ENFORCE, BLOW = "enforce_particle_translation", "particle_impulse"
     ],
 )
 def test_frames_shared_by_force_fields(one, other, frame):
-    assert last_shared_frame(scene(*one), scene(*other)) == frame
-    assert last_shared_frame(scene(*other), scene(*one)) == frame
+    assert find_last_shared_frame(scene(*one), scene(*other)) == frame
+    assert find_last_shared_frame(scene(*other), scene(*one)) == frame
 
 
 SCALING = SkillScaling(translation=1, scale=1, impulse=1, torque=1, velocity=1)
@@ -122,17 +122,17 @@ LATE = c.Uniform(acceleration=(1, 0, 0), envelope={"kind": "constant", "start": 
 )
 def test_nothing_is_shared_if_anything_else_differs(parts):
     one = scene(PUSH)
-    assert last_shared_frame(one, one.model_copy(update=parts)) is None
+    assert find_last_shared_frame(one, one.model_copy(update=parts)) is None
 
 
 def test_later_rounds_start_where_something_begins_ends_or_is_cut_short():
     config = scene(act("impulse", 5, 6), act("torque", 10, 30), act("scale", 30, 49))
-    assert restart_frames(config) == (4, 5, 9, 17, 25, 29)
-    assert restart_frames(scene(act("scale"))) == ()
+    assert find_restart_frames(config) == (4, 5, 9, 17, 25, 29)
+    assert find_restart_frames(scene(act("scale"))) == ()
 
 
 def test_a_clock_that_ran_away_is_noticed():
-    assert clock_is_right(0.4001, 10, 0.04) and not clock_is_right(0.42, 10, 0.04)
+    assert is_clock_right(0.4001, 10, 0.04) and not is_clock_right(0.42, 10, 0.04)
 
 
 # --- played -------------------------------------------------------------------------------------------
@@ -264,8 +264,8 @@ def test_another_body_shares_nothing(robot, robot_path):
     item = LATER["stronger blow"][0]
     one, other = (compiled(r, LEFT, item) for r in (robot, template_and_body(robot_path)))
     cache = simulate_scene(one).restart_cache
-    assert shared_restart(one, cache).index == 8
-    assert shared_restart(other, cache) is None
+    assert find_shared_restart(one, cache).index == 8
+    assert find_shared_restart(other, cache) is None
 
 
 # --- in the loop --------------------------------------------------------------------------------------

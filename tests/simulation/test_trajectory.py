@@ -16,8 +16,8 @@ from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.procedural import make_jelly
-from physagent_jax.simulation.simulate import scene_frames
-from physagent_jax.simulation.trajectory import static_substeps, trajectory
+from physagent_jax.simulation.simulate import simulate_frames
+from physagent_jax.simulation.trajectory import find_static_substeps, trajectory
 
 pytestmark = pytest.mark.filterwarnings("ignore:only .* particles per grid cell")
 WINDOW = [0.63, 1.87]  # ends within substeps, where positions are smooth functions of it
@@ -73,7 +73,7 @@ def in_double_precision(scene):
 @pytest.mark.parametrize("name", list(ITEMS))
 def test_derivatives_agree_with_central_differences(name, folder, x64):
     scene = in_double_precision(make_scene(folder, force_field(name, drop=True)))
-    substeps = static_substeps(scene)
+    substeps = find_static_substeps(scene)
     at = jax.tree.map(jnp.asarray, ForceFieldParameters.of(scene.config.force_field, 3))
     weight = np.random.default_rng(0).normal(size=(2, len(scene.state.x), 3, 3))
 
@@ -112,15 +112,15 @@ def test_it_is_the_motion_that_is_simulated(name, folder):
     """With the same fixed step to round-off, with the adaptive one as far as time steps differ."""
     field = force_field(name)
     fixed = make_scene(folder, field, substep_dt=0.05 / 32)
-    frames = list(scene_frames(fixed))
+    frames = list(simulate_frames(fixed))
     path = trajectory(fixed)
-    assert [frame.substeps for frame in frames] == [0, 32, 32] and static_substeps(fixed) == 32
+    assert [frame.substeps for frame in frames] == [0, 32, 32] and find_static_substeps(fixed) == 32
     np.testing.assert_allclose(path.x, [frame.state.x for frame in frames], atol=2e-6)
     np.testing.assert_allclose(path.F, [frame.state.F for frame in frames], atol=2e-5)
     np.testing.assert_allclose(path.time, [frame.state.time for frame in frames], rtol=1e-5)
 
     adaptive = make_scene(folder, field, safety=0.5)
-    x = np.asarray([frame.state.x for frame in scene_frames(adaptive)])
+    x = np.asarray([frame.state.x for frame in simulate_frames(adaptive)])
     moved = np.abs(x - x[0]).max()
     np.testing.assert_allclose(trajectory(adaptive).x, x, atol=0.04 * moved)
 

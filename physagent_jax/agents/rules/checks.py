@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from physagent_jax.agents.matching import thrown_up, together
+from physagent_jax.agents.matching import is_thrown_up, share_time
 from physagent_jax.agents.rules import tolerances
-from physagent_jax.agents.rules.comparisons import View, compare_amount, compare_direction, reason, unseen
+from physagent_jax.agents.rules.comparisons import (
+    View,
+    compare_amount,
+    compare_direction,
+    explain_unobservable,
+    make_unseen_check,
+)
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.agents.vectors import add, cosine, dot, norm, scaled
+from physagent_jax.agents.vectors import add, cosine, dot, norm, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.core.turning import find_turning_points
 from physagent_jax.perception.schema import Matrix, WindowMotion
@@ -19,14 +25,18 @@ _CAME_BACK = 0.6  # of its largest excursion that may be left after letting go
 _UNIAXIAL_VOLUME = 0.4  # volume strain per axial strain at a Poisson's ratio of 0.3
 
 
-def checks_of(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
+def make_checks(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
     """All checks of one expectation."""
     window = view.window(expectation)
     if window is None:
         first, last = tolerances.round_window(expectation, view.report.frame_count)
-        return [unseen(index, expectation, f"frames {first} to {last} are not in the motion report")]
+        return [
+            make_unseen_check(index, expectation, f"frames {first} to {last} are not in the motion report")
+        ]
     if _against_each_other(expectation, view):
-        return [unseen(index, expectation, "parts that move against each other are not told apart")]
+        return [
+            make_unseen_check(index, expectation, "parts that move against each other are not told apart")
+        ]
     checks = _CHECKERS[expectation.kind](index, expectation, window, view)
     return [*checks, *_came_back(index, expectation, window, view)]
 
@@ -40,7 +50,7 @@ def _against_each_other(expectation: ExpectedMotion, view: View) -> bool:
         and other.kind is expectation.kind
         and other.direction is not None
         and cosine(other.direction, expectation.direction) < -_SAME_WAY
-        and together(other, expectation)
+        and share_time(other, expectation)
         for other in view.expectations
     )
 
@@ -54,7 +64,7 @@ def _leaves(window: WindowMotion, view: View) -> bool:
 def _move(index: int, expectation: ExpectedMotion, window: WindowMotion, view: View) -> list[Check]:
     """Net displacement; after a blow or a release, the largest one."""
     if window.displacement is None:
-        return [unseen(index, expectation, reason(window, "displacement"))]
+        return [make_unseen_check(index, expectation, explain_unobservable(window, "displacement"))]
     seen = window.displacement
     direction = expectation.direction
     if expectation.sudden or expectation.released:
@@ -68,11 +78,13 @@ def _move(index: int, expectation: ExpectedMotion, window: WindowMotion, view: V
         view.report.frame_count,
         view.anchored,
         speed,
-        thrown_up(expectation, view.expectations, view.brief),
+        is_thrown_up(expectation, view.expectations, view.brief),
     )
     if _leaves(window, view) and 0 < along < tolerance.low:
         return [
-            unseen(index, expectation, f"it leaves the picture at frame {view.report.quality.leaves_frame}")
+            make_unseen_check(
+                index, expectation, f"it leaves the picture at frame {view.report.quality.leaves_frame}"
+            )
         ]
     checks = []
     if direction is not None and length >= view.visible:
@@ -88,7 +100,7 @@ def _farthest(seen: Vector, direction: Vector | None, window: WindowMotion, view
     """The displacement at its farthest along the direction, anywhere in the window."""
     centroid = view.report.centroid
     start = centroid[window.first]
-    path = [add([p, scaled(start, -1.0)]) for p in centroid[window.first : window.last + 1] if p and start]
+    path = [add([p, scale(start, -1.0)]) for p in centroid[window.first : window.last + 1] if p and start]
     path += [d for d in (window.peak_displacement,) if d is not None]
     return max([seen, *path], key=norm if direction is None else lambda v: dot(v, direction))
 
@@ -102,11 +114,11 @@ def _own_part(seen: Vector, expectation: ExpectedMotion, view: View) -> Vector:
     others += [
         other.direction
         for other in view.expectations
-        if other.kind is MotionKind.MOVE and other.direction is not None and together(other, expectation)
+        if other.kind is MotionKind.MOVE and other.direction is not None and share_time(other, expectation)
     ]
     for other in others:
         if abs(dot(other, direction)) < 0.5:
-            seen = add([seen, scaled(other, -max(dot(seen, other), 0.0))])
+            seen = add([seen, scale(other, -max(dot(seen, other), 0.0))])
     return seen
 
 
@@ -118,7 +130,7 @@ def _instead(window: WindowMotion, moved: float) -> str:
 
 def _rotate(index: int, expectation: ExpectedMotion, window: WindowMotion, view: View) -> list[Check]:
     if window.rotation_degrees is None or (window.rotation_axis is None and window.rotation_degrees > 0):
-        return [unseen(index, expectation, reason(window, "rotation_degrees"))]
+        return [make_unseen_check(index, expectation, explain_unobservable(window, "rotation_degrees"))]
     axis = window.rotation_axis
     angle = window.rotation_degrees
     checks = []
@@ -140,9 +152,9 @@ def _rotate(index: int, expectation: ExpectedMotion, window: WindowMotion, view:
 
 
 def _stretch(index: int, expectation: ExpectedMotion, window: WindowMotion, view: View) -> list[Check]:
-    strain, how = seen_strain(expectation, window, view.brief)
+    strain, how = get_seen_strain(expectation, window, view.brief)
     if strain is None:
-        return [unseen(index, expectation, how)]
+        return [make_unseen_check(index, expectation, how)]
     squeeze = expectation.kind is MotionKind.SQUEEZE
     tolerance = tolerances.expect_strain(expectation, squeeze)
     value = -strain if squeeze else strain
@@ -154,7 +166,7 @@ def _stretch(index: int, expectation: ExpectedMotion, window: WindowMotion, view
     ]
 
 
-def seen_strain(
+def get_seen_strain(
     expectation: ExpectedMotion, window: WindowMotion, brief: SceneBrief
 ) -> tuple[float | None, str]:
     """Relative change of length along the expected direction, and how it was measured (or why not).
@@ -171,7 +183,7 @@ def seen_strain(
         if not hidden:
             return _strain_along(tensor, direction), "from the affine fit"
     if window.volume_ratio is None:
-        return None, reason(window, "stretch" if tensor is None else "volume_ratio")
+        return None, explain_unobservable(window, "stretch" if tensor is None else "volume_ratio")
     if direction is None:
         return max(window.volume_ratio, 0.0) ** (1 / 3) - 1.0, "from the bounding box"
     return (window.volume_ratio - 1.0) / _UNIAXIAL_VOLUME, "from the bounding box"
@@ -189,7 +201,7 @@ def _sway(index: int, expectation: ExpectedMotion, window: WindowMotion, view: V
     """Excursion and number of turns of the centroid along the direction."""
     points = [p for p in view.report.centroid[window.first : window.last + 1] if p is not None]
     if len(points) < 3:
-        return [unseen(index, expectation, "the centroid is not followed")]
+        return [make_unseen_check(index, expectation, "the centroid is not followed")]
     oscillation = view.report.oscillation
     direction = expectation.direction or (oscillation.direction if oscillation else _main_direction(points))
     path = [dot(p, direction) for p in points]
@@ -225,12 +237,12 @@ def _sway(index: int, expectation: ExpectedMotion, window: WindowMotion, view: V
 
 def _main_direction(points: Sequence[Vector]) -> Vector:
     """Direction of the largest excursion from the first point."""
-    return max((add([p, scaled(points[0], -1.0)]) for p in points), key=norm)
+    return max((add([p, scale(points[0], -1.0)]) for p in points), key=norm)
 
 
 def _fall(index: int, expectation: ExpectedMotion, window: WindowMotion, view: View) -> list[Check]:
     if window.displacement is None:
-        return [unseen(index, expectation, reason(window, "displacement"))]
+        return [make_unseen_check(index, expectation, explain_unobservable(window, "displacement"))]
     down = view.brief.directions.down
     fallen = max(dot(d, down) for d in (window.displacement, window.peak_displacement) if d is not None)
     tolerance = tolerances.expect_fall(expectation, view.report.frame_count)
@@ -262,7 +274,7 @@ def _still(index: int, expectation: ExpectedMotion, window: WindowMotion, view: 
         strains = [abs(_strain_along(window.stretch, axis)) for axis in seen_axes]
         ratios["deforms"] = max(strains) / tolerances.STILL_STRAIN
     if not ratios:
-        return [unseen(index, expectation, reason(window, "displacement"))]
+        return [make_unseen_check(index, expectation, explain_unobservable(window, "displacement"))]
     worst = max(ratios, key=lambda name: ratios[name])
     passed = ratios[worst] <= 1.0
     return [
@@ -310,8 +322,8 @@ def _came_back(index: int, expectation: ExpectedMotion, window: WindowMotion, vi
 def _strain_left(
     expectation: ExpectedMotion, window: WindowMotion, view: View
 ) -> tuple[float | None, float | None]:
-    largest, _ = seen_strain(expectation, window, view.brief)
-    left, _ = seen_strain(expectation, view.report.windows[0], view.brief)
+    largest, _ = get_seen_strain(expectation, window, view.brief)
+    left, _ = get_seen_strain(expectation, view.report.windows[0], view.brief)
     return (None if largest is None else abs(largest)), (None if left is None else abs(left))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from physagent_jax.agents.matching import agrees, causes_of
+from physagent_jax.agents.matching import agrees, find_causes
 from physagent_jax.agents.rules import tolerances
 from physagent_jax.agents.rules.tolerances import Tolerance
 from physagent_jax.agents.schema import Check, ExpectedMotion, SceneBrief
@@ -37,11 +37,11 @@ class View:
 
     def causes(self, expectation: ExpectedMotion) -> str:
         """Names of the entries that should cause it, for remedies."""
-        return ", ".join(cause.name for cause in causes_of(expectation, self.force_field))
+        return ", ".join(cause.name for cause in find_causes(expectation, self.force_field))
 
     def driven(self, expectation: ExpectedMotion) -> bool:
         """Whether something in the force field drives it the way that the sentence says."""
-        return any(agrees(cause, expectation) for cause in causes_of(expectation, self.force_field))
+        return any(agrees(cause, expectation) for cause in find_causes(expectation, self.force_field))
 
     def speed(self, frame: int, direction: Vector) -> float:
         """Speed along a direction when a window begins [body lengths per clip]; 0 if not observable."""
@@ -59,7 +59,7 @@ class View:
         return clamp(self.report.quality.depth_noise, tolerances.VISIBLE, 0.08)
 
 
-def unseen(index: int, expectation: ExpectedMotion, why: str) -> Check:
+def make_unseen_check(index: int, expectation: ExpectedMotion, why: str) -> Check:
     """A check that the pictures do not allow; it is not counted."""
     return Check(
         expectation=index,
@@ -71,7 +71,7 @@ def unseen(index: int, expectation: ExpectedMotion, why: str) -> Check:
     )
 
 
-def reason(window: WindowMotion, field: str) -> str:
+def explain_unobservable(window: WindowMotion, field: str) -> str:
     """Why a field of the report is None."""
     return window.unobservable.get(field, f"{field} was not measured")
 
@@ -123,13 +123,15 @@ def compare_direction(
         fix = f"increase the magnitude of {causes}: it points the right way, but other motion overcomes it"
     else:
         fix = (
-            f"reverse {causes}" if contrary else f"point {causes} along {vector_text(expectation.direction)}"
+            f"reverse {causes}"
+            if contrary
+            else f"point {causes} along {format_vector(expectation.direction)}"
         )
     return Check(
         expectation=index,
         question=f"does it {what} the right way?",
         aspect="direction",
-        expected=f"{what} along {vector_text(expectation.direction)}",
+        expected=f"{what} along {format_vector(expectation.direction)}",
         observed=f"a direction whose cosine with it is {similarity:.2f}",
         passed=passed,
         score=round(clamp((similarity + 1.0) / 2.0, 0.0, 1.0), 6) if not passed else 1.0,
@@ -138,6 +140,6 @@ def compare_direction(
     )
 
 
-def vector_text(vector: Vector | None) -> str:
+def format_vector(vector: Vector | None) -> str:
     """A direction for people."""
     return "any direction" if vector is None else "[" + ", ".join(f"{c:.2g}" for c in vector) + "]"

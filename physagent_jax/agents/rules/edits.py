@@ -12,7 +12,7 @@ from physagent_jax.agents.rules.language.schedule import divide
 from physagent_jax.agents.rules.language.timing import BRIEF
 from physagent_jax.agents.rules.tolerances import expect_move, expect_strain, round_window
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.agents.vectors import clamp, scaled
+from physagent_jax.agents.vectors import clamp, scale
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, PRESCRIBED_TRAVEL
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField, VelocityConstraint
 from physagent_jax.perception.schema import MotionReport
@@ -72,7 +72,7 @@ class Case:
         return next((check for check in self.checks if check.aspect == aspect), None)
 
 
-def with_items(field: ForceField, causes: Sequence[Cause], items: Sequence) -> ForceField:
+def replace_items(field: ForceField, causes: Sequence[Cause], items: Sequence) -> ForceField:
     """``field`` with each cause's entry replaced; None removes it."""
     groups = {"actions": list(field.actions), "constraints": list(field.constraints)}
     for cause, item in zip(causes, items):
@@ -80,7 +80,7 @@ def with_items(field: ForceField, causes: Sequence[Cause], items: Sequence) -> F
     return field.model_copy(update={k: tuple(i for i in v if i is not None) for k, v in groups.items()})
 
 
-def names(causes: Sequence[Cause]) -> str:
+def format_names(causes: Sequence[Cause]) -> str:
     """The causes' places in the JSON, for people."""
     return ", ".join(cause.name for cause in causes)
 
@@ -90,19 +90,19 @@ def _scaled_magnitude(item, factor: float):
     return item.model_copy(update={"magnitude": round(math.copysign(size, item.magnitude), 4)})
 
 
-def scale(case: Case, causes: Sequence[Cause], factor: float) -> Change:
+def scale_magnitudes(case: Case, causes: Sequence[Cause], factor: float) -> Change:
     """Multiplies the magnitudes, inside their range."""
     items = [_scaled_magnitude(cause.item, factor) for cause in causes]
-    field = with_items(case.force_field, causes, items)
+    field = replace_items(case.force_field, causes, items)
     sizes = ", ".join(f"{item.magnitude:g}" for item in items)
     return Change(
         field,
-        f"The magnitude of {names(causes)} becomes {sizes} (asked for: x {factor:.2g}).",
+        f"The magnitude of {format_names(causes)} becomes {sizes} (asked for: x {factor:.2g}).",
         "magnitude_range",
     )
 
 
-def actions(case: Case) -> list[Action]:
+def make_actions(case: Case) -> list[Action]:
     """The actions that the fixed mapping gives for an expectation."""
     expectation, table = case.expectation, case.brief.directions
     window = _window(case)
@@ -136,7 +136,7 @@ def _alternating(case: Case, magnitude: float | None = None) -> list[Action]:
     return [
         Action(
             action_type=ActionType.TRANSLATION,
-            vector=scaled(direction, -1.0 if i % 2 else 1.0),
+            vector=scale(direction, -1.0 if i % 2 else 1.0),
             magnitude=magnitude or expectation.strength,
             active_time=part,
         )
@@ -147,9 +147,11 @@ def _alternating(case: Case, magnitude: float | None = None) -> list[Action]:
 def alternate(case: Case, causes: Sequence[Cause]) -> Change:
     """Replaces whatever acts by as many pushes to and fro as the sentence counts."""
     strength = max(abs(cause.item.magnitude) for cause in causes)
-    field = with_items(case.force_field, causes, [None] * len(causes))
+    field = replace_items(case.force_field, causes, [None] * len(causes))
     field = field.model_copy(update={"actions": (*field.actions, *_alternating(case, strength))})
-    return Change(field, f"{names(causes)}: replaced by pushes to and fro, {case.expectation.repeats} times.")
+    return Change(
+        field, f"{format_names(causes)}: replaced by pushes to and fro, {case.expectation.repeats} times."
+    )
 
 
 def pull_ends(case: Case, causes: Sequence[Cause]) -> Change:
@@ -170,23 +172,23 @@ def pull_ends(case: Case, causes: Sequence[Cause]) -> Change:
     pair = tuple(
         VelocityConstraint(
             constraint_type=ConstraintType.PARTICLE_TRANSLATION,
-            vector=scaled(axis, side * outward),
+            vector=scale(axis, side * outward),
             magnitude=size,
             active_time=window,
-            region=make_end_region(scaled(axis, side), _SLAB),
+            region=make_end_region(scale(axis, side), _SLAB),
         )
         for side in (1.0, -1.0)
     )
-    field = with_items(case.force_field, causes, [None] * len(causes))
+    field = replace_items(case.force_field, causes, [None] * len(causes))
     field = field.model_copy(update={"constraints": (*field.constraints, *pair)})
     return Change(
         field,
-        f"{names(causes)} cannot be made stronger: two opposed translations of the end slabs instead.",
+        f"{format_names(causes)} cannot be made stronger: two opposed translations of the end slabs instead.",
         "paired_translation",
     )
 
 
-def particle_impulse(case: Case, causes: Sequence[Cause], gain: float) -> Change:
+def make_particle_impulse(case: Case, causes: Sequence[Cause], gain: float) -> Change:
     """A saturated blow becomes velocity constraints of the same kind, as many as the gain needs (at most two)."""
     wanted = gain * abs(causes[0].item.magnitude)
     sizes = [MAGNITUDE_MAX] + (
@@ -204,11 +206,11 @@ def particle_impulse(case: Case, causes: Sequence[Cause], gain: float) -> Change
         for cause in causes
         for size in sizes
     )
-    field = with_items(case.force_field, causes, [None] * len(causes))
+    field = replace_items(case.force_field, causes, [None] * len(causes))
     field = field.model_copy(update={"constraints": (*field.constraints, *blows)})
     return Change(
         field,
-        f"{names(causes)} cannot be made stronger: {len(blows)} particle impulses instead.",
+        f"{format_names(causes)} cannot be made stronger: {len(blows)} particle impulses instead.",
         "brief_impulse",
     )
 
@@ -232,8 +234,8 @@ def lengthen(case: Case, causes: Sequence[Cause], factor: float) -> Iterator[Cha
         )
     if len(causes) == 1:
         yield Change(
-            with_items(case.force_field, causes, items),
-            f"{names(causes)} cannot be made stronger: it acts for longer.",
+            replace_items(case.force_field, causes, items),
+            f"{format_names(causes)} cannot be made stronger: it acts for longer.",
             "window_in_clip",
         )
 
@@ -250,12 +252,12 @@ def double(case: Case, causes: Sequence[Cause], gain: float) -> Change:
     field = field.model_copy(update={k: (*getattr(field, k), *v) for k, v in twins.items()})
     return Change(
         field,
-        f"{names(causes)} cannot be made stronger: a parallel action carries the rest.",
+        f"{format_names(causes)} cannot be made stronger: a parallel action carries the rest.",
         "magnitude_range",
     )
 
 
-def light_gravity(case: Case, causes: Sequence[Cause]) -> Change:
+def lighten_gravity(case: Case, causes: Sequence[Cause]) -> Change:
     """A throw that gravity swallows: a push downwards instead, as strong as the blow.
 
     A blow M against a push M rises for half a clip, by a quarter of a body length, and falls back in the
@@ -272,7 +274,7 @@ def light_gravity(case: Case, causes: Sequence[Cause]) -> Change:
     field = case.force_field
     field = field.model_copy(update={"default_drop": False, "actions": (*field.actions, fall)})
     return Change(
-        field, f"Gravity overcomes {names(causes)} at once: a gentler push downwards takes its place."
+        field, f"Gravity overcomes {format_names(causes)} at once: a gentler push downwards takes its place."
     )
 
 
@@ -300,10 +302,12 @@ def enforce(case: Case, causes: Sequence[Cause]) -> Change:
         )
         for c in causes[:1]
     )
-    field = with_items(case.force_field, causes, [None] * len(causes))
+    field = replace_items(case.force_field, causes, [None] * len(causes))
     field = field.model_copy(update={"constraints": (*field.constraints, *constraints)})
     return Change(
-        field, f"{names(causes)}: no admissible force is enough, its velocity is prescribed.", "known_skills"
+        field,
+        f"{format_names(causes)}: no admissible force is enough, its velocity is prescribed.",
+        "known_skills",
     )
 
 
@@ -317,15 +321,15 @@ def shorten(case: Case, causes: Sequence[Cause], factor: float, why: str) -> Cha
             cause.item.model_copy(update={"active_time": (first, end)}) if end > first else cause.item
         )
     return Change(
-        with_items(case.force_field, causes, items),
-        f"{names(causes)} acts for a shorter time: {why}.",
+        replace_items(case.force_field, causes, items),
+        f"{format_names(causes)} acts for a shorter time: {why}.",
         "window_in_clip",
     )
 
 
-def fewer(case: Case, causes: Sequence[Cause]) -> Change:
+def remove_last(case: Case, causes: Sequence[Cause]) -> Change:
     """Removes the last of several causes."""
-    field = with_items(case.force_field, causes[-1:], [None])
+    field = replace_items(case.force_field, causes[-1:], [None])
     return Change(field, f"{causes[-1].name} is removed: the others do too much already.")
 
 
@@ -344,6 +348,6 @@ def soften(case: Case, causes: Sequence[Cause]) -> Change:
         for cause in causes
     ]
     return Change(
-        with_items(case.force_field, causes, items),
-        f"{names(causes)}: the weakest blow is too strong, a brief push instead.",
+        replace_items(case.force_field, causes, items),
+        f"{format_names(causes)}: the weakest blow is too strong, a brief push instead.",
     )

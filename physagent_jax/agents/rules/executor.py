@@ -9,7 +9,7 @@ from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.hard_rules import apply_hard_rules
 from physagent_jax.agents.protocols import ExecutorAgent
 from physagent_jax.agents.rules.edits import Case, Change
-from physagent_jax.agents.rules.remedies import remedies
+from physagent_jax.agents.rules.remedies import list_remedies
 from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, Rewrite, SceneBrief
 from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.schema import Action, ForceField
@@ -111,7 +111,7 @@ def _mend(
     field = force_field
     for index, checks in failed.items():
         case = Case(expectations[index], expectations, checks, field, report, brief)
-        options = [change for change in remedies(case) if change.force_field != field]
+        options = [change for change in list_remedies(case) if change.force_field != field]
         if not options:
             continue
         change = options[min(depth, len(options) - 1)]

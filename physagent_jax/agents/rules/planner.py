@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.protocols import PlannerAgent
-from physagent_jax.agents.rules.checks import View, checks_of
+from physagent_jax.agents.rules.checks import View, make_checks
 from physagent_jax.agents.rules.tolerances import list_windows
 from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, Verdict
 from physagent_jax.agents.trace import Reply
@@ -27,7 +27,7 @@ class RulePlanner(PlannerAgent):
         """
         expectations = context.expectations
         view = View(seen.report, seen.force_field, context.brief, expectations)
-        checks = [check for index, e in enumerate(expectations) for check in checks_of(index, e, view)]
+        checks = [check for index, e in enumerate(expectations) for check in make_checks(index, e, view)]
         observable = [check for check in checks if check.passed is not None]
         success = bool(observable) and all(check.passed for check in observable)
         judgement = Judgement(

@@ -8,7 +8,7 @@ library users.
 
 from physagent_jax.forces.terms.attractor import Attractor as Attractor
 from physagent_jax.forces.terms.rigid import mass_centre as mass_centre
-from physagent_jax.forces.terms.rigid import without_rigid_part as without_rigid_part
+from physagent_jax.forces.terms.rigid import remove_rigid_part as remove_rigid_part
 from physagent_jax.forces.terms.stretch import Stretch as Stretch
 from physagent_jax.forces.terms.torque import Torque as Torque
 from physagent_jax.forces.terms.turbulence import Turbulence as Turbulence
@@ -16,4 +16,4 @@ from physagent_jax.forces.terms.uniform import UniformAcceleration as UniformAcc
 from physagent_jax.forces.terms.uniform import UniformField as UniformField
 from physagent_jax.forces.terms.vortex import Vortex as Vortex
 from physagent_jax.forces.terms.wind import Wind as Wind
-from physagent_jax.forces.terms.wind import still_air as still_air
+from physagent_jax.forces.terms.wind import make_still_air as make_still_air

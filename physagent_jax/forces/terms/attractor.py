@@ -9,7 +9,7 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope, Scalar
-from physagent_jax.forces.terms.region import confined
+from physagent_jax.forces.terms.region import confine
 from physagent_jax.mpm.fields import PER_PARTICLE
 
 
@@ -44,7 +44,7 @@ class Attractor:
         del v, mass
         arm, squared = self._arm(x)
         pull = self.strength * self.envelope.mean(time, dt) * squared ** (-0.5 * (self.power + 1))
-        return confined(-pull[:, None] * arm, self.weight)
+        return confine(-pull[:, None] * arm, self.weight)
 
     def gradient(self, x, time, dt):
         """d acceleration / d x [1/s^2], shape (n, 3, 3)."""
@@ -52,7 +52,7 @@ class Attractor:
         pull = self.strength * self.envelope.mean(time, dt) * squared ** (-0.5 * (self.power + 1))
         steepness = ((self.power + 1) / squared)[:, None, None]
         tangent = jnp.eye(3, dtype=x.dtype) - steepness * arm[:, :, None] * arm[:, None, :]
-        return confined(-pull[:, None, None] * tangent, self.weight)
+        return confine(-pull[:, None, None] * tangent, self.weight)
 
     def potential(self, x: jax.Array) -> jax.Array:
         """Potential energy per unit mass [m^2/s^2], shape (n,), 0 where r = 1 m: acceleration = -grad potential.

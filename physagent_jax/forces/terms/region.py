@@ -5,7 +5,7 @@ from __future__ import annotations
 import jax
 
 
-def confined(value: jax.Array, weight: jax.Array | None) -> jax.Array:
+def confine(value: jax.Array, weight: jax.Array | None) -> jax.Array:
     """``value`` times the region's weight.
 
     Args:

@@ -14,7 +14,7 @@ def mass_centre(x: jax.Array, mass: jax.Array) -> jax.Array:
     return sum_particles((mass[:, None] * x).sum(0)) / sum_particles(mass.sum())
 
 
-def without_rigid_part(field: jax.Array, arm: jax.Array, mass: jax.Array) -> jax.Array:
+def remove_rigid_part(field: jax.Array, arm: jax.Array, mass: jax.Array) -> jax.Array:
     """Subtracts the rigid acceleration that ``field`` would give a rigid body of these particles.
 
     Args:

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.forces.terms.rigid import mass_centre, without_rigid_part
+from physagent_jax.forces.terms.rigid import mass_centre, remove_rigid_part
 from physagent_jax.mpm.fields import END, PER_PARTICLE, START
 from physagent_jax.mpm.protocols import window_fraction
 
@@ -46,7 +46,7 @@ class Stretch:
         strength = self.magnitude * growth * window_fraction(time, dt, self.start, self.end)
         arm = x - mass_centre(x, mass)
         side = jnp.sign((arm * self.axis).sum(-1))
-        field = strength * without_rigid_part(side[:, None] * self.axis, arm, mass)
+        field = strength * remove_rigid_part(side[:, None] * self.axis, arm, mass)
         return field if self.weight is None else self.weight[:, None] * field
 
     def gradient(self, x, time, dt):

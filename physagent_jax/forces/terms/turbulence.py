@@ -11,7 +11,7 @@ import numpy as np
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope, Scalar
-from physagent_jax.forces.terms.region import confined
+from physagent_jax.forces.terms.region import confine
 from physagent_jax.mpm.fields import PER_PARTICLE
 
 _HIGHEST = jax.lax.Precision.HIGHEST  # phases of many radians do not survive a shortened mantissa
@@ -99,14 +99,14 @@ class Turbulence:
         del v, mass
         waves = jnp.cos(self._phase(x, time, dt))
         field = self._amplitude(time, dt) * jnp.matmul(waves, self.polarisations, precision=_HIGHEST)
-        return confined(field, self.weight)
+        return confine(field, self.weight)
 
     def gradient(self, x, time, dt):
         """d acceleration / d x [1/s^2], shape (n, 3, 3)."""
         slopes = jnp.sin(self._phase(x, time, dt))
         dyads = (self.polarisations[:, :, None] * self.wave_vectors[:, None, :]).reshape(-1, 9)
         tangent = jnp.matmul(slopes, dyads, precision=_HIGHEST).reshape(-1, 3, 3)
-        return confined(-self._amplitude(time, dt) / self.length_scale * tangent, self.weight)
+        return confine(-self._amplitude(time, dt) / self.length_scale * tangent, self.weight)
 
     def _phase(self, x: jax.Array, time: jax.Array, dt: jax.Array) -> jax.Array:
         """Of every mode at every particle [rad], shape (n, N)."""

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope
-from physagent_jax.forces.terms.region import confined
+from physagent_jax.forces.terms.region import confine
 from physagent_jax.mpm.fields import END, PER_PARTICLE, START
 from physagent_jax.mpm.protocols import window_fraction
 
@@ -61,7 +61,7 @@ class UniformField:
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
         del v, mass
-        return confined(jnp.broadcast_to(self.value * self.envelope.mean(time, dt), x.shape), self.weight)
+        return confine(jnp.broadcast_to(self.value * self.envelope.mean(time, dt), x.shape), self.weight)
 
     def gradient(self, x, time, dt):
         """None: uniform."""

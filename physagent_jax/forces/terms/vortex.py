@@ -9,7 +9,7 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope, Scalar
-from physagent_jax.forces.terms.region import confined
+from physagent_jax.forces.terms.region import confine
 from physagent_jax.mpm.fields import PER_PARTICLE
 from physagent_jax.mpm.linalg import cross, skew
 
@@ -55,7 +55,7 @@ class Vortex:
         across, squared, falloff = self._place(x, time, dt)
         turning = self.swirl * cross(jnp.broadcast_to(self.axis, across.shape), across) - self.inward * across
         field = turning / jnp.sqrt(squared)[:, None] + self.axial * self.axis
-        return confined(falloff[:, None] * field, self.weight)
+        return confine(falloff[:, None] * field, self.weight)
 
     def gradient(self, x, time, dt):
         """d acceleration / d x [1/s^2], shape (n, 3, 3)."""
@@ -67,7 +67,7 @@ class Vortex:
         length = jnp.sqrt(squared)[:, None]
         slope = (self.power + 1) * turning / length + self.power * self.axial * self.axis
         tangent = turn / length[..., None] - slope[:, :, None] * (across / squared[:, None])[:, None, :]
-        return confined(falloff[:, None, None] * tangent, self.weight)
+        return confine(falloff[:, None, None] * tangent, self.weight)
 
     def _place(self, x: jax.Array, time: jax.Array, dt: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
         """d, shape (n, 3), r^2, shape (n,), and (core / r)^power times the envelope, shape (n,)."""

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope, Scalar
-from physagent_jax.forces.terms.region import confined
+from physagent_jax.forces.terms.region import confine
 from physagent_jax.mpm.fields import PER_PARTICLE
 
 
@@ -70,14 +70,14 @@ class Wind:
             across = arm - (arm * self.direction).sum(-1, keepdims=True) * self.direction
             blown = (across**2).sum(-1) <= self.radius**2
             field = jnp.where(blown[:, None], field, 0.0)
-        return confined(field, self.weight)
+        return confine(field, self.weight)
 
     def gradient(self, x, time, dt):
         """None: the air is uniform."""
         del x, time, dt
 
 
-def still_air(
+def make_still_air(
     linear_drag: Scalar, quadratic_drag: Scalar, envelope: Envelope, weight: jax.Array | None = None
 ) -> Wind:
     """The drag of air at rest: a `Wind` of speed 0.

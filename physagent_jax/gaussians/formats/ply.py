@@ -17,9 +17,9 @@ from typing import Any, BinaryIO
 import numpy as np
 from plyfile import PlyData, PlyElement, PlyListProperty, PlyParseError
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import shortened
+from physagent_jax.core.reading import shorten
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.formats.ply_header import read_ply_header
 
@@ -89,7 +89,7 @@ def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) ->
             do="Lower the threshold",
         )
     kept = (means[keep], _unit_quats(path, quats[keep]), scales[keep], opacities[keep], sh[keep])
-    return GaussianCloud(*(on_device(values, np.float32) for values in kept))
+    return GaussianCloud(*(to_device(values, np.float32) for values in kept))
 
 
 def _usable(path: Path, *, logits: np.ndarray, **values: np.ndarray) -> np.ndarray:
@@ -151,7 +151,7 @@ def _read_vertices(path: Path) -> PlyElement:
     try:
         data = PlyData.read(os.fspath(path))
     except (PlyParseError, ValueError) as error:  # ValueError: words where text should hold numbers
-        message = shortened(error)
+        message = shorten(error)
         if "early end-of-file" in message and "element" in message:
             what, do = f"{path} is truncated", "Copy or export the file again"
         else:

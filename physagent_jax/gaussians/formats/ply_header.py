@@ -11,7 +11,7 @@ from typing import BinaryIO
 import numpy as np
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import check_counts, open_regular, shortened
+from physagent_jax.core.reading import check_counts, open_regular, shorten
 
 MOST_BYTES = 16 * 2**30  # 60 million Gaussians with all their colours
 _HEADER_BYTES = 2**20
@@ -85,7 +85,7 @@ def read_ply_header(path: str | Path) -> PlyHeader:
     Raises:
         UserError: The file is missing or no PLY, its header makes no sense, or it cannot hold what it announces.
     """
-    shown = shortened(path)
+    shown = shorten(path)
     with open_regular(path, most=MOST_BYTES) as file:
         size = os.fstat(file.fileno()).st_size
         header = _parsed(file.read(_HEADER_BYTES), shown)
@@ -116,7 +116,7 @@ def _parsed(data: bytes, shown: str) -> PlyHeader:
             case [] | ["comment" | "obj_info", *_]:
                 pass
             case _:
-                raise _no_ply(shown, f"the line {shortened(line, 60)!r}")
+                raise _no_ply(shown, f"the line {shorten(line, 60)!r}")
     if order is None:
         raise _no_ply(shown, "an unknown format")
     return PlyHeader(tuple(elements), order, newline + 1)
@@ -124,13 +124,13 @@ def _parsed(data: bytes, shown: str) -> PlyHeader:
 
 def _count(text: str, shown: str) -> int:
     if len(text) > 20 or not text.lstrip("-").isascii() or not text.lstrip("-").isdecimal():
-        raise _no_ply(shown, f"a count of {shortened(text, 40)!r}")
+        raise _no_ply(shown, f"a count of {shorten(text, 40)!r}")
     return int(text)
 
 
 def _type(name: str, shown: str) -> str:
     if name not in _TYPES:
-        raise _no_ply(shown, f"a property of type {shortened(name, 40)!r}")
+        raise _no_ply(shown, f"a property of type {shorten(name, 40)!r}")
     return _TYPES[name]
 
 

@@ -38,7 +38,7 @@ class ColorSegmenter(Segmenter):
             raise UserError(
                 "segmentation by colour takes no prompt", do="Leave it out, or choose another segmenter"
             )
-        background, spread = border_colour(frames)
+        background, spread = find_border_colour(frames)
         threshold = max(
             self.threshold, min(3 * spread, 5 * self.threshold)
         )  # a busy border must not hide all
@@ -77,7 +77,7 @@ class ColorSegmenter(Segmenter):
         return refined
 
 
-def border_colour(frames: np.ndarray) -> tuple[np.ndarray, float]:
+def find_border_colour(frames: np.ndarray) -> tuple[np.ndarray, float]:
     """Median colour of the border over all frames, shape (3,), and its median absolute deviation."""
     edges = [frames[:, 0], frames[:, -1], frames[:, :, 0], frames[:, :, -1]]
     border = np.concatenate([e.reshape(-1, 3) for e in edges]).astype(np.float32)

@@ -12,7 +12,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import check_regular
 from physagent_jax.mpm import Contact, boundaries
 from physagent_jax.scene import config as c
-from physagent_jax.scene.compile.select import to_device
+from physagent_jax.scene.compile.select import to_array
 from physagent_jax.scene.mesh_files import MOST_BYTES
 from physagent_jax.scene.placement import find_extra_rotation
 from physagent_jax.scene.signed_distance import load_solid, sample
@@ -40,44 +40,44 @@ def _compiled(boundary: c.Boundary, domain: c.Domain, place: str, base_dir: str 
             return boundaries.DomainBox(boundary.padding)
         case c.HalfSpace():
             return boundaries.HalfSpace(
-                point=to_device(boundary.point), normal=to_device(boundary.normal), **_contact(boundary)
+                point=to_array(boundary.point), normal=to_array(boundary.normal), **_contact(boundary)
             )
         case c.Sphere():
             return boundaries.Sphere(
-                point=to_device(boundary.point),
-                radius=to_device(boundary.radius),
+                point=to_array(boundary.point),
+                radius=to_array(boundary.radius),
                 container=boundary.container,
                 **_contact(boundary),
             )
         case c.Box():
             return boundaries.Box(
-                point=to_device(boundary.point),
-                half_size=to_device(boundary.half_size),
+                point=to_array(boundary.point),
+                half_size=to_array(boundary.half_size),
                 container=boundary.container,
                 **_contact(boundary),
             )
         case c.Mesh():
             values, origin = _sampled(boundary, domain, place, base_dir)
             return boundaries.SignedDistance(
-                values=to_device(values), origin=to_device(origin), spacing=domain.dx, **_contact(boundary)
+                values=to_array(values), origin=to_array(origin), spacing=domain.dx, **_contact(boundary)
             )
         case c.Cuboid():
             return boundaries.Cuboid(
-                point=to_device(boundary.point),
-                half_size=to_device(boundary.half_size),
-                velocity=to_device(boundary.velocity),
-                start=to_device(boundary.start),
-                end=to_device(boundary.end),
+                point=to_array(boundary.point),
+                half_size=to_array(boundary.half_size),
+                velocity=to_array(boundary.velocity),
+                start=to_array(boundary.start),
+                end=to_array(boundary.end),
             )
 
 
 def _contact(obstacle: c.HalfSpace | c.Sphere | c.Box | c.Mesh) -> dict[str, Any]:
     return dict(
-        friction=to_device(obstacle.friction),
-        start=to_device(obstacle.start),
-        end=to_device(obstacle.end),
+        friction=to_array(obstacle.friction),
+        start=to_array(obstacle.start),
+        end=to_array(obstacle.end),
         contact=Contact(obstacle.surface.value),
-        velocity=to_device(obstacle.velocity) if any(obstacle.velocity) else None,
+        velocity=to_array(obstacle.velocity) if any(obstacle.velocity) else None,
     )
 
 

@@ -12,7 +12,7 @@ import dataclasses
 import jax
 import numpy as np
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.gaussians.binding import Binding
 from physagent_jax.gaussians.cloud import GaussianCloud
 
@@ -50,7 +50,7 @@ def find_places(mask: np.ndarray) -> jax.Array:
 
 def pad_indices(held: np.ndarray, count: int) -> jax.Array:
     """Indices of ``held`` particles and, to fill the bucket, their ``count``: no particle, which nothing is done to."""
-    return on_device(np.pad(held, (0, round_up(len(held)) - len(held)), constant_values=count), np.int32)
+    return to_device(np.pad(held, (0, round_up(len(held)) - len(held)), constant_values=count), np.int32)
 
 
 def pad_gaussians(cloud: GaussianCloud, binding: Binding) -> tuple[GaussianCloud, Binding]:
@@ -59,8 +59,8 @@ def pad_gaussians(cloud: GaussianCloud, binding: Binding) -> tuple[GaussianCloud
 
     def last_again(leaf: jax.Array) -> jax.Array:
         rows = np.asarray(leaf)
-        return on_device(np.concatenate([rows, np.repeat(rows[-1:], missing, axis=0)]))
+        return to_device(np.concatenate([rows, np.repeat(rows[-1:], missing, axis=0)]))
 
     filled, binding = jax.tree.map(last_again, (cloud, binding))
-    opacities = on_device(np.pad(np.asarray(cloud.opacities), (0, missing)))
+    opacities = to_device(np.pad(np.asarray(cloud.opacities), (0, missing)))
     return dataclasses.replace(filled, opacities=opacities), binding

@@ -10,7 +10,7 @@ from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.mpm import PrescribedMotion
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile import buckets
-from physagent_jax.scene.compile.select import DTYPE, check_not_empty, select_box, select_cylinder, to_device
+from physagent_jax.scene.compile.select import DTYPE, check_not_empty, select_box, select_cylinder, to_array
 
 STILL = (0.0, 0.0, 0.0)
 
@@ -26,8 +26,8 @@ def compile_constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarra
                 change = constraint.delta_velocity or constraint.force
                 # A force per particle accelerates by F / m; a velocity change by dv / duration.
                 weight = inside / mass if constraint.force else inside / constraint.duration
-                window = to_device(constraint.start), to_device(constraint.start + constraint.duration)
-                forces.append(UniformAcceleration(to_device(change), *window, to_device(weight)))
+                window = to_array(constraint.start), to_array(constraint.start + constraint.duration)
+                forces.append(UniformAcceleration(to_array(change), *window, to_array(weight)))
             case c.ParticleTranslation():
                 inside = select_box(rest, constraint, place)
                 motions.append(_motion(inside, constraint, constraint.velocity, STILL, constraint.point))
@@ -47,18 +47,18 @@ def compile_constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarra
                 inside, times = _release_times(rest, constraint, place)
                 held = _motion(inside, constraint, STILL, STILL, STILL)
                 ends = np.pad(times, (0, len(held.particles) - len(times)))
-                motions.append(dataclasses.replace(held, end=to_device(ends)))
+                motions.append(dataclasses.replace(held, end=to_array(ends)))
     return tuple(forces), tuple(motions)
 
 
 def _motion(inside: np.ndarray, constraint, velocity, angular_velocity, center) -> PrescribedMotion:
     return PrescribedMotion(
         particles=buckets.find_places(inside),
-        velocity=to_device(velocity),
-        angular_velocity=to_device(angular_velocity),
-        center=to_device(center),
-        start=to_device(constraint.start),
-        end=to_device(constraint.end),
+        velocity=to_array(velocity),
+        angular_velocity=to_array(angular_velocity),
+        center=to_array(center),
+        start=to_array(constraint.start),
+        end=to_array(constraint.end),
     )
 
 

@@ -10,12 +10,12 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces import terms
 from physagent_jax.forces.envelope import Envelope, EnvelopeKind
 from physagent_jax.forces.parameters import ForceFieldParameters
-from physagent_jax.forces.regions import region_mask
-from physagent_jax.forces.skills import closed_form_scaling, compile_force_field
+from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.forces.skills import compile_force_field, make_closed_form_scaling
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import buckets
-from physagent_jax.scene.compile.select import DTYPE, to_device
+from physagent_jax.scene.compile.select import DTYPE, to_array
 
 
 def compile_forces(
@@ -50,7 +50,7 @@ def compile_force_terms(config: c.SceneConfig, rest: np.ndarray) -> tuple:
             )
         weight = None
         if term.region is not None:
-            weight = to_device(region_mask(term.region, rest, f"{place}.region"))
+            weight = to_array(make_region_mask(term.region, rest, f"{place}.region"))
         compiled.append(_term(term, _envelope(term.envelope), weight))
     return tuple(compiled)
 
@@ -59,48 +59,48 @@ def _term(term: c.ForceTerm, envelope: Envelope, weight):
     match term:
         case c.Wind():
             return terms.Wind(
-                direction=to_device(term.direction or (1.0, 0.0, 0.0)),  # of still air, any
-                speed=to_device(term.speed),
-                linear_drag=to_device(term.linear_drag),
-                quadratic_drag=to_device(term.quadratic_drag),
+                direction=to_array(term.direction or (1.0, 0.0, 0.0)),  # of still air, any
+                speed=to_array(term.speed),
+                linear_drag=to_array(term.linear_drag),
+                quadratic_drag=to_array(term.quadratic_drag),
                 envelope=envelope,
-                center=None if term.center is None else to_device(term.center),
-                radius=None if term.radius is None else to_device(term.radius),
+                center=None if term.center is None else to_array(term.center),
+                radius=None if term.radius is None else to_array(term.radius),
                 weight=weight,
             )
         case c.Attractor():
-            place = to_device(term.point), to_device(term.strength)
-            return terms.Attractor(*place, to_device(term.power), to_device(term.softening), envelope, weight)
+            place = to_array(term.point), to_array(term.strength)
+            return terms.Attractor(*place, to_array(term.power), to_array(term.softening), envelope, weight)
         case c.Vortex():
             return terms.Vortex(
-                point=to_device(term.point),
-                axis=to_device(term.axis),
-                swirl=to_device(term.swirl),
-                inward=to_device(term.inward),
-                axial=to_device(term.axial),
-                core=to_device(term.core),
-                power=to_device(term.power),
+                point=to_array(term.point),
+                axis=to_array(term.axis),
+                swirl=to_array(term.swirl),
+                inward=to_array(term.inward),
+                axial=to_array(term.axial),
+                core=to_array(term.core),
+                power=to_array(term.power),
                 envelope=envelope,
                 weight=weight,
             )
         case c.Turbulence():
             return terms.Turbulence.from_seed(
                 term.seed,
-                strength=to_device(term.strength),
-                length_scale=to_device(term.length_scale),
-                time_scale=to_device(term.time_scale),
+                strength=to_array(term.strength),
+                length_scale=to_array(term.length_scale),
+                time_scale=to_array(term.time_scale),
                 envelope=envelope,
                 modes=term.modes,
                 weight=weight,
                 dtype=DTYPE,
             )
         case c.Uniform():
-            return terms.UniformField(to_device(term.acceleration), envelope, weight)
+            return terms.UniformField(to_array(term.acceleration), envelope, weight)
 
 
 def _envelope(envelope: c.Envelope) -> Envelope:
     values = envelope.model_dump(exclude={"kind"})
-    return Envelope(EnvelopeKind(envelope.kind), **{name: to_device(value) for name, value in values.items()})
+    return Envelope(EnvelopeKind(envelope.kind), **{name: to_array(value) for name, value in values.items()})
 
 
 def compile_skills(
@@ -112,7 +112,7 @@ def compile_skills(
 ) -> tuple[tuple, tuple]:
     """The force field alone; as `compile_forces`, with ``parameters`` as for `compile_force_field`."""
     timing = config.timing
-    scaling = config.scaling or closed_form_scaling(
+    scaling = config.scaling or make_closed_form_scaling(
         extent=body.extent,
         youngs_modulus=config.material.youngs_modulus,
         density=config.material.density,

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import jax
 import numpy as np
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.mpm import materials as m
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
@@ -92,7 +92,7 @@ class ParticleMaterials:
 
 
 def _leaf(values: np.ndarray) -> jax.Array:
-    return on_device(values, DTYPE)
+    return to_device(values, DTYPE)
 
 
 def _make_builder(law: Callable, *names: str) -> Callable[[ParticleMaterials, c.Material], m.Material]:

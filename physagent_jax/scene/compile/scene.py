@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.gaussians.binding import Binding
 from physagent_jax.gaussians.cloud import GaussianCloud
@@ -125,10 +125,10 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     falling = config.force_field.default_drop or config.always_gravity
     model = Model(
         grid=Grid.whole(config.domain.size, config.domain.cells),
-        dt=on_device(config.timing.frame_dt, DTYPE),
-        gravity=on_device(config.gravity, DTYPE) if falling and any(config.gravity) else None,
-        mass=on_device(share * whole, DTYPE),
-        volume=on_device(volume, DTYPE),
+        dt=to_device(config.timing.frame_dt, DTYPE),
+        gravity=to_device(config.gravity, DTYPE) if falling and any(config.gravity) else None,
+        mass=to_device(share * whole, DTYPE),
+        volume=to_device(volume, DTYPE),
         materials=materials.build_materials(),
         forces=(*forces, *imposed),
         boundaries=compile_boundaries(config, base_dir),
@@ -139,9 +139,9 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         rpic_damping=config.transfer.rpic_damping,
         damping_rate=config.transfer.damping_rate,
     )
-    state = State.at_rest(on_device(rest), materials=model.materials)
+    state = State.at_rest(to_device(rest), materials=model.materials)
     substeps = _substeps(config, model, state)
-    model = model.replace(dt=on_device(config.timing.frame_dt / substeps, DTYPE))
+    model = model.replace(dt=to_device(config.timing.frame_dt / substeps, DTYPE))
     camera = make_reference_camera(config.camera, config.rendering, config.domain)
     anchored = int(held @ share + 0.5)
     return CompiledScene(config, body, model, state, substeps, camera, order, anchored, len(bodies))

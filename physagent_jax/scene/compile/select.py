@@ -5,16 +5,16 @@ from __future__ import annotations
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.core.arrays import on_device
+from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.scene import config as c
 
 DTYPE = np.float32
 
 
-def to_device(value) -> jnp.ndarray:
+def to_array(value) -> jnp.ndarray:
     """``value`` as an array of the particles' dtype."""
-    return on_device(value, DTYPE)
+    return to_device(value, DTYPE)
 
 
 def select_box(rest: np.ndarray, box, place: str) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.names import nearest
+from physagent_jax.core.names import find_nearest
 from physagent_jax.scene.materials.entry import NamedMaterial
 from physagent_jax.scene.materials.granular import GRANULAR
 from physagent_jax.scene.materials.hard import HARD
@@ -26,7 +26,7 @@ def find_material(name: str) -> NamedMaterial:
     found = LIBRARY.get(key) or _BY_ALIAS.get(key)
     if found is not None:
         return found
-    close = nearest(key, [*LIBRARY, *_BY_ALIAS], count=4)
+    close = find_nearest(key, [*LIBRARY, *_BY_ALIAS], count=4)
     close += [known for known in (*LIBRARY, *_BY_ALIAS) if key and key in known and known not in close]
     hint = f"Close: {', '.join(close[:6])}. " if close else ""
     raise UserError(

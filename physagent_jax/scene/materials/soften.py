@@ -12,7 +12,7 @@ import math
 from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import validation_message
+from physagent_jax.core.reading import format_validation_error
 from physagent_jax.scene.config.material import WITHOUT_STRESS, Material, MaterialModel
 from physagent_jax.scene.materials.cost import count_substeps, stiffness
 
@@ -48,7 +48,7 @@ def soften(material: Material, factor: float) -> Material:
     try:
         soft = _scaled(material, 1 / factor)
     except ValidationError as error:
-        raise validation_message(error, "the softened material", do="Soften it less") from None
+        raise format_validation_error(error, "the softened material", do="Soften it less") from None
     return soft.changed(
         reason=f"{_join(material.reason)}{factor:g} times as soft, with the same strains at yield"
     )

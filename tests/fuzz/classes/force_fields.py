@@ -8,7 +8,7 @@ import numpy as np
 
 from physagent_jax.core.reading import read_model
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.forces.skills import closed_form_scaling, compile_force_field
+from physagent_jax.forces.skills import compile_force_field, make_closed_form_scaling
 from tests.fuzz.classes.scenes import ACTIONS, HELD, REGIONS
 from tests.fuzz.contract import Case
 from tests.fuzz.drawing import Draw, altered, damaged, encoded, of_schema
@@ -47,7 +47,7 @@ def _compiled(folder: Path, body: str):
         rest[:, 1:] = 1.0
     elif body == "a point":
         rest[:] = 1.0
-    scaling = closed_form_scaling(
+    scaling = make_closed_form_scaling(
         extent=1.0, youngs_modulus=1e5, density=200.0, duration=(FRAMES - 1) * FRAME_DT
     )
     volume = np.full(len(rest), 1e-3, np.float32)

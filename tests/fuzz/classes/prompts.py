@@ -8,7 +8,7 @@ from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.forces.skills import closed_form_scaling, compile_force_field
+from physagent_jax.forces.skills import compile_force_field, make_closed_form_scaling
 from tests.agents.scenes import IDENTITY, brief, judge, read, rewrite, seen_in, table
 from tests.agents.sentences import SENTENCES
 from tests.fuzz.contract import Breach, Case, Fault
@@ -184,7 +184,7 @@ def _compiled(field: ForceField, scene: SceneBrief):
     rest = np.stack(np.meshgrid(axis, axis, axis), -1).reshape(-1, 3)
     volume, timing = np.full(len(rest), 1e-3, np.float32), (scene.frame_dt, scene.frame_count)
     duration = (scene.frame_count - 1) * scene.frame_dt
-    scaling = closed_form_scaling(extent=1.0, youngs_modulus=1e5, density=200.0, duration=duration)
+    scaling = make_closed_form_scaling(extent=1.0, youngs_modulus=1e5, density=200.0, duration=duration)
     try:
         return compile_force_field(field, scaling, rest, volume, frame_dt=timing[0], frame_count=timing[1])
     except UserError as error:

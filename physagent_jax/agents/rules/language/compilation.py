@@ -13,7 +13,7 @@ from physagent_jax.agents.rules.language.events import Event, find_lean_axis
 from physagent_jax.agents.rules.language.schedule import Slot, Window, divide
 from physagent_jax.agents.rules.language.verbs import Effect
 from physagent_jax.agents.schema import MotionKind
-from physagent_jax.agents.vectors import add, clamp, dot, normalised, scaled
+from physagent_jax.agents.vectors import add, clamp, dot, normalise, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ActionType
@@ -76,7 +76,7 @@ def _add_steady(
         return window
     speed_up, slow_down = divide(window, [1.0, 1.0])
     builder.add_action(event, kind, vector, magnitude, speed_up)
-    builder.add_action(event, kind, scaled(vector, -1.0), magnitude, slow_down)
+    builder.add_action(event, kind, scale(vector, -1.0), magnitude, slow_down)
     builder.add_note("The object is free and would drift on: it is braked before what follows.")
     return window
 
@@ -165,7 +165,7 @@ def _sway(
         parts = [(w, 1.0) for w in divide(window, [0.5] + [1.0] * (halves - 1) + [0.5])]
     for index, (part, factor) in enumerate(parts):
         builder.add_action(
-            event, kind, scaled(event.direction, -1.0 if index % 2 else 1.0), magnitude * factor, part
+            event, kind, scale(event.direction, -1.0 if index % 2 else 1.0), magnitude * factor, part
         )
     builder.add_expectation(
         event,
@@ -250,13 +250,13 @@ def _strike(
         builder.add_action(
             event,
             ActionType.IMPULSE,
-            scaled(event.direction, sign),
+            scale(event.direction, sign),
             event.strength,
             _make_impulse_window(part[0]),
         )
     if _needs_brake(event, after, builder) and count == 1:
         stop = _make_impulse_window(window[1] - _IMPULSE_FRAMES)
-        builder.add_action(event, ActionType.IMPULSE, scaled(event.direction, -1.0), event.strength, stop)
+        builder.add_action(event, ActionType.IMPULSE, scale(event.direction, -1.0), event.strength, stop)
         builder.add_note("The object is free and would drift on: it is braked before what follows.")
     if event.verb.gravity:
         builder.enable_gravity(event.sources["action_type"].words, "what is thrown or jumps comes down again")
@@ -280,7 +280,7 @@ def _jump(
 ) -> None:
     """An impulse upwards, and along the direction if there is one."""
     assert event.direction is not None
-    up = normalised(add([builder.brief.directions.up, event.direction])) or builder.brief.directions.up
+    up = normalise(add([builder.brief.directions.up, event.direction])) or builder.brief.directions.up
     _strike(replace(event, direction=up), window, after, builder, before)
 
 
@@ -310,7 +310,7 @@ def _turn(
         builder.add_action(
             event,
             ActionType.TORQUE,
-            scaled(event.direction, -1.0 if index % 2 else 1.0),
+            scale(event.direction, -1.0 if index % 2 else 1.0),
             event.strength,
             part,
         )

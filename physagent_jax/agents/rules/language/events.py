@@ -15,7 +15,7 @@ from physagent_jax.agents.rules.language.modifiers import Join, Names, Place, Re
 from physagent_jax.agents.rules.language.timing import TimeSpan
 from physagent_jax.agents.rules.language.verbs import PICTURE_PLANE_TURNS, VERBS, Effect, Verb
 from physagent_jax.agents.schema import SceneBrief
-from physagent_jax.agents.vectors import add, clamp, cosine, cross, dot, normalised, scaled
+from physagent_jax.agents.vectors import add, clamp, cosine, cross, dot, normalise, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region
@@ -104,7 +104,7 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         and before.direction is not None
         and any(m.phrase == "back" for m in clause.select(MentionKind.DIRECTION))
     ):
-        direction = scaled(before.direction, -1.0)
+        direction = scale(before.direction, -1.0)
         direction_source = replace(direction_source, why="back where it came from")
     region, place_note = make_region(place, brief) if place else (None, "")
     notes = [*notes, *([place_note] if place_note else [])]
@@ -210,24 +210,24 @@ def _resolve_direction(
         parts = []
         for mention, names in zip(told, _names(told)):
             sign = -1.0 if mention.kind is MentionKind.FROM and not verb.pulls else 1.0
-            parts.append(scaled(_sum_directions(names, brief), sign))
-        total, words = normalised(add(parts)), " ".join(mention.words for mention in told)
+            parts.append(scale(_sum_directions(names, brief), sign))
+        total, words = normalise(add(parts)), " ".join(mention.words for mention in told)
         if total is None:  # "to the left and to the right": an axis for stretching, to and fro for the rest
-            total, repeat = normalised(parts[0]), replace(repeat, alternate=verb.effect is not Effect.SCALE)
+            total, repeat = normalise(parts[0]), replace(repeat, alternate=verb.effect is not Effect.SCALE)
         source = ValueSource(
             words, "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"
         )
     elif lines:
         total, source = (
-            normalised(_sum_directions(_names(lines)[0], brief)),
+            normalise(_sum_directions(_names(lines)[0], brief)),
             ValueSource(lines[0].words, "an axis by name"),
         )
     elif repeat.names:
-        total = normalised(_sum_directions(repeat.names, brief))
+        total = normalise(_sum_directions(repeat.names, brief))
         source = ValueSource(clause.select(MentionKind.REPEAT)[0].words, "to and fro, this way first")
         repeat = replace(repeat, alternate=verb.effect is not Effect.SCALE)
     elif place and place.names and verb.effect is Effect.STRIKE:
-        total = normalised(scaled(_sum_directions(place.names, brief), -1.0))
+        total = normalise(scale(_sum_directions(place.names, brief), -1.0))
         source = ValueSource(
             clause.select(MentionKind.PLACE)[0].words, "a blow drives away from the side that it hits"
         )
@@ -247,7 +247,7 @@ def _assume_direction(
     if verb.effect in (Effect.FALL, Effect.HOLD, Effect.RELEASE, Effect.STILL, Effect.SWELL, Effect.BURST):
         return None, repeat, ValueSource(words, "needs no direction"), []
     name = verb.direction or ASSUMED
-    vector = normalised(_sum_directions((name,), brief))
+    vector = normalise(_sum_directions((name,), brief))
     source = ValueSource(words, f"no direction given: {name} by default")
     if verb.direction:
         return vector, repeat, source, []
@@ -295,19 +295,19 @@ def _resolve_turn_axis(
         mention.words for mention in [*senses, *(mention for mention, _ in named), *views, *told]
     )
     why = "counter-clockwise is right-handed about the axis towards whoever looks"
-    return normalised(scaled(axis, sign)), repeat, ValueSource(words, why)
+    return normalise(scale(axis, sign)), repeat, ValueSource(words, why)
 
 
 def _turn_towards(direction: Vector, brief: SceneBrief) -> Vector:
     """Axis about which the viewer's side (or, for toward and away, the top) moves along ``direction``."""
     toward, up = brief.directions.toward, brief.directions.up
     reference = up if abs(cosine(direction, toward)) > 0.7 else toward
-    return normalised(cross(reference, direction)) or up
+    return normalise(cross(reference, direction)) or up
 
 
 def find_lean_axis(direction: Vector, brief: SceneBrief) -> Vector:
     """Axis about which the top moves along ``direction``."""
-    return normalised(cross(brief.directions.up, direction)) or brief.directions.toward
+    return normalise(cross(brief.directions.up, direction)) or brief.directions.toward
 
 
 def _by_direction(verb: Verb, clause: Clause, source: ValueSource) -> Verb:
@@ -353,7 +353,7 @@ def make_region(place: Place, brief: SceneBrief) -> tuple[Region | None, str]:
             return None, "The middle is not a box here (world up is oblique): the whole object is used."
         x, y, z = ((1 / 3, 2 / 3) if i == axis else (0.0, 1.0) for i in range(3))
         return BoxRegion(low=(x[0], y[0], z[0]), high=(x[1], y[1], z[1])), ""
-    normal = normalised(_sum_directions(place.names, brief))
+    normal = normalise(_sum_directions(place.names, brief))
     if normal is None:
         return None, "The part's directions cancel: the whole object is used."
     return make_end_region(normal, place.start), ""
@@ -362,5 +362,5 @@ def make_region(place: Place, brief: SceneBrief) -> tuple[Region | None, str]:
 def make_end_region(normal: Vector, start: float) -> HalfSpaceRegion:
     """The part beyond fraction ``start`` of the unit cube's extent along ``normal``."""
     reach = (start - 0.5) * sum(abs(c) for c in normal)
-    x, y, z = add([(0.5, 0.5, 0.5), scaled(normal, reach)])
+    x, y, z = add([(0.5, 0.5, 0.5), scale(normal, reach)])
     return HalfSpaceRegion(point=(round(x, 6), round(y, 6), round(z, 6)), normal=normal)
