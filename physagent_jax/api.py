@@ -137,10 +137,10 @@ def build_scene(
     if prompt:
         context = AgentContext(prompt, make_brief(template), describe_skills())
         reply = agents_of(run.spec).semantic.compile(context).value
-        template, acting = run.held(reply.anchor), reply.force_field
+        template, field = run.with_anchor(reply.anchor), reply.force_field
     else:
-        acting = _force_field(force_field)
-    return compile_scene(fuse(template, loaded.body, acting), loaded.body, run.base_dir)
+        field = _force_field(force_field)
+    return compile_scene(fuse(template, loaded.body, field), loaded.body, run.base_dir)
 
 
 def load_scene(path: str | Path, *, object_path: str | Path | None = None) -> CompiledScene:

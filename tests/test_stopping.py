@@ -61,8 +61,8 @@ def test_nothing_happens_unless_asked():
 
 def test_a_second_signal_ends_the_process_at_once():
     program = (
-        "import time; from physagent_jax.cli.stopping import stoppable\n"
-        "with stoppable():\n    print('ready', flush=True)\n    while True: time.sleep(60)"
+        "import time; from physagent_jax.cli.stopping import allow_stopping\n"
+        "with allow_stopping():\n    print('ready', flush=True)\n    while True: time.sleep(60)"
     )
     with subprocess.Popen(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True

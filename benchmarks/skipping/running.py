@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from benchmarks.skipping.base import Answer, Pair, Sizes, Skip, State, Way
-from benchmarks.skipping.scene import SIZE, both, cube, moved, reading, rolled, settled
+from benchmarks.skipping.scene import SIZE, both, cube, read_motion, reading, rolled, settled
 from physagent_jax.mpm import DomainBox, Fluid, Grid, Model, cell_order, simulate
 from physagent_jax.mpm import State as Particles
 from physagent_jax.mpm.frame import advance
@@ -103,8 +103,8 @@ def unstopped(model: Model, state: Particles, substeps: jax.Array) -> jax.Array:
 def _watching(sizes: Sizes) -> Pair:
     model, state = cube(sizes)
     count = jnp.asarray(sizes.substeps, jnp.int32)
-    lean = Way(lambda: unwatched(model, state, count), moved)
-    full = Way(lambda: advance(model, state, count)[0], moved)
+    lean = Way(lambda: unwatched(model, state, count), read_motion)
+    full = Way(lambda: advance(model, state, count)[0], read_motion)
     return Pair(lean, full, sizes.particles, sizes.substeps)
 
 

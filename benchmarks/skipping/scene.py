@@ -89,10 +89,10 @@ def rolled(model: Model, state: State, substeps: int, ledger: bool = False) -> W
 def reading(result: tuple) -> Answer:
     """Particles at the end, and whether the frame can be trusted, from (model, state, health, ...)."""
     model, state, health, *_ = result
-    return moved(state) | {"trusted": float(health.is_good(model))}
+    return read_motion(state) | {"trusted": float(health.is_good(model))}
 
 
-def moved(state: State) -> dict[str, np.ndarray]:
+def read_motion(state: State) -> dict[str, np.ndarray]:
     """What a substep changes. Not C: it is the rate of F, and as a difference across a cell mostly round-off."""
     return {name: np.asarray(getattr(state, name)) for name in ("x", "v", "F")}
 

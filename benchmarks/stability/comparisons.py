@@ -62,8 +62,8 @@ def permuted(material: str) -> Result:
         return leaf[order] if getattr(leaf, "ndim", 0) and leaf.shape[0] == count else leaf
 
     mixed = run.model.replace(mass=shuffle(run.model.mass), volume=shuffle(run.model.volume))
-    one = _played(run.model, run.state)
-    other = _played(mixed, jax.tree.map(shuffle, run.state))
+    one = _simulate(run.model, run.state)
+    other = _simulate(mixed, jax.tree.map(shuffle, run.state))
     return _compared("P10", f"P10 order of particles: {material}", one.x[order], other.x, ORDER)
 
 
@@ -72,13 +72,13 @@ def shifted(material: str) -> Result:
     run = build(Scenario(material, force="torque"))
     shift = jnp.asarray([3, -2, 1], run.state.x.dtype) * run.model.grid.dx
     moved = dataclasses.replace(run.state, x=run.state.x + shift)
-    one, other = _played(run.model, run.state), _played(run.model, moved)
+    one, other = _simulate(run.model, run.state), _simulate(run.model, moved)
     return _compared("P10", f"P10 shift by whole cells: {material}", one.x + shift, other.x, ORDER)
 
 
 def unused(name: str, with_it: Run, without: Run) -> Result:
     """P9: what a scene does not use changes nothing; the figures say what it would cost."""
-    one, other = _played(with_it.model, with_it.state), _played(without.model, without.state)
+    one, other = _simulate(with_it.model, with_it.state), _simulate(without.model, without.state)
     result = _compared("P9", f"P9 {name}", one.x, other.x, UNUSED)
     result.figures["seconds with it"] = _timed(with_it)
     result.figures["seconds without"] = _timed(without)
@@ -99,14 +99,14 @@ def _steps(model: Model, state: State) -> State:
     return jax.lax.fori_loop(0, _STEPS, lambda _, s: step(model, s), state)
 
 
-def _played(model: Model, state: State) -> State:
+def _simulate(model: Model, state: State) -> State:
     dt = 0.7 * stable_dt(model, state)
     return _steps(model.replace(dt=dt.astype(state.x.dtype)), state)
 
 
 def _timed(run: Run) -> float:
     begun = time.perf_counter()
-    jax.block_until_ready(_played(run.model, run.state))
+    jax.block_until_ready(_simulate(run.model, run.state))
     return round(time.perf_counter() - begun, 4)
 
 

@@ -31,7 +31,7 @@ def stages(ours: Ours, repeats: int) -> dict[str, float]:
     timed: dict[str, float] = {}
 
     def grid_update(model, state, nodes):
-        velocity = stage.damped(model, stage.grid_velocity(model, nodes))
+        velocity = stage.damp(model, stage.grid_velocity(model, nodes))
         for boundary in model.boundaries:
             velocity = boundary.apply(velocity, model.grid, state.time)
         return velocity

@@ -21,7 +21,7 @@ from physagent_jax.mpm.energy import kinetic_energy, total_energy
 from physagent_jax.mpm.linalg import cofactor, determinant, matmul, transpose
 from physagent_jax.mpm.reductions import sum_devices
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.step import Trace, damp_affine, map_materials, viscous_stress
+from physagent_jax.mpm.step import StepTrace, damp_affine, map_materials, viscous_stress
 
 
 @register_dataclass
@@ -57,8 +57,8 @@ class Exchange:
         return jax.tree.map(jnp.add, self, other)
 
 
-def measure_exchange(model: Model, before: State, trace: Trace, after: State) -> Exchange:
-    """The exchange of one substep, from its `step.Trace`.
+def measure_exchange(model: Model, before: State, trace: StepTrace, after: State) -> Exchange:
+    """The exchange of one substep, from its `step.StepTrace`.
 
     Within a step all impulses (stress, forces, walls) act together, and each works on the mean of the velocities
     before and after all of them. Work booked on any other velocity would leave a remainder for every pair of
@@ -111,7 +111,7 @@ def _momentum_change(model: Model, one: State, other: State) -> jax.Array:
     return sum_devices((model.mass[:, None] * (other.v - one.v)).sum(0), model.axis)
 
 
-def _plastic(model: Model, before: State, trace: Trace) -> jax.Array:
+def _plastic(model: Model, before: State, trace: StepTrace) -> jax.Array:
     """Mean stress of the step times the plastic strain, and the energy that the changed history sets free.
 
     Not the energy that the return mapping takes off the trial state: nobody has put in the part of that which is
@@ -133,7 +133,7 @@ def _plastic(model: Model, before: State, trace: Trace) -> jax.Array:
     return sum_devices((model.volume * dissipated).sum(), model.axis)
 
 
-def _viscous(model: Model, before: State, trace: Trace) -> jax.Array:
+def _viscous(model: Model, before: State, trace: StepTrace) -> jax.Array:
     if model.viscosity is None:
         return jnp.zeros((), before.x.dtype)
     end = trace.gathered

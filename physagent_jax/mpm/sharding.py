@@ -65,7 +65,7 @@ def rollout_sharded(
         )
     model, state = conform(model, state)
     mesh = Mesh(np.asarray(jax.devices() if devices is None else devices), (AXIS,))
-    layout = Layout(tuple(material.count for material in model.materials), mesh.size)
+    layout = ParticleLayout(tuple(material.count for material in model.materials), mesh.size)
     split = layout.split(model, state)
     sharded = jax.device_put(split, _at(lambda spec: NamedSharding(mesh, spec), find_specs(split)))
     return _run(*sharded, layout, mesh, frame_count, substeps)
@@ -73,7 +73,7 @@ def rollout_sharded(
 
 @partial(jax.jit, static_argnums=(2, 3, 4, 5))
 def _run(
-    model: Model, state: State, layout: Layout, mesh: Mesh, frame_count: int, substeps: int
+    model: Model, state: State, layout: ParticleLayout, mesh: Mesh, frame_count: int, substeps: int
 ) -> tuple[State, State]:
     inward = find_specs((model, state))
     outward = inward[1], _at(lambda spec: PartitionSpec(None, *spec), inward[1])
@@ -98,7 +98,7 @@ def _at(function, specs):
 
 
 @dataclasses.dataclass(frozen=True)
-class Layout:
+class ParticleLayout:
     """Which particle lies where once split.
 
     Attributes:

@@ -36,7 +36,7 @@ def step(model: Model, state: State) -> State:
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class Trace:
+class StepTrace:
     """What happened within a substep, for `mpm.ledger`; compiled away where nobody looks.
 
     Attributes:
@@ -60,7 +60,7 @@ class Trace:
     health: Health
 
 
-def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Array, Trace]:
+def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Array, StepTrace]:
     """`step` with the stress before and after it [Pa], shape (n, 3, 3), and the trace of what happened in it.
 
     Args:
@@ -95,7 +95,7 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
         after, health = stop_at_walls(model, after, moved.health)
         if model.constraints:  # F may have been turned
             tau = kirchhoff_stress(model, after)
-    return after, tau, Trace(forced, constrained, node_mass, free, velocity, gathered, moved.F, health)
+    return after, tau, StepTrace(forced, constrained, node_mass, free, velocity, gathered, moved.F, health)
 
 
 def scatter(model: Model, state: State, constrained: State, tau: jax.Array) -> jax.Array:

@@ -63,14 +63,14 @@ def read_video(path: str | Path) -> np.ndarray:
     """
     try:
         with av.open(str(path)) as file:
-            pictures = [frame.to_ndarray(format="rgb24") for frame in file.decode(video=0)]
+            decoded = [frame.to_ndarray(format="rgb24") for frame in file.decode(video=0)]
     except (OSError, FFmpegError, IndexError, UnicodeError) as error:  # names of codecs may be damaged too
         raise UserError(
             f"cannot read the video {path}", got=error, do="Check that it is a finished mp4"
         ) from None
-    if not pictures:
+    if not decoded:
         raise UserError(f"the video {path} holds no frames", do="Render it again")
-    return np.stack(pictures)
+    return np.stack(decoded)
 
 
 def write_frames(folder: str | Path, frames: np.ndarray) -> list[Path]:

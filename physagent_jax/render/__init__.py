@@ -3,7 +3,7 @@
 from physagent_jax.render.camera import Camera, look_at
 from physagent_jax.render.project import Projected, project
 from physagent_jax.render.renderer import (
-    Rendering,
+    RenderedImage,
     choose_batch_size,
     choose_pair_capacity,
     rasterize,
@@ -14,7 +14,7 @@ from physagent_jax.render.renderer import (
 __all__ = [
     "Camera",
     "Projected",
-    "Rendering",
+    "RenderedImage",
     "choose_batch_size",
     "look_at",
     "choose_pair_capacity",

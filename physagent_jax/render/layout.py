@@ -9,7 +9,7 @@ import numpy as np
 from physagent_jax.render.tiles import make_tile_grid
 
 
-class Layout:
+class TileLayout:
     """Pixels grouped by tile and tiles grouped by lanes; hashable, so that it can be a static argument."""
 
     def __init__(self, width: int, height: int, tile_size: int, lanes: int):

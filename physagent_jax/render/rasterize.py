@@ -15,7 +15,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.render import kernels
-from physagent_jax.render.layout import Layout
+from physagent_jax.render.layout import TileLayout
 from physagent_jax.render.project import ALPHA_MIN, Projected
 from physagent_jax.render.tiles import TileLists
 
@@ -28,7 +28,7 @@ _CHUNK = 16
 
 
 def blend(
-    projected: Projected, lists: TileLists, layout: Layout, native: bool
+    projected: Projected, lists: TileLists, layout: TileLayout, native: bool
 ) -> tuple[jax.Array, jax.Array]:
     """Blends colour and depth.
 
@@ -60,7 +60,7 @@ def blend(
     return layout.to_image(features), layout.to_image(transmittance)
 
 
-def _kernels_for(layout: Layout, dtype) -> Any:
+def _kernels_for(layout: TileLayout, dtype) -> Any:
     """The module of the CPU kernels; None if they are not made for this."""
     module = kernels.load_cpu_kernels()
     return module if module.fits(layout, dtype) else None
@@ -80,12 +80,14 @@ def _list_bounds(starts: jax.Array, tile: jax.Array) -> tuple[jax.Array, jax.Arr
 
 
 @functools.partial(jax.custom_vjp, nondiff_argnums=(0, 1))
-def _blend(layout: Layout, kernel: Any, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
+def _blend(layout: TileLayout, kernel: Any, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
     features, transmittance, _ = _blend_forward(layout, kernel, packed, gaussians, starts)
     return features, transmittance
 
 
-def _blend_forward(layout: Layout, kernel: Any, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
+def _blend_forward(
+    layout: TileLayout, kernel: Any, packed: jax.Array, gaussians: jax.Array, starts: jax.Array
+):
     """Features (groups, lanes, pixels, 4), transmittance (groups, lanes, pixels), steps made (groups,) or None."""
     if kernel is not None:
         return *kernel.blend(layout, _LIMITS, packed, gaussians, starts), None
@@ -117,12 +119,12 @@ def _blend_forward(layout: Layout, kernel: Any, packed: jax.Array, gaussians: ja
     return jax.lax.map(group, layout.tile_ids())
 
 
-def _blend_fwd(layout: Layout, kernel: Any, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
+def _blend_fwd(layout: TileLayout, kernel: Any, packed: jax.Array, gaussians: jax.Array, starts: jax.Array):
     features, transmittance, steps = _blend_forward(layout, kernel, packed, gaussians, starts)
     return (features, transmittance), (packed, gaussians, starts, features, transmittance, steps)
 
 
-def _blend_bwd(layout: Layout, kernel: Any, residuals, cotangents):
+def _blend_bwd(layout: TileLayout, kernel: Any, residuals, cotangents):
     """Front to back again, with prefix sums in place of a reverse pass.
 
     With g the cotangent of C, g_T that of the final transmittance, and P_i = sum_{j <= i} T_j alpha_j c_j.g:

@@ -13,7 +13,7 @@ import numpy as np
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.gaussians.sh import eval_sh
 from physagent_jax.render.camera import Camera
-from physagent_jax.render.renderer import Rendering
+from physagent_jax.render.renderer import RenderedImage
 
 # The convention's figures, written here once more: an oracle that took them from the renderer could not
 # notice a change there.
@@ -23,7 +23,7 @@ EPS2D = 0.3
 NEAR_PLANE = 0.01
 
 
-def render_reference(splats: Splats, camera: Camera, background: np.ndarray | jax.Array) -> Rendering:
+def render_reference(splats: Splats, camera: Camera, background: np.ndarray | jax.Array) -> RenderedImage:
     """Renders densely; same arguments and result as `rasterize`, without a capacity.
 
     Args:
@@ -68,7 +68,7 @@ def render_reference(splats: Splats, camera: Camera, background: np.ndarray | ja
     rgb = jnp.einsum("nhw,nc->hwc", weights, colors) + (1 - coverage)[..., None] * jnp.asarray(background)
     depth = jnp.einsum("nhw,n->hw", weights, points[:, 2])
     depth = jnp.where(coverage > 0, depth / jnp.where(coverage > 0, coverage, 1), 0)
-    return Rendering(rgb, depth, coverage)
+    return RenderedImage(rgb, depth, coverage)
 
 
 def _clamp_to_view(points: jax.Array, camera: Camera) -> jax.Array:

@@ -16,7 +16,7 @@ from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.kernels import Kernels, find_platform, threads, use_cpu
 from physagent_jax.render.camera import Camera
-from physagent_jax.render.layout import Layout
+from physagent_jax.render.layout import TileLayout
 from physagent_jax.render.project import Projected, project
 from physagent_jax.render.rasterize import blend
 from physagent_jax.render.tiles import build_tile_lists, count_pairs, find_tile_rectangles, make_tile_grid
@@ -33,7 +33,7 @@ capacities: dict[tuple[int, int, int], int] = {}
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class Rendering:
+class RenderedImage:
     """One RGB-D image.
 
     Attributes:
@@ -49,7 +49,7 @@ class Rendering:
 
 def render(
     splats: Splats, camera: Camera, *, background=(1.0, 1.0, 1.0), kernels: Kernels = "auto"
-) -> Rendering:
+) -> RenderedImage:
     """Renders on whatever device JAX uses, sizing buffers as needed. Not for use inside `jit`.
 
     Args:
@@ -74,13 +74,13 @@ def render(
 
 def render_all(
     frames: Sequence[Splats], camera: Camera, *, background=(1.0, 1.0, 1.0), kernels: Kernels = "auto"
-) -> list[Rendering]:
+) -> list[RenderedImage]:
     """`render` of each frame, `choose_batch_size` at the same time.
 
     On CPU a frame by itself leaves cores idle while its tile lists are made.
     """
 
-    def one(splats: Splats) -> Rendering:
+    def one(splats: Splats) -> RenderedImage:
         return jax.block_until_ready(render(splats, camera, background=background, kernels=kernels))
 
     alone = [splats for splats in frames[:1] if _key(splats, camera) not in capacities]
@@ -114,7 +114,7 @@ def rasterize(
     tile_size: int = TILE_SIZE,
     lanes: int | None = None,
     kernels: Kernels = "auto",
-) -> tuple[Rendering, jax.Array]:
+) -> tuple[RenderedImage, jax.Array]:
     """Renders; differentiable with respect to splats, camera pose and background.
 
     The order of the Gaussians and their box on the image carry no gradient.
@@ -136,7 +136,7 @@ def rasterize(
     if lanes is None:
         tiles = int(np.prod(make_tile_grid(camera.width, camera.height, tile_size)))
         lanes = 1 if find_platform() == "cpu" else tiles
-    layout = Layout(camera.width, camera.height, tile_size, lanes)
+    layout = TileLayout(camera.width, camera.height, tile_size, lanes)
     projected = _project(splats, camera)
     background = _in_precision(background, splats.means.dtype)
     return draw(projected, background, capacity, layout, use_cpu(kernels))
@@ -154,7 +154,7 @@ def _in_precision(array, dtype) -> np.ndarray | jax.Array:
 
 @functools.partial(jax.jit, static_argnums=(2, 3, 4))
 def draw(
-    projected: Projected, background: np.ndarray | jax.Array, capacity: int, layout: Layout, native: bool
+    projected: Projected, background: np.ndarray | jax.Array, capacity: int, layout: TileLayout, native: bool
 ):
     """The program behind `rasterize`: tile lists, then blending; NaN everywhere if ``capacity`` is too small."""
     width, height = layout.width, layout.height
@@ -166,7 +166,7 @@ def draw(
     alpha = 1 - transmittance
     rgb = features[..., :3] + transmittance[..., None] * background
     depth = jnp.where(alpha > 0, features[..., 3] / jnp.where(alpha > 0, alpha, 1), 0)
-    return Rendering(rgb * valid, depth * valid, alpha * valid), lists.total
+    return RenderedImage(rgb * valid, depth * valid, alpha * valid), lists.total
 
 
 @functools.partial(jax.jit, static_argnums=(1, 2))

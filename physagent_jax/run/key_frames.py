@@ -23,8 +23,8 @@ class VideoKeyFrames:
 
     def pick(self, most: int = 6) -> tuple[KeyFrame, ...]:
         """At most ``most`` evenly spaced frames, the first and the last among them."""
-        pictures = read_video(self.video)
-        return tuple(KeyFrame(k, encode_png(pictures[k])) for k in spread_evenly(len(pictures), most))
+        frames = read_video(self.video)
+        return tuple(KeyFrame(k, encode_png(frames[k])) for k in spread_evenly(len(frames), most))
 
 
 def spread_evenly(count: int, most: int) -> list[int]:

@@ -217,7 +217,7 @@ class _Loop:
 
     def with_anchor(self, reply: SemanticReply) -> SceneTemplate:
         """The scene template with what the sentence says about holding."""
-        template = self._run.held(reply.anchor)
+        template = self._run.with_anchor(reply.anchor)
         self._anchor = template.anchor
         return template
 

@@ -47,7 +47,7 @@ class ResolvedRun:
         """What the run reads."""
         return tuple(self.spec.files(self.base_dir).values())
 
-    def held(self, said: AnchorRequest) -> SceneTemplate:
+    def with_anchor(self, said: AnchorRequest) -> SceneTemplate:
         """The template with what the sentence says about holding."""
         kind = self.template.source.kind
         anchor = resolve_anchor(self.spec.anchor, kind, said, base_dir=self.base_dir)

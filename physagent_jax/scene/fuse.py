@@ -54,36 +54,36 @@ class SceneTemplate:
     ledger: bool = False
 
 
-def fuse(ingredients: SceneTemplate, body: Body, force_field: ForceField) -> SceneConfig:
+def fuse(template: SceneTemplate, body: Body, force_field: ForceField) -> SceneConfig:
     """The scene that simulates ``force_field``; the same input gives the same bytes."""
-    preset, material = ingredients.preset, ingredients.material
+    preset, material = template.preset, template.material
     scaling = make_closed_form_scaling(
         extent=body.extent,
         youngs_modulus=material.youngs_modulus,
         density=material.density,
-        duration=_reference_time(ingredients),
+        duration=_reference_time(template),
     )
     boundaries: tuple = (DomainBox(),)
     if force_field.default_drop:
-        boundaries += (make_ground(body, ingredients.anchor, ingredients.friction),)
+        boundaries += (make_ground(body, template.anchor, template.friction),)
     config = SceneConfig(
-        prompt=ingredients.prompt,
-        preset=ingredients.preset_name,
-        source=ingredients.source,
+        prompt=template.prompt,
+        preset=template.preset_name,
+        source=template.source,
         filling=preset.filling,
         material=material,
         domain=preset.domain,
         timing=preset.timing,
         transfer=preset.transfer.model_copy(
-            update=dict(damping_rate=max(preset.transfer.damping_rate, ingredients.damping_rate))
+            update=dict(damping_rate=max(preset.transfer.damping_rate, template.damping_rate))
         ),
         boundaries=boundaries,
-        anchor=ingredients.anchor,
+        anchor=template.anchor,
         force_field=force_field,
         scaling=scaling,
-        camera=ingredients.camera,
+        camera=template.camera,
         rendering=preset.rendering,
-        ledger=ingredients.ledger,
+        ledger=template.ledger,
     )
     if config.camera.target is not None:
         return config
@@ -91,13 +91,13 @@ def fuse(ingredients: SceneTemplate, body: Body, force_field: ForceField) -> Sce
     return config.model_copy(update=dict(camera=frame_camera(points, config.camera, config.rendering)))
 
 
-def _reference_time(ingredients: SceneTemplate) -> float:
+def _reference_time(template: SceneTemplate) -> float:
     """T of the skill table [s]: the clip for a free object, which should cross the picture once and no more.
 
     What is held somewhere cannot leave, and needs a force that bends it.
     """
-    free = ingredients.anchor.kind == "none"
-    return ingredients.preset.timing.duration if free else calibration.HELD_TIME
+    free = template.anchor.kind == "none"
+    return template.preset.timing.duration if free else calibration.HELD_TIME
 
 
 def make_ground(body: Body, anchor: Anchor, friction: float) -> HalfSpace:

@@ -53,11 +53,11 @@ class Placement:
 
     def cloud_to_world(self, cloud: GaussianCloud) -> GaussianCloud:
         """The cloud in the world. ``sh`` stays in the captured frame: the renderer is handed ``rotation``."""
-        return _moved(cloud, self.to_world(cloud.means), self.rotation, self.scale)
+        return _move(cloud, self.to_world(cloud.means), self.rotation, self.scale)
 
     def cloud_to_source(self, cloud: GaussianCloud) -> GaussianCloud:
         """Inverse of `cloud_to_world`, for exports in the file's frame and units."""
-        return _moved(cloud, self.to_source(cloud.means), self.rotation.T, 1.0 / self.scale)
+        return _move(cloud, self.to_source(cloud.means), self.rotation.T, 1.0 / self.scale)
 
 
 def place(cloud: GaussianCloud, source: Source, domain: Domain) -> tuple[GaussianCloud, Placement]:
@@ -144,7 +144,7 @@ def _select(cloud: GaussianCloud, keep: np.ndarray) -> GaussianCloud:
     return GaussianCloud(**fields)
 
 
-def _moved(cloud: GaussianCloud, means: np.ndarray, rotation: np.ndarray, scale: float) -> GaussianCloud:
+def _move(cloud: GaussianCloud, means: np.ndarray, rotation: np.ndarray, scale: float) -> GaussianCloud:
     quats = np.asarray(cloud.quats, np.float64)
     turned = (Rotation.from_matrix(rotation) * Rotation.from_quat(quats, scalar_first=True)).as_quat(
         scalar_first=True

@@ -83,9 +83,9 @@ def _batches(frames: Iterator[Frame]) -> Iterator[list[Frame]]:
 def _outputs(scene: CompiledScene, batch: list[Frame]) -> list[FrameOutput]:
     splats = [deform_splats(scene, frame) for frame in batch]
     background = scene.config.rendering.background
-    pictures = render_all(splats, scene.camera, background=background, kernels=scene.model.kernels)
+    rgb_frames = render_all(splats, scene.camera, background=background, kernels=scene.model.kernels)
     shown = [np.asarray(each.means)[: scene.body.cloud.count] for each in splats]
-    return [FrameOutput.of(*parts) for parts in zip(pictures, shown, batch)]
+    return [FrameOutput.of(*parts) for parts in zip(rgb_frames, shown, batch)]
 
 
 def find_shared_restart(scene: CompiledScene, cache: RestartCache | None) -> Frame | None:

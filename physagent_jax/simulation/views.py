@@ -42,7 +42,7 @@ def render_recording(
     colour = scene.config.rendering.background if background is None else background
     camera = scene.camera if camera is None else camera
     cloud, binding = scene.gaussians
-    pictures: list[np.ndarray] = []
+    rendered: list[np.ndarray] = []
     at_once = choose_batch_size()
     for first in range(0, len(wanted), at_once):
         splats = [
@@ -50,5 +50,5 @@ def render_recording(
             for index in wanted[first : first + at_once]
         ]
         images = render_all(splats, camera, background=colour, kernels=scene.model.kernels)
-        pictures += [to_uint8(image.rgb) for image in images]
-    return np.stack(pictures) if pictures else np.zeros((0, camera.height, camera.width, 3), np.uint8)
+        rendered += [to_uint8(image.rgb) for image in images]
+    return np.stack(rendered) if rendered else np.zeros((0, camera.height, camera.width, 3), np.uint8)

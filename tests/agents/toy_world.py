@@ -34,7 +34,7 @@ class ToyWorld:
     def __init__(self, scene: SceneBrief, gain: float = 1.0):
         self.scene, self.gain = scene, gain
 
-    def play(self, field: ForceField, expectations: tuple[ExpectedMotion, ...]) -> MotionReport:
+    def simulate(self, field: ForceField, expectations: tuple[ExpectedMotion, ...]) -> MotionReport:
         """Simulates and reports every expectation's window."""
         count = self.scene.frame_count
         places, angles, strains = self._travel(field)
@@ -122,7 +122,7 @@ def loop(
     reading = SemanticReply(force_field=field, expectations=expectations)
     rounds: list[Round] = []
     for _ in range(iterations):
-        rounds.append(judge(prompt, reading, world.play(field, expectations), world.scene, field))
+        rounds.append(judge(prompt, reading, world.simulate(field, expectations), world.scene, field))
         if rounds[-1].judgement.verdict is Verdict.SUCCESS:
             break
         rewritten = rewrite(prompt, reading, rounds[-1], world.scene, rounds[:-1])

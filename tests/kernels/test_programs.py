@@ -19,7 +19,7 @@ MISMATCH = (
 )
 
 
-def play(count):
+def compile_programs(count):
     """A tiny simulation whose arrays have a shape of their own."""
     x = np.random.default_rng(count).uniform(0.4, 0.6, (count, 3)).astype(np.float32)
     one = np.ones(count, np.float32)
@@ -36,21 +36,21 @@ needs_maps = pytest.mark.skipif(not programs.count_mappings(), reason="the syste
 @needs_maps
 def test_programs_are_let_go_when_they_take_too_many_mappings():
     """And what was let go is compiled again, with the same results."""
-    before = play(60)
+    before = compile_programs(60)
     held = programs.count_mappings()
     assert not programs.release_programs(held + 1000)
     assert programs.release_programs(held - 1)
     assert programs.count_mappings() < held
-    assert np.array_equal(play(60), before)
+    assert np.array_equal(compile_programs(60), before)
 
 
 @needs_maps
 def test_a_simulation_begins_by_looking_whether_there_are_too_many(monkeypatch):
-    play(61)
+    compile_programs(61)
     held = programs.count_mappings()
     monkeypatch.setattr(programs, "count_granted", lambda: (held - 1) / programs.SHARE)
     monkeypatch.setattr(programs, "compiled_count", programs.looked_at + programs.LOOK)
-    play(61)
+    compile_programs(61)
     assert programs.count_mappings() < held
 
 
@@ -68,7 +68,7 @@ def test_many_different_runs_stay_within_their_mappings(monkeypatch):
     monkeypatch.setattr(programs, "count_granted", lambda: limit / programs.SHARE)
     most = 0
     for count in range(62, 212):
-        play(count)
+        compile_programs(count)
         most = max(most, programs.count_mappings())
     assert most < limit + 2500  # those of one look to the next
 

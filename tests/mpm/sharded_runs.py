@@ -27,7 +27,7 @@ from physagent_jax.mpm import (
 )
 from physagent_jax.mpm.energy import angular_momentum, elastic_energy, momentum, total_energy
 from physagent_jax.mpm.frame import advance
-from physagent_jax.mpm.sharding import AXIS, Layout, find_specs
+from physagent_jax.mpm.sharding import AXIS, ParticleLayout, find_specs
 from physagent_jax.mpm.timestep import kinematic_dt
 from tests.mpm.blocks import block
 
@@ -130,7 +130,7 @@ def reduced(devices=None):
     function = partial(everything_reduced, about=jnp.array([0.5, 0.4, 0.3]))
     if devices is None:
         return jax.jit(function)(model, state)
-    layout = Layout(tuple(material.count for material in model.materials), len(devices))
+    layout = ParticleLayout(tuple(material.count for material in model.materials), len(devices))
     split, mesh = layout.split(model, state), Mesh(np.asarray(devices), (AXIS,))
     return jax.jit(jax.shard_map(function, mesh=mesh, in_specs=find_specs(split), out_specs=PartitionSpec()))(
         *split

@@ -50,7 +50,7 @@ def record(model, state, steps):
     return jax.lax.scan(advance, state, None, length=steps)[1]
 
 
-def played(obstacles, velocity=(0, 0, 0), *, low, g=G, steps=300, **options):
+def simulate_block(obstacles, velocity=(0, 0, 0), *, low, g=G, steps=300, **options):
     """Positions and velocities, as NumPy arrays, of a small block that was thrown at some obstacles."""
     model, state = block(
         (2, 2, 2),
@@ -112,19 +112,19 @@ def floor(mu, velocity):
 def test_a_conveyor_belt_drags_by_friction_until_the_block_rides_with_it(x64):
     """Coulomb: v = mu g t while it slips, then the belt's speed; friction sees the relative velocity."""
     speed, mu = 0.5, 0.3
-    _, _, v = played((floor(mu, [speed, 0, 0]),), low=(0.2, 0.3, 0.2))
+    _, _, v = simulate_block((floor(mu, [speed, 0, 0]),), low=(0.2, 0.3, 0.2))
     np.testing.assert_allclose(v[99, :, 0].mean(), mu * G * 0.1, rtol=0.03)
     np.testing.assert_allclose(v[250:, :, 0].mean(), speed, rtol=0.02)
 
 
 def test_a_rising_floor_lifts_at_its_own_speed(x64):
-    _, x, _ = played((floor(0.0, [0, 0, 0.5]),), low=(0.3, 0.3, 0.2), youngs_modulus=2e5)
+    _, x, _ = simulate_block((floor(0.0, [0, 0, 0.5]),), low=(0.3, 0.3, 0.2), youngs_modulus=2e5)
     np.testing.assert_allclose((x[299] - x[99])[:, 2].mean(), 0.5 * 0.2, rtol=0.03)
 
 
 def test_a_block_thrown_off_a_plane_flies_as_if_there_were_none(x64):
     """No adhesion at all: the exact discrete parabola to the last digit."""
-    start, x, v = played((floor(0.5, [0, 0, 0]),), [0.3, 0.0, 1.0], low=(0.2, 0.3, 0.2))
+    start, x, v = simulate_block((floor(0.5, [0, 0, 0]),), [0.3, 0.0, 1.0], low=(0.2, 0.3, 0.2))
     n, dt = 100, 1e-3
     flown = n * dt * np.array([0.3, 0, 1.0]) - G * UP * dt**2 * n * (n + 1) / 2
     np.testing.assert_allclose(x[n - 1], start + flown, atol=1e-13)
@@ -156,7 +156,7 @@ def test_a_node_on_the_surface_is_in_contact():
 @pytest.mark.parametrize("make", [ball, sampled_ball])
 def test_matter_that_falls_on_a_ball_does_not_enter_it(make, x64):
     centre = np.array([0.42, 0.38, 0.25])
-    _, x, _ = played((make(centre=centre, radius=0.2),), low=(0.35, 0.35, 0.47))
+    _, x, _ = simulate_block((make(centre=centre, radius=0.2),), low=(0.35, 0.35, 0.47))
     nearest = np.linalg.norm(x - centre, axis=-1).min()
     assert 0.18 < nearest < 0.22  # it came down on it, and at most two fifths of a cell deep
 
@@ -165,7 +165,7 @@ def test_a_frictionless_bowl_is_a_pendulum(x64):
     """A block that slides down a spherical bowl gains sqrt(2 g h), and stays in."""
     radius, centre = 0.45, 0.55
     bowl = ball(centre=(centre, centre, centre), radius=radius, container=True)
-    start, x, v = played(
+    start, x, v = simulate_block(
         (bowl,), low=(0.179, 0.525, 0.325), size=1.1, grid_cells=44, steps=500, youngs_modulus=1e5
     )
     bottom = int(np.argmax(x[:, :, 0].mean(1) > centre))
@@ -199,14 +199,14 @@ def test_the_nearest_face_of_a_box_gives_the_normal():
 def test_a_box_stops_what_comes_from_any_side_and_lets_it_slide_along(axis, low, x64):
     obstacle = crate(centre=(0.4, 0.4, 0.4), half=(0.1, 0.1, 0.1))
     towards = -0.5 * np.eye(3)[axis] + np.array([0.0, 0.1, 0.0])
-    start, x, _ = played((obstacle,), towards, low=low, g=0.0)
+    start, x, _ = simulate_block((obstacle,), towards, low=low, g=0.0)
     assert 0.495 < x[:, :, axis].min() < 0.55  # within a cell of the face
     np.testing.assert_allclose((x[-1] - start)[:, 1].mean(), 0.1 * 0.3, rtol=1e-2)
 
 
 def test_the_corners_of_a_container_are_tight(x64):
     hollow = crate(centre=(0.4, 0.4, 0.4), half=(0.25, 0.25, 0.25), container=True)
-    _, x, _ = played((hollow,), [0.8, 0.8, 0.8], low=(0.5, 0.5, 0.5), g=0.0)
+    _, x, _ = simulate_block((hollow,), [0.8, 0.8, 0.8], low=(0.5, 0.5, 0.5), g=0.0)
     assert 0.59 < x.max() < 0.655  # it did get there, and no farther
 
 
@@ -254,7 +254,7 @@ def test_a_block_rebounds_from_a_sampled_ball_as_from_a_ball(x64):
     centre = (0.42, 0.38, 0.25)
     exact = ball(centre=centre, radius=0.2)
     finer = sampled_ball(centre=centre, radius=0.2, spacing=0.025, shift=0.3)
-    (_, x, v), (_, y, w) = (played((o,), -UP, low=(0.37, 0.37, 0.5), g=0.0) for o in (exact, finer))
+    (_, x, v), (_, y, w) = (simulate_block((o,), -UP, low=(0.37, 0.37, 0.5), g=0.0) for o in (exact, finer))
     assert v[-1, :, 2].mean() > 0.1  # it came back
     np.testing.assert_allclose(y[-1].mean(0), x[-1].mean(0), atol=2e-3)
     np.testing.assert_allclose(w[-1].mean(0), v[-1].mean(0), atol=2e-2)

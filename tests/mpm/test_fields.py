@@ -11,7 +11,7 @@ from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import PrescribedMotion
 from physagent_jax.mpm.fields import END, PER_PARTICLE, START, find_owner
 from physagent_jax.mpm.plan import select_acting
-from physagent_jax.mpm.sharding import Layout
+from physagent_jax.mpm.sharding import ParticleLayout
 from tests.mpm.blocks import block
 
 
@@ -43,7 +43,9 @@ def test_windows_are_what_is_marked():
 
 def test_what_is_marked_goes_with_its_particles():
     model, state = block((2, 2, 1))
-    split, _ = Layout((32,), devices=2).split(model.replace(forces=(Push(state.x[:, 0], 0.1, 0.2),)), state)
+    split, _ = ParticleLayout((32,), devices=2).split(
+        model.replace(forces=(Push(state.x[:, 0], 0.1, 0.2),)), state
+    )
     np.testing.assert_array_equal(split.forces[0].strength, state.x[:, 0])
 
 

@@ -16,7 +16,7 @@ from tests.mpm.blocks import block
 FOREVER = jnp.asarray(1e9)
 
 
-def play(model, state, frame_count=6, frame_dt=0.01, **options):
+def simulate_frames(model, state, frame_count=6, frame_dt=0.01, **options):
     frames = list(simulate(model, state, frame_count=frame_count, frame_dt=frame_dt, ledger=True, **options))
     return frames, sum_of(frames)
 
@@ -37,7 +37,7 @@ def test_frames_carry_no_exchange_unless_asked(x64):
 def test_uniform_push_does_the_work_of_a_rigid_body(x64):
     push = UniformAcceleration(jnp.array([2.0, 0.0, 0.5]), jnp.zeros(()), FOREVER)
     model, state = block(dtype=np.float64, forces=(push,))
-    frames, total = play(model, state)
+    frames, total = simulate_frames(model, state)
     mass, duration = float(model.mass.sum()), 0.05
     np.testing.assert_allclose(total.force_work, 0.5 * mass * (2.0**2 + 0.5**2) * duration**2, rtol=1e-12)
     np.testing.assert_allclose(
@@ -51,7 +51,7 @@ def test_torque_works_on_the_affine_motion_too(x64):
     """A block turned from rest: all but the transfers' own loss of the work is found as kinetic energy."""
     torque = Torque(jnp.array([0.0, 0.0, 1.0]), jnp.asarray(5.0), jnp.zeros(()), FOREVER)
     model, state = block(dtype=np.float64, forces=(torque,), youngs_modulus=1e6)
-    frames, total = play(model, state)
+    frames, total = simulate_frames(model, state)
     arm = np.asarray(state.x) - np.average(state.x, axis=0)
     inertia = (np.asarray(model.mass) * ((arm[:, :2] ** 2).sum(1) + 2 * model.grid.dx**2 / 4)).sum()
     np.testing.assert_allclose(total.force_work, 0.5 * inertia * (5.0 * 0.05) ** 2, rtol=5e-3)
@@ -67,7 +67,7 @@ def test_momentum_balance_is_exact_with_walls_and_gravity(x64):
         boundaries=(DomainBox(3),),
     )
     state = dataclasses.replace(state, v=state.v + jnp.array([0.5, 0.0, -1.0]))
-    frames, total = play(model, state, frame_count=12)
+    frames, total = simulate_frames(model, state, frame_count=12)
     change = momentum(model, frames[-1].state) - momentum(model, state)
     np.testing.assert_allclose(change, total.force_impulse + total.boundary_impulse, atol=1e-12)
     assert float(total.boundary_impulse[2]) > 0
@@ -83,7 +83,7 @@ def test_friction_takes_the_kinetic_energy_of_a_sliding_block(x64):
         youngs_modulus=1e6, damping_rate=0.0,
     )  # fmt: skip
     state = dataclasses.replace(state, v=state.v.at[:, 0].set(1.0))
-    frames, total = play(model, state, frame_count=11)
+    frames, total = simulate_frames(model, state, frame_count=11)
     lost = float(kinetic_energy(model, state) - kinetic_energy(model, frames[-1].state))
     assert float(total.boundary_work) < 0
     np.testing.assert_allclose(total.boundary_impulse[0], -0.4 * total.boundary_impulse[2], rtol=1e-3)
@@ -100,7 +100,7 @@ def test_prescribed_motion_puts_in_the_energy_it_gives(x64):
         jnp.zeros(()),
         FOREVER,
     )
-    frames, total = play(model.replace(constraints=(grip,)), state)
+    frames, total = simulate_frames(model.replace(constraints=(grip,)), state)
     np.testing.assert_allclose(total.boundary_work, 0.5 * float(model.mass.sum()) * 0.7**2, rtol=1e-10)
     np.testing.assert_allclose(total.boundary_impulse[0], float(model.mass.sum()) * 0.7, rtol=1e-10)
     np.testing.assert_allclose(kinetic_energy(model, frames[-1].state), total.boundary_work, rtol=1e-8)
@@ -113,7 +113,7 @@ def test_free_motion_never_gains_energy(x64):
     state = dataclasses.replace(
         state, v=jnp.stack([2 * x[:, 0] - 3 * x[:, 1], 3 * x[:, 0] + x[:, 1], -2 * x[:, 2]], -1)
     )
-    frames, total = play(model, state, frame_count=30, frame_dt=0.02)
+    frames, total = simulate_frames(model, state, frame_count=30, frame_dt=0.02)
     losses = [float(frame.exchange.numerical_loss) for frame in frames[1:]]
     assert min(losses) > 0
     np.testing.assert_allclose(
@@ -133,7 +133,7 @@ def test_viscosity_dissipates_what_the_ledger_says(viscosity, x64):
         state = dataclasses.replace(state, v=state.v.at[:, 0].set(shear), C=state.C.at[:, 0, 2].set(3.0))
         if eta is not None:
             model = model.replace(viscosity=jnp.full(len(state.x), eta))
-        frames, total = play(model, state, substep_dt=5e-4)
+        frames, total = simulate_frames(model, state, substep_dt=5e-4)
         lost.append(float(total.viscous_dissipation + total.numerical_loss))
         dissipated.append(float(total.viscous_dissipation))
     assert dissipated[0] == 0.0

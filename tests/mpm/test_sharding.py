@@ -13,7 +13,7 @@ import pytest
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.mpm import PrescribedMotion, rollout, rollout_sharded, simulate, step
-from physagent_jax.mpm.sharding import Layout
+from physagent_jax.mpm.sharding import ParticleLayout
 from tests.conftest import QUICK_TO_COMPILE, REPOSITORY
 from tests.mpm.blocks import block
 
@@ -147,7 +147,7 @@ def test_a_material_with_a_count_of_its_own_is_refused():
     """Each device would believe it had all the particles."""
     model, state = block((2, 2, 1))
     with pytest.raises(UserError, match="OneForAll cannot be split"):
-        Layout((32,), devices=2).split(model.replace(materials=(OneForAll(32),)), state)
+        ParticleLayout((32,), devices=2).split(model.replace(materials=(OneForAll(32),)), state)
 
 
 def test_constraints_that_are_traced_are_refused():

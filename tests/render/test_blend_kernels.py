@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.cases.splats import sphere
 from physagent_jax.render import look_at, pair_capacity, rasterize
-from physagent_jax.render.layout import Layout
+from physagent_jax.render.layout import TileLayout
 from physagent_jax.render.project import project
 from physagent_jax.render.rasterize import blend
 from physagent_jax.render.tiles import build_tile_lists
@@ -95,6 +95,8 @@ def test_a_gaussian_without_an_opacity_is_nothing():
     projected = project(splats, camera)
     spoilt = dataclasses.replace(projected, opacities=projected.opacities.at[::7].set(jnp.nan))
     lists = build_tile_lists(projected, 48, 48, capacity=capacity, tile_size=16)
-    native, reference = (blend(spoilt, lists, Layout(48, 48, 16, 1), choice)[0] for choice in (True, False))
+    native, reference = (
+        blend(spoilt, lists, TileLayout(48, 48, 16, 1), choice)[0] for choice in (True, False)
+    )
     assert np.isfinite(reference).all() and float(reference.max()) > 0.3
     np.testing.assert_allclose(native, reference, atol=2e-4)

@@ -173,7 +173,7 @@ def test_framing_shows_every_point_and_not_much_more():
 # --- fusion ------------------------------------------------------------------------------------------
 
 
-def ingredients(source, **changes):
+def template(source, **changes):
     return SceneTemplate(
         **{
             "prompt": "x",
@@ -192,26 +192,24 @@ def test_fusion_is_deterministic_and_its_json_reads_back(source, body):
     field = ForceField.model_validate(
         {"actions": [{"action_type": "torque", "vector": [0, 0, 1], "magnitude": 1}]}
     )
-    texts = {c.dump_scene(fuse(ingredients(source), body, field)) for _ in range(2)}
+    texts = {c.dump_scene(fuse(template(source), body, field)) for _ in range(2)}
     assert len(texts) == 1
-    config = fuse(ingredients(source), body, field)
+    config = fuse(template(source), body, field)
     assert c.SceneConfig.model_validate_json(texts.pop()) == config
 
 
 def test_falling_objects_get_a_floor_below_them(source, body):
     field = ForceField(default_drop=True)
-    floor = fuse(ingredients(source), body, field).boundaries[-1]
+    floor = fuse(template(source), body, field).boundaries[-1]
     np.testing.assert_allclose(floor.point[2], body.low[2] - 0.5 * body.extent, atol=1e-3)
-    rooted = fuse(ingredients(source, anchor=c.Anchor(kind="base")), body, field).boundaries[-1]
+    rooted = fuse(template(source, anchor=c.Anchor(kind="base")), body, field).boundaries[-1]
     np.testing.assert_allclose(rooted.point[2], body.low[2], atol=1e-3)
-    assert not any(
-        isinstance(b, c.HalfSpace) for b in fuse(ingredients(source), body, ForceField()).boundaries
-    )
+    assert not any(isinstance(b, c.HalfSpace) for b in fuse(template(source), body, ForceField()).boundaries)
 
 
 def test_a_placed_camera_is_left_alone(source, body):
     camera = c.CameraConfig(target=(1, 2, 3), distance=7.0)
-    assert fuse(ingredients(source, camera=camera), body, ForceField()).camera == camera
+    assert fuse(template(source, camera=camera), body, ForceField()).camera == camera
 
 
 def test_the_paper_preset_has_the_papers_figures():

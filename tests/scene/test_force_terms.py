@@ -74,7 +74,7 @@ def mean_velocity(made, state):
     return mass @ np.asarray(state.v) / mass.sum()
 
 
-def played(made, state=None):
+def simulate_states(made, state=None):
     timing = made.config.timing
     frames = simulate(
         made.model, state or made.state, frame_count=timing.frame_count, frame_dt=timing.frame_dt
@@ -91,13 +91,16 @@ def test_every_kind_compiles_to_its_term(built):
     np.testing.assert_allclose(vortex.axis, [0, 0, 1])
     z = np.asarray(made.state.x)[:, 2]
     np.testing.assert_array_equal(uniform.weight, z >= 0.5 * (z.min() + z.max()))
-    assert played(built(WIND, ATTRACTOR, VORTEX, TURBULENCE, UNIFORM, frames=3))[-1].x.dtype == np.float32
+    assert (
+        simulate_states(built(WIND, ATTRACTOR, VORTEX, TURBULENCE, UNIFORM, frames=3))[-1].x.dtype
+        == np.float32
+    )
 
 
 def test_wind_carries_the_object_downwind_as_its_drag_says(built):
     """For 0.12 s in a wind of 1.5 m/s with drag 2 / s: v = 1.5 (1 - exp(-0.24)), then coasting."""
     made = built(WIND)
-    states = played(made)
+    states = simulate_states(made)
     speed = 1.5 * (1 - np.exp(-2.0 * 0.12))
     np.testing.assert_allclose(mean_velocity(made, states[1]), 0, atol=1e-7)
     np.testing.assert_allclose(mean_velocity(made, states[-1]), [speed, 0, 0], atol=2e-3 * speed)
@@ -118,7 +121,7 @@ def test_an_attractor_holds_the_object_in_orbit(built):
     rate = np.sqrt(0.5 / radius**3)
     moving = np.asarray(made.state.x) * 0 + np.float32(rate * radius * across)
     state = type(made.state).at_rest(made.state.x, v=moving, materials=made.model.materials)
-    arm = centre(made, played(made, state)[-1]) - 1.0
+    arm = centre(made, simulate_states(made, state)[-1]) - 1.0
     np.testing.assert_allclose(np.linalg.norm(arm), radius, rtol=0.01)
     angle = np.arctan2(arm @ across, arm @ start / radius)
     assert angle > 0.5
@@ -128,14 +131,14 @@ def test_an_attractor_holds_the_object_in_orbit(built):
 def test_a_ramped_push_on_a_region_gives_its_share_of_momentum(built):
     made = built(UNIFORM)
     share = float((made.model.forces[0].weight * made.model.mass).sum() / made.model.mass.sum())
-    change = mean_velocity(made, played(made)[-1])
+    change = mean_velocity(made, simulate_states(made)[-1])
     np.testing.assert_allclose(change, [0, 0, share * 3.0 * (0.2 - 0.08)], rtol=2e-3, atol=1e-5)
 
 
 def test_a_vortex_carries_an_object_beside_its_axis_around_it(built):
     """It is swirled with 3 m/s^2 at the core's radius, growing with 1 / r within it, and pulled inwards."""
     made = built({**VORTEX, "point": [0.4, 1, 0]})
-    v = mean_velocity(made, played(made)[-1])
+    v = mean_velocity(made, simulate_states(made)[-1])
     r = np.hypot(0.6, 0.5)
     around, inward = (strength * 0.5 / r * 0.6 / r * 0.2 for strength in (3.0, 1.0))
     np.testing.assert_allclose(v[:2], [-inward, around], rtol=0.15)

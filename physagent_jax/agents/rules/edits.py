@@ -194,7 +194,7 @@ def make_particle_impulse(case: Case, causes: Sequence[Cause], gain: float) -> C
     sizes = [MAGNITUDE_MAX] + (
         [clamp(wanted - MAGNITUDE_MAX, MAGNITUDE_MIN, MAGNITUDE_MAX)] if wanted > MAGNITUDE_MAX else []
     )
-    blows = tuple(
+    impulses = tuple(
         VelocityConstraint(
             constraint_type=ConstraintType.PARTICLE_IMPULSE,
             vector=cause.item.vector,
@@ -207,10 +207,10 @@ def make_particle_impulse(case: Case, causes: Sequence[Cause], gain: float) -> C
         for size in sizes
     )
     field = replace_items(case.force_field, causes, [None] * len(causes))
-    field = field.model_copy(update={"constraints": (*field.constraints, *blows)})
+    field = field.model_copy(update={"constraints": (*field.constraints, *impulses)})
     return Change(
         field,
-        f"{format_names(causes)} cannot be made stronger: {len(blows)} particle impulses instead.",
+        f"{format_names(causes)} cannot be made stronger: {len(impulses)} particle impulses instead.",
         "brief_impulse",
     )
 

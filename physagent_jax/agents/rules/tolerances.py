@@ -116,9 +116,11 @@ def expect_move(
         )
     fraction = _fraction(expectation, frame_count)
     steady = fraction**2 * (1.0 if fraction > 0.99 else _BRAKED)
-    blows = 0.5 * (expectation.repeats + 1) * fraction  # evenly spaced: the later ones act for a shorter time
+    impulses = (
+        0.5 * (expectation.repeats + 1) * fraction
+    )  # evenly spaced: the later ones act for a shorter time
     target = (
-        calibration.TRAVEL * strength * (blows if expectation.sudden else steady) * (0.5 if rises else 1.0)
+        calibration.TRAVEL * strength * (impulses if expectation.sudden else steady) * (0.5 if rises else 1.0)
     )
     low = max(0.5 * part * target, VISIBLE)
     drift = max(speed, 0.0) * fraction

@@ -10,17 +10,17 @@ from physagent_jax.kernels import ffi
 from physagent_jax.kernels.threads import thread_count
 from physagent_jax.render.kernels.blend import PACKED, PIXELS, SIDE
 from physagent_jax.render.kernels.handlers import register_handler
-from physagent_jax.render.layout import Layout
+from physagent_jax.render.layout import TileLayout
 
 _SLACK = 1e-3  # by which `reach` is longer than exact arithmetic has it
 
 
-def fits(layout: Layout, dtype) -> bool:
+def fits(layout: TileLayout, dtype) -> bool:
     """Whether the kernels are made for this: float32, tiles of 16 pixels, one at a time."""
     return dtype == jnp.float32 and layout.tile_size == SIDE and layout.lanes == 1
 
 
-def blend(layout: Layout, limits, packed, gaussians, starts) -> tuple[jax.Array, jax.Array]:
+def blend(layout: TileLayout, limits, packed, gaussians, starts) -> tuple[jax.Array, jax.Array]:
     """Features, shape (tiles, 1, PIXELS, 4), and the transmittance left, shape (tiles, 1, PIXELS).
 
     Args:
@@ -42,7 +42,7 @@ def blend(layout: Layout, limits, packed, gaussians, starts) -> tuple[jax.Array,
 
 
 def blend_backward(
-    layout: Layout, limits, packed, gaussians, starts, g, g_transmittance, features, transmittance
+    layout: TileLayout, limits, packed, gaussians, starts, g, g_transmittance, features, transmittance
 ) -> jax.Array:
     """Derivative by ``packed``, from the cotangents of `blend`'s results and these."""
     parts = thread_count()
@@ -52,19 +52,19 @@ def blend_backward(
     )
     call = jax.ffi.ffi_call(register_handler("blend_backward"), results, vmap_method="sequential")
     lists = dict(packed=packed, reach=_reach(packed, limits[0]), gaussians=gaussians, starts=starts)
-    pictures = dict(
+    images = dict(
         g=g[:, 0].swapaxes(1, 2),
         g_transmittance=g_transmittance[:, 0],
         features=features[:, 0].swapaxes(1, 2),
         transmittance=transmittance[:, 0],
         inside=layout.pixels(jnp.asarray(layout.tile_ids()[:, 0]), jnp.float32)[2].astype(jnp.float32),
     )
-    _check("blend_backward", layout, lists | pictures)
-    gradient, _ = call(*lists.values(), _sizes(layout), _array(limits), *pictures.values())
+    _check("blend_backward", layout, lists | images)
+    gradient, _ = call(*lists.values(), _sizes(layout), _array(limits), *images.values())
     return gradient.sum(0)
 
 
-def _check(kernel: str, layout: Layout, operands: dict[str, jax.Array]) -> None:
+def _check(kernel: str, layout: TileLayout, operands: dict[str, jax.Array]) -> None:
     count, tiles = operands["packed"].shape[0], layout.tiles
     shapes = dict(packed=(count, PACKED), reach=(count,), gaussians=operands["gaussians"].shape[:1])
     shapes |= dict(starts=(tiles + 1,))
@@ -86,7 +86,7 @@ def _reach(packed: jax.Array, least_alpha: float) -> jax.Array:
     return jnp.where(good, (1 + _SLACK) * room / jnp.where(good, steepness, 1), jnp.inf)
 
 
-def _sizes(layout: Layout) -> np.ndarray:
+def _sizes(layout: TileLayout) -> np.ndarray:
     return np.asarray([layout.columns, layout.width, layout.height, thread_count()], np.int32)
 
 

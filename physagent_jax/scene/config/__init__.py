@@ -37,8 +37,8 @@ from physagent_jax.scene.config.numerics import MOST_FRAMES as MOST_FRAMES
 from physagent_jax.scene.config.numerics import Domain as Domain
 from physagent_jax.scene.config.numerics import Timing as Timing
 from physagent_jax.scene.config.numerics import Transfer as Transfer
-from physagent_jax.scene.config.pictures import CameraConfig as CameraConfig
-from physagent_jax.scene.config.pictures import Rendering as Rendering
+from physagent_jax.scene.config.rendering import CameraConfig as CameraConfig
+from physagent_jax.scene.config.rendering import Rendering as Rendering
 from physagent_jax.scene.config.scene import SceneConfig as SceneConfig
 from physagent_jax.scene.config.source import Filling as Filling
 from physagent_jax.scene.config.source import Source as Source

@@ -20,7 +20,7 @@ from physagent_jax.scene.config.constraints import Anchor, Constraint
 from physagent_jax.scene.config.forces import ForceTerm
 from physagent_jax.scene.config.material import Material, MaterialRegion
 from physagent_jax.scene.config.numerics import Domain, Timing, Transfer
-from physagent_jax.scene.config.pictures import CameraConfig, Rendering
+from physagent_jax.scene.config.rendering import CameraConfig, Rendering
 from physagent_jax.scene.config.source import Filling, Source
 
 _FEW = Field(max_length=256)  # every one of them is compiled into the step

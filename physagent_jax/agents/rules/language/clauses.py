@@ -291,12 +291,12 @@ def _moved_by_wind(wind: Clause, clause: Clause) -> bool:
     )
 
 
-def _carried_off(blow: Clause, clause: Clause) -> bool:
+def _carried_off(cause: Clause, clause: Clause) -> bool:
     """Whether a travel is a blow's work: "kicked from the left and flies away"."""
-    if clause.verb is None or blow.head is None or clause.join not in (Join.AND, Join.COMMA):
+    if clause.verb is None or cause.head is None or clause.join not in (Join.AND, Join.COMMA):
         return False
     verb = get_verb(clause.verb)
-    return verb.generic and verb.effect is Effect.PUSH and get_verb(blow.head).effect is Effect.STRIKE
+    return verb.generic and verb.effect is Effect.PUSH and get_verb(cause.head).effect is Effect.STRIKE
 
 
 def _merge(cause: Clause, effect: Clause) -> None:
