@@ -9,7 +9,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.run.material import AFFORDABLE, resolve_material
 from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.config import MaterialModel
-from physagent_jax.scene.materials import LIBRARY, count_substeps, soften
+from physagent_jax.scene.materials import LIBRARY, count_substeps, soften_material
 from physagent_jax.scene.materials.soften import explain_softening
 from physagent_jax.scene.presets import PRESETS, PresetName
 from physagent_jax.scene.priors import choose_material
@@ -122,9 +122,9 @@ def test_softening_a_liquid_is_measured_by_its_compression():
     water = LIBRARY["water"].material
     load = water.density * 9.80665
     factor = 0.03 * water.bulk_modulus / load  # its own weight then compresses a column of a metre by 3 %
-    assert "3 %" in (explain_softening(water, soften(water, factor)) or "")
-    assert explain_softening(water, soften(water, factor / 10)) is None
-    assert explain_softening(water, soften(water, factor / 10), length=10.0) is not None
+    assert "3 %" in (explain_softening(water, soften_material(water, factor)) or "")
+    assert explain_softening(water, soften_material(water, factor / 10)) is None
+    assert explain_softening(water, soften_material(water, factor / 10), length=10.0) is not None
 
 
 def test_a_prediction_replaces_the_kinds_prior(tmp_path):

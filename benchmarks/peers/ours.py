@@ -12,12 +12,12 @@ import numpy as np
 
 from benchmarks.peers.drop import FRAME_DT
 from benchmarks.peers.scene import Material, PeerScene
-from physagent_jax.kernels import chosen
+from physagent_jax.kernels import describe_kernels
 from physagent_jax.mpm import Contact, DomainBox, HalfSpace, Model, State, cell_order, lame_parameters
 from physagent_jax.mpm import materials as laws
 from physagent_jax.mpm.frame import advance
 from physagent_jax.mpm.materials.von_mises import yield_stress_from_deviator_norm
-from physagent_jax.mpm.window import fit_window, smallest_window
+from physagent_jax.mpm.window import find_smallest_window, fit_window
 
 
 class Ours:
@@ -40,7 +40,7 @@ class Ours:
 
     def version(self) -> str:
         """JAX's version, the device and the kernels."""
-        return f"jax {jax.__version__} on {jax.default_backend()}, kernels {chosen(self.kernels)}"
+        return f"jax {jax.__version__} on {jax.default_backend()}, kernels {describe_kernels(self.kernels)}"
 
     def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
         """Builds model and state, and compiles for the first window."""
@@ -63,7 +63,7 @@ class Ours:
             chunk = min(steps, frame)
             self._follow(chunk * float(self.model.dt))
             self.state, health, _ = advance(self.model, self.state, jnp.int32(chunk))
-            if not bool(health.good(self.model)):
+            if not bool(health.is_good(self.model)):
                 raise RuntimeError(f"the frame cannot be trusted: {health}")
             steps -= chunk
 
@@ -113,7 +113,7 @@ def build(scene: PeerScene, kernels: Any = "auto") -> tuple[Model, State]:
     ]
     walls = [] if scene.domain_box is None else [DomainBox(scene.domain_box)]
     model = Model(
-        grid=smallest_window(scene.size, scene.cells),
+        grid=find_smallest_window(scene.size, scene.cells),
         dt=own(0),
         gravity=own(scene.gravity),
         mass=own(scene.mass),

@@ -93,7 +93,7 @@ def _run(scenario: Scenario) -> Result:
 
 def _examined(run: Callable[[], Result]) -> list[dict]:
     row = _plain(run())
-    programs.bound()
+    programs.release_programs()
     harness.say(f"{row['verdict']:>8}  {row['name']}{': ' if row['message'] else ''}{row['message']}")
     return [row]
 

@@ -68,7 +68,7 @@ def _print_table(entries) -> None:
 
     from physagent_jax.report.facts import describe_property
     from physagent_jax.report.formats import format_count, format_quantity, spell_out
-    from physagent_jax.scene.materials import describe
+    from physagent_jax.scene.materials import describe_material
 
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for title in ("material", "model"):
@@ -77,7 +77,9 @@ def _print_table(entries) -> None:
         table.add_column(title, justify="right", no_wrap=True)
     table.add_column("what")
     for each in entries:
-        facts = {name: describe_property(value, unit) for name, value, unit in describe(each.material)}
+        facts = {
+            name: describe_property(value, unit) for name, value, unit in describe_material(each.material)
+        }
         step, many = _cost(each.material)
         stiff = facts.get("bulk modulus") or facts.get("Young\u2019s modulus", "")
         model = spell_out(each.material.model.value)
@@ -100,11 +102,11 @@ def _print_details(each) -> None:
 
     from physagent_jax.report.facts import describe_property
     from physagent_jax.report.formats import format_count, format_quantity, spell_out
-    from physagent_jax.scene.materials import describe
+    from physagent_jax.scene.materials import describe_material
 
     step, many = _cost(each.material)
     rows = [("model", spell_out(each.material.model.value))]
-    rows += [(name, describe_property(value, unit)) for name, value, unit in describe(each.material)]
+    rows += [(name, describe_property(value, unit)) for name, value, unit in describe_material(each.material)]
     rows += [("stable step", f"{format_quantity(step, 's')} at the fast preset's grid spacing")]
     rows += [(f"{CLIP_SECONDS:g} s of clip", f"at least {format_count(many)} substeps")]
     rows += [("source", each.source), ("notes", each.notes)]

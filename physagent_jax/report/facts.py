@@ -32,7 +32,7 @@ from physagent_jax.scene.config import (
     SceneConfig,
     Sphere,
 )
-from physagent_jax.scene.materials import describe
+from physagent_jax.scene.materials import describe_material
 from physagent_jax.simulation.record import SimulationRecord
 
 STAGE_NAMES = {
@@ -154,7 +154,7 @@ def _object_rows(scene: SceneConfig, record: SimulationRecord | None) -> list[tu
 
 
 def describe_property(value: float | bool, unit: str) -> str:
-    """A property of `scene.materials.describe` as people read it: "100 kPa", "30\u00b0", "yes"."""
+    """A property of `scene.materials.describe_material` as people read it: "100 kPa", "30\u00b0", "yes"."""
     if isinstance(value, bool):
         return "yes" if value else "no"
     if unit == "\u00b0":
@@ -165,14 +165,16 @@ def describe_property(value: float | bool, unit: str) -> str:
 
 
 def _material_rows(material: Material) -> list[tuple[str, Child]]:
-    acting = [(name, describe_property(value, unit)) for name, value, unit in describe(material)]
+    acting = [(name, describe_property(value, unit)) for name, value, unit in describe_material(material)]
     reason = [("from", material.reason)] if material.reason else []
     return [("model", spell_out(material.model.value)), *acting, *reason]
 
 
 def _material_cells(material: Material) -> list[Child]:
     """Model, properties and reason of a region."""
-    acting = ", ".join(f"{name} {describe_property(value, unit)}" for name, value, unit in describe(material))
+    acting = ", ".join(
+        f"{name} {describe_property(value, unit)}" for name, value, unit in describe_material(material)
+    )
     return [spell_out(material.model.value), acting, material.reason or UNKNOWN]
 
 

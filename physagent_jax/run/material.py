@@ -12,13 +12,13 @@ from physagent_jax.core.reading import read_json
 from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.config import Material, MaterialModel
 from physagent_jax.scene.config.material import WITHOUT_STRESS
-from physagent_jax.scene.materials import LIBRARY, count_substeps, find_material, soften, stable_step
+from physagent_jax.scene.materials import LIBRARY, count_substeps, find_material, soften_material, stable_step
 from physagent_jax.scene.materials.soften import explain_softening, find_softening
 from physagent_jax.scene.physgm import import_physgm
 from physagent_jax.scene.presets import Preset
 from physagent_jax.scene.priors import choose_material
 
-AFFORDABLE = 10_000  # substeps of a clip that `--soften auto` aims at
+AFFORDABLE = 10_000  # substeps of a clip that `--soften_material auto` aims at
 EXPENSIVE = 100_000  # substeps of a clip beyond which a warning is due; usual runs take some thousands
 
 
@@ -38,9 +38,9 @@ def resolve_material(
     hard = material
     if choice.soften == "auto":
         factor = find_softening(material, dx=dx, duration=duration, at_most=AFFORDABLE)
-        material = soften(material, factor)
+        material = soften_material(material, factor)
     elif choice.soften is not None:
-        material = soften(material, choice.soften)
+        material = soften_material(material, choice.soften)
     if (seen := explain_softening(hard, material)) is not None:
         warnings.append(seen)
     if preset.timing.substep_dt == "auto":

@@ -284,9 +284,7 @@ def _volumes(cells: np.ndarray, wall: np.ndarray, layer: np.ndarray, spacing: fl
     Cells' matter is shared within blocks of 1, 2, 4, ... cells, the smallest for which nearly all matter lies
     in blocks that hold particles (1 unless the cap thinned them); the rest is spread over all.
     """
-    half_cells = np.where(layer == OUTSIDE, 0, np.where(wall & (layer == OUTER), 1, 2)).astype(
-        np.uint8
-    )
+    half_cells = np.where(layer == OUTSIDE, 0, np.where(wall & (layer == OUTER), 1, 2)).astype(np.uint8)
     total = half_cells.sum(dtype=np.int64)
     block = 1
     while True:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.splats import sphere
-from physagent_jax.render import look_at, pair_capacity, rasterize
+from physagent_jax.render import choose_pair_capacity, look_at, rasterize
 from physagent_jax.render.layout import TileLayout
 from physagent_jax.render.project import project
 from physagent_jax.render.rasterize import blend

@@ -14,11 +14,11 @@ from physagent_jax.scene.config.material import MODEL_PARAMETERS, OPTIONAL_PARAM
 from physagent_jax.scene.materials import (
     LIBRARY,
     count_substeps,
-    describe,
+    describe_material,
     find_material,
     replace_youngs_modulus,
-    soften,
     soften_for,
+    soften_material,
     stable_step,
 )
 from physagent_jax.scene.materials.soften import find_softening
@@ -177,9 +177,9 @@ def test_metals_yield_far_below_their_stiffness(name):
 
 
 def test_descriptions_hold_what_acts_and_nothing_else():
-    sand = {name: value for name, value, _ in describe(LIBRARY["dry_sand"].material)}
+    sand = {name: value for name, value, _ in describe_material(LIBRARY["dry_sand"].material)}
     assert sand["friction angle"] == 33.0 and "viscosity" not in sand
-    water = {name: (value, unit) for name, value, unit in describe(LIBRARY["water"].material)}
+    water = {name: (value, unit) for name, value, unit in describe_material(LIBRARY["water"].material)}
     assert water["bulk modulus"] == (2.19e9, "Pa") and "Young\u2019s modulus" not in water
 
 
@@ -221,7 +221,7 @@ def test_substeps_of_a_clip():
 @pytest.mark.parametrize("name", LIBRARY)
 def test_softening_keeps_density_nu_and_strains(name):
     hard = LIBRARY[name].material
-    soft = soften(hard, 100.0)
+    soft = soften_material(hard, 100.0)
     assert (soft.density, soft.poissons_ratio, soft.model) == (hard.density, hard.poissons_ratio, hard.model)
     assert soft.youngs_modulus == pytest.approx(hard.youngs_modulus / 100)
     for parameter in ("yield_stress", "hardening_modulus", "plastic_viscosity", "bulk_modulus"):
@@ -235,23 +235,23 @@ def test_softening_keeps_density_nu_and_strains(name):
 
 def test_softening_keeps_the_flow_of_fluids_and_the_damping_ratio_of_solids():
     honey = LIBRARY["honey"].material
-    assert soften(honey, 1e3).viscosity == honey.viscosity
+    assert soften_material(honey, 1e3).viscosity == honey.viscosity
     solid = Material(youngs_modulus=4e6, viscosity=100.0)
     # zeta = eta omega / (2 E) with omega proportional to sqrt(E)
-    assert soften(solid, 16.0).viscosity == pytest.approx(25.0)
+    assert soften_material(solid, 16.0).viscosity == pytest.approx(25.0)
 
 
 def test_another_stiffness_keeps_the_strain_at_yield():
     steel = LIBRARY["steel"].material
     stiffer = replace_youngs_modulus(steel, 2 * steel.youngs_modulus)
     assert stiffer.yield_stress == pytest.approx(2 * steel.yield_stress)
-    assert soften(steel, 1.0) == steel
+    assert soften_material(steel, 1.0) == steel
 
 
 @pytest.mark.parametrize("factor", [0.5, 0.0, -1.0, math.nan, math.inf])
 def test_softening_by_less_than_one_is_refused(factor):
     with pytest.raises(UserError, match="at least 1"):
-        soften(Material(), factor)
+        soften_material(Material(), factor)
 
 
 @pytest.mark.parametrize("material", [*LIBRARY.values(), Material(youngs_modulus=1e9, viscosity=1e3)])

@@ -8,11 +8,10 @@ from collections.abc import Callable
 import jax
 import numpy as np
 
-from physagent_jax.core.arrays import to_device
 from physagent_jax.mpm import materials as m
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
-from physagent_jax.scene.compile.select import DTYPE, select_box
+from physagent_jax.scene.compile.select import select_box, to_array
 
 _ORDER = {model: rank for rank, model in enumerate(c.MaterialModel)}
 
@@ -75,7 +74,7 @@ class ParticleMaterials:
     def viscosity(self) -> jax.Array | None:
         """Newtonian viscosity of fluids and damping of solids [Pa s], shape (n,); None if there is none."""
         viscosity = self.get_values("viscosity")
-        return _leaf(viscosity) if viscosity.any() else None
+        return to_array(viscosity) if viscosity.any() else None
 
     def find_stationary(self) -> np.ndarray:
         """Particles that never move, shape (n,): a prescribed motion holds them."""
@@ -91,16 +90,12 @@ class ParticleMaterials:
         return np.array([material.model is model for material in self.choices])
 
 
-def _leaf(values: np.ndarray) -> jax.Array:
-    return to_device(values, DTYPE)
-
-
 def _make_builder(law: Callable, *names: str) -> Callable[[ParticleMaterials, c.Material], m.Material]:
     """A builder of ``law(mu, lam, ...)`` with the named parameters after the Lame parameters."""
 
     def build(block: ParticleMaterials, _: c.Material) -> m.Material:
         lame = m.lame_parameters(block.get_values("youngs_modulus"), block.get_values("poissons_ratio"))
-        return law(*map(_leaf, lame), *(_leaf(block.get_values(name)) for name in names))
+        return law(*map(to_array, lame), *(to_array(block.get_values(name)) for name in names))
 
     return build
 
@@ -108,11 +103,11 @@ def _make_builder(law: Callable, *names: str) -> Callable[[ParticleMaterials, c.
 def _build_drucker_prager(block: ParticleMaterials, _: c.Material) -> m.Material:
     mu, lam = m.lame_parameters(block.get_values("youngs_modulus"), block.get_values("poissons_ratio"))
     angle, cohesion = np.radians(block.get_values("friction_angle")), block.get_values("cohesion")
-    return m.DruckerPrager(_leaf(mu), _leaf(lam), _leaf(angle), _leaf(cohesion))
+    return m.DruckerPrager(to_array(mu), to_array(lam), to_array(angle), to_array(cohesion))
 
 
 def _build_fluid(block: ParticleMaterials, first: c.Material) -> m.Material:
-    return m.Fluid(_leaf(block.get_values("bulk_modulus")), tension=bool(first.tension))
+    return m.Fluid(to_array(block.get_values("bulk_modulus")), tension=bool(first.tension))
 
 
 def _build_rigid(block: ParticleMaterials, _: c.Material) -> m.Material:

@@ -2,10 +2,10 @@
 
 from physagent_jax.scene.materials.cost import count_substeps as count_substeps
 from physagent_jax.scene.materials.cost import stable_step as stable_step
-from physagent_jax.scene.materials.describe import describe as describe
+from physagent_jax.scene.materials.describe import describe_material as describe_material
 from physagent_jax.scene.materials.entry import NamedMaterial as NamedMaterial
 from physagent_jax.scene.materials.library import LIBRARY as LIBRARY
 from physagent_jax.scene.materials.library import find_material as find_material
 from physagent_jax.scene.materials.soften import replace_youngs_modulus as replace_youngs_modulus
-from physagent_jax.scene.materials.soften import soften as soften
 from physagent_jax.scene.materials.soften import soften_for as soften_for
+from physagent_jax.scene.materials.soften import soften_material as soften_material

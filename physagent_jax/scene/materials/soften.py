@@ -23,7 +23,7 @@ STANDARD_GRAVITY = 9.80665
 _SCALED = ("yield_stress", "hardening_modulus", "softening_modulus", "plastic_viscosity", "bulk_modulus")
 
 
-def soften(material: Material, factor: float) -> Material:
+def soften_material(material: Material, factor: float) -> Material:
     """A stand-in ``factor`` times as soft; the stable step grows by sqrt(factor).
 
     Density, nu and all strains stay: yield stress, hardening, softening and plastic viscosity are divided like
@@ -55,7 +55,7 @@ def soften(material: Material, factor: float) -> Material:
 
 
 def replace_youngs_modulus(material: Material, youngs_modulus: float) -> Material:
-    """The material with another E [Pa] and the same strains; see `soften`."""
+    """The material with another E [Pa] and the same strains; see `soften_material`."""
     return _scaled(material, youngs_modulus / material.youngs_modulus)
 
 
@@ -65,7 +65,7 @@ def soften_for(material: Material, *, dx: float, duration: float, at_most: int =
     Raises:
         UserError: The viscosity alone needs more substeps; softening does not help.
     """
-    return soften(material, find_softening(material, dx=dx, duration=duration, at_most=at_most))
+    return soften_material(material, find_softening(material, dx=dx, duration=duration, at_most=at_most))
 
 
 def find_softening(material: Material, *, dx: float, duration: float, at_most: int) -> float:
