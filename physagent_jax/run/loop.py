@@ -10,7 +10,6 @@ Thin host code; everything that computes lives in the layers below.
 from __future__ import annotations
 
 import dataclasses
-import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -28,11 +27,12 @@ from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.protocols import PerceptionBackends, SegmentPrompt
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.render.camera import Camera
+from physagent_jax.run.agent_calls import AgentCalls
 from physagent_jax.run.artifacts import write_best, write_rollout, write_verdict
 from physagent_jax.run.best import find_best_round
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.key_frames import VideoKeyFrames
-from physagent_jax.run.manifest import AgentCost, Stages
+from physagent_jax.run.manifest import Stages
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.prompt import make_prompt, read_mask
 from physagent_jax.run.provenance import hash_settings, make_manifest
@@ -187,7 +187,7 @@ class _Loop:
         self._run, self._agents, self._backends = run, agents, backends
         self.observer, self._store, self._skills = observer, store, describe_skills()
         self._watch = Stopwatch(store.manifest.stages.model_dump())
-        self._costs = {cost.agent: cost for cost in store.manifest.agents}
+        self._calls = AgentCalls(agents, store.manifest.agents)
         self._anchor = run.template.anchor
         self._restart_cache: RestartCache | None = None
         self._reused = dict(store.manifest.reused_frames)
@@ -355,45 +355,22 @@ class _Loop:
         self._store.finish()
 
     def _ask(self, store: RunStore, folder: str, role: str, method: str, *arguments) -> Reply:
-        """Calls an agent and notes what it cost; if it has no answer, what it tried is left in ``folder``."""
-        agent = getattr(self._agents, role)
-        begun = time.perf_counter()
+        """Calls an agent; if it has no answer, what it tried is left in ``folder``."""
         try:
             with self._watch("agents"):
-                answer = getattr(agent, method)(*arguments)
+                return self._calls.ask(role, method, *arguments)
         except AgentError as error:
-            cost = self._charge(role, error.trace, time.perf_counter() - begun, failed=True)
             self._store.begin()
             self.write_spec()
-            name = f"{folder}{role}_failed_{cost.failed_calls}.json"
+            name = f"{folder}{role}_failed_{self._calls.costs[role].failed_calls}.json"
             store.write(name, FailedCall(error=str(error), trace=error.trace))
             self.save_costs()
             do = f"{error.do or 'The same command asks again'}; {store.path / name} holds the exchange"
-            raise AgentError(
-                f"the {role} ({agent.name}) gave no answer: {error.what}",
-                trace=error.trace, got=error.got, do=do,
-            ) from error  # fmt: skip
-        self._charge(role, answer.trace, time.perf_counter() - begun)
-        return answer
-
-    def _charge(self, role: str, trace: Trace, seconds: float, *, failed: bool = False) -> AgentCost:
-        """Adds a call to what the agent has cost."""
-        implementation = getattr(self._agents, role).name
-        cost = self._costs.get(role) or AgentCost(agent=role, implementation=implementation)
-        self._costs[role] = cost.model_copy(
-            update=dict(
-                calls=cost.calls + 1,
-                failed_calls=cost.failed_calls + failed,
-                input_tokens=cost.input_tokens + trace.input_tokens,
-                output_tokens=cost.output_tokens + trace.output_tokens,
-                seconds=round(cost.seconds + seconds, 4),
-            )
-        )
-        return self._costs[role]
+            raise AgentError(error.what, trace=error.trace, got=error.got, do=do) from error
 
     def save_costs(self, **changes) -> None:
         """Writes what the run has cost so far into the manifest, with ``changes`` to it."""
-        costs = dict(stages=Stages(**self._watch.seconds()), agents=tuple(self._costs.values()))
+        costs = dict(stages=Stages(**self._watch.seconds()), agents=tuple(self._calls.costs.values()))
         self._store.update(**costs, reused_frames=self._reused, **changes)
 
     def _prompt(self, camera: Camera) -> SegmentPrompt | None:
