@@ -106,9 +106,12 @@ def explain_failure(
 
 def _load(model: Model, state: State) -> tuple[float, float]:
     """Pressure of inertia, rho (|a| L + |v|^2), over the body's length L, and the greatest stiffness at rest [Pa]."""
-    x, v = np.asarray(state.x), np.asarray(state.v)
-    density = float((np.asarray(model.mass) / np.asarray(model.volume)).max())
-    acceleration = np.linalg.norm(np.asarray(body_acceleration(model, state)), axis=-1).max()
+    x, v = (
+        np.asarray(state.x, float),
+        np.asarray(state.v, float),
+    )  # what is senseless may not fit single precision
+    density = (np.asarray(model.mass, float) / np.asarray(model.volume, float)).max()
+    acceleration = np.linalg.norm(np.asarray(body_acceleration(model, state), float), axis=-1).max()
     load = density * (acceleration * np.ptp(x, axis=0).max() + (v**2).sum(-1).max())
     rest = dataclasses.replace(state, F=jnp.broadcast_to(jnp.eye(3, dtype=state.F.dtype), state.F.shape))
     stiffness = map_materials(model, rest, lambda material, F, history: material.stiffness(F, history))
