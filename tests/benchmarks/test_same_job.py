@@ -58,7 +58,7 @@ def test_the_tables_set_all_against_ours_and_say_whether_the_reference_is_one():
     rows += [row("jax_naive", "bound", 5.0, None, message="breaks down")]
     text = tables(rows)
     assert (
-        "| warp_classical | 1 | sorted | customary | 0.001 | 100 | 30 | 30 to 30 | 6 | 15 | 1.5 | 1 | 0.5 |"
+        "| warp_classical | 1 | sorted | customary | 0.001 | 100 | 30 | 30 to 30 | 6 | 15 | 1.5 | 0.5 |"
         in text
     )
     assert "customary step the fastest peer, warp_classical (1 thread(s), sorted), takes **15** times" in text
