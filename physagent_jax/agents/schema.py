@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from physagent_jax.core.strict import Count, Number, Numbers, Strict
+from physagent_jax.core.strict import Count, Direction, Number, Numbers, Strict
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ForceField
 
@@ -61,7 +61,12 @@ class SceneBrief(Strict):
         object_kind: Class with a physical prior: "plant", "food", "jelly", "robot", "instrument", "animal", "object".
         anchored: What is held fixed, in words; None if the object is free.
         frame_count: Number of frames of the clip.
+        frames_fixed: Whether the user fixed that number; else the semantic agent may ask for another
+            (`SemanticReply.frame_count`).
         frame_dt: Seconds per frame [s].
+        size: The object's longest side [m].
+        world: "ground": gravity acts and the object stands on the ground, unless the sentence says otherwise; "free":
+            it floats at rest in empty space.
         directions: The direction table.
     """
 
@@ -69,7 +74,10 @@ class SceneBrief(Strict):
     object_kind: str = "object"
     anchored: str | None = None
     frame_count: int = Field(ge=1, le=10_000)
+    frames_fixed: bool = False
     frame_dt: float = Field(ge=1e-6, le=100)
+    size: float = Field(default=1.0, gt=0)
+    world: Literal["ground", "free"] = "free"
     directions: DirectionTable
 
 
@@ -85,6 +93,51 @@ class AnchorRequest(Strict):
     words: str = ""
 
 
+class ObstacleRequest(Strict):
+    """A solid that the sentence names.
+
+    Attributes:
+        kind: "wall" stands upright or hangs overhead across the way; "block" is a box beside the object.
+        direction: Where it is, seen from the object (unit world vector).
+        distance: Of its face from the object's nearest side [body lengths].
+        words: The words that led to it.
+    """
+
+    kind: Literal["wall", "block"] = "wall"
+    direction: Direction
+    distance: float = Field(default=0.6, ge=0, le=10)
+    words: str = ""
+
+
+class WorldRequest(Strict):
+    """What the sentence says about the surroundings; None = nothing.
+
+    Attributes:
+        gravity: "down", "up" (reversed) or "none".
+        ground: Whether there is ground under the object.
+        obstacles: Walls and blocks that it names.
+        words: The words that led to it.
+    """
+
+    gravity: Literal["down", "up", "none"] | None = None
+    ground: bool | None = None
+    obstacles: tuple[ObstacleRequest, ...] = ()
+    words: str = ""
+
+
+class Amount(Strict):
+    """A quantity that the sentence names: a target, whatever ``strength`` says.
+
+    Attributes:
+        value: How much; at least 0.
+        unit: "lengths" [body lengths], "metres", "degrees", "factor" (of the extent along the direction: 2 = twice as
+            long, 0.5 = half), "seconds" (how long the cause lasts).
+    """
+
+    value: float = Field(ge=0, le=1e5)
+    unit: Literal["lengths", "metres", "degrees", "factor", "seconds"]
+
+
 class ExpectedMotion(Strict):
     """One motion that the sentence asks for: the planner's yardstick.
 
@@ -98,6 +151,11 @@ class ExpectedMotion(Strict):
         released: True if the cause stops before the clip ends ("then lets go").
         sudden: True if the motion starts with a blow rather than from rest.
         partial: True if only a part of the object is acted on, so that the whole moves less.
+        part: The end that is named (unit world vector towards it: the top is up); None = the whole, or a part that is
+            no end.
+        excludes_part: True if ``part`` is the one that should not move ("everything except the head").
+        stays: True if it is to stay where it was brought ("and hold it there").
+        amount: A quantity that the sentence names; None = none.
         words: The words that led to it.
     """
 
@@ -109,6 +167,10 @@ class ExpectedMotion(Strict):
     released: bool = False
     sudden: bool = False
     partial: bool = False
+    part: Numbers | None = None
+    excludes_part: bool = False
+    stays: bool = False
+    amount: Amount | None = None
     words: str = ""
 
 
@@ -136,16 +198,23 @@ class SemanticReply(Strict):
         expectations: What a viewer should see if the sentence came true; a planner that judges by the sentence itself
             needs none.
         anchor: What the sentence says about holding.
+        world: What it says about gravity, ground and obstacles.
+        frame_count: Frames that the clip should have for what is asked; None = as the brief says.
         evidence: Which words led to which value.
         not_understood: Content words that led to nothing.
+        unsure: What was not understood and would change the motion, in plain sentences: no motion can then be called
+            a success.
         notes: Assumptions made, in plain sentences.
     """
 
     force_field: ForceField
     expectations: tuple[ExpectedMotion, ...] = ()
     anchor: AnchorRequest = AnchorRequest()
+    world: WorldRequest = WorldRequest()
+    frame_count: int | None = Field(default=None, ge=2, le=10_000)
     evidence: tuple[Evidence, ...] = ()
     not_understood: tuple[str, ...] = ()
+    unsure: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
 
@@ -160,6 +229,9 @@ class Check(Strict):
         passed: None if not observable.
         aspect: Which property of the motion was compared; tells the executor which remedies apply.
         score: 0 (contrary) .. 1 (as asked).
+        margin: How far inside (> 0) or outside (< 0) of its limits the value lies, in tolerances: smooth, 1 at the
+            value aimed at; None if not observable.
+        confidence: Chance that the verdict of this check would be the same without errors of perception, 0.5 .. 1.
         gain: Factor by which the cause's magnitude should change to meet the expectation; negative =
             reverse it; None = magnitude is not the remedy.
         remedy: What to change, in one sentence; empty if passed.
@@ -170,8 +242,12 @@ class Check(Strict):
     expected: str
     observed: str
     passed: bool | None
-    aspect: Literal["amount", "direction", "repeats", "return", "stillness"] = "amount"
+    aspect: Literal[
+        "amount", "direction", "repeats", "return", "stillness", "part", "order", "collateral", "integrity"
+    ] = "amount"
     score: float = Field(ge=0, le=1)
+    margin: Number | None = None
+    confidence: float = Field(default=1.0, ge=0, le=1)
     gain: Number | None = None
     remedy: str = ""
 

@@ -78,6 +78,46 @@ class Oscillation(Strict):
     reversals: Count
 
 
+class PartMotion(Strict):
+    """Motion of one end of the object: the third of its surface that lies farthest along ``direction`` in frame 0.
+
+    Attributes:
+        direction: Unit world axis: one of +-x, +-y, +-z.
+        centroid: Per frame, displacement from frame 0 [body lengths]; None where not observable.
+        rotation: Per frame, rotation vector from frame 0 (world axis times unwrapped angle) [deg]; None where not
+            observable.
+    """
+
+    direction: tuple[Number, Number, Number]
+    centroid: tuple[tuple[Number, Number, Number] | None, ...]
+    rotation: tuple[tuple[Number, Number, Number] | None, ...]
+
+
+class Box(Strict):
+    """World-axis box of the visible surface, relative to the centroid in frame 0 [body lengths]."""
+
+    low: tuple[Number, Number, Number]
+    high: tuple[Number, Number, Number]
+
+
+class Uncertainty(Strict):
+    """Half widths of intervals that should hold the truth in nine of ten clips; None = not known.
+
+    Attributes:
+        displacement: Of the centroid, at its worst over the clip [body lengths].
+        rotation: Of the rotation angle [deg].
+        axis: Of the direction of the rotation axis [deg].
+        stretch: Of the stretch along a direction across the line of sight [1].
+        frequency: Of the oscillation [Hz].
+    """
+
+    displacement: Number | None = None
+    rotation: Number | None = None
+    axis: Number | None = None
+    stretch: Number | None = None
+    frequency: Number | None = None
+
+
 class Quality(Strict):
     """How far the report can be trusted.
 
@@ -111,6 +151,14 @@ class MotionReport(Strict):
         centroid: Per frame, displacement from frame 0 [body lengths]; None where not observable.
         rotation_degrees: Per frame, unwrapped rotation angle from frame 0 [deg]; None where not observable.
         volume_ratio: Per frame, bounding-box volume over frame 0's; None where not observable.
+        rotation: Per frame, rotation vector from frame 0 (world axis times unwrapped angle) [deg]; None where not
+            observable. Empty = not measured, as for the fields down to ``pieces``.
+        stretch: Per frame, symmetric stretch tensor S of the best affine fit x -> R S x + t from frame 0, in world
+            axes; None where not observable.
+        box: Per frame, the visible surface's box; None where the object is not seen.
+        parts: The object's six ends.
+        pieces: Per frame, separate pieces of the object that are seen; None where it is not seen.
+        uncertainty: How far the figures may be off.
         oscillation: None if the motion is not periodic.
         onset_frame: First frame with visible motion, None if nothing moved.
         settle_frame: Frame after which nothing moves any more, None if it still moves at the end.
@@ -126,6 +174,12 @@ class MotionReport(Strict):
     centroid: tuple[tuple[Number, Number, Number] | None, ...]
     rotation_degrees: tuple[Number | None, ...]
     volume_ratio: tuple[Number | None, ...]
+    rotation: tuple[tuple[Number, Number, Number] | None, ...] = ()
+    stretch: tuple[Matrix | None, ...] = ()
+    box: tuple[Box | None, ...] = ()
+    parts: tuple[PartMotion, ...] = ()
+    pieces: tuple[Count | None, ...] = ()
+    uncertainty: Uncertainty = Uncertainty()
     oscillation: Oscillation | None
     onset_frame: Count | None
     settle_frame: Count | None
