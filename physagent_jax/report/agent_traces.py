@@ -8,6 +8,7 @@ from physagent_jax.agents.trace import FailedCall, Message, Trace
 from physagent_jax.report.formats import format_count, format_plural, format_seconds
 from physagent_jax.report.layout import make_facts, make_fold, make_list
 from physagent_jax.report.markup import Child, Markup, div, tag
+from physagent_jax.run.refused import RefusedReading
 
 
 def show_agent_traces(
@@ -32,6 +33,19 @@ def show_agent_traces(
         if trace is not None and not trace.is_empty:
             folds.append(make_fold(f"How the {role} came to it", *_trace(trace)))
     return folds
+
+
+def show_refused_readings(readings: Sequence[RefusedReading]) -> list[Markup]:
+    """A fold for each sentence that a model read for a run which was refused then."""
+    return [
+        make_fold(
+            "A sentence that was read, and its run refused",
+            tag("p", each.prompt),
+            tag("p", each.error, class_="missing"),
+            *_trace(each.trace),
+        )
+        for each in readings
+    ]
 
 
 def _trace(trace: Trace) -> list[Child]:

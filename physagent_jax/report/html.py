@@ -11,7 +11,7 @@ from pathlib import Path
 from physagent_jax import __version__
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
-from physagent_jax.report.agent_traces import show_agent_traces
+from physagent_jax.report.agent_traces import show_agent_traces, show_refused_readings
 from physagent_jax.report.charts import draw_motion_charts, draw_physics_charts
 from physagent_jax.report.facts import (
     describe_clip,
@@ -210,6 +210,7 @@ def _words(run: FinishedRun) -> Markup:
     traces = show_agent_traces(
         {"semantic agent": run.semantic_trace}, {"semantic agent": run.semantic_failed}
     )
+    traces += show_refused_readings(run.refused)
     return make_section("words", SECTIONS["words"], *body, *traces, lead=lead)
 
 

@@ -21,6 +21,7 @@ from physagent_jax.output.video import read_video
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.run.best import find_best_round
 from physagent_jax.run.manifest import Manifest
+from physagent_jax.run.refused import REFUSED, RefusedReading, RefusedReadings
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.run.store import PROBE, REPORT
 from physagent_jax.scene.config import SceneConfig
@@ -76,6 +77,7 @@ class FinishedRun:
         problems: What is missing or broken, a sentence each.
         semantic_trace: How the semantic agent came to its reply.
         semantic_failed: Its calls that gave no answer.
+        refused: Sentences that were read here for runs which were refused then.
     """
 
     folder: Path
@@ -89,6 +91,7 @@ class FinishedRun:
     problems: tuple[str, ...]
     semantic_trace: Trace | None = None
     semantic_failed: tuple[FailedCall, ...] = ()
+    refused: tuple[RefusedReading, ...] = ()
 
     @property
     def best(self) -> FinishedRound | None:
@@ -165,6 +168,7 @@ def open_run(folder: str | Path) -> FinishedRun:
     semantic = reader.model("semantic.json", SemanticReply)
     semantic_trace = reader.model("semantic_trace.json", Trace, optional=True)
     semantic_failed = reader.failed_calls("semantic")
+    refused = reader.model(REFUSED, RefusedReadings, optional=True)
     scene = reader.model("scene.json", SceneConfig)
     video = reader.file("video.mp4")
     reused = manifest.reused_frames if manifest else {}
@@ -187,6 +191,7 @@ def open_run(folder: str | Path) -> FinishedRun:
         problems,
         semantic_trace,
         semantic_failed,
+        refused.readings if refused else (),
     )
 
 

@@ -13,6 +13,7 @@ import dataclasses
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+from typing import NoReturn
 
 from physagent_jax.agents.context import AgentContext, Observation, Round
 from physagent_jax.agents.protocols import Agents
@@ -36,6 +37,7 @@ from physagent_jax.run.manifest import Stages
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.prompt import make_prompt, read_mask
 from physagent_jax.run.provenance import hash_settings, make_manifest
+from physagent_jax.run.refused import REFUSED, RefusedReading
 from physagent_jax.run.resolve import ResolvedRun
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.run.store import PROBE, RunStore
@@ -109,7 +111,7 @@ def run_loop(
 
     Raises:
         UserError: Input that a person can mend; a run folder is only begun once object and sentence
-            are understood.
+            are understood. What a model said of the sentence until then is kept (`run.refused`).
         AgentError: An agent gave no answer. What it tried is in the run folder, its tokens are counted there, and the
             same call goes on with the same question.
     """
@@ -132,15 +134,19 @@ def run_loop(
         reading = loop.read_sentence()
         reply = reading.value
         loop.observer.understood(reply)
-        body = loop.load_object()
-        template = loop.with_anchor(reply)
-        check_cost(estimate_cost(fuse(template, body, reply.force_field), body), limits or Limits())
+        try:
+            body = loop.load_object()
+            template = loop.with_anchor(reply)
+            check_cost(estimate_cost(fuse(template, body, reply.force_field), body), limits or Limits())
+        except UserError as error:
+            loop.refuse(reading, error)
         store.begin()
         loop.save_costs()
         try:
             loop.write_spec()
             store.write("semantic_trace.json", reading.trace)
             store.write("semantic.json", reply)
+            store.drop_refused()
             force_field = reply.force_field
             if run.spec.probe:
                 force_field = loop.probe(template, body, reply)
@@ -148,8 +154,9 @@ def run_loop(
             attempts = list(loop.rounds(series, force_field, reply))
         except AgentError:
             raise
-        except UserError:
-            store.discard_if_barren()
+        except UserError as error:
+            if store.discard_if_barren():
+                loop.refuse(reading, error)
             raise
         loop.finish(attempts, body)
         return store
@@ -195,10 +202,36 @@ class _Loop:
     def read_sentence(self) -> Reply[SemanticReply]:
         """The semantic agent's reply, from the folder if it is there."""
         reply = self._store.read("semantic.json", SemanticReply)
-        if reply is None:
-            self.observer.stage("reading the sentence")
-            return self._ask(self._store, "", "semantic", "compile", self._context())
-        return Reply(reply, self._store.read("semantic_trace.json", Trace) or Trace())
+        if reply is not None:
+            return Reply(reply, self._store.read("semantic_trace.json", Trace) or Trace())
+        refused = self._store.find_refused()
+        if refused is not None:
+            self._calls = AgentCalls(self._agents, refused.agents)
+            return Reply(refused.reply, refused.trace)
+        self.observer.stage("reading the sentence")
+        return self._ask(self._store, "", "semantic", "compile", self._context())
+
+    def refuse(self, reading: Reply[SemanticReply], error: UserError) -> NoReturn:
+        """Ends a run that has simulated nothing; what a model said of the sentence is kept, for it is paid for.
+
+        Raises:
+            UserError: ``error``, with the place of what is kept.
+        """
+        if reading.trace.is_empty:
+            raise error  # rules say the same again, for nothing
+        self._store.keep_refused(
+            RefusedReading(
+                inputs=self._store.manifest.inputs,
+                prompt=self._run.spec.prompt,
+                error=str(error),
+                reply=reading.value,
+                trace=reading.trace,
+                agents=tuple(self._calls.costs.values()),
+            )
+        )
+        kept = f"The sentence has been read: {self._store.path / REFUSED} keeps that for the same run"
+        do = f"{error.do.rstrip('.')}. {kept}" if error.do else kept
+        raise UserError(error.what, got=error.got, do=do) from error
 
     def write_spec(self) -> None:
         """Leaves what was asked for."""

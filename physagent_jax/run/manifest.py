@@ -18,6 +18,7 @@ run/iterations/k/video.mp4, motion.npz
 run/probe/iterations/k/...             the same but motion.npz, on a coarse version of the scene, if that was asked for
 run/video.mp4, motion.npz, frames/     the best round's
 run/report.html
+run/refused.json                       `run.refused.RefusedReadings`: of no run in particular, so in no list of files
 """
 
 from __future__ import annotations

@@ -1,11 +1,13 @@
 """Reading and writing a run folder: one run per folder, resumable, never half-written.
 
-The manifest lists every file before it is written, and nothing else in the folder is ever touched. A run that replaces
+The manifest lists every file before it is written, and nothing else in the folder is ever touched (but for
+`run.refused`, which is of no run in particular). A run that replaces
 another one moves it aside (`run.previous`) when it has understood what it is asked for, and removes it when it is done.
 """
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 from collections.abc import Iterable
@@ -20,6 +22,7 @@ from physagent_jax.core.reading import read_model
 from physagent_jax.run import previous
 from physagent_jax.run.lock import FolderLock
 from physagent_jax.run.manifest import FORMAT, Manifest
+from physagent_jax.run.refused import REFUSED, RefusedReading, read_refused, replace_refused
 
 Schema = TypeVar("Schema", bound=BaseModel)
 PROBE = "probe"  # folder of the coarse rounds
@@ -69,12 +72,11 @@ class RunStore:
             if earlier and overwrite and not earlier.complete and earlier.inputs != manifest.inputs:
                 earlier = _give_way(path, earlier)
             if earlier is None:
-                begun = find_leftovers(
-                    path / "manifest.json"
-                )  # by a process that was killed before it had one
-                if set(path.iterdir()) - set(begun):
+                begun = [path / "manifest.json", path / REFUSED]  # by processes that were killed
+                if set(path.iterdir()) - {path / REFUSED, *itertools.chain(*map(find_leftovers, begun))}:
                     raise UserError(f"{path} exists and is not a run folder", do="Choose another --out")
-                remove_leftovers(path / "manifest.json")
+                for name in begun:
+                    remove_leftovers(name)
                 return RunStore(path, manifest, lock)
             if earlier.inputs == manifest.inputs and not (overwrite and earlier.complete):
                 return RunStore(path, earlier, lock)
@@ -114,15 +116,36 @@ class RunStore:
         self.update(**changes, complete=True)
         _recover(self.path)
 
-    def discard_if_barren(self) -> None:
+    def discard_if_barren(self) -> bool:
         """Removes what the run has written if it has simulated nothing: what it was to replace stands again.
 
         Calls of agents that failed are no less worth keeping: they are paid for.
+
+        Returns:
+            Whether that was so.
         """
         kept = any("iterations/" in name for name in self.manifest.files)
         kept |= any(cost.failed_calls for cost in self.manifest.agents)
-        if self._replaced is None and not kept:
+        barren = self._replaced is None and not kept
+        if barren:
             _give_way(self.path, self.manifest)
+        return barren
+
+    def find_refused(self) -> RefusedReading | None:
+        """The reading of this very run, if it was refused before.
+
+        Raises:
+            UserError: The file of refused readings is not valid.
+        """
+        return next((each for each in read_refused(self.path) if each.inputs == self.manifest.inputs), None)
+
+    def keep_refused(self, reading: RefusedReading) -> None:
+        """Keeps the reading of this run, which is refused; the folder goes to nobody by that."""
+        replace_refused(self.path, self.manifest.inputs, reading)
+
+    def drop_refused(self) -> None:
+        """Takes the reading of this run away, which has begun now and holds it itself."""
+        replace_refused(self.path, self.manifest.inputs, None)
 
     def update(self, **changes) -> None:
         """Changes the manifest and writes it."""

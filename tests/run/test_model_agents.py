@@ -15,6 +15,8 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.report.html import write_report
 from physagent_jax.run.best import find_best_round
 from physagent_jax.run.manifest import Manifest
+from physagent_jax.run.refused import RefusedReadings
+from physagent_jax.scene.cost import Limits
 from tests.run.specs import made, small
 
 PROMPT = "push the robot to the left"
@@ -296,6 +298,84 @@ def test_a_failed_call_is_kept_when_what_comes_next_is_refused(tmp_path, robot_p
         with pytest.raises(UserError, match="disk"):
             made(asked, out, chat([push(0.5)]))
     assert costs_of(out)["semantic"].calls == 2 and (out / "semantic_failed_1.json").is_file()
+
+
+def read_refused(out):
+    return RefusedReadings.model_validate_json((out / "refused.json").read_bytes()).readings
+
+
+TIGHT = Limits(memory=0.1)
+
+
+def test_a_sentence_whose_run_is_refused_for_its_cost_is_kept_and_not_asked_again(tmp_path, robot_path):
+    asked, out = small(robot_path, PROMPT, rounds=1), tmp_path / "run"
+    with pytest.raises(UserError, match=r"max-memory.*refused\.json"):
+        made(asked, out, chat([push(9.0), push(0.5)]), limits=TIGHT)
+    (kept,) = read_refused(out)
+    assert kept.prompt == PROMPT and "--max-memory" in kept.error
+    assert kept.trace.raw_reply == push(0.5) and len(kept.trace.validation_errors) == 1
+    (cost,) = kept.agents
+    assert (cost.agent, cost.calls, cost.failed_calls) == ("semantic", 1, 0)
+    assert cost.input_tokens == kept.trace.input_tokens > 0
+    with pytest.raises(UserError, match="max-memory"):  # once more: nobody is asked, nothing is counted twice
+        made(asked, out, chat(), limits=TIGHT)
+    assert read_refused(out) == (kept,)
+
+    store = made(asked, out, chat([], [SUCCESS]))
+    assert store.manifest.complete and not (out / "refused.json").exists()
+    assert {cost.agent: cost.calls for cost in store.manifest.agents} == {"semantic": 1, "planner": 1}
+    assert costs_of(out)["semantic"].input_tokens == cost.input_tokens
+    assert trace_of(out / "semantic_trace.json") == kept.trace
+
+
+def test_a_refused_run_does_not_hold_the_folder_against_another(tmp_path, robot_path):
+    out = tmp_path / "run"
+    with pytest.raises(UserError, match="max-memory"):
+        made(small(robot_path, PROMPT), out, chat([push(0.5)]), limits=TIGHT)
+    other = small(robot_path, "push the robot up", rounds=1)
+    store = made(other, out, chat([push(0.4)], [SUCCESS]))
+    assert store.manifest.complete and "refused.json" not in store.manifest.files
+    assert costs_of(out)["semantic"].calls == 1
+    assert [each.prompt for each in read_refused(out)] == [PROMPT]
+    page = write_report(out).read_text()
+    assert "A sentence that was read, and its run refused" in page and "--max-memory" in page
+
+
+def test_a_finished_run_stands_when_the_one_that_is_to_replace_it_is_refused(tmp_path, robot_path):
+    out = tmp_path / "run"
+    first = made(small(robot_path, PROMPT, rounds=1), out, chat([push(0.5)], [SUCCESS]))
+    video, other = (first.path / "video.mp4").read_bytes(), small(robot_path, "push the robot up", rounds=1)
+    with pytest.raises(UserError, match="max-memory"):
+        made(other, out, chat([push(0.4)]), limits=TIGHT, overwrite=True)
+    assert (out / "video.mp4").read_bytes() == video and not (out / ".previous").exists()
+    assert made(small(robot_path, PROMPT, rounds=1), out, chat()).manifest.complete
+    again = made(other, out, chat([], [SUCCESS]), overwrite=True)
+    assert again.manifest.prompt == "push the robot up" and not (out / "refused.json").exists()
+
+
+def test_a_reading_is_kept_when_the_first_round_is_refused(tmp_path, robot_path, monkeypatch):
+    from physagent_jax.run import loop
+
+    asked, out = small(robot_path, PROMPT, rounds=1), tmp_path / "run"
+
+    def refuse(*_, **__):
+        raise UserError("the disk is full")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(loop, "write_rollout", refuse)
+        with pytest.raises(UserError, match="disk"):
+            made(asked, out, chat([push(0.5)]))
+    assert not (out / "manifest.json").exists() and len(read_refused(out)) == 1
+    assert made(asked, out, chat([], [SUCCESS])).manifest.complete
+
+
+def test_a_file_of_refused_readings_that_is_none_is_not_written_over(tmp_path, robot_path):
+    out = tmp_path / "run"
+    out.mkdir()
+    (out / "refused.json").write_text("mine")
+    with pytest.raises(UserError, match=r"refused\.json"):
+        made(small(robot_path, PROMPT), out, chat([push(0.5)]))
+    assert [path.name for path in out.iterdir()] == ["refused.json"]
 
 
 def test_a_run_that_is_to_be_replaced_stands_until_the_agent_answers(tmp_path, robot_path):
