@@ -1,0 +1,90 @@
+"""`python -m benchmarks.language [--quick] --json OUT [--markdown MD]`: sentences read as a person reads them.
+
+What a sentence says was written by hand before the parser was made to read it. A third of the sentences, by their hash,
+is the test split: no rule is made for it, and its sentences are not looked at one by one.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from functools import partial
+from typing import Literal
+
+import tyro
+
+from benchmarks import harness
+from benchmarks.harness import Job, Row
+from benchmarks.language.markdown import document
+from benchmarks.language.notation import Sentence, read_sentences
+from benchmarks.language.score import get_answer, make_scene, score
+from physagent_jax.agents.context import AgentContext
+from physagent_jax.agents.rules.semantic import RuleSemanticAgent
+from physagent_jax.agents.schema import SceneBrief, SemanticReply
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.description import describe_skills
+
+LIMIT = 0.03  # of a split's sentences that may be misread without a word
+
+
+@dataclasses.dataclass(frozen=True)
+class Command(harness.Command):
+    """Read the sentences, or write the tables of an earlier run."""
+
+    parts: tuple[Literal["sentences"], ...] = ("sentences",)
+    """There is one."""
+
+
+def main() -> int:
+    """Runs the command line."""
+    command = tyro.cli(Command)
+    sentences = read_sentences()[:: 4 if command.quick else 1]
+    jobs = [
+        Job(split, partial(read_split, [sentence for sentence in sentences if sentence.split == split]))
+        for split in ("development", "test")
+    ]
+    return harness.main(command, {"sentences": lambda: jobs}, document)
+
+
+def read_split(sentences: list[Sentence]) -> list[Row]:
+    """A row for each sentence; those that are misread without a word fail where there are more than `LIMIT`."""
+    rows = [read_one(sentence) for sentence in sentences]
+    share = sum(row["silent"] for row in rows) / len(rows)
+    return [row | {"good": not row["silent"] or share <= LIMIT} for row in rows]
+
+
+def read_one(sentence: Sentence) -> Row:
+    """What the parser makes of a sentence, beside what a person does."""
+    brief = make_scene(sentence.object_name)
+    reply = compile_sentence(sentence.text, brief)
+    fields = score(sentence, reply, brief)
+    wrong = [name for name, right in fields if not right]
+    return {
+        "sentence": sentence.text,
+        "object": sentence.object_name,
+        "group": sentence.group,
+        "expected": sentence.expected,
+        "answer": get_answer(reply),
+        "fields": len(fields),
+        "wrong": wrong,
+        "silent": bool(wrong) and get_answer(reply) == "motion",
+        "named": [] if reply is None else list(reply.not_understood),
+        "read": [] if reply is None else [describe(motion) for motion in reply.expectations],
+    }
+
+
+def compile_sentence(text: str, brief: SceneBrief) -> SemanticReply | None:
+    """The parser's reply; None if it refuses."""
+    try:
+        return RuleSemanticAgent().compile(AgentContext(text, brief, describe_skills())).value
+    except UserError:
+        return None
+
+
+def describe(motion) -> str:
+    """A motion in a line."""
+    return motion.model_dump_json(exclude_defaults=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
