@@ -11,8 +11,8 @@ _HEAD = """# Sentences as people understand them
 
 What the offline parser makes of {count} sentences, beside what a person understands by them: kinds of motion,
 directions, strength, quantities, how often, which part, when, what stays or is let go, their order, gravity, walls, and
-what is held. The expectations ([`benchmarks/language/sentences.txt`]({sentences})) were written by hand and before
-the parser was made to read the sentences; some sentences have several good readings, and for some the only right answer
+what is held. The expectations ([`benchmarks/language/sentences.txt`]({sentences})) were written by hand, before
+the parser was tuned on them; some sentences have several good readings, and for some the only right answer
 is a refusal or a plain word that something was not understood. A third of the sentences, by their hash, is the test
 split, which nobody looks at while rules are written.
 
