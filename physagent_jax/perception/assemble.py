@@ -59,10 +59,9 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
         trusted: Its trusted part, nan elsewhere, shape (T, H, W).
         camera: The camera.
     """
-    nothing = np.full(3, np.nan)
-    edges = np.stack(
-        [lift.measure_extents(d, m, camera) if m.any() else nothing for d, m in zip(depth, masks)]
-    )
+    nothing = np.full((2, 3), np.nan)
+    corners = np.stack([lift.measure_box(d, m, camera) if m.any() else nothing for d, m in zip(depth, masks)])
+    edges = corners[:, 1] - corners[:, 0]
     size, center = float(edges[0].max()), lift.find_center(trusted[0], masks[0], camera)
     points = [lift.unproject_surface(d, camera)[::7] for d in trusted]
     loose = np.array([p is not None and p.residual > LOOSEST * size for p in path.poses])
@@ -84,6 +83,7 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
         centroid=centroid,
         poses=path.poses,
         chain=path.chain,
+        corners=np.where(cut[:, None, None], np.nan, (corners - center) / size),
         box=np.where(cut[:, None], np.nan, np.maximum(edges / size, THINNEST)),
         depth_shown=np.array(
             [len(p) > 3 and estimate_hidden_spread(p, forward) > LEAST_RELIEF * size for p in points]

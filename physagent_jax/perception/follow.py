@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 
 from physagent_jax.perception import lift
+from physagent_jax.perception.ends import Ends
 from physagent_jax.perception.fit import Affine, fit_affine
 from physagent_jax.perception.protocols import EncodedClip, Tracker
 from physagent_jax.render.camera import Camera
@@ -42,6 +43,8 @@ class Path:
         tracks: All links' points [px], shape (T, N, 2).
         visible: Which of them were followed, shape (T, N).
         texture: Share of the first seeds that lie on enough texture to be told from their neighbours.
+        links: How many sets of points were seeded.
+        ends: The object's ends; None if they were not followed.
     """
 
     poses: list[Affine | None]
@@ -50,6 +53,8 @@ class Path:
     tracks: np.ndarray
     visible: np.ndarray
     texture: float = 0.0
+    links: int = 0
+    ends: Ends | None = None
 
 
 def follow(
@@ -72,6 +77,9 @@ def follow(
         np.zeros(count),
         np.zeros((count, 0, 2)),
         np.zeros((count, 0), bool),
+        ends=Ends.split(lift.unproject_surface(depths[0], camera), count)
+        if np.isfinite(depths[0]).any()
+        else None,
     )
     start, base, chain, horizon = 0, Affine.identity(), 0, count
     while start < count and not (start == count - 1 and path.poses[start] is not None):
@@ -82,6 +90,7 @@ def follow(
         if len(seeds) >= FEWEST:
             path.poses[start], path.chain[start] = base, chain
             path.kept[start] = path.kept[start] or 1.0
+            path.links += 1
             span = slice(start, min(start + horizon, count))
             reached = link(path, span, base, chain, seeds, clip, depths, camera)
         if reached > start:
@@ -91,6 +100,8 @@ def follow(
             start, base = reached, path.poses[reached]
         else:  # nothing could be followed from here: what comes later is another chain
             start, base, chain = start + 1, Affine.identity(), chain + 1
+            if path.ends is not None:
+                path.ends.lose()
     return path
 
 
@@ -102,6 +113,8 @@ def link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> i
     before = lift.unproject(seeds, lift.sample(depths[start], seeds), camera)
     known = np.isfinite(before[:, 0])  # seeds at the rim of what broke up may have no depth
     face = lift.measure_facing(depths[start], seeds, camera)
+    if path.ends is not None:
+        path.ends.start_link(start, before)
     forward = camera.forward
     for t in range(start + 1, span.stop):
         at, on, sure = followed.xy[t], followed.visible[t], followed.confidence[t]
@@ -114,6 +127,8 @@ def link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> i
         trust = (np.minimum(face, lift.measure_facing(depths[t], at, camera))[pairs] + 0.05) * sure[pairs]
         step = fit_affine(before[pairs], after[pairs], trust)
         path.poses[t], path.chain[t], path.kept[t] = step.after(base), chain, kept
+        if path.ends is not None:
+            path.ends.fit(t, before[pairs], after[pairs], trust, pairs)
         reached = t
         tilt = np.degrees(np.arccos(np.clip(forward @ step.rotation @ forward, -1, 1)))
         if kept < KEPT_LINK or tilt > LARGEST_TILT:

@@ -92,8 +92,8 @@ def measure_facing(depth: np.ndarray, xy: np.ndarray, camera: Camera, *, reach: 
     return np.nan_to_num(1 / np.sqrt(1 + slope**2))
 
 
-def measure_extents(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
-    """Edge lengths of the world-axis box around the visible surface [m], shape (3,).
+def measure_box(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
+    """Lowest and highest corner of the world-axis box around the visible surface [m], shape (2, 3).
 
     Takes the whole mask with its untouched depth: the trusted part is too small by the eroded rim.
 
@@ -102,8 +102,7 @@ def measure_extents(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.n
         mask: The object, shape (H, W).
         camera: The camera.
     """
-    low, high = np.percentile(unproject_surface(np.where(mask, depth, np.nan), camera), [0.03, 99.97], axis=0)
-    return high - low
+    return np.percentile(unproject_surface(np.where(mask, depth, np.nan), camera), [0.03, 99.97], axis=0)
 
 
 def find_middle(points: np.ndarray) -> np.ndarray:

@@ -12,9 +12,11 @@ from physagent_jax.perception import lift, timing
 from physagent_jax.perception.assemble import GONE, assemble, in_view, touches_border
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.follow import follow
+from physagent_jax.perception.pieces import count_pieces
 from physagent_jax.perception.prompt import find_prompt
 from physagent_jax.perception.protocols import Masks, PerceptionBackends, Segmenter, SegmentPrompt
-from physagent_jax.perception.schema import MotionReport, Quality
+from physagent_jax.perception.schema import Box, Matrix, MotionReport, Quality
+from physagent_jax.perception.uncertainty import Difficulty, estimate_uncertainty
 from physagent_jax.perception.windows import Frames, measure_window
 from physagent_jax.perception.words import ViewerWords, describe_motion
 from physagent_jax.render.camera import Camera
@@ -120,6 +122,22 @@ def perceive(
         quality,
         threshold=max(VISIBLE, pixel),
     )
+    hard = Difficulty(
+        pixel=pixel,
+        noise=quality.depth_noise,
+        residual=quality.fit_residual,
+        turn=_largest_tilt(frames, camera),
+        links=path.links - 1,
+        travel=float(np.nanmax(np.linalg.norm(frames.centroid, axis=1))),
+    )
+    turns = frames.rotation_from(0, len(rgb) - 1)
+    report = report.model_copy(
+        update={
+            "parts": () if path.ends is None else path.ends.describe(size),
+            "pieces": tuple(count_pieces(masks)),
+            "uncertainty": estimate_uncertainty(hard, turns, report.oscillation, frame_dt),
+        }
+    )
     return Perception(
         report.model_copy(update={"text": describe_motion(report, ViewerWords(camera, up))}),
         masks,
@@ -193,12 +211,38 @@ def _report(frames: Frames, rest: np.ndarray, frame_dt, spans, quality, *, thres
         centroid=tuple(tuple(c.tolist()) if np.isfinite(c).all() else None for c in frames.centroid),
         rotation_degrees=tuple(None if v is None else float(np.degrees(np.linalg.norm(v))) for v in turn),
         volume_ratio=tuple(v if np.isfinite(v) else None for v in volume),
+        rotation=tuple(None if v is None else tuple(np.degrees(v).tolist()) for v in turn),
+        stretch=tuple(_as_matrix(frames.stretch_from(0, t)) for t in range(len(turn))),
+        box=_boxes(frames),
         oscillation=timing.find_oscillation(frames.centroid, frame_dt, threshold + quality.fit_residual),
         onset_frame=begun,
         settle_frame=timing.find_settling(_distances(frames, rest, -1), threshold),
         quality=quality,
         text="",
     )
+
+
+def _boxes(frames: Frames) -> tuple[Box | None, ...]:
+    if frames.corners is None:
+        return ()
+    return tuple(
+        Box(low=tuple(low.tolist()), high=tuple(high.tolist())) if np.isfinite(low).all() else None
+        for low, high in frames.corners
+    )
+
+
+def _as_matrix(S: np.ndarray | None) -> Matrix | None:
+    if S is None:
+        return None
+    first, second, third = (tuple(row) for row in S.tolist())
+    return first, second, third
+
+
+def _largest_tilt(frames: Frames, camera: Camera) -> float:
+    """Largest angle by which the object has turned out of the picture plane [deg]."""
+    forward = camera.forward
+    cosines = [forward @ p.rotation @ forward for p in frames.poses if p is not None]
+    return float(np.degrees(np.arccos(np.clip(min(cosines, default=1.0), -1, 1))))
 
 
 def _distances(frames: Frames, rest: np.ndarray, frame: int) -> np.ndarray:
@@ -249,6 +293,10 @@ def _nothing(rgb, masks, frame_dt, spans, notes) -> Perception:
         centroid=(None,) * count,
         rotation_degrees=(None,) * count,
         volume_ratio=(None,) * count,
+        rotation=(None,) * count,
+        stretch=(None,) * count,
+        box=(None,) * count,
+        pieces=(None,) * count,
         oscillation=None,
         onset_frame=None,
         settle_frame=None,

@@ -155,9 +155,9 @@ class MotionReport(Strict):
             observable. Empty = not measured, as for the fields down to ``pieces``.
         stretch: Per frame, symmetric stretch tensor S of the best affine fit x -> R S x + t from frame 0, in world
             axes; None where not observable.
-        box: Per frame, the visible surface's box; None where the object is not seen.
+        box: Per frame, the visible surface's box; None where not all of the object is in the picture.
         parts: The object's six ends.
-        pieces: Per frame, separate pieces of the object that are seen; None where it is not seen.
+        pieces: Per frame, pieces of the object with background between them; None where it is not seen.
         uncertainty: How far the figures may be off.
         oscillation: None if the motion is not periodic.
         onset_frame: First frame with visible motion, None if nothing moved.

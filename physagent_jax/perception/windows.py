@@ -27,6 +27,8 @@ class Frames:
         box: Edge lengths of the world-axis box around the visible surface [body lengths], shape (T, 3).
         depth_shown: Whether the visible surface has enough relief to show stretch along the view, shape (T,).
         reasons: Why a frame is not observable, keyed by "centroid", "rotation", "box"; each of length T.
+        corners: Lowest and highest corner of the world-axis box around the visible surface, relative to ``center``
+            [body lengths], shape (T, 2, 3); None if not measured.
     """
 
     size: float
@@ -37,6 +39,7 @@ class Frames:
     box: np.ndarray
     depth_shown: np.ndarray
     reasons: dict[str, list[str]]
+    corners: np.ndarray | None = None
 
     def volume(self, frame: int, first: int = 0) -> float:
         """Volume of the box over that in frame ``first``."""
@@ -45,6 +48,13 @@ class Frames:
     def rotation_from(self, first: int, last: int) -> list[np.ndarray | None]:
         """Unwrapped rotation vectors of frames first..last relative to ``first`` [rad]."""
         return unwrap([self._turn(first, t) for t in range(first, last + 1)])
+
+    def stretch_from(self, first: int, t: int) -> np.ndarray | None:
+        """Symmetric stretch of the affine map from frame ``first`` to ``t``, shape (3, 3); None where unknown."""
+        a, b = self.poses[first], self.poses[t]
+        if a is None or b is None or self.chain[first] != self.chain[t] or np.linalg.cond(a.matrix) > 100:
+            return None
+        return polar(b.matrix @ np.linalg.inv(a.matrix))[1]
 
     def _turn(self, first: int, t: int) -> np.ndarray | None:
         a, b = self.poses[first], self.poses[t]
@@ -133,13 +143,8 @@ def _turn(frames: Frames, first: int, last: int):
 
 
 def _stretch(frames: Frames, first: int, last: int):
-    a, b = frames.poses[first], frames.poses[last]
-    if a is None or b is None or frames.chain[first] != frames.chain[last]:
-        return None
-    if np.linalg.cond(a.matrix) > 100:
-        return None
-    S = polar(b.matrix @ np.linalg.inv(a.matrix))[1]
-    return (tuple(map(tuple, S.tolist())),)
+    S = frames.stretch_from(first, last)
+    return None if S is None else (tuple(map(tuple, S.tolist())),)
 
 
 def _volume(frames: Frames, first: int, last: int):

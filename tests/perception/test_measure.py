@@ -220,3 +220,56 @@ def test_bad_input_is_refused():
         perceive(clip.rgb, clip.depth[:1], clip.camera, frame_dt=DT)
     with pytest.raises(UserError, match="differ in size"):
         perceive(clip.rgb[:, :-2], clip.depth[:, :-2], clip.camera, frame_dt=DT)
+
+
+def test_rotation_and_stretch_per_frame_end_where_the_whole_clip_does():
+    for name in ("in_plane", "squash"):
+        report = seen(name)[0].report
+        whole = report.windows[0]
+        assert np.linalg.norm(report.rotation[-1]) == pytest.approx(whole.rotation_degrees, abs=1e-3)
+        assert np.asarray(report.stretch[-1]) == pytest.approx(np.asarray(whole.stretch), abs=1e-4)
+        assert np.allclose(report.rotation[0], 0) and np.allclose(report.stretch[0], np.eye(3))
+    half = report.stretch[12]  # the motion is even: 12 of 23 frames
+    assert np.diag(half) == pytest.approx(1 + (np.array((1.3, 1.3, 0.5)) - 1) * 12 / 23, rel=0.08)
+
+
+def test_the_box_moves_with_the_object():
+    report = seen("move")[0].report
+    edges = [np.subtract(b.high, b.low) for b in (report.box[0], report.box[-1])]
+    assert max(edges[0]) == pytest.approx(1, abs=0.01) and edges[1] == pytest.approx(edges[0], abs=0.05)
+    assert np.subtract(report.box[-1].low, report.box[0].low) == pytest.approx((0.35, 0.5, -0.2), abs=0.05)
+    assert seen("leave")[0].report.box[-1] is None
+
+
+def test_the_head_of_a_bent_plant_moves_and_its_foot_stays():
+    result, truth, _ = seen("plant_bend")
+    ends = {part.direction: part for part in result.report.parts}
+    assert len(ends) == 6
+    head, foot = ends[(0.0, 0.0, 1.0)], ends[(0.0, 0.0, -1.0)]
+    shape, motion = plant(), bent(50)
+    top = shape.surface[shape.surface[:, 2] > 0.2]
+    true = (motion(top, 1.0) - top).mean(0) / truth.object_size
+    assert head.centroid[-1] == pytest.approx(true, abs=0.06)
+    assert np.linalg.norm(foot.centroid[-1]) < 0.5 * np.linalg.norm(head.centroid[-1])
+    assert -1 * head.rotation[-1][1] > 20, "it tips to -x, against the right-hand rule about y"
+
+
+def test_one_body_is_one_piece_and_two_are_two():
+    assert set(seen("move")[0].report.pieces) == {1}
+    whole = blob()
+    side = np.sign(whole.surface[:, :1])
+
+    def parted(x, s):
+        return x + s * 0.4 * (np.sign(x[:, :1]) if len(x) != len(side) else side) * (1, 0, 0)
+
+    clip = film(whole, parted, frames=8)
+    pieces = perceive(clip.rgb, clip.depth, clip.camera, frame_dt=DT).report.pieces
+    assert pieces[0] == 1 and pieces[-1] == 2
+
+
+@pytest.mark.parametrize("name", ["still", "move", "in_plane", "out_of_plane", "tip", "sway"])
+def test_the_stated_uncertainty_holds_the_error(name):
+    result, _, errors = seen(name)
+    report = result.report
+    assert errors["centroid_error_max"] < report.uncertainty.displacement < 0.2
+    assert errors["rotation_error_max"] < report.uncertainty.rotation < 15

@@ -1,0 +1,113 @@
+"""The object's ends followed by themselves: what bends, twists or swings only at one end shows here.
+
+An end is the third of the surface seen in frame 0 that lies farthest along a world axis. Its points are fitted apart
+from the rest's, link by link as the whole object's are (`follow`): a link's new points belong to the end whose earlier
+points lie beside them.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from physagent_jax.core.rotations import unwrap
+from physagent_jax.perception.fit import Affine, fit_affine
+from physagent_jax.perception.schema import PartMotion
+
+DIRECTIONS = np.concatenate([s * np.eye(3)[[k]] for k in range(3) for s in (1, -1)])
+"""World axes, one per end, shape (6, 3)."""
+SHARE = 1 / 3
+"""Of the surface seen in frame 0 that makes an end."""
+FEWEST = 9
+"""Pairs of points below which an end's motion is not fitted."""
+
+
+@dataclasses.dataclass
+class Ends:
+    """The poses of the six ends.
+
+    Attributes:
+        centers: Mean of each end's surface in frame 0 [m], shape (6, 3).
+        limits: Least coordinate along its direction that belongs to an end [m], shape (6,).
+        poses: Per frame and end, the map from frame 0; None where unknown.
+    """
+
+    centers: np.ndarray
+    limits: np.ndarray
+    poses: list[list[Affine | None]]
+    _base: list[Affine | None] = dataclasses.field(default_factory=list)
+    _belongs: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros((0, 6), bool))
+    _last: tuple[np.ndarray, np.ndarray] | None = None
+
+    @classmethod
+    def split(cls, surface: np.ndarray, frame_count: int) -> Ends:
+        """The ends of a surface.
+
+        Args:
+            surface: World points seen in frame 0 [m], shape (n, 3), n >= 1.
+            frame_count: How many frames will be followed.
+        """
+        along = surface @ DIRECTIONS.T
+        limits = np.quantile(along, 1 - SHARE, axis=0)
+        centers = np.stack([surface[far].mean(0) for far in (along >= limits).T])
+        return cls(centers, limits, [[None] * len(DIRECTIONS) for _ in range(frame_count)])
+
+    def start_link(self, frame: int, points: np.ndarray) -> None:
+        """Says which ends new points belong to.
+
+        Args:
+            frame: Where they were seeded.
+            points: World positions [m], nan where unknown, shape (N, 3).
+        """
+        known = np.isfinite(points[:, 0])
+        belongs = np.zeros((len(points), len(DIRECTIONS)), bool)
+        if frame == 0:
+            belongs[known] = points[known] @ DIRECTIONS.T >= self.limits
+            self.poses[0] = [Affine.identity()] * len(DIRECTIONS)
+        elif self._last is not None and known.any():
+            places, whose = self._last
+            belongs[known] = whose[KDTree(places).query(points[known])[1]]
+        self._base, self._belongs = list(self.poses[frame]), belongs
+
+    def fit(
+        self, frame: int, before: np.ndarray, after: np.ndarray, trust: np.ndarray, pairs: np.ndarray
+    ) -> None:
+        """Fits each end's motion since the link's start.
+
+        Args:
+            frame: The frame of ``after``.
+            before: Positions at the link's start [m], shape (n, 3).
+            after: Positions now [m], shape (n, 3).
+            trust: Weights, shape (n,).
+            pairs: Which of the link's points these are, bool, shape (N,).
+        """
+        belongs = self._belongs[pairs]
+        for k, base in enumerate(self._base):
+            own = belongs[:, k]
+            if base is None or own.sum() < FEWEST:
+                continue
+            step = fit_affine(before[own], after[own], trust[own], prior=0.05, iterations=4)
+            self.poses[frame][k] = step.after(base)
+        self._last = after, belongs
+
+    def lose(self) -> None:
+        """Forgets which point belongs to which end: what is seeded later has no earlier neighbours."""
+        self._last = None
+
+    def describe(self, size: float) -> tuple[PartMotion, ...]:
+        """Motion of each end, for the report; ``size`` is the body length [m]."""
+        return tuple(self._describe(k, size) for k in range(len(DIRECTIONS)))
+
+    def _describe(self, k: int, size: float) -> PartMotion:
+        poses = [frame[k] for frame in self.poses]
+        turns = unwrap([None if p is None else p.rotation for p in poses])
+        center = self.centers[k]
+        return PartMotion(
+            direction=tuple(DIRECTIONS[k].tolist()),
+            centroid=tuple(
+                None if p is None else tuple(((p(center) - center) / size).tolist()) for p in poses
+            ),
+            rotation=tuple(None if v is None else tuple(np.degrees(v).tolist()) for v in turns),
+        )
