@@ -92,7 +92,8 @@ def build_scene(
     material: str | Mapping[str, Any] | None = None,
     anchor: str | Mapping[str, Any] = "auto",
     camera: Mapping[str, Any] | None = None,
-    friction: float = 0.0,
+    world: str = "free",
+    friction: float | None = None,
     frame_count: int | None = None,
     width: int | None = None,
     height: int | None = None,
@@ -108,8 +109,9 @@ def build_scene(
         anchor: A kind, or fields of `run.spec.AnchorChoice`; "auto" = what the sentence says, else what the kind
             implies.
         camera: Fields of `run.spec.CameraChoice`.
-        friction: Of the ground, for objects that fall.
-        frame_count: Frames of the clip; None = the preset's.
+        world: "ground" (it stands there, gravity acts) or "free" (it floats), unless the sentence says otherwise.
+        friction: Of the ground; None = that of a dry floor, and none in the free world.
+        frame_count: Frames of the clip; None = what the sentence asks for, else the preset's.
         width: Of the pictures [px]; None = the preset's.
         height: Likewise.
         ledger: Whether exchanged energy and momentum are recorded.
@@ -127,6 +129,7 @@ def build_scene(
         material=dict(name=material) if isinstance(material, str) else dict(material or {}),
         anchor=dict(kind=anchor) if isinstance(anchor, str) else dict(anchor),
         camera=dict(camera or {}),
+        world=world,
         friction=friction,
         ledger=ledger,
     )
@@ -135,9 +138,9 @@ def build_scene(
         warnings.warn(text, UserWarning, stacklevel=2)
     template = run.template
     if prompt:
-        context = AgentContext(prompt, make_brief(template), describe_skills())
+        context = AgentContext(prompt, make_brief(template, frames_fixed=run.frames_fixed), describe_skills())
         reply = agents_of(run.spec).semantic.compile(context).value
-        template, field = run.with_anchor(reply.anchor), reply.force_field
+        template, field = run.with_reply(reply), reply.force_field
     else:
         field = _force_field(force_field)
     return compile_scene(fuse(template, loaded.body, field), loaded.body, run.base_dir)

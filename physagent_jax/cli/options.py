@@ -35,6 +35,7 @@ OPTIONS = {
     "anchor.mask_path": "--anchor-mask",
     "camera.azimuth_degrees": "--azimuth",
     "camera.elevation_degrees": "--elevation",
+    "world": "--world",
     "friction": "--friction",
     "agents.semantic.name": "--semantic",
     "agents.planner.name": "--planner",

@@ -65,12 +65,14 @@ class Run:
     """nu; default: the material's."""
     density: float | None = None
     """[kg/m^3]; default: the material's."""
-    friction: float = 0.0
-    """Of the ground, for objects that fall."""
+    world: Literal["ground", "free"] = "free"
+    """ground: it stands on the ground and gravity acts, unless the sentence says otherwise; free: it floats."""
+    friction: float | None = None
+    """Of the ground; default: that of a dry floor (0.4), and none in the free world."""
     opacity_threshold: float = 0.02
     """Gaussians with less opacity are left out."""
     frames: int | None = None
-    """Pictures of the clip; default: the preset's 50."""
+    """Pictures of the clip; default: as many as the sentence needs, at least the preset's 50."""
     particles: int | None = None
     """Particles at most; default: the preset's."""
     resolution: int | None = None

@@ -37,6 +37,10 @@ STRAIN = 0.15
 STRETCH_RAMP = 0.4
 """[share of the window] over which a ``scale`` grows to its full strength: the object then follows without ringing."""
 
+REFERENCE_TIME = 2.0
+"""[s] T of a free object, at most; a shorter clip is its own T. A longer clip leaves time for more, it does not make
+what happens in it slower."""
+
 HELD_TIME = 0.7
 """[s] T for what is held somewhere, whatever the clip's length: it cannot leave the picture and has to be bent, which a
 field of four tenths of gravity does to a plant of 1 m (2 L / T^2)."""
@@ -57,6 +61,13 @@ EXPECTED_SWAY = 0.1
 """[L] to either side when something sways."""
 
 # --- where the object will be (`scene.fuse`) --------------------------------------------------------------------------
+
+GRAVITY = 9.8
+"""[m/s^2] of a world with gravity."""
+
+FRICTION = 0.4
+"""[1] Coulomb coefficient of the ground, unless it is given: dry wood, plastic or ceramics on a floor have
+0.2 to 0.5."""
 
 DROP_HEIGHT = 0.5
 """[L] of clear height under what can fall: it is seen to fall, and lands within a clip."""

@@ -7,14 +7,22 @@ from physagent_jax.scene.camera import find_viewer_directions
 from physagent_jax.scene.fuse import SceneTemplate
 
 
-def make_brief(template: SceneTemplate) -> SceneBrief:
-    """The facts about a scene that agents may use."""
+def make_brief(template: SceneTemplate, *, frames_fixed: bool = False) -> SceneBrief:
+    """The facts about a scene that agents may use.
+
+    Args:
+        template: The scene without its force field.
+        frames_fixed: Whether the clip's length is the user's.
+    """
     timing, anchor = template.preset.timing, template.anchor
     return SceneBrief(
         object_name=template.source.name,
         object_kind=template.source.kind,
         anchored=None if anchor.kind == "none" else anchor.reason or anchor.kind,
         frame_count=timing.frame_count,
+        frames_fixed=frames_fixed,
         frame_dt=timing.frame_dt,
+        size=template.source.extent,
+        world="ground" if template.world.gravity == "down" and template.world.ground else "free",
         directions=DirectionTable(**find_viewer_directions(template.camera)),
     )

@@ -136,7 +136,7 @@ def run_loop(
         loop.observer.understood(reply)
         try:
             body = loop.load_object()
-            template = loop.with_anchor(reply)
+            template = loop.apply_reply(reply)
             check_cost(estimate_cost(fuse(template, body, reply.force_field), body), limits or Limits())
         except UserError as error:
             loop.refuse(reading, error)
@@ -195,7 +195,7 @@ class _Loop:
         self.observer, self._store, self._skills = observer, store, describe_skills()
         self._watch = Stopwatch(store.manifest.stages.model_dump())
         self._calls = AgentCalls(agents, store.manifest.agents)
-        self._anchor = run.template.anchor
+        self._template = run.template
         self._restart_cache: RestartCache | None = None
         self._reused = dict(store.manifest.reused_frames)
 
@@ -248,11 +248,10 @@ class _Loop:
         self._warnings = tuple(dict.fromkeys(str(warning.message) for warning in caught))
         return body
 
-    def with_anchor(self, reply: SemanticReply) -> SceneTemplate:
-        """The scene template with what the sentence says about holding."""
-        template = self._run.with_anchor(reply.anchor)
-        self._anchor = template.anchor
-        return template
+    def apply_reply(self, reply: SemanticReply) -> SceneTemplate:
+        """The scene template with what the sentence says about holding, the world and the clip's length."""
+        self._template = self._run.with_reply(reply)
+        return self._template
 
     def probe(self, template: SceneTemplate, body: Body, reply: SemanticReply) -> ForceField:
         """The best force field of rounds on a coarse version of the scene; the sentence's if there is none."""
@@ -408,7 +407,7 @@ class _Loop:
 
     def _prompt(self, camera: Camera) -> SegmentPrompt | None:
         """Which object is meant, in the pictures of ``camera``; None if the spec leaves it open."""
-        choice, preset = self._run.spec.perception.prompt, self._run.template.preset
+        choice, preset = self._run.spec.perception.prompt, self._template.preset
         if choice is None:
             return None
         size = (preset.rendering.width, preset.rendering.height)
@@ -420,4 +419,4 @@ class _Loop:
         return AgentContext(self._run.spec.prompt, self._brief(), self._skills, reading, tuple(rounds))
 
     def _brief(self) -> SceneBrief:
-        return make_brief(dataclasses.replace(self._run.template, anchor=self._anchor))
+        return make_brief(self._template, frames_fixed=self._run.frames_fixed)

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from physagent_jax.agents.schema import AnchorRequest
+from physagent_jax.agents.schema import AnchorRequest, SemanticReply, WorldRequest
 from physagent_jax.core.reading import check_regular, format_validation_error
+from physagent_jax.forces.calibration import FRICTION
 from physagent_jax.run.material import resolve_material
 from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
@@ -20,6 +21,7 @@ from physagent_jax.scene.fuse import SceneTemplate
 from physagent_jax.scene.load import hash_file
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import choose_anchor, choose_damping, find_kind, guess_kind
+from physagent_jax.scene.world import WORLDS, Obstacle, World
 
 _PRESET_PARTS = ("domain", "filling", "timing", "transfer", "rendering")
 
@@ -47,11 +49,25 @@ class ResolvedRun:
         """What the run reads."""
         return tuple(self.spec.files(self.base_dir).values())
 
-    def with_anchor(self, said: AnchorRequest) -> SceneTemplate:
-        """The template with what the sentence says about holding."""
-        kind = self.template.source.kind
-        anchor = resolve_anchor(self.spec.anchor, kind, said, base_dir=self.base_dir)
-        return dataclasses.replace(self.template, anchor=anchor)
+    @property
+    def frames_fixed(self) -> bool:
+        """Whether the clip's length is the user's, whatever the sentence asks for."""
+        return self.spec.overrides.frame_count is not None
+
+    def with_reply(self, reply: SemanticReply) -> SceneTemplate:
+        """The template with what the sentence says about holding, the world and the clip's length."""
+        template, preset = self.template, self.template.preset
+        if reply.frame_count is not None and not self.frames_fixed:
+            timing = preset.timing.model_copy(update=dict(frame_count=reply.frame_count))
+            preset = dataclasses.replace(preset, timing=timing)
+        return dataclasses.replace(
+            template,
+            preset=preset,
+            anchor=resolve_anchor(
+                self.spec.anchor, template.source.kind, reply.anchor, base_dir=self.base_dir
+            ),
+            world=resolve_world(template.world, reply.world),
+        )
 
 
 def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run's spec") -> ResolvedRun:
@@ -83,7 +99,8 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
             material=material,
             anchor=resolve_anchor(spec.anchor, source.kind, base_dir=base_dir),
             camera=_camera(spec.camera, card),
-            friction=spec.friction,
+            world=WORLDS[spec.world],
+            friction=_friction(spec),
             damping_rate=choose_damping(source.kind),
             ledger=spec.ledger,
         )
@@ -150,6 +167,25 @@ def resolve_anchor(
     return choose_anchor(kind, choice.kind).model_copy(update=dict(reason=reason))
 
 
+def resolve_world(world: World, said: WorldRequest) -> World:
+    """``world`` with what the sentence says about it, which goes first.
+
+    Without gravity nothing stands anywhere: unless the sentence names a ground, there is then none.
+    """
+    gravity = said.gravity or world.gravity
+    ground = said.ground
+    if ground is None:
+        ground = gravity == "down" if said.gravity is not None else world.ground
+    obstacles = tuple(Obstacle(each.kind, each.direction, each.distance) for each in said.obstacles)
+    return dataclasses.replace(world, gravity=gravity, ground=ground, obstacles=obstacles)
+
+
+def _friction(spec: RunSpec) -> float:
+    if spec.friction is not None:
+        return spec.friction
+    return FRICTION if spec.world == "ground" else 0.0
+
+
 def _source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str) -> Source:
     name = card.name or path.stem.replace("_", " ")
     kind = card.kind or guess_kind(name)
@@ -180,4 +216,5 @@ def _resolved_identity(template: SceneTemplate) -> dict:
         "camera": template.camera.model_dump(mode="json"),
         "anchor": template.anchor.model_dump(mode="json", exclude={"mask_path"}),
         "damping_rate": template.damping_rate,
+        "friction": template.friction,
     }

@@ -237,7 +237,9 @@ class RunSpec(Strict):
         material: What the object is made of.
         anchor: What is held.
         camera: Where the camera stands.
-        friction: Of the ground, for objects that fall.
+        world: "ground": gravity acts and the object stands on the ground, unless the sentence says otherwise;
+            "free": it floats in empty space, as in the paper; gravity and ground are there only for what falls.
+        friction: Of the ground; None = `calibration.FRICTION`, and none in the free world.
         agents, perception: Who does what, by name.
         rounds: At most.
         probe: Whether force fields are first tried on a coarse version of the scene.
@@ -253,7 +255,8 @@ class RunSpec(Strict):
     material: MaterialChoice = MaterialChoice()
     anchor: AnchorChoice = AnchorChoice()
     camera: CameraChoice = CameraChoice()
-    friction: Friction = 0.0
+    world: Literal["ground", "free"] = "free"
+    friction: Friction | None = None
     agents: AgentChoice = AgentChoice()
     perception: PerceptionChoice = PerceptionChoice()
     rounds: int = Field(default=3, ge=1, le=MOST_ROUNDS)

@@ -14,16 +14,13 @@ from physagent_jax.scene.camera import frame_camera
 from physagent_jax.scene.config import (
     Anchor,
     CameraConfig,
-    DomainBox,
     HalfSpace,
     Material,
     SceneConfig,
     Source,
-    Surface,
 )
 from physagent_jax.scene.presets import Preset
-
-LOWEST_FLOOR = 0.15  # [m]; a floor keeps clear of the domain's own wall
+from physagent_jax.scene.world import FREE, World, build_boundaries, find_gravity
 
 
 @dataclasses.dataclass(frozen=True)
@@ -37,7 +34,8 @@ class SceneTemplate:
         material: What it is made of.
         anchor: What is held.
         camera: Direction and lens; with ``target`` None it is placed to show the expected motion.
-        friction: Of the ground, for falling objects.
+        world: What surrounds the object.
+        friction: Of ground and obstacles.
         damping_rate: Drag of the surrounding air [1/s]; the preset's holds if it is larger.
         ledger: Whether exchanged energy and momentum are recorded.
     """
@@ -49,6 +47,7 @@ class SceneTemplate:
     material: Material
     anchor: Anchor
     camera: CameraConfig
+    world: World = FREE
     friction: float = 0.0
     damping_rate: float = 0.0
     ledger: bool = False
@@ -63,9 +62,7 @@ def fuse(template: SceneTemplate, body: Body, force_field: ForceField) -> SceneC
         density=material.density,
         duration=_reference_time(template),
     )
-    boundaries: tuple = (DomainBox(),)
-    if force_field.default_drop:
-        boundaries += (make_ground(body, template.anchor, template.friction),)
+    world, drop = template.world, force_field.default_drop
     config = SceneConfig(
         prompt=template.prompt,
         preset=template.preset_name,
@@ -77,7 +74,9 @@ def fuse(template: SceneTemplate, body: Body, force_field: ForceField) -> SceneC
         transfer=preset.transfer.model_copy(
             update=dict(damping_rate=max(preset.transfer.damping_rate, template.damping_rate))
         ),
-        boundaries=boundaries,
+        gravity=find_gravity(world),
+        always_gravity=world.gravity != "none",
+        boundaries=build_boundaries(world, body, template.anchor, drop=drop, friction=template.friction),
         anchor=template.anchor,
         force_field=force_field,
         scaling=scaling,
@@ -94,19 +93,11 @@ def fuse(template: SceneTemplate, body: Body, force_field: ForceField) -> SceneC
 def _reference_time(template: SceneTemplate) -> float:
     """T of the skill table [s]: the clip for a free object, which should cross the picture once and no more.
 
-    What is held somewhere cannot leave, and needs a force that bends it.
+    A long clip does not make its actions slower. What is held somewhere cannot leave, and needs a force that bends it.
     """
-    free = template.anchor.kind == "none"
-    return template.preset.timing.duration if free else calibration.HELD_TIME
-
-
-def make_ground(body: Body, anchor: Anchor, friction: float) -> HalfSpace:
-    """The floor: `calibration.DROP_HEIGHT` under what can fall, right under what is held at its foot."""
-    clearance = 0.0 if anchor.kind == "base" else calibration.DROP_HEIGHT * body.extent
-    height = max(float(body.low[2]) - clearance, LOWEST_FLOOR)
-    return HalfSpace(
-        point=(0.0, 0.0, round(height, 4)), normal=(0, 0, 1), surface=Surface.SEPARATE, friction=friction
-    )
+    if template.anchor.kind != "none":
+        return calibration.HELD_TIME
+    return min(template.preset.timing.duration, calibration.REFERENCE_TIME)
 
 
 def estimate_sweep(config: SceneConfig, body: Body) -> np.ndarray:
@@ -129,7 +120,7 @@ def estimate_sweep(config: SceneConfig, body: Body) -> np.ndarray:
     path = path * np.minimum(1.0, limit / np.maximum(reach, 1e-12))[:, None]
     points = [corners + shift for shift in (path.min(0), path.max(0), np.zeros(3))]
     for boundary in config.boundaries:
-        if isinstance(boundary, HalfSpace):
+        if isinstance(boundary, HalfSpace) and boundary.normal[2] > 0.5:
             floor = boundary.point[2] - calibration.FLOOR_ROOM * extent
             points.append(np.column_stack([corners[:, :2], np.full(len(corners), floor)]))
     return np.concatenate(points)
