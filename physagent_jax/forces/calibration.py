@@ -24,8 +24,9 @@ TRAVEL = 1.0
 can be seen at a glance and still fits into a picture."""
 
 PRESCRIBED_TRAVEL = 0.5
-"""[L per T] at which ``enforce_particle_translation`` moves its particles: two opposed ends then part by one L in a
-clip. Nothing slows prescribed particles down, so half of what a blow gives is enough."""
+"""[L per T] at which ``enforce_particle_translation`` moves its particles. Nothing slows prescribed particles down, so
+half of what a blow gives is enough. A part, or a plate, moves by as much of the object's extent along its way: two
+opposed ends then part by one such extent in T."""
 
 TURN = math.pi / 2
 """[rad] that a ``torque`` turns the object in a clip: a quarter turn, the most that leaves no doubt about its sense."""
@@ -92,7 +93,8 @@ def describe_meaning(skill: str) -> str:
     """What M = 1 does, for people and language models.
 
     Args:
-        skill: A name of `forces.schema.SkillScaling`: "translation", "scale", "impulse", "torque" or "velocity".
+        skill: A name of `forces.schema.SkillScaling`: "translation", "scale", "impulse", "torque", "velocity" or
+            "rotation".
     """
     return {
         "translation": f"unopposed, {TRAVEL:g} body length by the clip's end",
@@ -100,4 +102,5 @@ def describe_meaning(skill: str) -> str:
         "torque": f"unopposed, {math.degrees(TURN):g} degrees by the clip's end",
         "scale": f"a linear strain of {STRAIN:g}",
         "velocity": f"{PRESCRIBED_TRAVEL:g} body lengths per clip",
+        "rotation": f"{math.degrees(TURN):g} degrees per clip",
     }[skill]

@@ -23,8 +23,12 @@ _MEANING = {
     "magnitude 1, over the whole clip and unopposed, it is a quarter turn",
 }
 _CONSTRAINTS = {
-    ConstraintType.PARTICLE_TRANSLATION: "holds the region's particles at a velocity along `vector` while it acts",
-    ConstraintType.PARTICLE_IMPULSE: "adds a velocity along `vector` once, when `active_time` begins",
+    ConstraintType.PARTICLE_TRANSLATION: "holds the region's particles at a velocity along `vector` while it acts; a "
+    "stretch or squeeze is exactly two of them, on opposite ends and opposed",
+    ConstraintType.PARTICLE_ROTATION: "turns the region's particles about the axis `vector` through their own centre; "
+    "a twist is two of them, on opposite ends and opposed",
+    ConstraintType.PARTICLE_IMPULSE: "adds a velocity along `vector` at once, when `active_time` begins",
+    ConstraintType.MOVING_PLATE: "a plate at the object's side moves along `vector` into it; two opposed ones press it",
 }
 
 
@@ -56,8 +60,7 @@ def describe_skills() -> SkillDescription:
             "`vector` is a direction in world axes, of any length but zero. `active_time` is [first, last] in frames; "
             "without it the action lasts for the whole clip. `region` limits the action to a part, in fractions of "
             "the object's bounding box.",
-            "`constraints` prescribe velocities instead of forces, and only a rewrite may add them. Each has a "
-            "`constraint_type`:",
+            "`constraints` prescribe velocities instead of forces. Each has a `constraint_type`:",
             *constraints,
             f"Fields of an action: {_fields(Action)}. Of a constraint: {_fields(VelocityConstraint)}. "
             "Other keys are refused.",

@@ -1,8 +1,8 @@
 """Force field JSON: what agents write and people read. Pure data, no arrays.
 
 The four actions and ``default_drop`` are the paper's (PhysAgent, appendix A.1). ``region``,
-``object`` and ``constraints`` extend it: where an action acts, and the velocity constraints that the
-paper's executor emits (appendix B.2, "Skill-Specific Constraints").
+``object`` and ``constraints`` extend it: where an action acts, and the second kind of skill, velocity
+constraints, of which the paper's executor emits two (appendix B.2, "Skill-Specific Constraints").
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 from pydantic import Field, field_validator, model_validator
 
 from physagent_jax.core.strict import Direction, Positive, Strict
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TURN
 
 _Fraction = Annotated[float, Field(ge=-1e6, le=1e6)]
 _Place = tuple[_Fraction, _Fraction, _Fraction]  # in bounding-box fractions
@@ -30,10 +30,12 @@ class ActionType(enum.StrEnum):
 
 
 class ConstraintType(enum.StrEnum):
-    """Velocity constraints that the executor's hard rules may emit instead of a body force."""
+    """The other kind of skill: velocities are prescribed instead of forces."""
 
     PARTICLE_TRANSLATION = "enforce_particle_translation"
+    PARTICLE_ROTATION = "enforce_particle_rotation"
     PARTICLE_IMPULSE = "particle_impulse"
+    MOVING_PLATE = "moving_plate"
 
 
 # --- regions: fractions of the object's rest bounding box, (0,0,0) = low corner, (1,1,1) = high ------
@@ -119,15 +121,30 @@ class Action(_Timed):
 
 
 class VelocityConstraint(_Timed):
-    """A prescribed particle velocity (or one-off velocity change) along ``vector``.
+    """A prescribed velocity; `agents.rules.kinds` says when it takes a body force's place.
 
     Attributes:
-        constraint_type: ``enforce_particle_translation`` holds the region's particles at velocity
-            k M v during the window; ``particle_impulse`` adds k M v once, at its start.
+        constraint_type: ``enforce_particle_translation`` moves the region's particles with k M v during the window;
+            ``enforce_particle_rotation`` turns them about the axis v through their own centre with k M;
+            ``particle_impulse`` changes their velocity by k M v at once, when the window begins;
+            ``moving_plate`` is a plate that stands at the object's side, across v, and moves with k M v into it.
+        held_until: Frame until which particles or plate then stay where they were brought; None = they are let go when
+            the window ends. A ``particle_impulse`` has none.
         vector, magnitude, active_time, region, object: as for `Action`.
     """
 
     constraint_type: ConstraintType
+    held_until: _Frame | None = None
+
+    @model_validator(mode="after")
+    def _held(self) -> VelocityConstraint:
+        if self.held_until is None:
+            return self
+        if self.constraint_type is ConstraintType.PARTICLE_IMPULSE:
+            raise ValueError("a `particle_impulse` acts at once: it has no `held_until`")
+        if self.active_time is None or self.held_until <= self.active_time[1]:
+            raise ValueError("`held_until` must lie after the end of `active_time`")
+        return self
 
 
 class ForceField(Strict):
@@ -136,7 +153,7 @@ class ForceField(Strict):
     Attributes:
         default_drop: Whether gravity acts (the object falls). False: the object floats, at rest.
         actions: Skills, overlaid or in sequence.
-        constraints: Velocity constraints (executor only; empty from the semantic agent).
+        constraints: Velocity constraints.
     """
 
     default_drop: bool = False
@@ -152,7 +169,8 @@ class SkillScaling(Strict):
         scale: Acceleration [m/s^2].
         impulse: Velocity change [m/s].
         torque: Angular acceleration [rad/s^2].
-        velocity: Of ``enforce_particle_translation`` [m/s].
+        velocity: Of ``enforce_particle_translation`` and ``moving_plate`` [m/s].
+        rotation: Of ``enforce_particle_rotation`` [rad/s]; by default a quarter turn in two seconds.
         reason: How they were found.
     """
 
@@ -161,6 +179,7 @@ class SkillScaling(Strict):
     impulse: Positive
     torque: Positive
     velocity: Positive
+    rotation: Positive = TURN / 2
     reason: str = ""
 
 

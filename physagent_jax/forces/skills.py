@@ -10,7 +10,17 @@ magnitude of M = 1 gives what `forces.calibration` says:
 | impulse     | velocity change k M v over its window | s L / T        | s = `TRAVEL` by the clip's end        |
 | torque      | a = k M (v x r), r = x - x_c          | 2 theta / T^2  | theta = `TURN` by the clip's end      |
 
-and `enforce_particle_translation` the velocity k M v, k = `PRESCRIBED_TRAVEL` L / T.
+The other kind of skill prescribes velocities:
+
+| constraint                     | what it does                                   | k                                  |
+|--------------------------------|------------------------------------------------|------------------------------------|
+| enforce_particle_translation   | v = k M v for the particles, in the window     | s L / T, s = `PRESCRIBED_TRAVEL`   |
+| ... of a region; moving_plate  | the same for a part; a plate moves into it     | s W / T, W: extent along v         |
+| enforce_particle_rotation      | turns them with k M v about their own centre   | theta / T, theta = `TURN`          |
+| particle_impulse               | changes v by k M v in one substep, at its start| s L / T, s = `TRAVEL`              |
+
+What two opposed ends or plates do is a share of the object's extent W between them, however thin it is there: with M
+during a time t they change it by 2 s M t / T.
 
 They are forces per unit mass: filling density and particle count do not change the motion (the paper's
 impulse divides by particle mass). x_c is the present mass centre. For `scale`, k is divided by the shape's
@@ -43,9 +53,16 @@ from physagent_jax.forces.schema import (
     SkillScaling,
     VelocityConstraint,
 )
-from physagent_jax.forces.terms import Stretch, Torque, UniformAcceleration
-from physagent_jax.mpm.constraints import PrescribedMotion
+from physagent_jax.forces.terms import Stretch, Torque, UniformAcceleration, VelocityChange
+from physagent_jax.mpm.boundaries import HalfSpace
+from physagent_jax.mpm.constraints import MovingPlate, PrescribedMotion
 
+PLATE_FRICTION = (
+    0.4  # Coulomb's coefficient of a `moving_plate`: the material may spread under it, but not slip away
+)
+AFTER = (
+    1e-3  # [frames] by which a `particle_impulse` comes after what ends then, whatever the clock's round-off
+)
 SECTIONS, SECTION_WIDTH = 32, 0.1  # cross-sections looked at, and half their thickness in body lengths
 _TINY = float(np.finfo(np.float32).tiny)
 
@@ -75,6 +92,7 @@ def make_closed_form_scaling(
             impulse=TRAVEL * extent / duration,
             torque=2 * TURN / duration**2,
             velocity=PRESCRIBED_TRAVEL * extent / duration,
+            rotation=TURN / duration,
             reason=reason,
         )
     except ValidationError as error:
@@ -91,7 +109,7 @@ def compile_force_field(
     frame_dt: float,
     frame_count: int,
     parameters: ForceFieldParameters | None = None,
-) -> tuple[tuple, tuple[PrescribedMotion, ...]]:
+) -> tuple[tuple, tuple[PrescribedMotion | MovingPlate, ...]]:
     """Turns a force field into terms for `Model.forces` and constraints for `Model.constraints`.
 
     Args:
@@ -103,7 +121,8 @@ def compile_force_field(
         frame_count: Frames of the clip; the last has index frame_count - 1.
         parameters: Numbers in place of the field's own, traced or not. Traced ones are not checked: a window must begin
             inside the clip and end after it begins. Every number of every skill and constraint has a derivative, with
-            one exception: `enforce_particle_translation` begins and ends between two substeps; its window's is zero.
+            one exception: velocity constraints begin and end between two substeps; their windows' is zero (but for the
+            way that what is held afterwards has gone).
 
     Raises:
         UserError: A region selects nothing, a window lies outside the clip, an object id is unknown, or the parameters
@@ -120,22 +139,28 @@ def compile_force_field(
     for index, (constraint, values) in enumerate(zip(field.constraints, parameters.constraints)):
         place = f"force_field.constraints[{index}]"
         bound = _Bound(constraint, values, place, rest, volume, frame_dt, frame_count)
-        if constraint.constraint_type is ConstraintType.PARTICLE_IMPULSE:
-            forces.append(bound.apply_impulse(scaling.impulse))
-        else:
-            constraints.append(bound.hold(scaling.velocity))
+        match constraint.constraint_type:
+            case ConstraintType.PARTICLE_IMPULSE:
+                forces.append(bound.change_velocity(scaling.impulse))
+            case ConstraintType.PARTICLE_TRANSLATION:
+                k = scaling.velocity * (1.0 if constraint.region is None else bound.width())
+                constraints += bound.hold(bound.vector(k), bound.leaf(np.zeros(3)))
+            case ConstraintType.PARTICLE_ROTATION:
+                constraints += bound.hold(bound.leaf(np.zeros(3)), bound.vector(scaling.rotation))
+            case ConstraintType.MOVING_PLATE:
+                constraints += bound.press(scaling.velocity * bound.width())
     return tuple(forces), tuple(constraints)
 
 
 def compute_free_path(
     field: ForceField, scaling: SkillScaling, *, frame_dt: float, frame_count: int
 ) -> np.ndarray:
-    """Displacement of a free body that the field's pushes and blows act on whole, and nothing else does.
+    """Displacement of a free body that the field's pushes and blows of either kind act on, and nothing else does.
 
     Velocities are those at the ends of the frames, so that the path runs a little ahead of the exact one.
 
     Args:
-        field: The force field; regions, constraints, stretches and turns are left out.
+        field: The force field; regions are left out of account, and so are stretches, turns, and what moves an end.
         scaling: What M = 1 means.
         frame_dt: Seconds per frame [s].
         frame_count: Frames of the clip.
@@ -154,11 +179,23 @@ def compute_free_path(
                 gained += _directed(scaling.translation, values) * frame_dt * frames[:, None]
             case ActionType.IMPULSE:
                 gained += _directed(scaling.impulse, values) * (frames / (last - first))[:, None]
+    for constraint in field.constraints:
+        values = ActionParameters.of(constraint, frame_count)
+        first, last = values.window
+        match constraint.constraint_type:
+            case ConstraintType.PARTICLE_IMPULSE:
+                at = np.floor(first) == begin
+                gained += _directed(scaling.impulse, values) * at[:, None]
+            case ConstraintType.PARTICLE_TRANSLATION if constraint.region is None:
+                speed = np.cumsum(gained, axis=0)
+                inside = (begin + 1 > first) & (begin < last)
+                speed[inside] = _directed(scaling.velocity, values)
+                gained = np.diff(speed, axis=0, prepend=0)
     steps = np.cumsum(gained, axis=0) * frame_dt
     return np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
 
 
-def _directed(k: float, values: ActionParameters) -> Array:
+def _directed(k: float | Array, values: ActionParameters) -> Array:
     """K M v, shape (3,)."""
     return k * values.magnitude * values.vector
 
@@ -204,19 +241,21 @@ class _Bound:
                 got=values.window.tolist(),
                 do="Give frames inside the clip",
             )
-        self._dtype, self._rest, self._volume = rest.dtype, rest, volume
+        self._frame_dt, self._dtype, self._rest, self._volume = frame_dt, rest.dtype, rest, volume
         self._mask = np.ones(len(rest), bool)
         if timed.region is not None:
             self._mask = make_region_mask(timed.region, rest, f"{place}.region")
         first, last = values.window
         self.window = self.leaf(first * frame_dt), self.leaf(last * frame_dt)
+        held = getattr(timed, "held_until", None)
+        self._held_until = None if held is None else self.leaf(held * frame_dt)
         self.weight = None if timed.region is None else self.leaf(self._mask)
 
     def leaf(self, value) -> jax.Array:
         """``value`` as an array of the particles' dtype."""
         return value.astype(self._dtype) if _is_traced(value) else to_device(value, self._dtype)
 
-    def vector(self, k: float) -> jax.Array:
+    def vector(self, k: float | Array) -> jax.Array:
         """k M v, shape (3,)."""
         return self.leaf(_directed(k, self.values))
 
@@ -257,12 +296,43 @@ class _Bound:
         start, end = self.window
         return UniformAcceleration(self.vector(k) / (end - start), start, end, self.weight)
 
-    def hold(self, k: float) -> PrescribedMotion:
-        """The particles move with k M v during the window."""
+    def change_velocity(self, k: float) -> VelocityChange:
+        """The velocity change k M v at the window's start."""
+        start = self.leaf((self.values.window[0] + AFTER) * self._frame_dt)
+        return VelocityChange(self.vector(k), start, start, self.weight)
+
+    def width(self) -> Array:
+        """The object's extent along the vector, over its longest [1]."""
+        axis = self.values.vector
+        xp = jnp if _is_traced(axis) else np
+        extent = np.ptp(self._rest, axis=0).max()
+        if extent == 0:  # all particles in one place
+            return np.asarray(1.0)
+        return xp.ptp(self._rest.astype(xp.result_type(float)) @ (axis / xp.linalg.norm(axis))) / extent
+
+    def hold(self, velocity: jax.Array, angular_velocity: jax.Array) -> list[PrescribedMotion]:
+        """The particles move so during the window, about their own centre, and then stay if they are to be held."""
         with jax.ensure_compile_time_eval():  # places are known, also where numbers are traced
             particles = to_device(np.flatnonzero(self._mask), np.int32)
-        zero = self.leaf(np.zeros(3))
-        return PrescribedMotion(particles, self.vector(k), zero, zero, *self.window)
+        still = self.leaf(np.zeros(3))
+        motions = [PrescribedMotion(particles, velocity, angular_velocity, None, *self.window)]
+        if self._held_until is not None:
+            motions.append(PrescribedMotion(particles, still, still, still, self.window[1], self._held_until))
+        return motions
+
+    def press(self, k: float | Array) -> list[MovingPlate]:
+        """A plate that starts at the object's side, moves with k M v, and then stays if it is to be held."""
+        velocity, (start, end) = self.vector(k), self.window
+        normal = velocity / jnp.linalg.norm(velocity)
+        behind = (self.leaf(self._rest) @ normal).min()
+        middle = self.leaf(self._rest.mean(0))
+        point = middle + (behind - middle @ normal) * normal
+        friction = self.leaf(PLATE_FRICTION)
+        plates = [MovingPlate(HalfSpace(point, normal, friction, start, end, velocity=velocity))]
+        if self._held_until is not None:
+            stop = point + velocity * (end - start)
+            plates.append(MovingPlate(HalfSpace(stop, normal, friction, end, self._held_until)))
+        return plates
 
 
 def _is_traced(value) -> bool:

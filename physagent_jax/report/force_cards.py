@@ -36,6 +36,13 @@ UNITS = {
     "impulse": "m/s",
     "torque": "rad/s\u00b2",
     "velocity": "m/s",
+    "rotation": "rad/s",
+}
+_SCALED_BY = {
+    ConstraintType.PARTICLE_TRANSLATION: "velocity",
+    ConstraintType.PARTICLE_ROTATION: "rotation",
+    ConstraintType.PARTICLE_IMPULSE: "impulse",
+    ConstraintType.MOVING_PLATE: "velocity",
 }
 
 
@@ -113,8 +120,13 @@ def _effect(item: Timed, table: DirectionTable) -> str:
     sign = 1.0 if item.magnitude > 0 else -1.0
     pointing = tuple(sign * component for component in item.vector)
     if isinstance(item, VelocityConstraint):
-        steady = item.constraint_type is ConstraintType.PARTICLE_TRANSLATION
-        verb = "keeps moving" if steady else "is knocked once"
+        if item.constraint_type is ConstraintType.PARTICLE_ROTATION:
+            return f"keeps turning {describe_turn(pointing, table)}"
+        verb = {
+            ConstraintType.PARTICLE_TRANSLATION: "keeps moving",
+            ConstraintType.PARTICLE_IMPULSE: "is knocked once",
+            ConstraintType.MOVING_PLATE: "a plate moves",
+        }[item.constraint_type]
         return f"{verb} {describe_direction(pointing, table)}"
     if item.action_type is ActionType.SCALE:
         return f"{'stretches' if sign > 0 else 'squeezes'} along {describe_axis(item.vector, table)}"
@@ -181,8 +193,7 @@ def _physical(item: Timed, scaling: SkillScaling | None) -> Markup | None:
     if isinstance(item, Action):
         name = item.action_type.value
     else:
-        steady = item.constraint_type is ConstraintType.PARTICLE_TRANSLATION
-        name = "velocity" if steady else "impulse"
+        name = _SCALED_BY[item.constraint_type]
     one = getattr(scaling, name)
     unit = UNITS[name]
     text = f"{format_number(abs(item.magnitude) * one)} {unit} (1 means {format_number(one)})"
@@ -195,8 +206,10 @@ def _timeline(item: Timed, old: Timed | None, setting: Setting) -> list:
         first, last = item.active_time or (0.0, float(setting.last_frame))
         left, right = (100 * min(1.0, value / setting.last_frame) for value in (first, last))
         strip = div("strip", tag("i", style=f"left:{left:.1f}%;width:{max(1.0, right - left):.1f}%"))
+    held = item.held_until if isinstance(item, VelocityConstraint) else None
     return [
         _describe_window(item.active_time, setting.frame_dt),
+        span("quiet", f", then held until frame {format_number(held)}") if held is not None else None,
         _was(old, item, "active_time", _describe_window),
         strip,
     ]

@@ -23,7 +23,13 @@ from physagent_jax.scene.config import SceneConfig
 
 CLOCK_SLACK = 1  # frames; by as much the clock may be off (`is_clock_right`)
 STRIDE = 8  # frames between places from which a push that is cut short can go on
-_CAN_BE_CUT = (ActionType.TRANSLATION, ActionType.TORQUE, ConstraintType.PARTICLE_TRANSLATION)
+_CAN_BE_CUT = (
+    ActionType.TRANSLATION,
+    ActionType.TORQUE,
+    ConstraintType.PARTICLE_TRANSLATION,
+    ConstraintType.PARTICLE_ROTATION,
+    ConstraintType.MOVING_PLATE,
+)
 
 Timed = Action | VelocityConstraint
 
@@ -82,19 +88,27 @@ def _begun(items: tuple[Timed, ...], config: SceneConfig, instant: float) -> tup
         first, last = _window(timed, config)
         if first >= instant:
             continue
+        known: dict = {}
+        if (held := _held_until(timed)) is not None:
+            known["held_until"] = min(held, instant) if instant > last else None
         if _kind(timed) in _CAN_BE_CUT:
             last = min(last, instant)
-        begun.append(timed.model_copy(update=dict(active_time=(first, last))))
+        begun.append(timed.model_copy(update=dict(active_time=(first, last), **known)))
     return tuple(begun)
 
 
 def _bounds(config: SceneConfig) -> set[float]:
     """Where windows open and close [frames]."""
-    return {float(bound) for timed in _items(config.force_field) for bound in _window(timed, config)}
+    bounds = {float(bound) for timed in _items(config.force_field) for bound in _window(timed, config)}
+    return bounds | {held for timed in _items(config.force_field) if (held := _held_until(timed)) is not None}
 
 
 def _items(field: ForceField) -> tuple[Timed, ...]:
     return (*field.actions, *field.constraints)
+
+
+def _held_until(timed: Timed) -> float | None:
+    return timed.held_until if isinstance(timed, VelocityConstraint) else None
 
 
 def _kind(timed: Timed) -> ActionType | ConstraintType:

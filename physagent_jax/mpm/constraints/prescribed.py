@@ -16,6 +16,8 @@ from physagent_jax.mpm.reductions import sum_devices
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, scatter_mass
 
+_CLOCK = 0.25  # of a substep, by which the clock's round-off is far less
+
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
@@ -24,20 +26,21 @@ class PrescribedMotion(Constraint):
 
     It acts on the particles before P2G, on the grid nodes that carry mostly their mass (otherwise the free
     neighbours would drag the shared nodes along, and the clamp would be soft), and on the particles after G2P,
-    so that they follow the prescribed path exactly. With an ``end`` per particle they are let go one by one.
+    so that they follow the prescribed path exactly. A window is held against the clock a quarter of a substep
+    later, so that round-off decides nothing. With an ``end`` per particle they are let go one by one.
 
     Attributes:
         particles: Indices, int32, shape (k,); one beyond the last particle stands for none.
         velocity: [m/s], shape (3,).
         angular_velocity: [rad/s], shape (3,).
-        center: A point of the axis [m], shape (3,).
+        center: A point of the axis [m], shape (3,); None = the present mean of the particles, which then stays.
         start, end: Active for start <= time < end [s], scalars or one per particle, shape (k,).
     """
 
     particles: jax.Array = dataclasses.field(metadata=HELD)
     velocity: jax.Array
     angular_velocity: jax.Array
-    center: jax.Array
+    center: jax.Array | None
     start: jax.Array = dataclasses.field(metadata={**PER_HELD, **START})
     end: jax.Array = dataclasses.field(metadata={**PER_HELD, **END})
 
@@ -51,19 +54,28 @@ class PrescribedMotion(Constraint):
         """Whether each particle is held at ``time`` [s], shape (k,)."""
         return jnp.broadcast_to((self.start <= time) & (time < self.end), self.particles.shape)
 
+    def locate(self, model: Model, x: jax.Array) -> PrescribedMotion:
+        """The same motion with the centre that it has while its particles are at ``x`` [m], shape (k, 3)."""
+        if self.center is not None:
+            return self
+        mass = model.mass.at[self.particles].get(mode="fill", fill_value=0)
+        sums = sum_devices(jnp.concatenate([mass[:, None] * x, mass[:, None]], axis=1).sum(0), model.axis)
+        return dataclasses.replace(self, center=sums[:3] / jnp.where(sums[3] > 0, sums[3], 1))
+
     def field(self, x: jax.Array) -> jax.Array:
-        """u(x) [m/s], shape (..., 3)."""
+        """u(x) [m/s], shape (..., 3); the centre must be known (`locate`)."""
+        assert self.center is not None
         return self.velocity + cross(jnp.broadcast_to(self.angular_velocity, x.shape), x - self.center)
 
     def displace(self, x: jax.Array, dt: jax.Array) -> jax.Array:
         """Positions after ``dt`` [s]: an exact rotation about the axis and a translation."""
+        assert self.center is not None
         return self.center + rotate(x - self.center, self.angular_velocity * dt) + self.velocity * dt
 
     def before_p2g(self, model: Model, state: State) -> State:
         """Gives the held particles their velocity and velocity gradient."""
-        del model
-        active, p = self.active(state.time), self.particles
-        v = jnp.where(active[:, None], self.field(state.x[p]), state.v[p])
+        active, p = self.active(state.time + _CLOCK * model.dt), self.particles
+        v = jnp.where(active[:, None], self.locate(model, state.x[p]).field(state.x[p]), state.v[p])
         C = jnp.where(active[:, None, None], skew(self.angular_velocity), state.C[p])
         return dataclasses.replace(state, v=state.v.at[p].set(v), C=state.C.at[p].set(C))
 
@@ -81,16 +93,18 @@ class PrescribedMotion(Constraint):
         p = self.particles
         own = jax.tree.map(lambda part: part[p], s)
         mass = model.mass.at[p].get(mode="fill", fill_value=0)
-        share = scatter_mass(own, model.grid, jnp.where(self.active(time), mass, 0))
+        share = scatter_mass(own, model.grid, jnp.where(self.active(time + _CLOCK * model.dt), mass, 0))
         held = sum_devices(share, model.axis) > 0.5 * node_mass
         x, y, z = model.grid.node_positions(velocity.dtype)
         nodes = jnp.stack(jnp.broadcast_arrays(x, y, z), axis=-1)
-        return jnp.where(held[..., None], self.field(nodes), velocity)
+        places = (own.base + model.grid.origin) * model.grid.dx - own.offsets[..., 0]
+        return jnp.where(held[..., None], self.locate(model, places).field(nodes), velocity)
 
     def after_g2p(self, model: Model, before: State, after: State) -> State:
         """Puts the held particles exactly where the prescription has them."""
-        active, p = self.active(before.time)[:, None], self.particles
-        target = self.displace(before.x[p], model.dt)
+        active, p = self.active(before.time + _CLOCK * model.dt)[:, None], self.particles
+        motion = self.locate(model, before.x[p])
+        target = motion.displace(before.x[p], model.dt)
         x = jnp.where(active, target, after.x[p])
-        v = jnp.where(active, self.field(target), after.v[p])
+        v = jnp.where(active, motion.field(target), after.v[p])
         return dataclasses.replace(after, x=after.x.at[p].set(x), v=after.v.at[p].set(v))

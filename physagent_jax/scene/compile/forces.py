@@ -12,6 +12,7 @@ from physagent_jax.forces.envelope import Envelope, EnvelopeKind
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.skills import compile_force_field, make_closed_form_scaling
+from physagent_jax.mpm.constraints import MovingPlate, PrescribedMotion
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import buckets
@@ -127,5 +128,10 @@ def compile_skills(
         frame_count=timing.frame_count,
         parameters=parameters,
     )
-    held = (buckets.pad_indices(np.asarray(grip.particles), len(rest)) for grip in grips)
-    return skills, tuple(dataclasses.replace(grip, particles=places) for grip, places in zip(grips, held))
+    return skills, tuple(_fill_bucket(grip, len(rest)) for grip in grips)
+
+
+def _fill_bucket(grip: PrescribedMotion | MovingPlate, count: int) -> PrescribedMotion | MovingPlate:
+    if isinstance(grip, MovingPlate):
+        return grip
+    return dataclasses.replace(grip, particles=buckets.pad_indices(np.asarray(grip.particles), count))

@@ -1,0 +1,43 @@
+"""A blow that acts at once: the constraint `particle_impulse`."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.forces.terms.region import confine
+from physagent_jax.mpm.fields import END, PER_PARTICLE, START
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True)
+class VelocityChange:
+    """Changes the velocity of a region's particles in the one substep in which its moment lies.
+
+    Substeps [time, time + dt) cover the clip without gaps or overlaps, so that exactly one of them delivers the whole
+    change, whatever dt is. The moment itself has the derivative zero.
+
+    Attributes:
+        value: Change of velocity [m/s], shape (3,).
+        start: The moment [s], scalar.
+        end: The same moment: until when something is left to be done [s], scalar.
+        weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
+    """
+
+    value: jax.Array
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
+    weight: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
+
+    def acceleration(self, x, v, mass, time, dt):
+        """Mean over the substep [m/s^2], shape (n, 3)."""
+        del v, mass
+        now = (time <= self.start) & (self.start < time + dt)
+        return confine(jnp.broadcast_to(jnp.where(now, self.value / dt, 0), x.shape), self.weight)
+
+    def gradient(self, x, time, dt):
+        """None: uniform."""
+        del x, time, dt
