@@ -1,1 +1,0 @@
-"""Perception against exactly known motions: objects, distances, backgrounds and depth noise."""

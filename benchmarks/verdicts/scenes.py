@@ -1,0 +1,167 @@
+"""From an object and a motion to a scene: the same data that a scene file holds."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from benchmarks.verdicts.motions import FRICTION, Burst, Grip, Motion, Part, Push, Spin
+from benchmarks.verdicts.things import DOMAIN, Thing
+from physagent_jax.forces.schema import Action, ActionType, BoxRegion, ForceField, SkillScaling
+from physagent_jax.scene.body import Body
+from physagent_jax.scene.camera import find_viewer_directions
+from physagent_jax.scene.config import (
+    FOREVER,
+    Anchor,
+    Attractor,
+    CameraConfig,
+    ConstantEnvelope,
+    DomainBox,
+    HalfSpace,
+    ParticleTranslation,
+    Rendering,
+    SceneConfig,
+    SineEnvelope,
+    Source,
+    Surface,
+    Timing,
+    Transfer,
+    Uniform,
+)
+
+FRAME_DT = 0.04  # [s]
+SETTLING = 12  # frames before the first that is kept: on the ground matter first sags a little
+SIZE = (320, 240)  # width, height [px]
+REACH = 1.3  # [L] from where it was that the camera follows what moves
+HELD_FOOT = 0.15  # share of the height
+_WEAKEST, _STRONGEST = 0.4, 1.6  # of an action's magnitude
+_SLAB = {
+    "top": ((-9, -9, 2 / 3), (9, 9, 9)),
+    "bottom": ((-9, -9, -9), (9, 9, 1 / 3)),
+}
+
+
+def count_lead(motion: Motion) -> int:
+    """Frames that are simulated before the clip begins."""
+    return SETTLING if motion.world == "ground" and not motion.lifted else 0
+
+
+def make_scene(thing: Thing, source: Source, body: Body, motion: Motion) -> SceneConfig:
+    """The scene that shows ``motion``; its first `count_lead` frames come before the clip."""
+    axes = find_axes(thing)
+    lead = count_lead(motion) * FRAME_DT
+    ground = float(body.low[2]) - motion.lifted
+    boundaries: tuple = (DomainBox(),)
+    if motion.world == "ground":
+        plane = HalfSpace(point=(0, 0, ground), normal=(0, 0, 1), surface=Surface.SEPARATE, friction=FRICTION)
+        boundaries += (plane,)
+    spins = [cause for cause in motion.causes if isinstance(cause, Spin)]
+    terms = [_term(c, axes, lead, body) for c in motion.causes if isinstance(c, Push | Burst)]
+    grips = [_grip(c, axes, lead, body) for c in motion.causes if isinstance(c, Grip)]
+    field, scaling = _spin(spins, axes, lead)
+    frames = round(motion.seconds / FRAME_DT) + count_lead(motion)
+    return SceneConfig(
+        prompt=motion.words,
+        source=source,
+        filling=thing.filling,
+        material=thing.material,
+        domain=DOMAIN,
+        timing=Timing(frame_count=frames, frame_dt=FRAME_DT),
+        transfer=Transfer(damping_rate=motion.drag),
+        always_gravity=motion.world == "ground",
+        boundaries=boundaries,
+        constraints=tuple(grips),
+        anchor=Anchor(kind="base", fraction=HELD_FOOT, reason="held") if motion.held else Anchor(),
+        force_field=field,
+        forces=tuple(terms),
+        scaling=scaling,
+        camera=CameraConfig(azimuth_degrees=thing.azimuth),
+        rendering=Rendering(width=SIZE[0], height=SIZE[1]),
+    )
+
+
+def find_axes(thing: Thing) -> np.ndarray:
+    """World vectors of the viewer's right, up and away, rows, shape (3, 3)."""
+    words = find_viewer_directions(CameraConfig(azimuth_degrees=thing.azimuth))
+    return np.array([words["right"], words["up"], words["away"]])
+
+
+def _world(direction, axes: np.ndarray) -> tuple[float, float, float]:
+    return tuple(float(c) for c in np.round(np.asarray(direction) @ axes, 9) + 0.0)  # type: ignore[return-value]
+
+
+def _term(cause: Push | Burst, axes: np.ndarray, lead: float, body: Body) -> Uniform | Attractor:
+    start, end = lead + cause.start, lead + cause.end
+    if isinstance(cause, Burst):
+        middle = tuple(float(c) for c in 0.5 * (body.low + body.high))
+        envelope = ConstantEnvelope(start=start, end=end)
+        return Attractor(point=middle, strength=-cause.strength, power=0.0, softening=0.1, envelope=envelope)  # type: ignore[arg-type]
+    acceleration = _world(np.multiply(cause.direction, cause.strength), axes)
+    envelope = (
+        SineEnvelope(start=start, end=end, frequency=cause.frequency)
+        if cause.frequency
+        else ConstantEnvelope(start=start, end=end)
+    )
+    return Uniform(acceleration=acceleration, envelope=envelope, region=_region(cause.part, axes))
+
+
+def _region(part: Part, axes: np.ndarray) -> BoxRegion | None:
+    """A third of the object."""
+    if part == "all":
+        return None
+    if part in _SLAB:
+        low, high = _SLAB[part]
+        return BoxRegion(low=low, high=high)
+    right = axes[0]
+    axis = int(np.argmax(np.abs(right)))
+    low, high = np.full(3, -9.0), np.full(3, 9.0)
+    if (right[axis] > 0) == (part == "right"):
+        low[axis] = 2 / 3
+    else:
+        high[axis] = 1 / 3
+    return BoxRegion(low=tuple(low.tolist()), high=tuple(high.tolist()))
+
+
+def _grip(cause: Grip, axes: np.ndarray, lead: float, body: Body) -> ParticleTranslation:
+    """A slab at one end, as a box around it."""
+    side = np.round(np.asarray(_world(cause.side, axes)), 6)
+    axis = int(np.argmax(np.abs(side)))
+    low, high = np.asarray(body.low, float) - 0.5, np.asarray(body.high, float) + 0.5
+    extent = float(body.high[axis] - body.low[axis])
+    first, last = (cause.low * extent if cause.low else -0.5), cause.high * extent
+    if side[axis] > 0:
+        low[axis], high[axis] = float(body.high[axis]) - last, float(body.high[axis]) - first
+    else:
+        low[axis], high[axis] = float(body.low[axis]) + first, float(body.low[axis]) + last
+    return ParticleTranslation(
+        point=tuple((0.5 * (low + high)).tolist()),
+        half_size=tuple((0.5 * (high - low)).tolist()),
+        velocity=_world(np.multiply(cause.velocity, extent), axes),
+        start=lead + cause.start,
+        end=min(lead + cause.end, FOREVER),
+    )
+
+
+def _spin(spins: list[Spin], axes: np.ndarray, lead: float) -> tuple[ForceField, SkillScaling | None]:
+    """Torques; what a magnitude of 1 means is chosen so that all of them are in its range."""
+    if not spins:
+        return ForceField(), None
+    strengths = [abs(spin.strength) for spin in spins]
+    unit = max(strengths) / _STRONGEST
+    if min(strengths) / unit < _WEAKEST - 1e-9:
+        raise ValueError(f"turns of one clip differ by more than a factor of 4: {strengths}")
+    actions = tuple(
+        Action(
+            action_type=ActionType.TORQUE,
+            vector=_world(spin.axis, axes),
+            magnitude=spin.strength / unit,
+            active_time=((lead + spin.start) / FRAME_DT, (lead + spin.end) / FRAME_DT),
+            region=_region(spin.part, axes),
+        )
+        for spin in spins
+    )
+    scaling = SkillScaling(
+        translation=1.0, scale=1.0, impulse=1.0, torque=math.radians(unit), velocity=1.0, reason="by hand"
+    )
+    return ForceField(actions=actions), scaling
