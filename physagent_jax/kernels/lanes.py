@@ -124,25 +124,25 @@ def deinterleave(typing, a, b):
 
 
 @intrinsic
-def interleave(typing, a, b, c):
-    """The numbers of eight nodes, four nodes in each result: one of a, of b and of c, and a zero for each node."""
+def interleave(typing, a, b, c, d):
+    """The numbers of eight nodes, four nodes in each result: one of a, of b, of c and of d for each node."""
     result = types.UniTuple(Lanes(a.dtype), 2)
 
     def generate(context, builder, signature, arguments):
-        a, b, c = arguments
+        a, b, c, d = arguments
         everything = _shuffle_mask(range(2 * BATCH))
         ab = builder.shuffle_vector(a, b, everything)
-        c0 = builder.shuffle_vector(c, ir.Constant(c.type, None), everything)
+        cd = builder.shuffle_vector(c, d, everything)
         half = ROW // _NODE
         parts = [
             builder.shuffle_vector(
-                ab, c0, _shuffle_mask([d * BATCH + k for k in range(k0, k0 + half) for d in range(_NODE)])
+                ab, cd, _shuffle_mask([n * BATCH + k for k in range(k0, k0 + half) for n in range(_NODE)])
             )
             for k0 in (0, half)
         ]
         return context.make_tuple(builder, result, parts)
 
-    return result(a, a, a), generate
+    return result(a, a, a, a), generate
 
 
 @intrinsic
@@ -165,6 +165,18 @@ def unpack(typing, vector):
 
     def generate(context, builder, signature, arguments):
         numbers = [builder.extract_element(arguments[0], _INDEX(k)) for k in range(3)]
+        return context.make_tuple(builder, result, numbers)
+
+    return result(vector), generate
+
+
+@intrinsic
+def unpack_node(typing, vector):
+    """The four numbers of a node."""
+    result = types.UniTuple(vector.dtype, _NODE)
+
+    def generate(context, builder, signature, arguments):
+        numbers = [builder.extract_element(arguments[0], _INDEX(k)) for k in range(_NODE)]
         return context.make_tuple(builder, result, numbers)
 
     return result(vector), generate

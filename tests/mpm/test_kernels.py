@@ -69,6 +69,65 @@ def test_p2g_and_g2p_equal_the_reference(count, form, dtype, x64):
     jax.tree.map(lambda a, b: close(a, b, TOLERANCE[dtype]), got, expected)
 
 
+def pull(function, operands, seed=1):
+    """Derivatives by the operands of a random sum of what a function gives."""
+    results, back = jax.vjp(function, *operands)
+    rng = np.random.default_rng(seed)
+    return back(jax.tree.map(lambda leaf: jnp.asarray(rng.normal(size=leaf.shape), leaf.dtype), results))
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("form", ["mls", "gradient"])
+@pytest.mark.parametrize("count", [1, 7, 3001])
+def test_adjoints_equal_the_derivatives_of_the_reference(count, form, dtype, x64):
+    """By every operand, the step and the shared velocity change among them, particles in no order."""
+    c = cloud(count, dtype)
+    operands = p2g_operands(c)
+    got = pull(lambda *o: cpu.p2g(form, GRID, *o), operands)
+    expected = pull(lambda *o: transfer.p2g(form, GRID, *o), operands)
+    for each, other in zip(got, expected, strict=True):
+        close(each, other, TOLERANCE[dtype])
+
+    def moved(g2p):
+        def particles(*o):
+            after = g2p(form, 1, GRID, *o)
+            return after.x, after.v, after.C, after.F
+
+        return particles
+
+    got, expected = pull(moved(cpu.g2p), g2p_operands(c)), pull(moved(transfer.g2p), g2p_operands(c))
+    for each, other in zip(got, expected, strict=True):
+        close(each, other, TOLERANCE[dtype])
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("form", ["mls", "gradient"])
+def test_the_adjoint_with_a_neo_hookean_stress_equals_the_reference(form, dtype, x64):
+    c, rng = cloud(3001, dtype), np.random.default_rng(2)
+    x, v, C, _, *rest = p2g_operands(c)
+    mu, lam = (jnp.asarray(rng.uniform(1e3, 2e3, 3001), dtype) for _ in range(2))
+    operands = x, v, C, c["F"], mu, lam, *rest
+
+    def reference(x, v, C, F, mu, lam, *rest):
+        return transfer.p2g(form, GRID, x, v, C, materials.NeoHookean(mu, lam).stress(F), *rest)
+
+    got, expected = pull(lambda *o: cpu.p2g_neo_hookean(form, GRID, *o), operands), pull(reference, operands)
+    for each, other in zip(got, expected, strict=True):
+        close(each, other, TOLERANCE[dtype])
+
+
+def test_adjoints_repeat_bit_by_bit():
+    c = cloud(3001, "float32")
+
+    def once():
+        by_x, *_ = pull(lambda *o: cpu.p2g("mls", GRID, *o), p2g_operands(c))
+        return [by_x, *pull(lambda *o: cpu.g2p("mls", 1, GRID, *o).v, g2p_operands(c))]
+
+    first = once()
+    for _ in range(5):
+        assert all(np.array_equal(a, b) for a, b in zip(first, once(), strict=True))
+
+
 def test_particles_outside_and_not_finite_are_seen_and_write_nowhere_else():
     c = cloud(50, "float32")
     x = c["x"].at[3].set(jnp.array([0.01, 0.4, 0.5])).at[7, 1].set(2.99).at[9, 2].set(jnp.nan)

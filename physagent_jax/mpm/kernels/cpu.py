@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 
 import jax
@@ -13,6 +14,7 @@ from physagent_jax.kernels.numbers import SHARES_PER_THREAD
 from physagent_jax.kernels.threads import thread_count
 from physagent_jax.mpm import transfer
 from physagent_jax.mpm.health import Health
+from physagent_jax.mpm.kernels.adjoint import TOTALS
 from physagent_jax.mpm.kernels.handlers import register_handler
 from physagent_jax.mpm.kernels.transfer import HEALTH_FIELDS, NUMBERS, PADDING
 from physagent_jax.mpm.materials.neo_hookean import NeoHookean
@@ -113,14 +115,37 @@ def _scalars(dtype, *numbers) -> jax.Array:
     return jnp.stack([jnp.asarray(number, dtype) for number in numbers])
 
 
+def _pull_p2g(form, grid, operands, cotangent, *, neo_hookean: bool):
+    """Derivatives by ``operands`` of `_scatter`, mu and lam among them."""
+    x, v, C, tau, mu, lam, mass, volume, dv, dt = operands
+    shares = thread_count() * SHARES_PER_THREAD
+    results = tuple(jax.ShapeDtypeStruct(like.shape, x.dtype) for like in operands[:8])
+    results += (jax.ShapeDtypeStruct((shares, TOTALS), x.dtype), _padded_grid(grid, x.dtype))
+    call = jax.ffi.ffi_call(
+        register_handler("p2g_adjoint", x.dtype.name),
+        results,
+        vmap_method="sequential",
+        input_layouts=(*(None,) * 10, _BY_NUMBER, None),
+    )
+    scalars = _scalars(x.dtype, dt, grid.dx, neo_hookean)
+    *bars, totals, _ = call(x, v, C, tau, mu, lam, mass, volume, dv, grid.origin, cotangent, scalars)
+    total = totals.sum(0)
+    return (*bars, total[:3], total[3])
+
+
 def _p2g_forward(form, grid, *operands):
     return p2g(form, grid, *operands), (grid, operands)
 
 
 def _p2g_backward(form, residuals, cotangent):
     grid, operands = residuals
-    _, pull = jax.vjp(lambda *operands: transfer.p2g(form, grid, *operands), *operands)
-    return (None, *pull(cotangent))
+    if form != "mls":  # the classical form has no adjoint kernel
+        return (None, *jax.vjp(partial(transfer.p2g, form, grid), *operands)[1](cotangent))
+    x, v, C, tau, *others = operands
+    nothing = jnp.zeros(1, x.dtype)
+    operands = x, v, C, tau, nothing, nothing, *others
+    bars = _pull_p2g(form, grid, operands, cotangent, neo_hookean=False)
+    return (None, *bars[:4], *bars[6:])
 
 
 def _p2g_neo_hookean_forward(form, grid, *operands):
@@ -129,6 +154,8 @@ def _p2g_neo_hookean_forward(form, grid, *operands):
 
 def _p2g_neo_hookean_backward(form, residuals, cotangent):
     grid, operands = residuals
+    if form == "mls":
+        return (None, *_pull_p2g(form, grid, operands, cotangent, neo_hookean=True))
 
     def reference(x, v, C, F, mu, lam, mass, volume, dv, dt):
         tau = NeoHookean(mu, lam).stress(F)
@@ -143,8 +170,31 @@ def _g2p_forward(form, wall, grid, *operands):
 
 def _g2p_backward(form, wall, residuals, cotangent):
     grid, operands = residuals
-    _, pull = jax.vjp(lambda *operands: transfer.g2p(form, wall, grid, *operands), *operands)
-    return (None, *pull(cotangent))
+    if form != "mls":
+        return (None, *jax.vjp(partial(transfer.g2p, form, wall, grid), *operands)[1](cotangent))
+    x, v, C, F, velocity, dt = operands
+    parts = thread_count()
+    padded = _padded_grid(grid, x.dtype)
+    results = tuple(
+        jax.ShapeDtypeStruct(shape, x.dtype) for shape in (x.shape, F.shape, (*grid.shape, NUMBERS))
+    )
+    results += tuple(jax.ShapeDtypeStruct((parts, size), x.dtype) for size in (padded.size, TOTALS))
+    call = jax.ffi.ffi_call(
+        register_handler("g2p_adjoint", x.dtype.name),
+        (*results, padded),
+        vmap_method="sequential",
+        input_layouts=(None, None, _BY_NUMBER, *(None,) * 6),
+        output_layouts=(None, None, _BY_NUMBER, None, None, None),
+    )
+    bars = cotangent.x, cotangent.v, cotangent.C, cotangent.F  # what `Health` holds has no derivative
+    scalars = _scalars(x.dtype, dt, grid.dx)
+    by_x, by_F, nodes, _, totals, _ = call(x, F, velocity, grid.origin, *bars, scalars)
+    return (None, by_x, jnp.zeros_like(v), jnp.zeros_like(C), by_F, nodes[..., :3], totals[:, 3].sum())
+
+
+def _padded_grid(grid: Grid, dtype) -> jax.ShapeDtypeStruct:
+    """Room for all numbers of a grid's nodes and `PADDING`."""
+    return jax.ShapeDtypeStruct((NUMBERS * math.prod(grid.shape) + PADDING,), dtype)
 
 
 p2g.defvjp(_p2g_forward, _p2g_backward)

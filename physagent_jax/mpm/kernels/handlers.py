@@ -13,11 +13,12 @@ from numba import njit
 from physagent_jax.kernels import ffi
 from physagent_jax.kernels.numbers import BODY
 from physagent_jax.kernels.target import register_target
+from physagent_jax.mpm.kernels.adjoint import g2p_adjoint, p2g_adjoint
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
 
 
 def register_handler(kernel: str, precision: str) -> str:
-    """Name under which XLA can call "p2g" or "g2p" in "float32" or "float64"."""
+    """Name under which XLA can call "p2g", "g2p" or an "_adjoint" of theirs in "float32" or "float64"."""
     return register_target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
 
 
@@ -66,6 +67,65 @@ def _g2p(frame, number):
     )
 
 
+@njit(**BODY)
+def _p2g_adjoint(frame, number):
+    scalars = ffi.get_operand(frame, 11, number, 1)
+    p2g_adjoint(
+        (
+            ffi.get_operand(frame, 0, number, 2),
+            ffi.get_operand(frame, 1, number, 2),
+            ffi.get_operand(frame, 2, number, 3),
+            ffi.get_operand(frame, 3, number, 3),
+            ffi.get_operand(frame, 6, number, 1),
+            ffi.get_operand(frame, 7, number, 1),
+        ),
+        (ffi.get_operand(frame, 4, number, 1), ffi.get_operand(frame, 5, number, 1)),
+        ffi.get_operand(frame, 8, number, 1),
+        ffi.get_operand(frame, 9, np.int32, 1),
+        scalars[0],
+        scalars[1],
+        scalars[2] != 0,
+        ffi.get_operand(frame, 10, number, 4),
+        (
+            ffi.get_result(frame, 0, number, 2),
+            ffi.get_result(frame, 1, number, 2),
+            ffi.get_result(frame, 2, number, 3),
+            ffi.get_result(frame, 3, number, 3),
+            ffi.get_result(frame, 4, number, 1),
+            ffi.get_result(frame, 5, number, 1),
+            ffi.get_result(frame, 6, number, 1),
+            ffi.get_result(frame, 7, number, 1),
+        ),
+        ffi.get_result(frame, 8, number, 2),
+        ffi.get_result(frame, 9, number, 1),
+    )
+
+
+@njit(**BODY)
+def _g2p_adjoint(frame, number):
+    scalars = ffi.get_operand(frame, 8, number, 1)
+    g2p_adjoint(
+        ffi.get_operand(frame, 0, number, 2),
+        ffi.get_operand(frame, 1, number, 3),
+        ffi.get_operand(frame, 2, number, 4),
+        ffi.get_operand(frame, 3, np.int32, 1),
+        scalars[0],
+        scalars[1],
+        (
+            ffi.get_operand(frame, 4, number, 2),
+            ffi.get_operand(frame, 5, number, 2),
+            ffi.get_operand(frame, 6, number, 3),
+            ffi.get_operand(frame, 7, number, 3),
+        ),
+        ffi.get_result(frame, 0, number, 2),
+        ffi.get_result(frame, 1, number, 3),
+        ffi.get_result(frame, 2, number, 4),
+        ffi.get_result(frame, 3, number, 2),
+        ffi.get_result(frame, 4, number, 2),
+        ffi.get_result(frame, 5, number, 1),
+    )
+
+
 # Written out one by one: Numba does not find again on disk what is made by a function for several kernels.
 
 
@@ -93,9 +153,37 @@ def _g2p_float64(frame):
     return 0
 
 
+def _p2g_adjoint_float32(frame):
+    if not ffi.answer_query(frame):
+        _p2g_adjoint(frame, np.float32)
+    return 0
+
+
+def _p2g_adjoint_float64(frame):
+    if not ffi.answer_query(frame):
+        _p2g_adjoint(frame, np.float64)
+    return 0
+
+
+def _g2p_adjoint_float32(frame):
+    if not ffi.answer_query(frame):
+        _g2p_adjoint(frame, np.float32)
+    return 0
+
+
+def _g2p_adjoint_float64(frame):
+    if not ffi.answer_query(frame):
+        _g2p_adjoint(frame, np.float64)
+    return 0
+
+
 _HANDLERS = {
     ("p2g", "float32"): _p2g_float32,
     ("p2g", "float64"): _p2g_float64,
     ("g2p", "float32"): _g2p_float32,
     ("g2p", "float64"): _g2p_float64,
+    ("p2g_adjoint", "float32"): _p2g_adjoint_float32,
+    ("p2g_adjoint", "float64"): _p2g_adjoint_float64,
+    ("g2p_adjoint", "float32"): _g2p_adjoint_float32,
+    ("g2p_adjoint", "float64"): _g2p_adjoint_float64,
 }

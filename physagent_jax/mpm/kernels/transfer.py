@@ -177,7 +177,7 @@ def g2p(x, F, velocity, origin, dt, dx, classical, low, high, new_x, new_v, new_
     clear(padded, shape[0] * plane, padded.size)
     numbers = flatten(velocity)
     for i in prange(shape[0]):
-        interleave_plane(numbers, padded, np.int64(i), shape)
+        interleave_plane(numbers, padded, np.int64(i), shape, False)
     counter[0] = 0
     for _ in prange(shares // SHARES_PER_THREAD):
         part = fetch_add(counter)
@@ -189,17 +189,16 @@ def g2p(x, F, velocity, origin, dt, dx, classical, low, high, new_x, new_v, new_
 
 
 @njit(**OPTIONS)
-def interleave_plane(velocity, padded, i, shape):
-    """Puts the numbers of each node of plane i side by side, and a zero after them."""
+def interleave_plane(fields, padded, i, shape, fourth):
+    """Puts the numbers of each node of plane i side by side: three and a zero, or all four."""
     count, total = shape[1] * shape[2], shape[0] * shape[1] * shape[2]
     for k in range(i * count, (i + 1) * count, BATCH):
         o = min(k, (i + 1) * count - BATCH)  # as in `sum_plane`
-        a, b, c = (
-            load_batch(velocity, o),
-            load_batch(velocity, o + total),
-            load_batch(velocity, o + 2 * total),
-        )
-        first, second = interleave(a, b, c)
+        a, b, c = load_batch(fields, o), load_batch(fields, o + total), load_batch(fields, o + 2 * total)
+        d = splat_like(cast_like(0, padded[0]), a)
+        if fourth:
+            d = load_batch(fields, o + 3 * total)
+        first, second = interleave(a, b, c, d)
         store(padded, NUMBERS * o, first)
         store(padded, NUMBERS * o + ROW, second)
 

@@ -1,0 +1,1 @@
+"""Perception against exactly known motions: objects, distances, backgrounds and depth noise."""

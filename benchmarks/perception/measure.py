@@ -1,0 +1,96 @@
+"""What perception says of a clip against what happened."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from benchmarks.harness import Row
+from benchmarks.perception.motions import LOOK, RIGHT, Motion
+from benchmarks.perception.scenes import FRAME_DT, FRAMES, Sight
+from physagent_jax.core.rotations import polar
+from physagent_jax.perception.measure import perceive
+from physagent_jax.perception.schema import MotionReport
+
+SEEN_SHIFT, SEEN_TURN = 0.1, 10.0
+"""Directions are compared from these on [body lengths], [deg]."""
+
+
+def measure(sight: Sight, motion: Motion, rgb: np.ndarray, depth: np.ndarray) -> Row:
+    """Errors and stated uncertainties of one clip; a figure that the report does not have is None."""
+    report = perceive(rgb, depth, sight.camera, frame_dt=FRAME_DT).report
+    return {
+        **_displacement(report, sight),
+        **_rotation(report, motion),
+        **_stretch(report, motion),
+        **_frequency(report, motion),
+        "still": report.onset_frame is None,
+        "pieces": max((p for p in report.pieces if p is not None), default=None),
+        "notes": [note for note in report.quality.notes if "depth channel" not in note],
+        "text": report.text,
+    }
+
+
+def _displacement(report: MotionReport, sight: Sight) -> Row:
+    """Largest error over the clip [true body lengths]; of the direction, in the frame of the largest shift [deg]."""
+    true = (sight.means.mean(1) - sight.means[0].mean(0)) / sight.size
+    scale = report.object_size / sight.size
+    seen = np.array([(np.nan,) * 3 if c is None else c for c in report.centroid]) * scale
+    found = {"displacement": None, "direction": None, "frames": int(np.isfinite(seen[:, 0]).sum())}
+    if np.isfinite(seen[-1]).all():
+        found["displacement"] = float(np.nanmax(np.linalg.norm(seen - true, axis=1)))
+    stated = report.uncertainty.displacement
+    found["displacement_stated"] = None if stated is None else stated * scale
+    far = int(np.linalg.norm(true, axis=1).argmax())
+    if np.linalg.norm(true[far]) < SEEN_SHIFT:
+        return found | {"has_direction": False}
+    if np.isfinite(seen[far]).all():
+        found["direction"] = _angle(seen[far], true[far])
+    return found | {"has_direction": True, "size_ratio": scale}
+
+
+def _rotation(report: MotionReport, motion: Motion) -> Row:
+    """At the last frame: of the rotation as a whole, of its angle, and of its axis [deg]."""
+    true, seen = np.asarray(motion.turn(1.0)), report.rotation[-1] if report.rotation else None
+    row = {"in_plane": motion.in_plane, "rotation": None, "angle": None, "axis": None}
+    row |= {"rotation_stated": report.uncertainty.rotation, "axis_stated": report.uncertainty.axis}
+    if seen is None:
+        return row
+    off = Rotation.from_rotvec(np.radians(seen)).inv() * Rotation.from_rotvec(np.radians(true))
+    row["rotation"] = float(np.degrees(off.magnitude()))
+    row["angle"] = float(abs(np.linalg.norm(seen) - np.linalg.norm(true)))
+    if np.linalg.norm(true) >= SEEN_TURN:
+        row["axis"] = _angle(np.asarray(seen), true)
+    return row
+
+
+def _stretch(report: MotionReport, motion: Motion) -> Row:
+    """At the last frame, along two directions across the line of sight: the largest relative error."""
+    row = {"stretch": None, "stretch_stated": report.uncertainty.stretch}
+    seen = report.stretch[-1] if report.stretch else None
+    if seen is None:
+        return row
+    true, across = polar(motion.matrix(1.0))[1], np.cross(LOOK, RIGHT)
+    errors = [abs(n @ np.asarray(seen) @ n / (n @ true @ n) - 1) for n in (RIGHT, across)]
+    return row | {"stretch": float(max(errors))}
+
+
+def _frequency(report: MotionReport, motion: Motion) -> Row:
+    """Relative error of the frequency; whether a swing was seen where there is none."""
+    seen = report.oscillation
+    if motion.frequency is None:
+        return {"swings": False, "false_swing": seen is not None}
+    true = motion.frequency / (FRAME_DT * (FRAMES - 1))
+    row = {"swings": True, "frequency": None, "frequency_stated": None}
+    if seen is None:
+        return row
+    stated = report.uncertainty.frequency
+    return row | {
+        "frequency": abs(seen.frequency_hz / true - 1),
+        "frequency_stated": None if stated is None else stated / true,
+    }
+
+
+def _angle(a: np.ndarray, b: np.ndarray) -> float:
+    cosine = a @ b / max(float(np.linalg.norm(a) * np.linalg.norm(b)), 1e-9)
+    return float(np.degrees(np.arccos(np.clip(cosine, -1, 1))))

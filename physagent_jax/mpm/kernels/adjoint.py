@@ -1,0 +1,311 @@
+"""Adjoints of P2G and G2P on the CPU, for the MLS stress form (Hu et al. 2019, ChainQueen, appendix).
+
+The adjoint of a gather is a scatter and that of a scatter a gather. With bars for derivatives of a loss, w_i for the
+weight of node i and d_i = i - f for its place in cells, seen from the particle:
+
+    G2P  v = sum w_i v_i,  C = 4/dx sum w_i v_i d_i^T,  x' = x + dt v,  F' = F + dt C F
+         bar v_i = w_i (a + B d_i)             a = bar v + dt bar x',  B = 4/dx (bar C + dt bar F' F^T)
+    P2G  (m v)_i = w_i (q + A d_i),  m_i = w_i m;  q = m (v + dv),  A = m dx C - 4 dt V/dx tau
+         bar q = sum w_i bar (m v)_i,  bar A = sum w_i bar (m v)_i d_i^T
+
+What a particle adds to the grid is dealt to the threads as in `transfer.p2g`.
+"""
+
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportPrivateImportUsage=false, reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit, prange
+
+from physagent_jax.kernels.lanes import (
+    clear,
+    flatten,
+    load,
+    load_rows,
+    pack,
+    reduce_add,
+    reduce_add_nodes,
+    repeat,
+    rotate,
+    splat,
+    splat_like,
+    store,
+    store_rows,
+    tile,
+    transpose,
+    unpack,
+    unpack_node,
+)
+from physagent_jax.kernels.numbers import (
+    INLINE,
+    OPTIONS,
+    SHARES_PER_THREAD,
+    cast_like,
+    dot,
+    extract,
+    fetch_add,
+    load_columns,
+    spline,
+    spline_derivative,
+    split_range,
+    store_vector,
+)
+from physagent_jax.mpm.kernels.transfer import (
+    NUMBERS,
+    PADDING,
+    affine,
+    find_planes,
+    inner,
+    interleave_plane,
+    locate_stencil,
+    momentum,
+    neo_hookean_stress,
+    product,
+    sum_plane,
+    triple,
+)
+
+TOTALS = 4  # per share of the particles: derivatives by dv and dt
+
+
+@njit(parallel=True, **OPTIONS)
+def g2p_adjoint(x, F, velocity, origin, dt, dx, bars, new_x, new_F, nodes, private, totals, padded):
+    """Fills the derivatives by x, F and the node velocities; ``totals`` has a row per thread, its last entry for dt.
+
+    ``bars`` are those by the x, v, C and F that `transfer.g2p` gave; of the four numbers per node in ``nodes`` three
+    count.
+    """
+    shape, parts = nodes.shape, private.shape[0]
+    plane, fields = NUMBERS * shape[1] * shape[2], flatten(velocity)
+    clear(padded, shape[0] * plane, padded.size)
+    for i in prange(shape[0]):
+        interleave_plane(fields, padded, np.int64(i), shape, False)
+    touched = np.empty((parts, 2), np.int64)
+    for part in prange(parts):
+        first, last = split_range(x.shape[0], np.int64(part), parts)
+        low, high = find_planes(x, first, last, origin[0], dx, shape[0])
+        touched[part, 0], touched[part, 1] = low, high
+        own = private[part]
+        clear(own, low * plane, max(low, high) * plane + PADDING)
+        scatter_bars(x, F, padded, origin, dt, dx, bars, new_x, new_F, own, totals[part], shape, first, last)
+    numbers = flatten(nodes)
+    for i in prange(shape[0]):
+        sum_plane(private, touched, numbers, np.int64(i), shape)
+
+
+@njit(**OPTIONS)
+def scatter_bars(x, F, velocity, origin, dt, dx, bars, new_x, new_F, nodes, total, shape, first, last):
+    """`g2p_adjoint` of the particles ``first`` to ``last``."""
+    bar_x, bar_v, bar_C, bar_F = bars
+    old_F, flat_C, flat_F, result_F = flatten(F), flatten(bar_C), flatten(bar_F), flatten(new_F)
+    zero, rows, by_dt = cast_like(0, dx), NUMBERS * shape[2], cast_like(0, dx)
+    still = pack((zero, zero, zero))
+    k, step = splat_like(cast_like(4, dx) / dx, still), splat_like(dt, still)
+    for p in range(first, last):
+        start, f0, f1, f2 = locate_stencil(x, p, origin, dx, shape)
+        X, Y, Z = spline(f0), spline(f1), spline(f2)
+        h0, h1, h2 = load_rows(flat_F, 9 * p)
+        a0, a1, a2 = load_rows(old_F, 9 * p)
+        t0, t1, t2 = transpose(a0, a1, a2)
+        d0, d1, d2 = product(h0, t0, t1, t2), product(h1, t0, t1, t2), product(h2, t0, t1, t2)  # bar F' F^T
+        c0, c1, c2 = load_rows(flat_C, 9 * p)
+        b0, b1, b2 = transpose(
+            k * (c0 + step * d0), k * (c1 + step * d1), k * (c2 + step * d2)
+        )  # columns of B
+        moved = pack((bar_x[p, 0], bar_x[p, 1], bar_x[p, 2]))
+        a = pack((bar_v[p, 0], bar_v[p, 1], bar_v[p, 2])) + step * moved
+        q = a - (splat_like(f0, a) * b0 + splat_like(f1, a) * b1 + splat_like(f2, a) * b2)
+        row, next_x, next_y = spread(unpack(q), zero, unpack(b0), unpack(b1), unpack(b2))
+        v, g0, g1, g2, s0, s1, s2 = gather_sloped(
+            velocity, start, shape, f0, f1, f2, X, Y, Z, row, next_x, next_y
+        )
+        g0, g1, g2 = k * g0, k * g1, k * g2  # columns of C
+        s = pack((s0 - inner(b0, v), s1 - inner(b1, v), s2 - inner(b2, v)))
+        store_vector(new_x, p, unpack(moved + splat_like(cast_like(1, dx) / dx, s) * s))
+        e0, e1, e2 = product(g0, h0, h1, h2), product(g1, h0, h1, h2), product(g2, h0, h1, h2)  # C^T bar F'
+        store_rows(result_F, 9 * p, h0 + step * e0, h1 + step * e1, h2 + step * e2)
+        r0, r1, r2 = transpose(g0, g1, g2)
+        by_dt += inner(moved, v) + (inner(d0, r0) + inner(d1, r1) + inner(d2, r2))
+        along = repeat(Z)
+        row0, next_x, next_y = along * row, along * next_x, along * next_y
+        row1 = row0 + next_y
+        row2 = row1 + next_y
+        for i in range(3):
+            w = extract(X, i)
+            o0 = start + i * shape[1] * rows
+            o1, o2 = o0 + rows, o0 + 2 * rows
+            store(nodes, o0, load(nodes, o0) + splat(w * Y[0]) * row0)
+            store(nodes, o1, load(nodes, o1) + splat(w * Y[1]) * row1)
+            store(nodes, o2, load(nodes, o2) + splat(w * Y[2]) * row2)
+            row0, row1, row2 = row0 + next_x, row1 + next_x, row2 + next_x
+    total[0], total[1], total[2], total[3] = zero, zero, zero, by_dt
+
+
+@njit(parallel=True, **OPTIONS)
+def p2g_adjoint(particles, material, dv, origin, dt, dx, neo_hookean, bars, results, totals, padded):
+    """Fills ``results``: the derivatives by x, v, C, tau (or F), mu, lam, mass and volume.
+
+    ``particles`` are x, v, C, tau, mass and volume, where tau is F if the stress is neo-Hookean, and ``material`` is mu
+    and lam, one number each if the stress is given; their derivatives are not written then. ``bars`` are those by the
+    nodes' momentum and mass, ordered as in `transfer.p2g`. ``totals`` gets a row per share of the particles, a multiple
+    of `SHARES_PER_THREAD`: the derivatives by dv and dt. ``padded`` has room for a grid and `PADDING`.
+    """
+    shape, shares, counter = bars.shape, totals.shape[0], np.empty(1, np.int64)
+    numbers, count = flatten(bars), particles[0].shape[0]
+    clear(padded, shape[0] * NUMBERS * shape[1] * shape[2], padded.size)
+    for i in prange(shape[0]):
+        interleave_plane(numbers, padded, np.int64(i), shape, True)
+    counter[0] = 0
+    for _ in prange(shares // SHARES_PER_THREAD):
+        part = fetch_add(counter)
+        while part < shares:
+            first, last = split_range(count, part, shares)
+            gather_bars(
+                particles,
+                material,
+                dv,
+                origin,
+                dt,
+                dx,
+                neo_hookean,
+                padded,
+                results,
+                totals[part],
+                shape,
+                first,
+                last,
+            )
+            part = fetch_add(counter)
+
+
+@njit(**OPTIONS)
+def gather_bars(
+    particles, material, dv, origin, dt, dx, neo_hookean, bars, results, total, shape, first, last
+):
+    """`p2g_adjoint` of the particles ``first`` to ``last``."""
+    (x, v, C, tau, mass, volume), (mu, lam) = particles, material
+    bar_x, bar_v, bar_C, bar_tau, bar_mu, bar_lam, bar_mass, bar_volume = results
+    flat_C, result_C, flat_tau, result_tau = flatten(C), flatten(bar_C), flatten(tau), flatten(bar_tau)
+    zero, kick, by_dt = cast_like(0, dx), (dv[0], dv[1], dv[2]), cast_like(0, dx)
+    by_dv = pack((zero, zero, zero))
+    for p in range(first, last):
+        start, f0, f1, f2 = locate_stencil(x, p, origin, dx, shape)
+        m, k = mass[p], -cast_like(4, dx) * dt / dx
+        t0, t1, t2 = neo_hookean_stress(tau, mu[p], lam[p], p) if neo_hookean else load_columns(tau, p)
+        a0, a1, a2 = affine(t0, t1, t2, k * volume[p], C, m * dx, p)
+        q = momentum(v, kick, m, a0, a1, a2, p, f0, f1, f2)
+        row, next_x, next_y = spread(q, m, a0, a1, a2)
+        X, Y, Z = spline(f0), spline(f1), spline(f2)
+        mean, g0, g1, g2, s0, s1, s2 = gather_sloped(
+            bars, start, shape, f0, f1, f2, X, Y, Z, row, next_x, next_y
+        )
+        n0, n1, n2, by_mass = unpack_node(mean)
+        n = n0, n1, n2
+        cells = cast_like(1, dx) / dx
+        slopes = cells * (s0 - dot(a0, n)), cells * (s1 - dot(a1, n)), cells * (s2 - dot(a2, n))
+        store_vector(bar_x, p, slopes)
+        by_v = splat_like(m, mean) * mean
+        by_dv = by_dv + by_v
+        store_vector(bar_v, p, unpack(by_v))
+        r0, r1, r2 = transpose(g0, g1, g2)  # rows of bar A, of which g are the columns
+        c0, c1, c2 = load_rows(flat_C, 9 * p)
+        spin = splat_like(m * dx, mean)
+        store_rows(result_C, 9 * p, spin * r0, spin * r1, spin * r2)
+        bar_mass[p] = by_mass + n0 * (v[p, 0] + kick[0]) + n1 * (v[p, 1] + kick[1]) + n2 * (v[p, 2] + kick[2])
+        bar_mass[p] += dx * (inner(c0, r0) + inner(c1, r1) + inner(c2, r2))
+        bar_volume[p] = k * (dot(t0, unpack(g0)) + dot(t1, unpack(g1)) + dot(t2, unpack(g2)))
+        by_dt += volume[p] * bar_volume[p]
+        s = splat_like(k * volume[p], mean)
+        if neo_hookean:
+            F0, F1, F2 = load_rows(flat_tau, 9 * p)
+            pull_neo_hookean(
+                p,
+                (F0, F1, F2),
+                (mu[p], lam[p]),
+                (s * r0, s * r1, s * r2),
+                (s * g0, s * g1, s * g2),
+                result_tau,
+                bar_mu,
+                bar_lam,
+            )
+        else:
+            store_rows(result_tau, 9 * p, s * r0, s * r1, s * r2)
+    total[0], total[1], total[2] = unpack(by_dv)
+    total[3] = by_dt / dt
+
+
+@njit(**INLINE)
+def pull_neo_hookean(p, F, lame, rows, columns, bar_F, bar_mu, bar_lam):
+    """Derivatives by F, mu and lam of tau = mu (F F^T - I) + lam ln J I, those by tau given by rows and by columns."""
+    (a, b, c), (mu, lam), (r0, r1, r2), (g0, g1, g2) = F, lame, rows, columns
+    J = triple(a, b, c)
+    trace = unpack(r0)[0] + unpack(r1)[1] + unpack(r2)[2]
+    t0, t1, t2 = transpose(a, b, c)
+    square = inner(r0, product(a, t0, t1, t2)) + inner(r1, product(b, t0, t1, t2))
+    square += inner(r2, product(c, t0, t1, t2))
+    bar_mu[p], bar_lam[p] = square - trace, np.log(J) * trace
+    # F^-T = cof F / J, whose rows are cross products of those of F.
+    s, u = splat_like(mu, a), splat_like(lam * trace / J, a)
+    store_rows(
+        bar_F,
+        9 * p,
+        s * product(r0 + g0, a, b, c) + u * cross(b, c),
+        s * product(r1 + g1, a, b, c) + u * cross(c, a),
+        s * product(r2 + g2, a, b, c) + u * cross(a, b),
+    )
+
+
+@njit(**INLINE)
+def cross(b, c):
+    """B x c."""
+    return rotate(b * rotate(c) - rotate(b) * c)
+
+
+@njit(**INLINE)
+def spread(q, fourth, a0, a1, a2):
+    """A row of nodes' values q + A (0, 0, k) along z, with ``fourth`` beside, and what the next row in x, y adds."""
+    zero, one = cast_like(0, fourth), cast_like(1, fourth)
+    row = tile(q, fourth) + tile(a2, zero) * repeat((zero, one, one + one))
+    return row, tile(a0, zero), tile(a1, zero)
+
+
+@njit(**INLINE)
+def gather_sloped(field, start, shape, f0, f1, f2, X, Y, Z, row0, next_x, next_y):
+    """Sums over the stencil of a field u: of w u, of w u (i - f) along each axis, and of the weights' slopes.
+
+    The last three are sums of (dw / df) u . r along each axis, r being the nodes' values that ``row0`` begins.
+    """
+    rows, two = NUMBERS * shape[2], splat(cast_like(2, f0))
+    dX, dY, dZ = spline_derivative(f0), spline_derivative(f1), spline_derivative(f2)
+    y0, y1, y2 = splat(Y[0]), splat(Y[1]), splat(Y[2])
+    e0, e1, e2 = splat(dY[0]), splat(dY[1]), splat(dY[2])
+    mean = by_x = by_y = slope_x = slope_y = slope_z = splat(cast_like(0, f0))
+    row1 = row0 + next_y
+    row2 = row1 + next_y
+    for i in range(3):
+        o = start + i * shape[1] * rows
+        a, b, c = load(field, o), load(field, o + rows), load(field, o + 2 * rows)
+        w = splat(extract(X, i))
+        second, third = y1 * b, y2 * c
+        plane = y0 * a + (second + third)
+        mean = mean + w * plane
+        by_y = by_y + w * (second + two * third)
+        if i > 0:
+            by_x = by_x + splat(cast_like(i, f0) * extract(X, i)) * plane
+        a, b, c = a * row0, b * row1, c * row2
+        level = y0 * a + (y1 * b + y2 * c)
+        slope_x = slope_x + splat(extract(dX, i)) * level
+        slope_y = slope_y + w * (e0 * a + (e1 * b + e2 * c))
+        slope_z = slope_z + w * level
+        row0, row1, row2 = row0 + next_x, row1 + next_x, row2 + next_x
+    along = repeat(Z)
+    u, g0, g1 = reduce_add_nodes(along * mean), reduce_add_nodes(along * by_x), reduce_add_nodes(along * by_y)
+    g2 = reduce_add_nodes(repeat((cast_like(0, f0), Z[1], Z[2] + Z[2])) * mean)
+    g0, g1, g2 = g0 - splat_like(f0, u) * u, g1 - splat_like(f1, u) * u, g2 - splat_like(f2, u) * u
+    slopes = (
+        reduce_add(along * slope_x),
+        reduce_add(along * slope_y),
+        reduce_add(repeat(dZ) * slope_z),
+    )
+    return u, g0, g1, g2, slopes[0], slopes[1], slopes[2]
