@@ -16,8 +16,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from physagent_jax.agents.matching import agrees, find_own_causes, list_causes
+from physagent_jax.agents.matching import Cause, agrees, find_own_causes, list_causes
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.agents.stacking import find_room, fits, has_room
 from physagent_jax.agents.vectors import add, clamp, cosine, normalise, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
@@ -154,6 +155,70 @@ def magnitude_range(entries: Entries, _context: Context) -> tuple[Entries, list[
     return entries, reasons
 
 
+def no_stacking(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
+    """The range holds for the sum of what acts at once along one line: what is at its limit is not stacked.
+
+    Of entries of one kind that pull the same way on the same particles, the first keep their magnitudes; a later one
+    gets what is left of the range, or is removed if that is less than the weakest action. Opposed ones neither
+    count nor make room.
+    """
+    reasons: list[str] = []
+    last = float(context.brief.frame_count - 1)
+    kept: list[Cause] = []
+    gone: dict[str, set[int]] = {group: set() for group in _GROUPS}
+    for cause in list_causes(ForceField.model_validate(entries)):
+        room, fellows = find_room(cause, kept, last)
+        if fits(room, cause.item.magnitude):
+            kept.append(cause)
+            continue
+        names = ", ".join(fellow.name for fellow in fellows)
+        item = entries[cause.group][cause.index]
+        why = f"{cause.name} adds to {names} along the same line, which cannot be made stronger"
+        if has_room(room):
+            item["magnitude"] = math.copysign(max(room, MAGNITUDE_MIN), item["magnitude"])
+            kept.append(Cause(cause.group, cause.index, _GROUPS[cause.group][2].model_validate(item)))
+            reasons.append(
+                f"{why} than {MAGNITUDE_MAX:g} in all: its magnitude becomes {item['magnitude']:g}"
+            )
+        else:
+            gone[cause.group].add(cause.index)
+            reasons.append(f"{why} than {MAGNITUDE_MAX:g} in all: removed")
+    for group, indices in gone.items():
+        entries[group] = [item for index, item in enumerate(entries[group]) if index not in indices]
+    return entries, reasons
+
+
+def gravity_makes_it_fall(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
+    """What falls from the start, falls by gravity: never by a push downwards with gravity and ground switched off.
+
+    In a world without gravity a later fall has to be a push: gravity would not wait for it.
+    """
+    falls = [e for e in context.expectations if e.kind is MotionKind.FALL and e.window[0] < 1]
+    down = context.brief.directions.down
+    if not falls or any(
+        e.kind is not MotionKind.FALL and e.direction and cosine(e.direction, down) > _PARALLEL
+        for e in context.expectations
+    ):
+        return entries, []
+    reasons = []
+    lowered = [
+        cause
+        for cause in list_causes(ForceField.model_validate(entries))
+        if cause.type in (ActionType.TRANSLATION, ConstraintType.PARTICLE_TRANSLATION)
+        and cause.item.region is None
+        and cosine(cause.direction, down) > _PARALLEL
+        and not any(agrees(cause, e) for e in context.expectations if e.kind is MotionKind.SWAY)
+    ]
+    for group in _GROUPS:
+        indices = {cause.index for cause in lowered if cause.group == group}
+        entries[group] = [item for index, item in enumerate(entries[group]) if index not in indices]
+    reasons += [f"{cause.name} pushes down what is to fall: removed, gravity does it" for cause in lowered]
+    if context.brief.world == "free" and not entries["default_drop"]:
+        entries["default_drop"] = True
+        reasons.append("gravity acts on what is to fall: switched on, with the ground below")
+    return entries, reasons
+
+
 def window_in_clip(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
     """0 <= first < last <= last frame; a window that is no window becomes the whole clip."""
     reasons: list[str] = []
@@ -175,6 +240,25 @@ def window_in_clip(entries: Entries, context: Context) -> tuple[Entries, list[st
                 f"{group}[{index}].active_time {item['active_time']} becomes {kept or 'the whole clip'}"
             )
         item["active_time"] = kept
+    return entries, reasons
+
+
+def held_until_in_clip(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
+    """What was brought somewhere is held until a frame after its window and inside the clip, or let go."""
+    reasons: list[str] = []
+    end = float(context.brief.frame_count - 1)
+    for group, index, item in _each(entries):
+        if item.get("held_until") is None:
+            item.pop("held_until", None)
+            continue
+        given = _numbers([item.pop("held_until")], 1)
+        window = item.get("active_time")
+        blow = item.get("constraint_type") == ConstraintType.PARTICLE_IMPULSE.value
+        until = None if given is None or window is None or blow else min(given[0], end)
+        if until is not None and window is not None and until > window[1]:
+            item["held_until"] = until
+        if given is None or item.get("held_until") != given[0]:
+            reasons.append(f"{group}[{index}].held_until becomes {item.get('held_until', 'nothing')}")
     return entries, reasons
 
 
@@ -339,10 +423,13 @@ RULES: dict[str, Rule] = {
         unit_vectors,
         magnitude_range,
         window_in_clip,
+        held_until_in_clip,
         known_regions,
         brief_impulse,
         directional_rigidity,
         sentence_direction,
         paired_translation,
+        gravity_makes_it_fall,
+        no_stacking,
     )
 }

@@ -13,6 +13,7 @@ from physagent_jax.forces.schema import (
     ActionType,
     ConstraintType,
     ForceField,
+    HalfSpaceRegion,
     VelocityConstraint,
 )
 
@@ -27,8 +28,12 @@ FITTING_TYPES: dict[MotionKind, tuple[ActionType | ConstraintType, ...]] = {
     MotionKind.SWAY: _LINEAR,
     MotionKind.FALL: _LINEAR,
     MotionKind.STRETCH: (ActionType.SCALE, ConstraintType.PARTICLE_TRANSLATION),
-    MotionKind.SQUEEZE: (ActionType.SCALE, ConstraintType.PARTICLE_TRANSLATION),
-    MotionKind.ROTATE: (ActionType.TORQUE,),
+    MotionKind.SQUEEZE: (
+        ActionType.SCALE,
+        ConstraintType.PARTICLE_TRANSLATION,
+        ConstraintType.MOVING_PLATE,
+    ),
+    MotionKind.ROTATE: (ActionType.TORQUE, ConstraintType.PARTICLE_ROTATION),
     MotionKind.STILL: (),
 }
 _ALIGNED = 0.5
@@ -102,6 +107,10 @@ def find_causes(expectation: ExpectedMotion, force_field: ForceField) -> list[Ca
         for cause in list_causes(force_field)
         if cause.type in FITTING_TYPES[expectation.kind] and overlaps(cause, expectation.window)
     ]
+    if (
+        expectation.kind in _AXIAL
+    ):  # a translation of something else than an end neither stretches nor squeezes
+        fitting = [c for c in fitting if c.group == "actions" or _moves_ends(c) is not None]
     if expectation.direction is None:
         return fitting
     aligned = [c for c in fitting if abs(cosine(c.item.vector, expectation.direction)) >= _ALIGNED]
@@ -143,10 +152,56 @@ def find_misfits(
     ]
 
 
+def _moves_ends(cause: Cause) -> MotionKind | None:
+    """Whether a constraint moves an end of the object outwards or inwards; None = neither."""
+    if cause.type is ConstraintType.MOVING_PLATE:
+        return MotionKind.SQUEEZE
+    region = cause.item.region
+    if cause.type is not ConstraintType.PARTICLE_TRANSLATION or not isinstance(region, HalfSpaceRegion):
+        return None
+    along = cosine(cause.direction, region.normal)
+    if abs(along) < _ALIGNED:
+        return None
+    return MotionKind.STRETCH if along > 0 else MotionKind.SQUEEZE
+
+
+def find_strays(expectations: Sequence[ExpectedMotion], force_field: ForceField) -> list[Cause]:
+    """Entries that nothing in the sentence asks for; none while an expectation lacks a cause, which they may become.
+
+    What acts the other way along the line of a cause that has ended is its brake, or the other half of a swing.
+    """
+    causes = list_causes(force_field)
+    serving: list[Cause] = []
+    for expectation in expectations:
+        if expectation.kind in (MotionKind.STILL, MotionKind.FALL):
+            continue
+        own = [c for c in find_causes(expectation, force_field) if agrees(c, expectation)]
+        if not own:
+            return []
+        serving += own
+        if expectation.kind is MotionKind.SWAY:
+            serving += find_causes(expectation, force_field)
+    names = {cause.name for cause in serving}
+    return [cause for cause in causes if cause.name not in names and not _brakes(cause, serving)]
+
+
+def _brakes(cause: Cause, serving: Sequence[Cause]) -> bool:
+    """Whether it begins where one of ``serving`` ends, and acts against it."""
+    if cause.item.active_time is None:
+        return False
+    begin = cause.item.active_time[0]
+    return any(
+        other.item.active_time is not None
+        and other.item.active_time[1] <= begin + 0.5
+        and cosine(cause.direction, other.direction) < -_ALIGNED
+        for other in serving
+    )
+
+
 def agrees(cause: Cause, expectation: ExpectedMotion) -> bool:
     """Whether a cause drives the motion the way that the sentence says (its sign, for stretch and squeeze)."""
     if expectation.kind in _AXIAL:
         if cause.group == "constraints":
-            return True
+            return _moves_ends(cause) is expectation.kind
         return (cause.item.magnitude > 0) == (expectation.kind is MotionKind.STRETCH)
     return expectation.direction is None or cosine(cause.direction, expectation.direction) >= _ALIGNED

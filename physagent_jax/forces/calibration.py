@@ -89,6 +89,18 @@ FLOOR_ROOM = 0.12
 """[L] that the picture leaves below the floor: the near edge of what lies on it hangs lower."""
 
 
+def find_reference_time(held: bool, duration: float) -> float:
+    """T of the skill table [s]: the clip, but no more than `REFERENCE_TIME`; `HELD_TIME` for what is held somewhere.
+
+    A long clip does not make its actions slower.
+
+    Args:
+        held: Whether the object is held somewhere.
+        duration: Of the clip [s].
+    """
+    return HELD_TIME if held else min(duration, REFERENCE_TIME)
+
+
 def describe_meaning(skill: str) -> str:
     """What M = 1 does, for people and language models.
 

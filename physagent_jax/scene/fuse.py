@@ -60,7 +60,7 @@ def fuse(template: SceneTemplate, body: Body, force_field: ForceField) -> SceneC
         extent=body.extent,
         youngs_modulus=material.youngs_modulus,
         density=material.density,
-        duration=_reference_time(template),
+        duration=calibration.find_reference_time(template.anchor.kind != "none", preset.timing.duration),
     )
     world, drop = template.world, force_field.default_drop
     config = SceneConfig(
@@ -88,16 +88,6 @@ def fuse(template: SceneTemplate, body: Body, force_field: ForceField) -> SceneC
         return config
     points = estimate_sweep(config, body)
     return config.model_copy(update=dict(camera=frame_camera(points, config.camera, config.rendering)))
-
-
-def _reference_time(template: SceneTemplate) -> float:
-    """T of the skill table [s]: the clip for a free object, which should cross the picture once and no more.
-
-    A long clip does not make its actions slower. What is held somewhere cannot leave, and needs a force that bends it.
-    """
-    if template.anchor.kind != "none":
-        return calibration.HELD_TIME
-    return min(template.preset.timing.duration, calibration.REFERENCE_TIME)
 
 
 def estimate_sweep(config: SceneConfig, body: Body) -> np.ndarray:

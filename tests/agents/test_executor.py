@@ -10,6 +10,11 @@ from tests.agents.sentences import SENTENCES
 from tests.agents.toy_world import ToyWorld, loop
 
 LEFT, RIGHT = (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
+SWALLOWED = {  # this world's gravity overcomes any blow upwards, and no rule may switch it off
+    "a sudden jolt from below makes the robot jump",
+    "the robot jumps to the right",
+    "The object rises slowly, spins twice and falls to the ground.",
+}
 UNSEEN = {  # parts against each other: the report measures the whole object
     "twist the top to the left and the bottom to the right",
     "push the upper half to the left and the lower half to the right",
@@ -99,22 +104,41 @@ def test_unwanted_motion_is_removed():
     assert not answer.force_field.default_drop
 
 
-@pytest.mark.parametrize(
-    ("prompt", "inward"), [("stretch it along its height", 1.0), ("squeeze it vertically", -1.0)]
-)
-def test_saturated_scale_becomes_exactly_two_opposed_constraints(prompt, inward):
+def test_saturated_stretch_becomes_exactly_two_opposed_constraints():
     """The pair is symmetric: opposite vectors, mirrored end slabs, one magnitude, one window."""
-    field = with_magnitude(prompt, 1.6 * inward)
-    answer, _ = rewritten(prompt, field)
+    prompt = "stretch it along its height"
+    answer, _ = rewritten(prompt, with_magnitude(prompt, 1.6))
     assert answer.force_field.actions == ()
     one, two = answer.force_field.constraints
     assert {one.constraint_type, two.constraint_type} == {ConstraintType.PARTICLE_TRANSLATION}
     assert one.vector == pytest.approx([-c for c in two.vector])
     assert one.region.normal == pytest.approx([-c for c in two.region.normal])
     assert one.region.point == pytest.approx([1 - c for c in two.region.point])
-    assert (one.magnitude, one.active_time) == (two.magnitude, two.active_time)
-    assert one.vector[2] * one.region.normal[2] == pytest.approx(inward)
+    assert (one.magnitude, one.active_time, one.held_until) == (
+        two.magnitude,
+        two.active_time,
+        two.held_until,
+    )
+    assert one.vector[2] * one.region.normal[2] == pytest.approx(1.0)
     assert "paired_translation" in answer.rules_applied
+
+
+def test_saturated_squeeze_is_pressed_between_plates():
+    """Two opposed ones; one where the ground is the other."""
+    prompt = "squeeze it vertically"
+    answer, _ = rewritten(prompt, with_magnitude(prompt, -1.6))
+    assert answer.force_field.actions == ()
+    one, two = answer.force_field.constraints
+    assert {one.constraint_type, two.constraint_type} == {ConstraintType.MOVING_PLATE}
+    assert one.vector == pytest.approx([-c for c in two.vector])
+    assert (one.magnitude, one.active_time, one.held_until) == (
+        two.magnitude,
+        two.active_time,
+        two.held_until,
+    )
+    answer, _ = rewritten(prompt, with_magnitude(prompt, -1.6), scene=brief(world="ground"))
+    (plate,) = answer.force_field.constraints
+    assert plate.vector == (0.0, 0.0, -1.0)
 
 
 def test_saturated_impulse_becomes_a_brief_particle_impulse():
@@ -126,14 +150,16 @@ def test_saturated_impulse_becomes_a_brief_particle_impulse():
         assert blow.vector == LEFT and blow.active_time[1] - blow.active_time[0] <= 2
 
 
-def test_saturated_push_acts_longer_then_doubly():
-    """First the window grows, then a parallel action carries the rest."""
+def test_saturated_push_acts_longer_and_is_never_stacked():
+    """First the window grows, then its velocity is prescribed."""
     prompt = "push it left for one second"
     answer, _ = rewritten(prompt, with_magnitude(prompt, 1.6), displacement=(-0.05, 0, 0))
     (action,) = answer.force_field.actions
     assert action.active_time[1] > 25
     answer, _ = rewritten("push it left", with_magnitude("push it left", 1.6), displacement=(-0.3, 0, 0))
-    assert [a.vector for a in answer.force_field.actions] == [LEFT, LEFT]
+    assert answer.force_field.actions == ()
+    (drive,) = answer.force_field.constraints
+    assert drive.constraint_type is ConstraintType.PARTICLE_TRANSLATION and drive.vector == LEFT
 
 
 def test_no_attempt_is_repeated_until_nothing_is_left():
@@ -203,7 +229,7 @@ def test_first_guesses_agree_with_the_skill_library():
         at_once += len(attempts) == 1
         if attempts[-1][1].verdict is not Verdict.SUCCESS:
             failed.add(row[0])
-    assert failed == UNSEEN
+    assert failed == UNSEEN | SWALLOWED
     assert at_once > 0.9 * len(SENTENCES)
 
 
@@ -238,11 +264,59 @@ def test_what_left_the_picture_was_too_much():
     assert (action.vector, action.magnitude) == (LEFT, pytest.approx(0.6))
 
 
-def test_between_too_weak_and_too_much_lies_the_geometric_mean():
+def test_between_too_weak_and_too_much_lies_the_next_attempt():
     """After 1.0 was too much and 0.6 too weak, the next attempt is not 1.6."""
     prompt = "push it left"
     too_much, too_weak = with_magnitude(prompt, 1.0), with_magnitude(prompt, 0.6)
     _, judged = rewritten(prompt, too_much, displacement=(-2.5, 0, 0))
     answer, _ = rewritten(prompt, too_weak, history=[judged], displacement=(-0.2, 0, 0))
     (action,) = answer.force_field.actions
-    assert action.magnitude == pytest.approx((0.6 * 1.0) ** 0.5)
+    assert 0.6 < action.magnitude < 1.0
+
+
+def test_it_goes_out_from_the_best_round():
+    """A second attempt that is worse than the first is dropped, whatever it changed."""
+    prompt, scene = "push it left and turn it clockwise", brief()
+    reply = read(prompt, scene)
+    near = judge(
+        prompt, reply, seen_in(reply.expectations, scene.frame_count, displacement=(-0.4, 0, 0)), scene
+    )
+    away = read("push it away").force_field
+    far = judge(prompt, reply, seen_in(reply.expectations, scene.frame_count), scene, away)
+    assert near.judgement.score > far.judgement.score
+    answer = rewrite(prompt, reply, far, scene, [near])
+    assert {a.action_type for a in answer.force_field.actions} == {ActionType.TRANSLATION, ActionType.TORQUE}
+    assert LEFT in [a.vector for a in answer.force_field.actions]
+    assert "best round" in answer.changes[0]
+
+
+def test_what_nobody_asked_for_is_removed():
+    """An extra action goes before anything else is tried; brakes and the halves of a swing stay."""
+    field = read("push it left").force_field
+    extra = read("spin it").force_field.actions
+    field = field.model_copy(update={"actions": (*field.actions, *extra)})
+    answer, _ = rewritten("push it left", field, displacement=(-0.05, 0, 0))
+    assert [a.action_type for a in answer.force_field.actions] == [ActionType.TRANSLATION]
+
+
+def test_what_acts_at_the_wrong_time_is_moved_to_its_window():
+    late = with_magnitude("push it left", 1.0, active_time=(40.0, 48.0))
+    answer, _ = rewritten("push it left", late, displacement=(-0.02, 0, 0))
+    (action,) = answer.force_field.actions
+    assert action.active_time == (0.0, 48.0)
+
+
+def test_several_failed_clauses_are_mended_at_once():
+    prompt = "push it left, then stretch it sideways"
+    reply = read(prompt)
+    push = read("push it right").force_field.actions[0].model_copy(update={"active_time": (0.0, 24.0)})
+    pull = reply.force_field.actions[-1].model_copy(update={"magnitude": -1.0})
+    answer, _ = rewritten(prompt, ForceField(actions=(push, pull)), displacement=(0.9, 0, 0))
+    one, two = answer.force_field.actions
+    assert one.magnitude * one.vector[0] < 0 and two.magnitude > 0
+
+
+def test_what_is_at_its_limit_is_said():
+    """And not stacked: nothing in any rewrite exceeds the range, alone or with others."""
+    answer, _ = rewritten("push it left", with_magnitude("push it left", 1.3), displacement=(-0.05, 0, 0))
+    assert "cannot be made stronger than 1.6" in answer.changes[0]

@@ -157,13 +157,91 @@ def test_known_skills():
         action("teleport"),
         "push",
         action(speed=3),
-        action(region={"kind": "cube"}),
+        action(region={"kind": "cube"}, vector=UP),
         n_grid=200,
         default_drop="true",
     )
     assert field.default_drop and len(field.actions) == 2
     assert all(a.region is None for a in field.actions)
     assert rules == ["known_skills"] * 4 + ["known_regions"]
+
+
+def test_no_stacking():
+    """What acts at once along a line shares the range; what is left too weak goes."""
+    field, rules = mended(action(magnitude=1.0), action(magnitude=1.0))
+    assert [a.magnitude for a in field.actions] == pytest.approx([1.0, 0.6]) and rules == ["no_stacking"]
+    field, rules = mended(action(magnitude=1.4), action(vector=RIGHT, magnitude=-1.0))
+    assert [a.magnitude for a in field.actions] == [1.4] and rules == ["no_stacking"]
+    field, rules = mended(action("scale", magnitude=1.6), action("scale", vector=RIGHT, magnitude=1.6))
+    assert len(field.actions) == 1  # an axis has no sense of its own
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        action(vector=UP, magnitude=1.6),  # another line
+        action(vector=RIGHT, magnitude=1.6),  # against it
+        action("impulse", magnitude=1.6, active_time=(0, 1)),  # another kind
+        action(magnitude=1.6, active_time=(24, 48)),  # another time
+    ],
+)
+def test_what_is_no_stacking_stays(other):
+    first = action(magnitude=1.6, active_time=(0, 24))
+    field, rules = mended(first, other)
+    assert len(field.actions) == 2 and rules == []
+
+
+def test_blows_of_either_kind_share_the_range_and_parts_have_their_own():
+    blow = {"constraint_type": "particle_impulse", "vector": LEFT, "magnitude": 1.6, "active_time": [0, 1]}
+    field, _ = mended(action("impulse", magnitude=1.2, active_time=(0, 1)), constraints=[blow])
+    assert len(field.actions) == 1 and field.constraints[0].magnitude == pytest.approx(0.4)
+    ends = [slab(RIGHT, RIGHT, magnitude=1.6), slab(RIGHT, LEFT, magnitude=1.6)]
+    assert mended(constraints=ends)[1] == []
+    assert mended(constraints=[ends[0], {**ends[0], "region": None}])[1] == ["no_stacking"]
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from([LEFT, RIGHT, UP]), st.floats(0.4, 1.6), st.integers(0, 40), st.integers(1, 48)
+        ),
+        max_size=7,
+    )
+)
+@settings(max_examples=60, deadline=None)
+def test_no_instant_exceeds_the_range(entries):
+    """Whatever is asked for, the largest sum of what pulls the same way at once stays inside it."""
+    raw = [action(vector=v, magnitude=m, active_time=(a, min(a + d, 48))) for v, m, a, d in entries]
+    field, _ = mended(*raw)
+    for frame in range(48):
+        for way in (LEFT, RIGHT, UP):
+            acting = [
+                a.magnitude
+                for a in field.actions
+                if a.active_time[0] <= frame < a.active_time[1] and cosine(a.vector, way) > 0.9
+            ]
+            assert sum(acting) <= 1.6 + 1e-5
+
+
+def test_gravity_makes_it_fall():
+    """A push down in place of gravity goes; a sentence that asks for one keeps it."""
+    fall = ExpectedMotion(kind=MotionKind.FALL, window=(0, 48), words="drop it")
+    down = ExpectedMotion(kind=MotionKind.MOVE, direction=(0, 0, -1), window=(0, 48))
+    push = action(vector=(0, 0, -1))
+    field, rules = mended(push, expectations=[fall])
+    assert field == ForceField(default_drop=True) and set(rules) == {"gravity_makes_it_fall"}
+    field, rules = mended(push, expectations=[fall, down])
+    assert len(field.actions) == 1 and rules == []
+    field, _ = mended(push, expectations=[fall], scene=brief(world="ground"))
+    assert field == ForceField()  # gravity is there already
+
+
+def test_held_until_in_clip():
+    held = slab(RIGHT, RIGHT, active_time=[0, 20])
+    assert mended(constraints=[{**held, "held_until": 400}])[0].constraints[0].held_until == 48
+    for bad in (10, "long", float("nan")):
+        field, rules = mended(constraints=[{**held, "held_until": bad}])
+        assert field.constraints[0].held_until is None and "held_until_in_clip" in rules
 
 
 JSON = st.recursive(
@@ -175,10 +253,19 @@ ENTRY = st.fixed_dictionaries(
     {},
     optional={
         "action_type": st.sampled_from(["translation", "scale", "impulse", "torque", "x"]),
-        "constraint_type": st.sampled_from(["enforce_particle_translation", "particle_impulse", "y"]),
+        "constraint_type": st.sampled_from(
+            [
+                "enforce_particle_translation",
+                "enforce_particle_rotation",
+                "particle_impulse",
+                "moving_plate",
+                "y",
+            ]
+        ),
         "vector": st.lists(st.floats(-3, 3), min_size=3, max_size=3) | JSON,
         "magnitude": st.floats(-5, 5) | JSON,
         "active_time": st.lists(st.floats(-100, 100), min_size=2, max_size=2) | JSON,
+        "held_until": st.floats(-10, 100) | JSON,
         "region": JSON,
         "object": JSON,
     },

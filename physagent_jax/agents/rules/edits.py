@@ -7,17 +7,22 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from physagent_jax.agents.matching import Cause
-from physagent_jax.agents.rules.language.events import make_end_region
 from physagent_jax.agents.rules.language.schedule import divide
 from physagent_jax.agents.rules.language.timing import BRIEF
-from physagent_jax.agents.rules.tolerances import expect_move, expect_strain, round_window
+from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.agents.vectors import clamp, scale
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, PRESCRIBED_TRAVEL
+from physagent_jax.agents.vectors import add, clamp, cosine, dot, norm, normalise, scale
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.calibration import (
+    MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
+    PRESCRIBED_TRAVEL,
+    find_reference_time,
+)
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField, VelocityConstraint
 from physagent_jax.perception.schema import MotionReport
 
-_SLAB = 0.85  # where an end slab begins, as a fraction of the extent
+POINTED = 0.95  # cosine from which a vector points where the sentence says
 _TYPES = {
     MotionKind.MOVE: ActionType.TRANSLATION,
     MotionKind.SWAY: ActionType.TRANSLATION,
@@ -52,7 +57,8 @@ class Case:
         expectation, expectations: It, and all.
         checks: Its failed checks.
         force_field: What was tried.
-        report, brief: What was seen, and where.
+            report, brief: What was seen, and where.
+        earlier: Force fields of other rounds, each with the factor that their amount of this motion missed by.
     """
 
     expectation: ExpectedMotion
@@ -61,6 +67,19 @@ class Case:
     force_field: ForceField
     report: MotionReport
     brief: SceneBrief
+    earlier: Sequence[tuple[ForceField, float]] = ()
+
+    def seen(self) -> Vector | None:
+        """Displacement in the expectation's window, or the rotation as a vector; None if it is not observable."""
+        try:
+            window = self.report.window(*round_window(self.expectation, self.report.frame_count))
+        except KeyError:
+            return None
+        if self.expectation.kind is not MotionKind.ROTATE:
+            return window.peak_displacement if self.expectation.sudden else window.displacement
+        if window.rotation_axis is None or window.rotation_degrees is None:
+            return None
+        return scale(window.rotation_axis, window.rotation_degrees)
 
     @property
     def last(self) -> float:
@@ -85,21 +104,129 @@ def format_names(causes: Sequence[Cause]) -> str:
     return ", ".join(cause.name for cause in causes)
 
 
-def _scaled_magnitude(item, factor: float):
-    size = clamp(abs(item.magnitude) * factor, MAGNITUDE_MIN, MAGNITUDE_MAX)
-    return item.model_copy(update={"magnitude": round(math.copysign(size, item.magnitude), 4)})
+def travels(cause: Cause) -> bool:
+    """Whether it moves something at a prescribed velocity: what it does is that times how long it lasts."""
+    return cause.group == "constraints" and cause.type is not ConstraintType.PARTICLE_IMPULSE
+
+
+def get_effort(cause: Cause, last: float) -> float:
+    """What the response grows with: abs(M), times the frames that it lasts where a velocity is prescribed."""
+    first, end = cause.item.active_time or (0.0, last)
+    return abs(cause.item.magnitude) * (end - first if travels(cause) else 1.0)
+
+
+def _scaled(cause: Cause, factor: float, last: float):
+    """The entry with ``factor`` times the effort, as far as the range goes."""
+    size = clamp(abs(cause.item.magnitude) * factor, MAGNITUDE_MIN, MAGNITUDE_MAX)
+    changes: dict = {"magnitude": round(math.copysign(size, cause.item.magnitude), 4)}
+    if travels(cause) and cause.item.active_time is not None:
+        first, end = cause.item.active_time
+        held = getattr(cause.item, "held_until", None)
+        rest = factor * abs(cause.item.magnitude) / size
+        until = clamp(float(round(first + rest * (end - first))), first + 1.0, held or max(last, first + 1.0))
+        changes |= {"active_time": (first, until), "held_until": held if held and held > until else None}
+    return cause.item.model_copy(update=changes)
 
 
 def scale_magnitudes(case: Case, causes: Sequence[Cause], factor: float) -> Change:
-    """Multiplies the magnitudes, inside their range."""
-    items = [_scaled_magnitude(cause.item, factor) for cause in causes]
+    """Multiplies the magnitudes, inside their range; what has a prescribed velocity also moves longer or shorter."""
+    items = [_scaled(cause, factor, case.last) for cause in causes]
     field = replace_items(case.force_field, causes, items)
     sizes = ", ".join(f"{item.magnitude:g}" for item in items)
+    why = f"The magnitude of {format_names(causes)} becomes {sizes} (asked for: x {factor:.2g})"
+    largest = max(abs(item.magnitude) for item in items)
+    if factor > 1 and largest >= MAGNITUDE_MAX - 1e-9:
+        why += f"; it cannot be made stronger than {MAGNITUDE_MAX:g}"
+    elif factor < 1 and largest <= MAGNITUDE_MIN + 1e-9:
+        why += f"; it cannot be made weaker than {MAGNITUDE_MIN:g}"
+    return Change(field, why + ".", "magnitude_range")
+
+
+def remove(case: Case, causes: Sequence[Cause], why: str) -> Change:
+    """Removes entries."""
+    field = replace_items(case.force_field, causes, [None] * len(causes))
+    return Change(field, f"{format_names(causes)} removed: {why}.")
+
+
+def point(case: Case, causes: Sequence[Cause]) -> Change:
+    """Points causes where the sentence says; only the sign of those that go exactly the other way is changed."""
+    told = case.expectation.direction
+    items = []
+    for cause in causes:
+        flipped = told is None or case.expectation.kind in AXIAL or cosine(cause.direction, told) < -POINTED
+        changes = (
+            {"magnitude": -cause.item.magnitude}
+            if flipped
+            else {"vector": told, "magnitude": abs(cause.item.magnitude)}
+        )
+        items.append(cause.item.model_copy(update=changes))
+    words = case.expectation.words
+    why = f"{format_names(causes)} went against '{words}': reversed, or pointed where the sentence says."
+    return Change(replace_items(case.force_field, causes, items), why, "sentence_direction")
+
+
+def counter(case: Case, causes: Sequence[Cause]) -> Change | None:
+    """Turns the vector by the angle by which the seen direction misses, the other way; None if nothing is seen.
+
+    The hard rules move it to the nearest sum of base directions.
+    """
+    told, seen = case.expectation.direction, case.seen()
+    if told is None or seen is None or norm(seen) < 0.03 or case.expectation.kind in AXIAL:
+        return None
+    missed = normalise(add([normalise(seen) or told, scale(told, -dot(normalise(seen) or told, told))]))
+    if missed is None:
+        return None
+    angle = math.acos(clamp(cosine(seen, told), -1.0, 1.0))
+    vector = normalise(add([scale(told, math.cos(angle)), scale(missed, -math.sin(angle))]))
+    if vector is None or math.degrees(angle) > 100:
+        return None
+    items = [
+        cause.item.model_copy(update={"vector": vector, "magnitude": abs(cause.item.magnitude)})
+        for cause in causes
+    ]
+    beside = f"{math.degrees(angle):.0f} degrees beside '{case.expectation.words}'"
+    why = f"It went {beside}: {format_names(causes)} is turned"
     return Change(
-        field,
-        f"The magnitude of {format_names(causes)} becomes {sizes} (asked for: x {factor:.2g}).",
-        "magnitude_range",
+        replace_items(case.force_field, causes, items), f"{why} as far the other way.", "directional_rigidity"
     )
+
+
+def retime(case: Case, causes: Sequence[Cause]) -> Change | None:
+    """Moves causes into the window in which the motion should be seen; None if that has no length."""
+    window = _window(case)
+    if window is None:
+        return None
+    items = []
+    for cause in causes:
+        first, last = cause.item.active_time or (0.0, case.last)
+        span = (window[0], window[0] + 1.0) if is_blow(cause) else window
+        if travels(cause):
+            span = (window[0], min(window[0] + (last - first), window[1]))
+        changes: dict = {"active_time": span}
+        if travels(cause):
+            changes["held_until"] = window[1] if window[1] > span[1] else None
+        items.append(cause.item.model_copy(update=changes))
+    why = (
+        f"{format_names(causes)} acted at the wrong time: it acts from frame {window[0]:g} to {window[1]:g}."
+    )
+    return Change(replace_items(case.force_field, causes, items), why, "window_in_clip")
+
+
+def is_blow(cause: Cause) -> bool:
+    """Whether it acts in an instant."""
+    return cause.type in (ActionType.IMPULSE, ConstraintType.PARTICLE_IMPULSE)
+
+
+def is_mistimed(case: Case, cause: Cause) -> bool:
+    """Whether an entry acts mostly outside of the window, or in less than a third of it."""
+    window = _window(case)
+    if window is None or travels(cause):
+        return False
+    first, last = cause.item.active_time or (0.0, case.last)
+    if is_blow(cause):
+        return abs(first - window[0]) > 0.2 * (window[1] - window[0]) + 1.0
+    shared = max(0.0, min(last, window[1]) - max(first, window[0]))
+    return shared < 0.6 * (last - first) or shared < 0.3 * (window[1] - window[0])
 
 
 def make_actions(case: Case) -> list[Action]:
@@ -111,7 +238,7 @@ def make_actions(case: Case) -> list[Action]:
         return _alternating(case)
     axes = [expectation.direction] if expectation.direction else [table.right, table.up, table.toward]
     if expectation.kind is MotionKind.FALL:
-        axes, magnitude = [table.down], MAGNITUDE_MAX
+        axes = [table.down]
     elif expectation.kind not in AXIAL:
         axes = axes[:1]
     kind = ActionType.IMPULSE if expectation.sudden else _TYPES[expectation.kind]
@@ -154,67 +281,6 @@ def alternate(case: Case, causes: Sequence[Cause]) -> Change:
     )
 
 
-def pull_ends(case: Case, causes: Sequence[Cause]) -> Change:
-    """A saturated scale becomes exactly two opposed constraints that move the end slabs apart or together.
-
-    Two slabs that move apart with M during a fraction f of the clip change the length by 2 M f times what M = 1
-    moves one of them in a clip (`calibration.PRESCRIBED_TRAVEL`).
-    """
-    expectation = case.expectation
-    axis = expectation.direction or causes[0].item.vector
-    window = causes[0].item.active_time
-    fraction = (window[1] - window[0]) / max(case.last, 1.0) if window else 1.0
-    target = expect_strain(expectation, expectation.kind is MotionKind.SQUEEZE).target
-    size = round(
-        clamp(target / (2 * PRESCRIBED_TRAVEL * max(fraction, 1e-3)), MAGNITUDE_MIN, MAGNITUDE_MAX), 4
-    )
-    outward = 1.0 if expectation.kind is MotionKind.STRETCH else -1.0
-    pair = tuple(
-        VelocityConstraint(
-            constraint_type=ConstraintType.PARTICLE_TRANSLATION,
-            vector=scale(axis, side * outward),
-            magnitude=size,
-            active_time=window,
-            region=make_end_region(scale(axis, side), _SLAB),
-        )
-        for side in (1.0, -1.0)
-    )
-    field = replace_items(case.force_field, causes, [None] * len(causes))
-    field = field.model_copy(update={"constraints": (*field.constraints, *pair)})
-    return Change(
-        field,
-        f"{format_names(causes)} cannot be made stronger: two opposed translations of the end slabs instead.",
-        "paired_translation",
-    )
-
-
-def make_particle_impulse(case: Case, causes: Sequence[Cause], gain: float) -> Change:
-    """A saturated blow becomes velocity constraints of the same kind, as many as the gain needs (at most two)."""
-    wanted = gain * abs(causes[0].item.magnitude)
-    sizes = [MAGNITUDE_MAX] + (
-        [clamp(wanted - MAGNITUDE_MAX, MAGNITUDE_MIN, MAGNITUDE_MAX)] if wanted > MAGNITUDE_MAX else []
-    )
-    impulses = tuple(
-        VelocityConstraint(
-            constraint_type=ConstraintType.PARTICLE_IMPULSE,
-            vector=cause.item.vector,
-            magnitude=round(math.copysign(size, cause.item.magnitude), 4),
-            active_time=cause.item.active_time,
-            region=cause.item.region,
-            object=cause.item.object,
-        )
-        for cause in causes
-        for size in sizes
-    )
-    field = replace_items(case.force_field, causes, [None] * len(causes))
-    field = field.model_copy(update={"constraints": (*field.constraints, *impulses)})
-    return Change(
-        field,
-        f"{format_names(causes)} cannot be made stronger: {len(impulses)} particle impulses instead.",
-        "brief_impulse",
-    )
-
-
 def lengthen(case: Case, causes: Sequence[Cause], factor: float) -> Iterator[Change]:
     """A saturated push acts for longer: up to where the next motion begins."""
     later = [e.window[0] for e in case.expectations if e.window[0] >= case.expectation.window[1] - 0.5]
@@ -240,62 +306,18 @@ def lengthen(case: Case, causes: Sequence[Cause], factor: float) -> Iterator[Cha
         )
 
 
-def double(case: Case, causes: Sequence[Cause], gain: float) -> Change:
-    """A second, parallel action carries what one may not."""
-    twins = {"actions": [], "constraints": []}
-    for cause in causes:
-        rest = clamp(abs(cause.item.magnitude) * (gain - 1.0), MAGNITUDE_MIN, MAGNITUDE_MAX)
-        twins[cause.group].append(
-            cause.item.model_copy(update={"magnitude": round(math.copysign(rest, cause.item.magnitude), 4)})
-        )
-    field = case.force_field
-    field = field.model_copy(update={k: (*getattr(field, k), *v) for k, v in twins.items()})
-    return Change(
-        field,
-        f"{format_names(causes)} cannot be made stronger: a parallel action carries the rest.",
-        "magnitude_range",
-    )
-
-
-def lighten_gravity(case: Case, causes: Sequence[Cause]) -> Change:
-    """A throw that gravity swallows: a push downwards instead, as strong as the blow.
-
-    A blow M against a push M rises for half a clip, by a quarter of a body length, and falls back in the
-    other half.
-    """
-    size = max(abs(cause.item.magnitude) for cause in causes)
-    first = case.expectation.window[0]
-    fall = Action(
-        action_type=ActionType.TRANSLATION,
-        vector=case.brief.directions.down,
-        magnitude=size,
-        active_time=(first, case.last) if case.last > first else None,
-    )
-    field = case.force_field
-    field = field.model_copy(update={"default_drop": False, "actions": (*field.actions, fall)})
-    return Change(
-        field, f"Gravity overcomes {format_names(causes)} at once: a gentler push downwards takes its place."
-    )
-
-
-def is_doubled(case: Case, causes: Sequence[Cause]) -> bool:
-    """Whether the causes already come in parallel pairs."""
-    keys = [(cause.type, cause.item.vector, cause.item.active_time) for cause in causes]
-    return len(set(keys)) < len(keys)
-
-
-def enforce(case: Case, causes: Sequence[Cause]) -> Change:
+def enforce(case: Case, causes: Sequence[Cause], gain: float) -> Change:
     """Prescribes the velocity where no admissible force is enough; for M = 1 see `PRESCRIBED_TRAVEL`."""
     first, last = round_window(case.expectation, case.brief.frame_count)
-    target = expect_move(case.expectation, case.brief.frame_count, case.brief.anchored is not None).target
-    size = clamp(
-        target * case.last / (PRESCRIBED_TRAVEL * max(last - first, 1)), MAGNITUDE_MIN, MAGNITUDE_MAX
-    )
+    seen, told = case.seen(), case.expectation.direction
+    reached = max(dot(seen, told) if seen and told else 0.0, 0.05)
+    reference = find_reference_time(False, case.last * case.brief.frame_dt) / case.brief.frame_dt
+    size = gain * reached * reference / (PRESCRIBED_TRAVEL * max(last - first, 1))
     constraints = tuple(
         VelocityConstraint(
             constraint_type=ConstraintType.PARTICLE_TRANSLATION,
             vector=c.item.vector,
-            magnitude=round(math.copysign(size, c.item.magnitude), 4),
+            magnitude=round(math.copysign(clamp(size, MAGNITUDE_MIN, MAGNITUDE_MAX), c.item.magnitude), 4),
             active_time=c.item.active_time,
             region=c.item.region,
             object=c.item.object,
@@ -325,12 +347,6 @@ def shorten(case: Case, causes: Sequence[Cause], factor: float, why: str) -> Cha
         f"{format_names(causes)} acts for a shorter time: {why}.",
         "window_in_clip",
     )
-
-
-def remove_last(case: Case, causes: Sequence[Cause]) -> Change:
-    """Removes the last of several causes."""
-    field = replace_items(case.force_field, causes[-1:], [None])
-    return Change(field, f"{causes[-1].name} is removed: the others do too much already.")
 
 
 def soften(case: Case, causes: Sequence[Cause]) -> Change:

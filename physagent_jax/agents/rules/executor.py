@@ -1,59 +1,70 @@
-"""The offline executor: rewrites the force field by remedies, inside the hard rules, never twice the same."""
+"""The offline executor: mends the best force field so far, inside the hard rules, and never tries one twice."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from physagent_jax.agents.context import AgentContext, Round
-from physagent_jax.agents.hard_rules import apply_hard_rules
+from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
 from physagent_jax.agents.protocols import ExecutorAgent
 from physagent_jax.agents.rules.edits import Case, Change
 from physagent_jax.agents.rules.remedies import list_remedies
-from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, Rewrite, SceneBrief
+from physagent_jax.agents.schema import Check, Judgement, Rewrite
 from physagent_jax.agents.trace import Reply
-from physagent_jax.forces.schema import Action, ForceField
+from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.schema import MotionReport
 
 _LOST = 0.2  # share of tracks kept, below which the object cannot have stayed in one piece
 _CALM_DOWN = 0.6  # factor on the cause of what could not be followed
 _DEEPEST = 8  # remedies per expectation that are worth trying in turn
+_PASSED = 1.0  # gain of what needed no change
 
 
 class RuleExecutor(ExecutorAgent):
-    """Mends the failed expectations one after another; without checks it has nothing to go by."""
+    """Mends the failed expectations of the best round, all at once; without checks it has nothing to go by."""
 
     def rewrite(self, context: AgentContext, failed: Round) -> Reply[Rewrite]:
         """Returns the next force field; see `protocols.ExecutorAgent`.
 
-        The mildest remedies come first; if they lead to a force field that was tried before, the next
-        ones are taken. If none is left, the field is returned unchanged and ``changes`` says so.
+        It goes out from the round that came nearest, not from the last: a change that made things worse is dropped.
+        The mildest remedies come first; if they lead to a force field that was tried before, the next ones are
+        taken. If none is left, the last field is returned unchanged and ``changes`` says so.
         """
-        expectations, brief = context.expectations, context.brief
-        force_field, report = failed.force_field, failed.report
-        tried = [force_field, *(earlier.force_field for earlier in context.rounds)]
-        unmet = _failed(failed.judgement, len(expectations), report)
+        rounds = [*context.rounds, failed]
+        best = find_best(rounds)
+        tried = [each.force_field for each in rounds]
+        unmet = _failed(best.judgement, len(context.expectations), best.report)
+        limits: list[str] = []
         for depth in range(_DEEPEST if unmet else 0):
-            changes = _mend(expectations, unmet, force_field, report, brief, depth)
+            changes = _mend(context, best, rounds, unmet, depth)
             if not changes:
                 continue
-            bounded = _below_what_was_too_much(changes[-1].force_field, force_field, context.rounds)
-            field, repairs = apply_hard_rules(bounded, brief, expectations)
-            if field not in tried:
-                rules = [
-                    *(change.rule for change in changes if change.rule),
-                    *(repair.rule for repair in repairs),
-                ]
-                reasons = [*(change.why for change in changes), *(f"Hard rule: {r.why}." for r in repairs)]
-                return Reply(
-                    Rewrite(
-                        force_field=field,
-                        changes=tuple(reasons),
-                        rules_applied=tuple(dict.fromkeys(rules)),
-                    )
-                )
+            field, repairs = apply_hard_rules(changes[-1].force_field, context.brief, context.expectations)
+            if field in tried:
+                limits += [change.why for change in changes if "cannot be made" in change.why]
+                continue
+            return Reply(_explain(field, changes, repairs, best, failed))
         why = "every remedy has been tried" if unmet else "no check failed that a force field could mend"
-        return Reply(Rewrite(force_field=force_field, changes=(f"Nothing left to try: {why}.",)))
+        said = (f"Nothing left to try: {why}.", *dict.fromkeys(limits))
+        return Reply(Rewrite(force_field=failed.force_field, changes=said))
+
+
+def find_best(rounds: Sequence[Round]) -> Round:
+    """The round with the highest score, the latest of equals; the last where a planner gives no scores."""
+    if any(each.judgement.score is None for each in rounds):
+        return rounds[-1]
+    return max(reversed(rounds), key=lambda each: each.judgement.score or 0.0)
+
+
+def _explain(
+    field: ForceField, changes: list[Change], repairs: Sequence[Repair], best: Round, failed: Round
+) -> Rewrite:
+    back = (
+        () if best is failed else ("The last change made it no better: this goes out from the best round.",)
+    )
+    rules = [*(change.rule for change in changes if change.rule), *(repair.rule for repair in repairs)]
+    reasons = [*back, *(change.why for change in changes), *(f"Hard rule: {r.why}." for r in repairs)]
+    return Rewrite(force_field=field, changes=tuple(reasons), rules_applied=tuple(dict.fromkeys(rules)))
 
 
 def _failed(judgement: Judgement, count: int, report: MotionReport) -> dict[int, list[Check]]:
@@ -71,46 +82,16 @@ def _failed(judgement: Judgement, count: int, report: MotionReport) -> dict[int,
     return dict(sorted(failed.items()))
 
 
-def _below_what_was_too_much(
-    proposed: ForceField, current: ForceField, earlier: Sequence[Round]
-) -> ForceField:
-    """Halves the interval instead of leaping past a magnitude that an earlier attempt showed to be too much."""
-    ceilings: dict[tuple, float] = {}
-    for tried in earlier:
-        if any(check.passed is None or (check.gain or 1) < 1 for check in tried.judgement.checks):
-            for action in tried.force_field.actions:
-                key = _same_action(action)
-                ceilings[key] = min(ceilings.get(key, math.inf), abs(action.magnitude))
-    now = {_same_action(action): abs(action.magnitude) for action in current.actions}
-
-    def bounded(action: Action) -> Action:
-        key = _same_action(action)
-        ceiling, start = ceilings.get(key, math.inf), now.get(key, math.inf)
-        if not start < ceiling <= abs(action.magnitude):
-            return action
-        between = math.copysign(math.sqrt(start * ceiling), action.magnitude)
-        return action.model_copy(update=dict(magnitude=between))
-
-    return proposed.model_copy(update=dict(actions=tuple(map(bounded, proposed.actions))))
-
-
-def _same_action(action: Action) -> tuple:
-    return action.action_type, action.vector, math.copysign(1, action.magnitude), action.region
-
-
 def _mend(
-    expectations: Sequence[ExpectedMotion],
-    failed: dict[int, list[Check]],
-    force_field: ForceField,
-    report: MotionReport,
-    brief: SceneBrief,
-    depth: int,
+    context: AgentContext, best: Round, rounds: Sequence[Round], failed: dict[int, list[Check]], depth: int
 ) -> list[Change]:
     """One remedy per failed expectation, each on the result of the one before; ``depth`` skips the mildest."""
     changes: list[Change] = []
-    field = force_field
+    field = best.force_field
     for index, checks in failed.items():
-        case = Case(expectations[index], expectations, checks, field, report, brief)
+        earlier = tuple(_list_gains(index, [each for each in rounds if each is not best]))
+        expectations = context.expectations
+        case = Case(expectations[index], expectations, checks, field, best.report, context.brief, earlier)
         options = [change for change in list_remedies(case) if change.force_field != field]
         if not options:
             continue
@@ -118,3 +99,16 @@ def _mend(
         changes.append(change)
         field = change.force_field
     return changes
+
+
+def _list_gains(index: int, rounds: Sequence[Round]):
+    """Force fields of other rounds with the gain that their amount of an expectation asked for."""
+    for each in rounds:
+        amounts = [
+            check
+            for check in each.judgement.checks
+            if check.expectation == index and check.aspect == "amount" and check.passed is not None
+        ]
+        if amounts:
+            worst = min(amounts, key=lambda check: check.score)
+            yield each.force_field, worst.gain if worst.gain is not None else _PASSED

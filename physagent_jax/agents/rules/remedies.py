@@ -1,7 +1,7 @@
 """Remedies: the changes to a force field that can mend one expected motion, the mildest first.
 
 Every remedy is a `Change`: the whole next force field and the reason for it. The executor takes the first
-that has not been tried.
+that has not been tried. None of them stacks what is at its limit, and none replaces gravity by a push.
 """
 
 from __future__ import annotations
@@ -14,103 +14,185 @@ from physagent_jax.agents.matching import (
     agrees,
     find_misfits,
     find_own_causes,
-    is_thrown_up,
+    find_strays,
     list_causes,
 )
-from physagent_jax.agents.rules import edits
+from physagent_jax.agents.rules import edits, kinds
 from physagent_jax.agents.rules.edits import AXIAL, Case, Change
 from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import MotionKind
-from physagent_jax.agents.vectors import clamp, norm, scale
+from physagent_jax.agents.vectors import clamp, cosine, norm, scale
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVEL
 from physagent_jax.forces.schema import Action, ActionType
 
 _PUSH_BACK = 1.6  # how much harder to try if the motion is contrary although the force is right
+_GENTLER = 0.6  # the factor where too much came of it and nothing says by how much
+_NO_AIM = (MotionKind.SWAY, MotionKind.FALL)
+_EXPONENTS = (0.25, 4.0)  # of the response over the effort that two rounds may show
 
 
 def list_remedies(case: Case) -> Iterator[Change]:
     """All remedies for a case, the mildest first."""
+    strays = find_strays(case.expectations, case.force_field)
+    if strays:
+        yield edits.remove(case, strays, "nothing in the sentence asks for it")
     if case.expectation.kind is MotionKind.STILL:
         yield from _calm(case)
         return
-    if (
-        case.expectation.kind is MotionKind.FALL
-        and not case.force_field.default_drop
-        and case.expectation.window[0] < 1
-    ):
+    if _lacks_gravity(case):
         yield Change(
             case.force_field.model_copy(update={"default_drop": True}),
             "Gravity is switched on: it should fall.",
+            "gravity_makes_it_fall",
         )
+        return
     causes = find_own_causes(case.expectation, case.expectations, case.force_field)
+    if not causes and case.expectation.kind is MotionKind.FALL:
+        return
     if not causes:
         yield from _switch_type(case)
         yield _add(case)
         return
-    if case.expectation.kind not in (MotionKind.SWAY, MotionKind.FALL) and not any(
-        agrees(cause, case.expectation) for cause in causes
-    ):
-        yield _turn_around(case, causes)
+    yield from _aim(case, causes)
     if case.failed("return"):
         yield edits.shorten(case, causes, 0.5, "it should come back after letting go")
     if case.failed("repeats"):
         yield edits.alternate(case, causes)
+    yield from _amount(case, causes)
+
+
+def _lacks_gravity(case: Case) -> bool:
+    """Whether it should fall from the start, in a world where only `default_drop` lets things fall."""
+    falls = case.expectation.kind is MotionKind.FALL and case.expectation.window[0] < 1
+    return falls and not case.force_field.default_drop
+
+
+def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
+    """Direction and window: as the sentence maps them; then against what is seen."""
+    expectation = case.expectation
+    if expectation.kind not in _NO_AIM:
+        astray = [c for c in causes if not agrees(c, expectation) or _points_beside(case, c)]
+        if len(astray) == len(causes):
+            yield edits.point(case, astray)
+    if expectation.kind is not MotionKind.FALL:
+        mistimed = [c for c in causes if edits.is_mistimed(case, c)]
+        whole = expectation.kind is not MotionKind.SWAY and len(causes) == 1
+        if mistimed and whole and (change := edits.retime(case, mistimed)):
+            yield change
+    if case.failed("direction") and expectation.kind not in _NO_AIM:
+        if change := edits.counter(case, [c for c in causes if agrees(c, expectation)] or causes):
+            yield change
+
+
+def _points_beside(case: Case, cause: Cause) -> bool:
+    """Whether it points noticeably beside where the sentence says, though not against it."""
+    told = case.expectation.direction
+    if told is None or case.expectation.kind in AXIAL:
+        return False
+    return cosine(cause.direction, told) < edits.POINTED
+
+
+def _amount(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
+    """More or less of the same; if too little is asked together with too much, by another kind of skill."""
     check = case.failed("amount") or case.failed("direction")
-    gain = check.gain if check and check.gain is not None else _PUSH_BACK
-    if gain <= 0:  # the fixed mapping stays: other motion must be overcome
-        gain = _PUSH_BACK
-    thrown = is_thrown_up(case.expectation, case.expectations, case.brief)
-    if thrown and case.force_field.default_drop and gain > 1:
-        yield edits.lighten_gravity(case, causes)
+    spoilt = case.failed("collateral") or case.failed("integrity")
+    if check is None and spoilt is None:
+        return
+    gain = _find_gain(case, causes) if check is not None else _overdone(case)
+    if spoilt is not None and gain > 1:
+        yield from _other_kind(case, causes, gain)
     yield from _stronger(case, causes, gain) if gain > 1 else _weaker(case, causes, gain)
 
 
+def _overdone(case: Case) -> float:
+    gains = [check.gain for check in case.checks if check.gain is not None and 0 < check.gain < 1]
+    return clamp(min(gains, default=_GENTLER), 0.3, 0.85)
+
+
+def _find_gain(case: Case, causes: Sequence[Cause]) -> float:
+    """The factor on the effort: proportional at first, by the secant once two rounds differ in nothing else.
+
+    The secant is taken in logarithms, response = effort ** p: it keeps the sign, and between one that was too little
+    and one that was too much it stays between them.
+    """
+    check = case.failed("amount") or case.failed("direction")
+    gain = check.gain if check and check.gain is not None else _PUSH_BACK
+    if gain <= 0:  # the fixed mapping stays: other motion must be overcome
+        return _PUSH_BACK
+    now = sum(edits.get_effort(cause, case.last) for cause in causes)
+    for field, needed in reversed(case.earlier):
+        before = _get_same_effort(case, causes, field)
+        if before is None or needed <= 0 or abs(math.log(before / now)) < 0.02:
+            continue
+        exponent = math.log(gain / needed) / math.log(before / now)
+        if _EXPONENTS[0] < exponent < _EXPONENTS[1]:
+            gain = gain ** (1.0 / exponent)
+        if (needed > 1) != (gain > 1):  # one was too little, the other too much
+            between = math.log(before / now)
+            gain = math.exp(clamp(math.log(gain) / between, 0.15, 0.85) * between)
+        return gain
+    return gain
+
+
+def _get_same_effort(case: Case, causes: Sequence[Cause], field) -> float | None:
+    """The effort of the same entries in another force field; None if it does not have them."""
+    wanted = [_identify(cause) for cause in causes]
+    found = [cause for cause in list_causes(field) if _identify(cause) in wanted]
+    if len(found) != len(causes):
+        return None
+    return sum(edits.get_effort(cause, case.last) for cause in found)
+
+
+def _identify(cause: Cause) -> tuple:
+    window = cause.item.active_time
+    begin = None if window is None else window[0]
+    end = None if edits.travels(cause) or window is None else window[1]
+    return cause.type, cause.item.vector, cause.item.magnitude > 0, cause.item.region, begin, end
+
+
 def _stronger(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
-    """More of the same up to the limit, then more of it by other means."""
+    """More of the same up to the limit, then for longer, then by the other kind of skill; nothing is stacked."""
     yield edits.scale_magnitudes(case, causes, gain)
     types = {cause.type for cause in causes}
-    if ActionType.SCALE in types and case.expectation.direction is not None:
-        yield edits.pull_ends(case, [c for c in causes if c.type is ActionType.SCALE])
-    if ActionType.IMPULSE in types:
-        yield edits.make_particle_impulse(case, [c for c in causes if c.type is ActionType.IMPULSE], gain)
     if types & {ActionType.TRANSLATION, ActionType.TORQUE} and case.expectation.kind is not MotionKind.SWAY:
         yield from edits.lengthen(case, causes, math.sqrt(gain))
-    if not edits.is_doubled(case, causes):
-        yield edits.double(case, causes, gain)
-    if case.expectation.kind is MotionKind.MOVE and ActionType.TRANSLATION in types:
-        yield edits.enforce(case, [c for c in causes if c.type is ActionType.TRANSLATION])
+    yield from _other_kind(case, causes, gain)
     yield edits.scale_magnitudes(case, causes, MAGNITUDE_MAX / MAGNITUDE_MIN)
+
+
+def _other_kind(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
+    """Velocity constraints in place of a body force that does not do it."""
+    expectation, whole = case.expectation, not case.expectation.partial
+    stretches = [c for c in causes if c.type is ActionType.SCALE and c.item.region is None]
+    if stretches and expectation.direction is not None and whole:
+        names = edits.format_names(stretches)
+        if expectation.kind is MotionKind.SQUEEZE:
+            field = kinds.press_between(case.force_field, stretches, expectation, case.brief)
+            yield Change(field, f"{names} cannot do it: it is pressed between plates instead.")
+        field = kinds.move_ends(case.force_field, stretches, expectation, case.brief)
+        why = f"{names} cannot do it: two opposed translations of the end slabs instead."
+        yield Change(field, why, "paired_translation")
+    blows = [c for c in causes if c.type is ActionType.IMPULSE]
+    if blows:
+        field = kinds.replace_blows(case.force_field, blows)
+        why = f"{edits.format_names(blows)} becomes an instantaneous change of velocity."
+        yield Change(field, why, "brief_impulse")
+    pushes = [c for c in causes if c.type is ActionType.TRANSLATION]
+    if pushes and expectation.kind is MotionKind.MOVE and case.brief.anchored is None and whole:
+        yield edits.enforce(case, pushes, gain)
 
 
 def _weaker(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
     """Less of the same down to the limit, then for a shorter time; blows become brief pushes."""
     yield edits.scale_magnitudes(case, causes, gain)
-    if len(causes) > 1 and case.expectation.kind is not MotionKind.SWAY:
-        yield edits.remove_last(case, causes)
     impulses = [c for c in causes if c.type is ActionType.IMPULSE]
     if impulses:
         yield edits.soften(case, impulses)
-    yield edits.shorten(case, causes, clamp(math.sqrt(gain), 0.3, 0.9), "the weakest push is still too much")
+    lasting = [c for c in causes if not edits.is_blow(c) and not edits.travels(c)]
+    if lasting:
+        why = "the weakest push is still too much"
+        yield edits.shorten(case, lasting, clamp(math.sqrt(gain), 0.3, 0.9), why)
     yield edits.scale_magnitudes(case, causes, MAGNITUDE_MIN / MAGNITUDE_MAX)
-
-
-def _turn_around(case: Case, causes: Sequence[Cause]) -> Change:
-    """All causes go against the sentence: flip those that are contrary, redirect the others."""
-    expectation = case.expectation
-    items = []
-    for cause in causes:
-        flipped = cause.item.model_copy(update={"magnitude": -cause.item.magnitude})
-        contrary = expectation.kind in AXIAL or agrees(Cause(cause.group, cause.index, flipped), expectation)
-        items.append(
-            flipped
-            if contrary
-            else cause.item.model_copy(
-                update={"vector": expectation.direction, "magnitude": abs(cause.item.magnitude)}
-            )
-        )
-    names = edits.format_names(causes)
-    why = f"{names} went against '{expectation.words}': reversed, or pointed where the sentence says."
-    return Change(edits.replace_items(case.force_field, causes, items), why, "sentence_direction")
 
 
 def _switch_type(case: Case) -> Iterator[Change]:
@@ -144,14 +226,11 @@ def _calm(case: Case) -> Iterator[Change]:
     if case.force_field.default_drop and not falls:
         yield Change(
             case.force_field.model_copy(update={"default_drop": False}),
-            "Gravity is switched off: it should be still.",
+            "It is not let fall: it should be still.",
         )
     active = find_misfits(case.expectation, case.expectations, case.force_field)
     if active:
-        yield Change(
-            edits.replace_items(case.force_field, active, [None] * len(active)),
-            f"{edits.format_names(active)} removed: it should be still.",
-        )
+        yield edits.remove(case, active, "it should be still")
     first, last = round_window(case.expectation, case.brief.frame_count)
     if case.brief.anchored is not None:  # a held object swings on rather than drifts: let it settle
         before = [

@@ -1,0 +1,268 @@
+"""Which kind of skill carries out what a sentence asks for: a body force, or velocity constraints.
+
+A force lets the object answer as it likes, and what comes of it depends on stiffness, weight and whatever opposes. A
+velocity constraint brings about the stated motion whatever opposes, and looks like what it is: something that grips,
+presses or hits. The table is `docs/skills.md`, with what each kind was measured to do in `docs/executor.md`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from physagent_jax.agents.matching import Cause, agrees, find_own_causes, share_time
+from physagent_jax.agents.rules.edits import AXIAL, replace_items
+from physagent_jax.agents.rules.language.events import make_end_region
+from physagent_jax.agents.rules.tolerances import expect_strain
+from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.agents.vectors import clamp, cosine, scale
+from physagent_jax.forces.calibration import (
+    MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
+    PRESCRIBED_TRAVEL,
+    find_reference_time,
+)
+from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, VelocityConstraint
+
+SLAB = 0.85  # where a gripped end begins, as a fraction of the extent
+GRIPPED_TURN = 0.75  # the same for a turned end, which has to hold more
+MOVING = 0.6  # share of its window in which an end or a plate moves; in the rest it is held
+_VERTICAL = 0.7  # cosine
+_OPPOSED = -0.7
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A force field with its kinds chosen.
+
+    Attributes:
+        force_field: The result.
+        reasons: What was chosen and why, a sentence each; none where all stay body forces.
+    """
+
+    force_field: ForceField
+    reasons: tuple[str, ...] = ()
+
+
+def choose_kinds(
+    force_field: ForceField, expectations: Sequence[ExpectedMotion], brief: SceneBrief
+) -> Choice:
+    """Replaces body forces by velocity constraints where these do what the sentence says and a force does not.
+
+    Args:
+        force_field: Of body forces, as a sentence is read.
+        expectations: What the sentence asks for.
+        brief: The scene, with what the sentence says about holding.
+    """
+    reasons: list[str] = []
+    for expectation in expectations:
+        for make in (_part_ends, _press, _turn_ends, _strike):
+            replaced = make(force_field, expectation, expectations, brief)
+            if replaced is not None:
+                force_field, why = replaced
+                reasons.append(why)
+                break
+    return Choice(force_field, tuple(reasons))
+
+
+_Replaced = tuple[ForceField, str] | None
+
+
+def stands_on_its_end(brief: SceneBrief, axis: Sequence[float]) -> bool:
+    """Whether the ground or a fixture is at one end of ``axis``: only the other end can then be moved freely."""
+    x, y, z = axis
+    return (brief.world == "ground" or brief.anchored is not None) and abs(
+        cosine((x, y, z), brief.directions.up)
+    ) > _VERTICAL
+
+
+def move_ends(
+    force_field: ForceField, causes: Sequence[Cause], expectation: ExpectedMotion, brief: SceneBrief
+) -> ForceField:
+    """Exactly two opposed translations of the end slabs in place of ``causes`` (paper, appendix B.2)."""
+    axis = expectation.direction or causes[0].item.vector
+    outward = 1.0 if expectation.kind is MotionKind.STRETCH else -1.0
+    magnitude, window, held = find_travel(causes, expectation, brief)
+    pair = tuple(
+        VelocityConstraint(
+            constraint_type=ConstraintType.PARTICLE_TRANSLATION,
+            vector=scale(axis, side * outward),
+            magnitude=magnitude,
+            active_time=window,
+            held_until=held,
+            region=make_end_region(scale(axis, side), SLAB),
+        )
+        for side in (1.0, -1.0)
+    )
+    return _put(force_field, causes, pair)
+
+
+def press_between(
+    force_field: ForceField, causes: Sequence[Cause], expectation: ExpectedMotion, brief: SceneBrief
+) -> ForceField:
+    """Two opposed plates in place of ``causes``; one against the ground or the fixture, where there is one."""
+    axis = expectation.direction or causes[0].item.vector
+    alone = stands_on_its_end(brief, axis)
+    magnitude, window, held = find_travel(causes, expectation, brief, movers=1 if alone else 2)
+    top_is_held = brief.anchored is not None and "top" in brief.anchored
+    free = brief.directions.down if not top_is_held else brief.directions.up
+    towards_it = axis if cosine(axis, free) > 0 else scale(axis, -1.0)
+    plates = tuple(
+        VelocityConstraint(
+            constraint_type=ConstraintType.MOVING_PLATE,
+            vector=way,
+            magnitude=magnitude,
+            active_time=window,
+            held_until=held,
+        )
+        for way in ((towards_it,) if alone else (axis, scale(axis, -1.0)))
+    )
+    return _put(force_field, causes, plates)
+
+
+def find_travel(
+    causes: Sequence[Cause], expectation: ExpectedMotion, brief: SceneBrief, movers: int = 2
+) -> tuple[float, tuple[float, float], float | None]:
+    """Magnitude, window, and until when to hold, with which ``movers`` ends change the extent as the sentence asks.
+
+    They move in the first part of the cause's window and are held in the rest of it.
+    """
+    last = float(brief.frame_count - 1)
+    first, end = causes[0].item.active_time or (0.0, last)
+    end = min(end, last)
+    target = expect_strain(expectation, expectation.kind is MotionKind.SQUEEZE).target
+    reference = find_reference_time(brief.anchored is not None, last * brief.frame_dt) / brief.frame_dt
+    effort = target * reference / (movers * PRESCRIBED_TRAVEL)  # magnitude times frames
+    magnitude = clamp(effort / (MOVING * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
+    until = clamp(float(round(first + effort / magnitude)), first + 1.0, max(end, first + 1.0))
+    return round(magnitude, 4), (first, until), (end if end > until else None)
+
+
+def _part_ends(
+    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
+) -> _Replaced:
+    """A stretch along an axis: its two ends are moved apart."""
+    causes = _find_scales(field, expectation, everything)
+    if expectation.kind is not MotionKind.STRETCH or not causes or expectation.direction is None:
+        return None
+    if stands_on_its_end(brief, expectation.direction):
+        return None  # the lower end cannot move: a force stretches what rises above it
+    why = f"'{expectation.words}': the two ends are moved apart, whatever the stiffness."
+    return move_ends(field, causes, expectation, brief), why
+
+
+def _press(
+    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
+) -> _Replaced:
+    """A squeeze along an axis: between plates if nothing moves the object before, else by its ends."""
+    causes = _find_scales(field, expectation, everything)
+    if expectation.kind is not MotionKind.SQUEEZE or not causes or expectation.direction is None:
+        return None
+    begin = (causes[0].item.active_time or (0.0, 0.0))[0]
+    if begin < 1 and not field.default_drop:
+        why = f"'{expectation.words}': it is pressed between plates, not pulled inwards at every point."
+        return press_between(field, causes, expectation, brief), why
+    if stands_on_its_end(brief, expectation.direction):
+        return None
+    why = f"'{expectation.words}': the two ends are moved together, wherever it is by then."
+    return move_ends(field, causes, expectation, brief), why
+
+
+def _turn_ends(
+    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
+) -> _Replaced:
+    """One end turned against the other: two opposed rotations of the ends; a torque on each half would shear it."""
+    if expectation.kind is not MotionKind.ROTATE or expectation.direction is None:
+        return None
+    other = next((e for e in everything if _is_turned_against(expectation, e)), None)
+    if other is None:
+        return None
+    pair = []
+    for each in (expectation, other):
+        causes = [c for c in find_own_causes(each, everything, field) if c.type is ActionType.TORQUE]
+        causes = [c for c in causes if c.item.region is not None and agrees(c, each)]
+        if not causes:
+            return None
+        pair.append((each, causes[0]))
+    ends = tuple(_turned(each, cause, brief) for each, cause in pair)
+    why = f"'{expectation.words}': its ends are turned against each other, each about its own middle."
+    return _put(field, [cause for _, cause in pair], ends), why
+
+
+def _is_turned_against(one: ExpectedMotion, other: ExpectedMotion) -> bool:
+    if other is one or other.kind is not MotionKind.ROTATE or not share_time(one, other):
+        return False
+    if one.part is None or other.part is None or other.direction is None or one.direction is None:
+        return False
+    return cosine(one.part, other.part) < _OPPOSED and cosine(one.direction, other.direction) < _OPPOSED
+
+
+def _turned(expectation: ExpectedMotion, cause: Cause, brief: SceneBrief) -> VelocityConstraint:
+    assert expectation.part is not None
+    last = float(brief.frame_count - 1)
+    first, end = cause.item.active_time or (0.0, last)
+    until = max(float(round(first + MOVING * (min(end, last) - first))), first + 1.0)
+    return VelocityConstraint(
+        constraint_type=ConstraintType.PARTICLE_ROTATION,
+        vector=cause.item.vector,
+        magnitude=cause.item.magnitude,
+        active_time=(first, until),
+        held_until=min(end, last) if min(end, last) > until else None,
+        region=make_end_region(expectation.part, GRIPPED_TURN),
+    )
+
+
+def _strike(
+    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
+) -> _Replaced:
+    """A blow on a part, or on what is held: at once, before the rest can answer."""
+    if not expectation.sudden:
+        return None
+    causes = [
+        c
+        for c in find_own_causes(expectation, everything, field)
+        if c.type is ActionType.IMPULSE
+        and agrees(c, expectation)
+        and (c.item.region is not None or brief.anchored is not None)
+    ]
+    if not causes:
+        return None
+    why = f"'{expectation.words}': the blow changes the velocity at once, before the rest can answer."
+    return replace_blows(field, causes), why
+
+
+def replace_blows(force_field: ForceField, causes: Sequence[Cause]) -> ForceField:
+    """Instantaneous changes of velocity in place of ``causes``, with the same magnitudes."""
+    return _put(force_field, causes, tuple(as_particle_impulse(c) for c in causes))
+
+
+def as_particle_impulse(cause: Cause) -> VelocityConstraint:
+    """The same blow as an instantaneous change of velocity."""
+    item = cause.item
+    return VelocityConstraint(
+        constraint_type=ConstraintType.PARTICLE_IMPULSE,
+        vector=item.vector,
+        magnitude=item.magnitude,
+        active_time=item.active_time,
+        region=item.region,
+        object=item.object,
+    )
+
+
+def _find_scales(
+    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion]
+) -> list[Cause]:
+    """The stretches of the whole object that serve the expectation alone."""
+    if expectation.kind not in AXIAL or expectation.partial or expectation.part is not None:
+        return []
+    causes = find_own_causes(expectation, everything, field)
+    return [
+        c for c in causes if c.type is ActionType.SCALE and c.item.region is None and agrees(c, expectation)
+    ]
+
+
+def _put(
+    field: ForceField, causes: Sequence[Cause], constraints: tuple[VelocityConstraint, ...]
+) -> ForceField:
+    field = replace_items(field, causes, [None] * len(causes))
+    return field.model_copy(update={"constraints": (*field.constraints, *constraints)})
