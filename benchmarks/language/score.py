@@ -132,7 +132,11 @@ def _score_clause(clause: Clause, motion: ExpectedMotion, reply: SemanticReply, 
         "state": lambda: _is_state_right(clause, motion, reply),
     }
     fields = [("kind", _is_kind_right(clause, motion))]
-    return fields + [(name, checks[name]()) for name in _asked(clause)]
+    tilts = (
+        clause.kind == "lean" and motion.kind is MotionKind.ROTATE
+    )  # a smaller turn than "rotate", by itself
+    asked = [name for name in _asked(clause) if not (tilts and name == "strength")]
+    return fields + [(name, checks[name]()) for name in asked]
 
 
 def _is_kind_right(clause: Clause, motion: ExpectedMotion) -> bool:

@@ -30,7 +30,13 @@ def table(degrees: float = 0.0) -> DirectionTable:
 
 def brief(**changes) -> SceneBrief:
     """A free robot in a clip of 49 frames (last index 48)."""
-    values = {"object_name": "robot", "frame_count": 49, "frame_dt": 0.04, "directions": table()} | changes
+    values = {
+        "object_name": "robot",
+        "frame_count": 49,
+        "frame_dt": 0.04,
+        "frames_fixed": True,
+        "directions": table(),
+    } | changes
     return SceneBrief(**values)
 
 

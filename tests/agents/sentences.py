@@ -298,7 +298,7 @@ SENTENCES = [
     ),
     ("pull apart the dough slowly", "", "scale right +0.6 0-48", "stretch right"),
     ("the dough is pulled apart", "", "scale right +1 0-48", "stretch right"),
-    ("twist it half a turn", "", "torque up +1.6 0-48", "rotate up"),
+    ("twist it half a turn", "", "torque up +1.6 0-24; torque down +1.6 24-48", "rotate up"),
     ("a kick from behind", "", "impulse toward +1 0-1", "move toward"),
     ("push from behind", "", "translation toward +1 0-48", "move toward"),
     ("push it forward harder and harder", "", "translation toward +1.6 0-48", "move toward"),
@@ -357,7 +357,7 @@ SENTENCES = [
     (
         "slide it to the right for half a second, then wait, then slide it back",
         "",
-        "translation right +1 0-6; translation left +1 6-12; translation left +1 24-48",
+        "translation right +1 0-12; translation left +1 12-25; translation left +1 24-48",
         "move right; still; move left",
     ),
     (
@@ -505,7 +505,7 @@ SENTENCES = [
     (
         "raise the robot for half a second and then lower it",
         "",
-        "translation up +1 0-6; translation down +1 6-12; translation down +1 12-48",
+        "translation up +1 0-12; translation down +1 12-48",
         "move up; move down",
     ),
     ("the robot's head is turned to the right", "", "torque up +1 0-48 on up", "rotate up"),
@@ -548,7 +548,7 @@ SENTENCES = [
     (
         "The object rises slowly, spins twice and falls to the ground.",
         "",
-        "translation up +0.6 0-16; torque up +1.3 16-32; translation down +1.6 32-48",
+        "translation up +0.6 0-16; torque up +1.6 16-24; torque down +1.6 24-32; translation down +1.6 32-48",
         "move up; rotate up; fall",
     ),
     (

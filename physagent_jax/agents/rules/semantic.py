@@ -11,9 +11,10 @@ from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.rules.language.builder import ForceFieldBuilder
 from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb, read_clauses
 from physagent_jax.agents.rules.language.compilation import compile_slots
-from physagent_jax.agents.rules.language.events import Event, ValueSource, interpret
+from physagent_jax.agents.rules.language.doubts import find_doubts, is_mostly_unknown, list_unknown
+from physagent_jax.agents.rules.language.events import Event, ValueSource, interpret, resolve_obstacles
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind, find_mentions
-from physagent_jax.agents.rules.language.modifiers import Join
+from physagent_jax.agents.rules.language.modifiers import GROUND_WORDS, OPPOSITE_GRAVITY, Join
 from physagent_jax.agents.rules.language.schedule import schedule
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 from physagent_jax.agents.schema import (
@@ -23,8 +24,10 @@ from physagent_jax.agents.schema import (
     MotionKind,
     SceneBrief,
     SemanticReply,
+    WorldRequest,
 )
 from physagent_jax.agents.trace import Reply
+from physagent_jax.agents.vectors import dot
 from physagent_jax.core.errors import UserError
 
 EXAMPLES = (
@@ -33,7 +36,7 @@ EXAMPLES = (
 MOST_CHARACTERS = 100_000  # read within seconds
 End = Literal["base", "top", "none"] | None
 _LETS_FALL = frozenset({"release", "let go", "let ~ go", "let loose", "set free"})
-_DETERMINERS = frozenset({"the", "a", "an", "this", "that", "my", "your"})
+Gravity = Literal["down", "up", "none"] | None
 
 
 class RuleSemanticAgent(SemanticAgent):
@@ -46,11 +49,18 @@ class RuleSemanticAgent(SemanticAgent):
 
 def _read(prompt: str, brief: SceneBrief) -> SemanticReply:
     _check_text(prompt)
-    mentions = find_mentions(prompt, _object_words(brief))
+    names = _object_words(brief)
+    mentions = find_mentions(prompt, names)
     clauses = read_clauses(mentions)
     gravity = _gravity(mentions)
-    unknown, notes = _not_understood(mentions, brief)
+    unknown, notes = list_unknown(mentions, names, brief)
     clauses = _assume_push(clauses, unknown)
+    if is_mostly_unknown(mentions, unknown):
+        raise UserError(
+            "Most words of the prompt are not understood",
+            got=repr(_short(prompt)),
+            do=f"Say in English what should happen to the {brief.object_name}, for example {EXAMPLES}",
+        )
     if gravity is None and not any(c.head for c in clauses) and not _anchor(clauses).kind:
         raise UserError(
             "The prompt names no motion that is understood",
@@ -61,13 +71,22 @@ def _read(prompt: str, brief: SceneBrief) -> SemanticReply:
     anchored = anchor.kind in ("base", "top") or (brief.anchored is not None and anchor.kind != "none")
     builder = ForceFieldBuilder(brief, anchored, gravity, notes=notes)
     events = _events(clauses, builder)
-    compile_slots(schedule(events, brief.frame_count, brief.frame_dt), builder)
+    slots, frame_count, remarks = schedule(events, brief, anchored)
+    builder.brief = brief.model_copy(update={"frame_count": frame_count})
+    builder.notes += remarks
+    compile_slots(slots, builder)
     _state_gravity(mentions, builder)
     _expect_stillness(clauses, builder)
+    for doubt in find_doubts(mentions, names, unknown, clauses):
+        if doubt not in builder.unsure:
+            builder.unsure.append(doubt)
     return SemanticReply(
         force_field=builder.build(),
         expectations=tuple(builder.expectations),
         anchor=anchor,
+        world=_describe_world(mentions, builder),
+        frame_count=None if frame_count == brief.frame_count else frame_count,
+        unsure=tuple(builder.unsure),
         evidence=tuple([*builder.evidence, *_anchor_evidence(anchor)]),
         not_understood=tuple(unknown),
         notes=tuple(builder.notes),
@@ -107,32 +126,31 @@ def _short(prompt: str) -> str:
     return text if len(text) <= 80 else text[:77] + "..."
 
 
-def _gravity(mentions: list[Mention]) -> bool | None:
+def _gravity(mentions: list[Mention]) -> Gravity:
     """What the sentence says about gravity in so many words ("no gravity" is a NOT before the mention)."""
+    found: Gravity = None
     for before, mention in zip([None, *mentions], mentions):
         if mention.kind is MentionKind.GRAVITY:
             negated = before is not None and before.kind is MentionKind.NOT
-            return bool(mention.value) != negated
-    return None
+            said = OPPOSITE_GRAVITY[str(mention.value)] if negated else str(mention.value)
+            said = "up" if said == "up" else "none" if said == "none" else "down"
+            found = said if found in (None, "down") else found
+    return found
 
 
-def _not_understood(mentions: list[Mention], brief: SceneBrief) -> tuple[list[str], list[str]]:
-    """Unknown content words; a noun is taken for the object if the sentence does not name it otherwise."""
-    names = _object_words(brief)
-    named = any(mention.phrase in names for mention in mentions)
-    unknown: list[str] = []
-    taken: list[str] = []
-    for before, mention in zip([None, *mentions], mentions):
-        word = mention.phrase
-        if mention.kind is not MentionKind.UNKNOWN or word in unknown or word in names:
-            continue
-        follows = "" if before is None else before.phrase
-        if word.isalpha() and (follows in taken or not (named or taken) and follows in _DETERMINERS):
-            taken.append(word)  # "the castle", "the sand castle"
-        elif word not in taken:
-            unknown.append(word)
-    notes = [f"'{' '.join(taken)}' is taken to be the object ({brief.object_name})."] if taken else []
-    return unknown, notes
+def _describe_world(mentions: list[Mention], builder: ForceFieldBuilder) -> WorldRequest:
+    """What the sentence says about gravity, ground and obstacles."""
+    words = [m.words for m in mentions if m.kind in (MentionKind.GRAVITY, MentionKind.SOLID)]
+    groundless = any(
+        before.kind is MentionKind.NOT and mention.phrase in GROUND_WORDS
+        for before, mention in zip(mentions, mentions[1:])
+    )
+    return WorldRequest(
+        gravity=builder.gravity,
+        ground=False if groundless else None,
+        obstacles=tuple(builder.obstacles),
+        words=", ".join(words),
+    )
 
 
 def _assume_push(clauses: list[Clause], unknown: list[str]) -> list[Clause]:
@@ -151,12 +169,18 @@ def _events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Event]:
     events: list[Event] = []
     for clause in clauses:
         if clause.head is None or get_verb(clause.head).effect is Effect.HOLD:
+            builder.obstacles += resolve_obstacles(
+                clause, None, builder.brief
+            )  # "there is a wall on its right"
             continue
         if clause.negated:
             builder.add_note(f"'{clause.words}' is negated: it does not happen.")
             continue
         directed = next((e for e in reversed(events) if e.direction is not None), None)
         event = interpret(clause, directed, builder.brief)
+        ways = [mention.value for mention in clause.select(MentionKind.DIRECTION)]
+        if event.effect is Effect.FALL and builder.gravity is None and ("up",) in ways:
+            builder.gravity = "up"  # "it falls upwards"
         events.append(_under_gravity(event, clause, builder.gravity))
     events = _releases(events, builder)
     moving = [e for e in events if e.effect not in (Effect.STILL, Effect.RELEASE)]
@@ -170,17 +194,17 @@ def _events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Event]:
     return events
 
 
-def _under_gravity(event: Event, clause: Clause, gravity: bool | None) -> Event:
+def _under_gravity(event: Event, clause: Clause, gravity: Gravity) -> Event:
     """What gravity pulls down falls; what floats in zero gravity is still."""
     told = bool(clause.select(MentionKind.DIRECTION, MentionKind.FROM))
     if (
         clause.select(MentionKind.GRAVITY)
-        and gravity
+        and gravity == "down"
         and event.effect is Effect.PUSH
         and (not told or event.verb.pulls)
     ):
         return replace(event, verb=VERBS["fall"], phrase="fall", direction=None)
-    if gravity is False and event.phrase in ("float", "hover", "levitate") and not told:
+    if gravity == "none" and event.phrase in ("float", "hover", "levitate") and not told:
         return replace(event, verb=VERBS["motionless"], phrase="motionless", direction=None)
     return event
 
@@ -193,6 +217,12 @@ def _releases(events: list[Event], builder: ForceFieldBuilder) -> list[Event]:
             continue  # "release it and let it swing back" is one release
         acted = any(e.effect not in (Effect.STILL, Effect.RELEASE) for e in result)
         falls_next = index + 1 < len(events) and events[index + 1].effect is Effect.FALL
+        up = builder.brief.directions.up
+        last = result[-1] if result else None
+        if event.effect is Effect.RELEASE and last is not None and last.direction is not None:
+            raised = last.effect is Effect.PUSH and dot(last.direction, up) > 0.5
+            if raised and builder.grounded and not builder.anchored and event.phrase in _LETS_FALL:
+                event = replace(event, verb=VERBS["fall"], phrase="fall", direction=None)
         if event.effect is not Effect.RELEASE or (acted and not falls_next):
             result.append(event)
         elif not falls_next and event.phrase in _LETS_FALL:
@@ -205,11 +235,12 @@ def _releases(events: list[Event], builder: ForceFieldBuilder) -> list[Event]:
 
 def _state_gravity(mentions: list[Mention], builder: ForceFieldBuilder) -> None:
     """Gravity named without a falling verb; explicit weightlessness is recorded too."""
-    if builder.gravity is None:
+    mention = next((mention for mention in mentions if mention.kind is MentionKind.GRAVITY), None)
+    if builder.gravity is None or mention is None:
         return
-    mention = next(mention for mention in mentions if mention.kind is MentionKind.GRAVITY)
-    if builder.gravity and not builder.default_drop:
-        builder.enable_gravity(mention.words, "gravity is named")
+    if builder.gravity != "none" and not builder.default_drop:
+        if not (builder.grounded and builder.expectations):
+            builder.enable_gravity(mention.words, "gravity is named")
         if not builder.expectations:
             event = Event(
                 VERBS["fall"],
@@ -220,8 +251,9 @@ def _state_gravity(mentions: list[Mention], builder: ForceFieldBuilder) -> None:
                 1.0,
                 sources={"action_type": ValueSource("", "")},
             )
-            builder.add_expectation(event, MotionKind.FALL, None, (0.0, builder.last))
-    elif not builder.gravity:
+            way = builder.brief.directions.up if builder.gravity == "up" else None
+            builder.add_expectation(event, MotionKind.FALL, way, (0.0, builder.last))
+    elif builder.gravity == "none":
         builder.evidence.append(
             Evidence(words=mention.words, field="default_drop", value="false", why="no gravity is asked for")
         )

@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 from physagent_jax.agents.rules.language.events import Event
 from physagent_jax.agents.rules.language.schedule import Window
-from physagent_jax.agents.schema import Evidence, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.agents.schema import (
+    Amount,
+    Evidence,
+    ExpectedMotion,
+    MotionKind,
+    ObstacleRequest,
+    SceneBrief,
+)
 from physagent_jax.agents.vectors import clamp
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
@@ -20,18 +28,27 @@ class ForceFieldBuilder:
     """What the events so far have led to.
 
     Attributes:
-        brief, anchored: The scene.
-        gravity: What the sentence says about gravity in so many words; None = nothing.
+        brief, anchored: The scene, with the clip's length.
+        gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
+        unsure: What was not understood and matters.
+        obstacles: Walls and blocks that it names.
     """
 
     brief: SceneBrief
     anchored: bool
-    gravity: bool | None = None
+    gravity: Literal["down", "up", "none"] | None = None
     default_drop: bool = False
     actions: list[Action] = field(default_factory=list)
     expectations: list[ExpectedMotion] = field(default_factory=list)
     evidence: list[Evidence] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    unsure: list[str] = field(default_factory=list)
+    obstacles: list[ObstacleRequest] = field(default_factory=list)
+
+    @property
+    def grounded(self) -> bool:
+        """Whether gravity acts all the time, on an object that stands on the ground."""
+        return self.brief.world == "ground" and self.gravity not in ("none", "up")
 
     @property
     def last(self) -> float:
@@ -86,20 +103,32 @@ class ForceFieldBuilder:
             strength=strength,
             window=self.fit_window(window) or (0.0, self.last),
             partial=event.region is not None,
+            part=event.part,
+            excludes_part=event.excludes_part,
+            stays=event.stays,
+            amount=more.pop("amount", event.amount or self._find_duration(event)),
             words=event.words[:200],
             **more,
         )
         same = [
             e
             for e in self.expectations
-            if (e.kind, e.direction, e.window) == (kind, direction, expected.window)
+            if (e.kind, e.direction, e.window, e.part) == (kind, direction, expected.window, expected.part)
         ]
         if len(self.expectations) < MAX_ACTIONS and not same:
             self.expectations.append(expected)
 
+    def _find_duration(self, event: Event) -> Amount | None:
+        """How long the cause lasts, if the sentence says so in seconds or frames."""
+        told = event.when.length
+        if told is None or told.unit == "clip":
+            return None
+        frames = told.to_frames(self.brief.frame_count, self.brief.frame_dt)
+        return Amount(value=round(frames * self.brief.frame_dt, 6), unit="seconds")
+
     def enable_gravity(self, words: str, why: str) -> None:
-        """Switches gravity on."""
-        if self.gravity is False:
+        """Lets the object fall from the first frame."""
+        if self.gravity in ("none", "up"):
             return
         if not self.default_drop:
             self.evidence.append(Evidence(words=words, field="default_drop", value="true", why=why))

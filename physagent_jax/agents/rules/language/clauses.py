@@ -9,8 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
-from physagent_jax.agents.rules.language.modifiers import Join, Place, Repeat
-from physagent_jax.agents.rules.language.verbs import Effect, Verb
+from physagent_jax.agents.rules.language.modifiers import OPPOSITE_GRAVITY, Join, Names, Place, Repeat
+from physagent_jax.agents.rules.language.quantities import Quantity
+from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 
 _WHERE = (
     MentionKind.DIRECTION,
@@ -20,6 +21,7 @@ _WHERE = (
     MentionKind.SIDES,
     MentionKind.SENSE,
     MentionKind.PLACE,
+    MentionKind.EXCLUDED,
     MentionKind.REPEAT,
 )
 _NEGATABLE = (
@@ -31,6 +33,13 @@ _NEGATABLE = (
     MentionKind.COMPARATIVE,
     MentionKind.GRAVITY,
     MentionKind.ANCHOR,
+)
+_HOLDABLE = (Effect.PUSH, Effect.LEAN, Effect.SCALE, Effect.SWELL, Effect.TURN)
+_KEEPS = frozenset({"keep", "keeps", "kept", "keeping"})
+_OPPOSITES: tuple[tuple[Names, Names], ...] = (
+    (("left",), ("right",)),
+    (("up",), ("down",)),
+    (("toward",), ("away",)),
 )
 _SEPARATE_EFFECTS = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
 
@@ -46,6 +55,7 @@ class Clause:
         modifiers: Everything else.
         negated: It is said *not* to happen.
         inherited: The verb is that of the clause before.
+        stays: What it brings about is to be held.
         mentions: All mentions, for quoting.
     """
 
@@ -55,6 +65,7 @@ class Clause:
     modifiers: list[Mention] = field(default_factory=list)
     negated: bool = False
     inherited: bool = False
+    stays: bool = False
     mentions: list[Mention] = field(default_factory=list)
 
     def select(self, *kinds: MentionKind) -> list[Mention]:
@@ -83,8 +94,10 @@ def read_clauses(mentions: list[Mention]) -> list[Clause]:
     clauses: list[Clause] = []
     for join, segment in _split_segments(mentions):
         _add_segment(clauses, join, _apply_negations(segment))
-    clauses = [c for c in (_inherit(clauses, i) for i in range(len(clauses))) if c is not None]
-    return _sort_clauses(_merge_results(clauses))
+    clauses = _split_turning_winds(clauses)
+    for index in range(len(clauses)):
+        _inherit(clauses, index)
+    return _apply_holding(_sort_clauses(_merge_results(clauses)))
 
 
 def _split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
@@ -133,7 +146,8 @@ def _negate(negation: Mention, mention: Mention) -> list[Mention]:
             )
         ]
     if mention.kind is MentionKind.GRAVITY:
-        return [replace(mention, value=not mention.value, words=f"{negation.words} {mention.words}")]
+        value = OPPOSITE_GRAVITY[str(mention.value)]
+        return [replace(mention, value=value, words=f"{negation.words} {mention.words}")]
     if mention.kind is MentionKind.ANCHOR:
         return [
             replace(
@@ -151,14 +165,18 @@ def _add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> 
     has_cause = any(mention.kind is MentionKind.CAUSE for mention in mentions)
     clause = _open_clause(clauses, join, has_verb, has_cause, mentions)
     fresh = clause.verb is None
-    negated = False
+    negated = kept = False
     for mention in mentions:
+        kept = kept or mention.kind is MentionKind.FUNCTION and mention.form in _KEEPS
         if mention.kind is MentionKind.NOT:
             negated = True
         elif mention.kind is MentionKind.VERB and (negated or not _is_absorbed(clause, mention, fresh)):
-            if clause.verb is not None and (negated or not _is_replaceable(clause.verb)):
+            participle = not mention.form.endswith("ing")
+            held = participle and (kept or fresh and _is_bare_hold(clause))  # "hold it bent", "keep it bent"
+            if clause.verb is not None and not held and (negated or not _is_replaceable(clause.verb)):
                 clause = Clause(Join.AND)
                 clauses.append(clause)
+            clause.stays = held and get_verb(mention).effect in _HOLDABLE
             clause.verb, clause.negated, negated = mention, negated, False
             clause.mentions.append(mention)
         elif mention.kind is MentionKind.CAUSE:
@@ -193,6 +211,12 @@ def _open_clause(
             and join in (Join.AND, Join.COMMA, Join.RESULT)
             and not (has_cause and join is Join.COMMA)
         )
+        turns_back = not has_verb and _turns_back(clauses, join, mentions)
+        strokes = any(mention.kind is MentionKind.ORDINAL for mention in mentions)
+        if turns_back or strokes:
+            clause = Clause(Join.THEN)
+            clauses.append(clause)
+            return clause
         corrects = (
             join is Join.BUT and not has_verb and not last.negated
         )  # "not to the left but to the right"
@@ -218,6 +242,28 @@ def _other_place(last: Clause, mentions: list[Mention]) -> bool:
     )
 
 
+def _turns_back(clauses: list[Clause], join: Join, mentions: list[Mention]) -> bool:
+    """Whether a list goes the other way now: "push it left, right, and left again"."""
+    last = clauses[-1]
+    listed = len(clauses) > 1 and last.verb is None and last.cause is None
+    if join is not Join.COMMA and not (join is Join.AND and listed):
+        return False
+    if any(repeat.alternate for repeat in find_repeats(last)):
+        return False
+    before, now = (
+        [m.value for m in group if m.kind is MentionKind.DIRECTION] for group in (last.modifiers, mentions)
+    )
+    return bool(before and now) and any({before[-1], now[0]} == set(pair) for pair in _OPPOSITES)
+
+
+def _is_bare_hold(clause: Clause) -> bool:
+    """Whether a clause only holds the object so far."""
+    verb = None if clause.verb is None else get_verb(clause.verb)
+    return (
+        verb is not None and verb.effect is Effect.HOLD and verb.holds == "base" and not find_places(clause)
+    )
+
+
 def _is_absorbed(clause: Clause, mention: Mention, fresh: bool) -> bool:
     """Whether a second verb adds nothing: "stops moving", "a kick sends it flying"."""
     if clause.verb is None or not fresh:
@@ -232,22 +278,83 @@ def _is_replaceable(mention: Mention) -> bool:
     return get_verb(mention).generic
 
 
-def _inherit(clauses: list[Clause], index: int) -> Clause | None:
+def _split_turning_winds(clauses: list[Clause]) -> list[Clause]:
+    """Makes two winds of one that turns: it blows to the first side, then to the second."""
+    result: list[Clause] = []
+    for clause in clauses:
+        turns = clause.verb is not None and get_verb(clause.verb).effect is Effect.TURN and not clause.negated
+        if not turns or clause.cause is None or not get_verb(clause.cause).wind:
+            result.append(clause)
+            continue
+        clause.verb = None
+        result.append(clause)
+        ways = clause.select(MentionKind.FROM, MentionKind.DIRECTION)
+        if [way.kind for way in ways] == [MentionKind.FROM, MentionKind.DIRECTION]:
+            rest = [mention for mention in clause.modifiers if mention not in ways]
+            clause.modifiers = [*rest, replace(ways[0], kind=MentionKind.DIRECTION)]
+            result.append(Clause(Join.THEN, None, clause.cause, [*rest, ways[1]], mentions=clause.mentions))
+    return result
+
+
+def _inherit(clauses: list[Clause], index: int) -> None:
     """A clause without verb repeats the verb before it: "push it to the left, then to the right"."""
     clause = clauses[index]
     if clause.head is not None or not clause.modifiers:
-        return clause
+        return
+    for mention in clause.select(MentionKind.QUANTITY):
+        size = mention.value
+        if isinstance(size, Quantity) and size.acts and size.dimension != "far":  # "make it twice as tall"
+            value = Verb(Effect.SCALE, sign=1 if size.value >= 1 else -1, direction="right")
+            clause.verb = replace(mention, kind=MentionKind.VERB, value=value, phrase="scale")
+            return
     before = next((c for c in reversed(clauses[:index]) if c.head is not None), None)
     if before is None or get_verb(before.head).effect in (Effect.STILL, Effect.RELEASE, Effect.HOLD):
-        return clause
+        angles = [m for m in clause.select(MentionKind.QUANTITY) if getattr(m.value, "unit", "") == "degrees"]
+        if angles:  # "a full turn"
+            clause.verb = replace(angles[0], kind=MentionKind.VERB, value=VERBS["turn"], phrase="turn")
+        return
     clause.verb, clause.cause, clause.inherited = before.verb, before.cause, True
+    ordinals = clause.select(MentionKind.ORDINAL)
+    if ordinals:
+        _take_stroke(before)
     if not clause.select(*_WHERE):  # "..., then harder": the same again
-        clause.modifiers = [*before.select(*_WHERE), *clause.modifiers]
+        again = [m for m in before.select(*_WHERE) if not (ordinals and m.kind is MentionKind.REPEAT)]
+        clause.modifiers = [*again, *clause.modifiers]
     elif clause.select(MentionKind.SENSE) and not clause.select(
         MentionKind.AXIS, MentionKind.VIEW
     ):  # about the same axis
         clause.modifiers += before.select(MentionKind.AXIS, MentionKind.VIEW)
-    return clause
+
+
+def _take_stroke(clause: Clause) -> None:
+    """One stroke less: it is told by itself ("twice, the second time harder")."""
+    for index, mention in enumerate(clause.modifiers):
+        if isinstance(mention.value, Repeat) and (mention.value.count or 0) > 1:
+            repeat = replace(mention.value, count=(mention.value.count or 2) - 1)
+            clause.modifiers[index] = replace(mention, value=repeat)
+
+
+def _apply_holding(clauses: list[Clause]) -> list[Clause]:
+    """Holding what was just moved keeps it there; holding what is then let go is no anchor."""
+    result: list[Clause] = []
+    for index, clause in enumerate(clauses):
+        last = next((c for c in reversed(result) if c.head is not None), None)
+        follows = next((c for c in clauses[index + 1 :] if c.head is not None), None)
+        if clause.stays and last is not None and last.verb is not None and clause.verb is not None:
+            if get_verb(last.verb).effect is get_verb(clause.verb).effect and not clause.modifiers:
+                last.stays = True  # "compress it and keep it compressed"
+                continue
+        if clause.negated or not _is_bare_hold(clause) or clause.select(MentionKind.ANCHOR):
+            result.append(clause)
+            continue
+        moved = last is not None and not last.negated and get_verb(last.head).effect in _HOLDABLE
+        if moved and clause.join is not Join.WHILE:
+            assert last is not None
+            last.stays = follows is None
+            last.mentions += clause.mentions
+        elif follows is None or get_verb(follows.head).effect not in (Effect.FALL, Effect.RELEASE):
+            result.append(clause)
+    return result
 
 
 def _merge_results(clauses: list[Clause]) -> list[Clause]:
@@ -332,6 +439,13 @@ def _sort_clauses(clauses: list[Clause]) -> list[Clause]:
 def find_places(clause: Clause) -> list[Place]:
     """The parts of the object that a clause names."""
     return [mention.value for mention in clause.select(MentionKind.PLACE) if isinstance(mention.value, Place)]
+
+
+def find_excluded(clause: Clause) -> list[Place]:
+    """The parts that a clause excepts."""
+    return [
+        mention.value for mention in clause.select(MentionKind.EXCLUDED) if isinstance(mention.value, Place)
+    ]
 
 
 def find_repeats(clause: Clause) -> list[Repeat]:

@@ -1,19 +1,27 @@
 """Events in their windows -> actions of the skill library and what a viewer should see.
 
 One function per `Effect`. A free object keeps its speed when a force ends, so a push that is followed by
-another motion or by stillness brakes in the second half of its window; an anchored one comes back by itself.
+another motion or by stillness brakes in the second half of its window; an anchored one comes back by itself. A
+length that the sentence tells is the cause's own: what is to stop then is braked after it.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+from physagent_jax.agents.rules.language.amounts import (
+    find_effort,
+    find_held_magnitude,
+    find_magnitude,
+    find_reference_seconds,
+    find_strain_magnitude,
+)
 from physagent_jax.agents.rules.language.builder import MAX_ACTIONS, ForceFieldBuilder
 from physagent_jax.agents.rules.language.events import Event, find_lean_axis
 from physagent_jax.agents.rules.language.schedule import Slot, Window, divide
 from physagent_jax.agents.rules.language.verbs import Effect
 from physagent_jax.agents.schema import MotionKind
-from physagent_jax.agents.vectors import add, clamp, dot, normalise, scale
+from physagent_jax.agents.vectors import add, dot, normalise, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ActionType
@@ -22,6 +30,7 @@ _IMPULSE_FRAMES = 1.0
 _SHORTEST_SWING = 2.0  # frames; faster swings alias in the pictures
 _GUST = 0.3  # part of its window during which a gust impulses
 _LEAN = 0.5  # torque of a lean relative to a full turn
+_RAISING = (Effect.STRIKE, Effect.JUMP)
 _MOTIONS = (Effect.PUSH, Effect.STRIKE, Effect.JUMP, Effect.ROLL)
 
 
@@ -32,6 +41,8 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
         for event in slot.events:
             for note in event.notes:
                 builder.add_note(note)
+            builder.unsure += [doubt for doubt in event.doubts if doubt not in builder.unsure]
+            builder.obstacles += [each for each in event.obstacles if each not in builder.obstacles]
             _COMPILERS[event.effect](event, slot.window, after, builder, slots[:index])
 
 
@@ -46,13 +57,15 @@ def _needs_brake(event: Event, after: list[Event], builder: ForceFieldBuilder) -
     """Whether a free object must be stopped before what comes next can be seen."""
     if builder.anchored:
         return False
+    if event.stays or find_effort(event.amount, event.effect, builder.brief) is not None:
+        return True
     for later in after:
         stops = later.effect is Effect.STILL
         turned = event.effect in (Effect.TURN, Effect.LEAN) and later.effect is event.effect
         moved = event.effect in _MOTIONS and later.effect in (*_MOTIONS, Effect.SWAY)
         lifted = event.direction and dot(event.direction, builder.brief.directions.up) > 0.5
         if lifted and event.effect is Effect.PUSH and later.effect is Effect.FALL:
-            return True  # else the push downwards that follows would only slow it
+            return not builder.grounded  # else the push downwards that follows would only slow it
         same = event.direction and later.direction and dot(event.direction, later.direction) > 0.5
         if stops or ((turned or moved) and not same):
             return True
@@ -69,16 +82,41 @@ def _add_steady(
     builder: ForceFieldBuilder,
 ) -> Window:
     """A force or torque over the window, braked in its second half if need be; returns where it acts."""
-    if event.verb.brief:
+    if event.verb.brief and event.when.length is None:
         window = (window[0], window[0] + max(_GUST * (window[1] - window[0]), min(1.0, builder.last)))
-    if not _needs_brake(event, after, builder):
+    brakes = _needs_brake(event, after, builder)
+    told = event.when.length is not None and event.when.length.unit != "clip"
+    seconds = (window[1] - window[0]) * builder.brief.frame_dt
+    magnitude *= _find_dose(event, kind, magnitude, seconds, brakes and not told, builder)
+    if not brakes or told:
         builder.add_action(event, kind, vector, magnitude, window)
+        if brakes and any(later.effect is Effect.STILL for later in after) and window[1] < builder.last:
+            brake = (window[1], min(2.0 * window[1] - window[0], builder.last))
+            builder.add_action(event, kind, scale(vector, -1.0), magnitude, brake)
+            builder.add_note(
+                "The object is free and would drift on: it is braked after the time that is told."
+            )
         return window
     speed_up, slow_down = divide(window, [1.0, 1.0])
     builder.add_action(event, kind, vector, magnitude, speed_up)
     builder.add_action(event, kind, scale(vector, -1.0), magnitude, slow_down)
     builder.add_note("The object is free and would drift on: it is braked before what follows.")
     return window
+
+
+def _find_dose(
+    event: Event, kind: ActionType, magnitude: float, seconds: float, braked: bool, builder: ForceFieldBuilder
+) -> float:
+    """Factor on the magnitude so that the event's quantity is reached where nothing opposes."""
+    if event.amount is None:
+        return 1.0
+    brief = builder.brief
+    if builder.anchored:
+        wanted = find_held_magnitude(event.amount, event.effect, brief)
+    else:
+        effort = find_effort(event.amount, event.effect, brief)
+        wanted = None if effort is None else find_magnitude(effort, seconds, braked, brief)
+    return 1.0 if wanted is None else max(wanted, 1e-3) / abs(magnitude)
 
 
 def _push(
@@ -151,6 +189,8 @@ def _sway(
         event.repeat.count or (1 if free_smooth else event.verb.cycles), window, 2 * _SHORTEST_SWING, builder
     )
     kind, magnitude = ActionType.TRANSLATION, event.strength
+    if builder.anchored and event.amount is not None:
+        magnitude = find_held_magnitude(event.amount, Effect.SWAY, builder.brief) or magnitude
     halves = 2 * count
     if builder.anchored:
         parts = [(w, 1.0) for w in divide(window, [1.0] * halves)]
@@ -210,9 +250,14 @@ def _scale(
         event.repeat.count or (2 if event.repeat.alternate else 1), window, 2 * _SHORTEST_SWING, builder
     )
     windows = [w for w, _ in _pair_windows(divide(window, [1.0] * (2 * count)))] if count > 1 else [window]
+    strength = event.strength
+    if event.amount is not None and event.amount.unit == "factor":
+        strength = find_strain_magnitude(event.amount)
+        if strength > MAGNITUDE_MAX:
+            builder.add_note(f"'{event.words}': more than the library's strongest force is calibrated for.")
     for part in windows:
         for axis in axes:
-            builder.add_action(event, ActionType.SCALE, axis, event.verb.sign * event.strength, part)
+            builder.add_action(event, ActionType.SCALE, axis, event.verb.sign * strength, part)
     kind = MotionKind.STRETCH if event.verb.sign > 0 else MotionKind.SQUEEZE
     seen = windows[0] if count > 1 else window
     builder.add_expectation(
@@ -245,22 +290,30 @@ def _strike(
     count = _limit_count(
         event.repeat.count or (2 if event.repeat.alternate else 1), window, _SHORTEST_SWING, builder
     )
+    strength = event.strength
+    effort = find_effort(event.amount, event.effect, builder.brief)
+    if effort is not None and event.amount is not None:
+        seconds = (window[1] - window[0]) * builder.brief.frame_dt / count
+        strength = effort * find_reference_seconds(builder.brief) / max(seconds, builder.brief.frame_dt)
+        if builder.anchored:
+            strength = find_held_magnitude(event.amount, event.effect, builder.brief) or strength
     for index, part in enumerate(divide(window, [1.0] * count)):
         sign = -1.0 if event.repeat.alternate and index % 2 else 1.0
         builder.add_action(
             event,
             ActionType.IMPULSE,
             scale(event.direction, sign),
-            event.strength,
+            strength,
             _make_impulse_window(part[0]),
         )
     if _needs_brake(event, after, builder) and count == 1:
         stop = _make_impulse_window(window[1] - _IMPULSE_FRAMES)
-        builder.add_action(event, ActionType.IMPULSE, scale(event.direction, -1.0), event.strength, stop)
+        builder.add_action(event, ActionType.IMPULSE, scale(event.direction, -1.0), strength, stop)
         builder.add_note("The object is free and would drift on: it is braked before what follows.")
-    if event.verb.gravity:
+    if event.verb.gravity and not builder.grounded:
         builder.enable_gravity(event.sources["action_type"].words, "what is thrown or jumps comes down again")
-    rises = builder.default_drop and dot(event.direction, builder.brief.directions.up) > 0.5
+    falls_back = builder.default_drop or (builder.grounded and not builder.anchored)
+    rises = falls_back and dot(event.direction, builder.brief.directions.up) > 0.5
     rise, fall = divide(window, [1.0, 1.0])
     builder.add_expectation(
         event,
@@ -271,7 +324,8 @@ def _strike(
         repeats=count,
         released=builder.anchored,
     )
-    if rises and not any(e.effect is Effect.FALL for e in after):
+    thrown = event.verb.gravity or builder.default_drop
+    if rises and thrown and not any(e.effect is Effect.FALL for e in after):
         builder.add_expectation(event, MotionKind.FALL, None, fall)
 
 
@@ -289,17 +343,12 @@ def _turn(
 ) -> None:
     assert event.direction is not None
     if not event.repeat.alternate:
-        strength = event.strength
-        if (event.repeat.count or 1) > 1:
-            strength = clamp(1.3 * strength, MAGNITUDE_MIN, MAGNITUDE_MAX)
-            builder.add_note("The number of turns is not controlled: it makes the rotation faster.")
-        acted = _add_steady(event, ActionType.TORQUE, event.direction, strength, window, after, builder)
+        acted = _add_steady(event, ActionType.TORQUE, event.direction, event.strength, window, after, builder)
         builder.add_expectation(
             event,
             MotionKind.ROTATE,
             event.direction,
             acted,
-            strength=strength,
             released=_is_released(event, window, after, builder),
         )
         return
@@ -334,17 +383,22 @@ def _roll(
 def _fall(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, before: list[Slot]
 ) -> None:
-    """Gravity from the first frame; a fall after other motion is a strong push downwards instead."""
+    """Gravity from the first frame; where there is none, a fall after other motion is a push downwards instead."""
     words = event.sources["action_type"].words
+    up = builder.brief.directions.up
+    if builder.gravity == "up":
+        builder.add_expectation(event, MotionKind.FALL, up, window)
+        return
     earlier = [e for slot in before for e in slot.events]
     thrown = all(e.effect in (Effect.STRIKE, Effect.JUMP, Effect.FALL, Effect.STILL) for e in earlier)
     if (
         (builder.default_drop or thrown)
-        and builder.gravity is not False
+        and builder.gravity != "none"
         and not any(e.effect is Effect.STILL for e in earlier)
     ):
-        builder.enable_gravity(words, "a falling object needs gravity")
-    else:
+        if not (builder.grounded and any(e.effect in _RAISING for e in earlier)):
+            builder.enable_gravity(words, "a falling object needs gravity")
+    elif not builder.grounded:
         builder.add_action(
             event, ActionType.TRANSLATION, builder.brief.directions.down, MAGNITUDE_MAX, window
         )
@@ -362,7 +416,8 @@ def _topple(
 ) -> None:
     """Gravity and a turn of the top towards the direction."""
     assert event.direction is not None
-    builder.enable_gravity(event.sources["action_type"].words, "a toppling object needs gravity")
+    if not builder.grounded:
+        builder.enable_gravity(event.sources["action_type"].words, "a toppling object needs gravity")
     axis = find_lean_axis(event.direction, builder.brief)
     builder.add_action(event, ActionType.TORQUE, axis, event.strength, window)
     builder.add_expectation(event, MotionKind.ROTATE, axis, window)

@@ -9,12 +9,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from physagent_jax.agents.rules.language.clauses import Clause, find_places, find_repeats, get_verb
+from physagent_jax.agents.rules.language.amounts import Target, find_target
+from physagent_jax.agents.rules.language.clauses import (
+    Clause,
+    find_excluded,
+    find_places,
+    find_repeats,
+    get_verb,
+)
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join, Names, Place, Repeat
+from physagent_jax.agents.rules.language.quantities import Quantity
+from physagent_jax.agents.rules.language.solids import Solid
 from physagent_jax.agents.rules.language.timing import TimeSpan
-from physagent_jax.agents.rules.language.verbs import PICTURE_PLANE_TURNS, VERBS, Effect, Verb
-from physagent_jax.agents.schema import SceneBrief
+from physagent_jax.agents.rules.language.verbs import PICTURE_PLANE_TURNS, TUMBLES, VERBS, Effect, Verb
+from physagent_jax.agents.schema import Amount, ObstacleRequest, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, cross, dot, normalise, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
@@ -22,6 +31,7 @@ from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region
 
 _WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 ASSUMED = "left"
+_SIDE_NAMES = frozenset({("left",), ("right",), ("up",), ("down",), ("toward",), ("away",)})
 
 
 @dataclass(frozen=True)
@@ -44,11 +54,17 @@ class Event:
             acts in all directions.
         strength: Magnitude in [0.4, 1.6].
         region: Part of the object; None = all of it.
+        part: The end that is named (unit vector towards it); None = none, or a part that is no end.
+        excludes_part: ``part`` is the one that is not meant.
+        amount: A quantity that the sentence names.
+        stays: It is to be held where it was brought.
+        obstacles: Solids that it meets.
         repeat: Count and alternation.
         when: Time that the sentence names.
         wind: A wind does it.
         sources: Where each value comes from.
         notes: Assumptions.
+        doubts: What was not understood and matters.
     """
 
     verb: Verb
@@ -58,11 +74,17 @@ class Event:
     direction: Vector | None
     strength: float
     region: Region | None = None
+    part: Vector | None = None
+    excludes_part: bool = False
+    amount: Amount | None = None
+    stays: bool = False
+    obstacles: tuple[ObstacleRequest, ...] = ()
     repeat: Repeat = Repeat()
     when: TimeSpan = TimeSpan()
     wind: bool = False
     sources: dict[str, ValueSource] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
 
     @property
     def effect(self) -> Effect:
@@ -86,6 +108,8 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         and _sways_in_wind(brief)
     ):
         verb, phrase = replace(VERBS["sway"], strength=verb.strength), "sway"
+    if verb.effect is Effect.FALL and any(repeat.alternate for repeat in find_repeats(clause)):
+        verb, phrase = VERBS["bob"], "bob"  # "bounces up and down"
     words = _quote(clause)
     strength, strength_source = _resolve_strength(clause, verb, before if clause.inherited else None)
     place = next(iter(find_places(clause)), None)
@@ -106,13 +130,20 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
     ):
         direction = scale(before.direction, -1.0)
         direction_source = replace(direction_source, why="back where it came from")
-    region, place_note = make_region(place, brief) if place else (None, "")
-    notes = [*notes, *([place_note] if place_note else [])]
-    notes += (
-        [f"Of several parts only '{clause.select(MentionKind.PLACE)[0].words}' is used."]
-        if len(find_places(clause)) > 1
-        else []
-    )
+    target, doubts = _resolve_amount(clause, verb, before)
+    if verb.effect is Effect.TURN and repeat.count is not None and not repeat.alternate and not target.amount:
+        # "spin three times" counts turns
+        target = Target(Amount(value=360.0 * repeat.count, unit="degrees"))
+        repeat = replace(repeat, count=None)
+    if target.everywhere:
+        verb, direction = replace(verb, effect=Effect.SWELL), None
+    elif target.names and not clause.select(MentionKind.DIRECTION, MentionKind.FROM):
+        verb = replace(verb, effect=Effect.SCALE)
+        direction = normalise(_sum_directions(target.names, brief))
+    whole_part, region_doubts = _resolve_part(clause, verb, place, brief)
+    region, part, excludes = whole_part
+    doubts += region_doubts
+    obstacles = tuple(resolve_obstacles(clause, direction, brief))
     sources = {
         "action_type": ValueSource(clause.words, f"'{phrase}' is a {verb.effect.value}"),
         "magnitude": strength_source,
@@ -130,12 +161,68 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         direction,
         strength,
         region,
+        part,
+        excludes,
+        target.amount,
+        clause.stays,
+        obstacles,
         repeat,
         when,
         any(get_verb(m).wind for m in (clause.cause, clause.verb) if m is not None),
         sources,
         tuple(notes),
+        tuple(doubts),
     )
+
+
+def _resolve_amount(clause: Clause, verb: Verb, before: Event | None) -> tuple[Target, list[str]]:
+    """The target that the clause's quantity sets, and what its quantities say that cannot be used."""
+    target, doubts = Target(None), []
+    for mention in clause.select(MentionKind.QUANTITY):
+        assert isinstance(mention.value, Quantity)
+        found = find_target(mention.value, verb, before.amount if before else None)
+        if found.amount is None or target.amount is not None:
+            doubts.append(f"'{mention.words}' is a quantity that nothing here is measured in.")
+        else:
+            target = found
+    return target, doubts
+
+
+def _resolve_part(
+    clause: Clause, verb: Verb, place: Place | None, brief: SceneBrief
+) -> tuple[tuple[Region | None, Vector | None, bool], list[str]]:
+    """(region, named end, whether that end is excepted), and what cannot be had."""
+    doubts = []
+    excluded = find_excluded(clause)
+    opposite = verb.effect is Effect.TURN and len({p.names for p in find_places(clause)} & _SIDE_NAMES) == 2
+    if len(find_places(clause)) + len(excluded) > 1 and not opposite:  # "one end against the other"
+        words = ", ".join(m.words for m in clause.select(MentionKind.PLACE, MentionKind.EXCLUDED))
+        doubts.append(f"Of several parts ({words}) only the first is used.")
+    if place is None and excluded:
+        except_names = excluded[0].names
+        end = normalise(_sum_directions(except_names, brief)) if except_names else None
+        if end is None:
+            words = clause.select(MentionKind.EXCLUDED)[0].words
+            return (None, None, False), [*doubts, f"All but '{words}' cannot be acted on."]
+        return (make_end_region(scale(end, -1.0), 1.0 - excluded[0].start), end, True), doubts
+    if place is None:
+        return (None, None, False), doubts
+    region, problem = make_region(place, brief)
+    if problem:
+        return (None, None, False), [*doubts, problem]
+    return (region, normalise(_sum_directions(place.names, brief)) if place.names else None, False), doubts
+
+
+def resolve_obstacles(clause: Clause, way: Vector | None, brief: SceneBrief) -> list[ObstacleRequest]:
+    """The walls and blocks that a clause names; those without a place of their own stand in the way."""
+    found = []
+    for mention in clause.select(MentionKind.SOLID):
+        solid = mention.value
+        assert isinstance(solid, Solid) and solid.kind
+        direction = normalise(_sum_directions(solid.names, brief)) if solid.names else way
+        if direction is not None:
+            found.append(ObstacleRequest(kind=solid.kind, direction=direction, words=mention.words))
+    return found
 
 
 def _sways_in_wind(brief: SceneBrief) -> bool:
@@ -206,6 +293,9 @@ def _resolve_direction(
         return *_resolve_turn_axis(clause, verb, phrase, brief, repeat), []
     told = clause.select(MentionKind.DIRECTION, MentionKind.FROM)
     lines = clause.select(MentionKind.AXIS, MentionKind.PLANE)
+    solids = [
+        m.value for m in clause.select(MentionKind.SOLID) if isinstance(m.value, Solid) and m.value.kind
+    ]
     if told:
         parts = []
         for mention, names in zip(told, _names(told)):
@@ -226,6 +316,13 @@ def _resolve_direction(
         total = normalise(_sum_directions(repeat.names, brief))
         source = ValueSource(clause.select(MentionKind.REPEAT)[0].words, "to and fro, this way first")
         repeat = replace(repeat, alternate=verb.effect is not Effect.SCALE)
+    elif solids and verb.effect in (Effect.PUSH, Effect.STRIKE, Effect.SCALE):
+        names = solids[0].names or (ASSUMED,)
+        total = normalise(_sum_directions(names, brief))
+        words = clause.select(MentionKind.SOLID)[0].words
+        source = ValueSource(words, "towards what is in the way")
+        if not solids[0].names:
+            return total, repeat, source, [f"'{words}': no side given, assumed {ASSUMED}."]
     elif place and place.names and verb.effect is Effect.STRIKE:
         total = normalise(scale(_sum_directions(place.names, brief), -1.0))
         source = ValueSource(
@@ -234,8 +331,11 @@ def _resolve_direction(
     else:
         return _assume_direction(clause, verb, brief, repeat)
     if verb.effect is Effect.TURN and told and total is not None:
-        total = _turn_towards(total, brief)
-        source = replace(source, why="the side that faces the viewer turns this way")
+        tumbles = phrase in TUMBLES and abs(dot(total, brief.directions.up)) < 0.7
+        total = find_lean_axis(total, brief) if tumbles else _turn_towards(total, brief)
+        source = replace(
+            source, why=f"{'the top' if tumbles else 'the side that faces the viewer'} turns this way"
+        )
     return total, repeat, source, []
 
 
@@ -350,12 +450,12 @@ def make_region(place: Place, brief: SceneBrief) -> tuple[Region | None, str]:
         up = brief.directions.up
         axis = max(range(3), key=lambda i: abs(up[i]))
         if abs(up[axis]) < 0.999:
-            return None, "The middle is not a box here (world up is oblique): the whole object is used."
+            return None, "The middle is not a box here, because world up is oblique to the axes."
         x, y, z = ((1 / 3, 2 / 3) if i == axis else (0.0, 1.0) for i in range(3))
         return BoxRegion(low=(x[0], y[0], z[0]), high=(x[1], y[1], z[1])), ""
     normal = normalise(_sum_directions(place.names, brief))
     if normal is None:
-        return None, "The part's directions cancel: the whole object is used."
+        return None, "The directions of the part that is named cancel."
     return make_end_region(normal, place.start), ""
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
+from physagent_jax.agents.rules.language.quantities import match_quantity
+from physagent_jax.agents.rules.language.solids import match_solid
 from physagent_jax.agents.rules.language.timing import match_time, parse_moment, parse_number
 from physagent_jax.agents.rules.language.tokens import tokenise
 
@@ -34,8 +36,13 @@ class MentionKind(enum.Enum):
     COMPARATIVE = enum.auto()  # float
     REPEAT = enum.auto()  # Repeat
     PLACE = enum.auto()  # Place
+    EXCLUDED = enum.auto()  # Place that is not meant
+    EXCEPT = enum.auto()  # None: what is not meant is not understood
     TIME = enum.auto()  # TimeSpan
-    GRAVITY = enum.auto()  # bool
+    QUANTITY = enum.auto()  # Quantity
+    ORDINAL = enum.auto()  # int: "the second time"
+    SOLID = enum.auto()  # Solid
+    GRAVITY = enum.auto()  # str: where to
     ANCHOR = enum.auto()  # str
     JOIN = enum.auto()  # Join
     NOT = enum.auto()  # None
@@ -82,6 +89,7 @@ def _build_lexicon() -> dict[str, list[tuple[tuple[str, ...], MentionKind, objec
         (MentionKind.INTENSITY, m.INTENSITIES),
         (MentionKind.DEGREE, m.DEGREES),
         (MentionKind.JOIN, m.JOINS),
+        (MentionKind.EXCEPT, dict.fromkeys(m.EXCEPTIONS)),
         (MentionKind.TIME, {phrase: parse_moment(phrase) for phrase in m.MOMENTS}),
         (MentionKind.NOT, dict.fromkeys(m.NEGATIONS)),
         (MentionKind.FUNCTION, dict.fromkeys(m.FUNCTION_PHRASES)),
@@ -115,6 +123,7 @@ class MentionParser:
         for at in range(len(self.tokens)):
             if at not in self._used:
                 self.mentions.append(self._parse(at))
+        self.mentions = _mark_exceptions(self.mentions)
 
     def _parse(self, at: int) -> Mention:
         token = self.tokens[at]
@@ -124,11 +133,72 @@ class MentionParser:
         if token.text in self._object_words and (token.lemma not in v.VERBS or self._after_determiner(at)):
             return self._make_mention(MentionKind.FUNCTION, None, token.text, [at])
         return (
-            self._match_place(at)
+            self._match_solid(at)
+            or self._match_floating(at)
+            or self._match_quantity(at)
+            or self._match_ordinal(at)
+            or self._match_place(at)
             or self._match_time_or_count(at)
             or self._match_phrase(at)
             or self._match_word(at)
         )
+
+    def _match_solid(self, at: int) -> Mention | None:
+        """A wall or block; what "hits" it only goes there."""
+        found = match_solid(self.tokens, at, self._object_words)
+        if found is None:
+            return None
+        solid, behind = found
+        if self.mentions and solid.kind:
+            self._turn_collision(at)
+        used = [index for index in range(at, behind) if index not in self._used]
+        if not solid.kind:  # "between two plates"
+            return self._make_mention(MentionKind.FUNCTION, None, "plates", used)
+        return self._make_mention(MentionKind.SOLID, solid, "solid", used)
+
+    def _turn_collision(self, at: int) -> None:
+        """Makes "hits a wall", "bounces off the wall" the way there: no blow."""
+        index = len(self.mentions) - 1
+        while index >= 0 and self.mentions[index].kind is MentionKind.FUNCTION:
+            index -= 1
+        verb, between = self.mentions[index], self.mentions[index + 1 :]
+        if index < 0 or not isinstance(verb.value, v.Verb) or verb.value.gravity:
+            return
+        strikes = verb.value.effect in (v.Effect.STRIKE, v.Effect.FALL)
+        if not strikes or any(e.phrase in _AGAINST | self._object_words for e in between):
+            return
+        if any(e.kind in (MentionKind.VERB, MentionKind.CAUSE) for e in self.mentions[:index]):
+            self.mentions[index] = replace(verb, kind=MentionKind.FUNCTION, value=None)
+        else:
+            self.mentions[index] = replace(verb, value=v.VERBS["move"], phrase="move")
+
+    def _match_floating(self, at: int) -> Mention | None:
+        """An adjective: "the floating robot" is weightless; elsewhere it is what happens."""
+        adjective = self.tokens[at].text in ("floating", "hovering") and self._after_determiner(at)
+        if adjective and self._get_text(at + 1) in self._object_words:
+            return self._make_mention(MentionKind.GRAVITY, "none", self.tokens[at].text, [at])
+        return None
+
+    def _match_quantity(self, at: int) -> Mention | None:
+        found = match_quantity(self.tokens, at)
+        if found is None:
+            return None
+        quantity, behind = found
+        used = [index for index in range(at, behind) if index not in self._used]
+        if quantity.dimension == "strength":
+            return self._make_mention(MentionKind.COMPARATIVE, quantity.value, "as strong", used)
+        return self._make_mention(MentionKind.QUANTITY, quantity, "quantity", used)
+
+    def _match_ordinal(self, at: int) -> Mention | None:
+        """Reads "the second time", "the second harder": one of several strokes."""
+        order = {"second": 2, "third": 3, "last": -1}.get(self._get_text(at))
+        if order is None or self._get_text(at - 1) != "the":
+            return None
+        after = self._get_text(at + 1)
+        counted = after in ("time", "one") and self._get_text(at - 2) != "for"
+        if counted or after in m.COMPARATIVES or after in m.INTENSITIES or after in ("more", "much"):
+            return self._make_mention(MentionKind.ORDINAL, order, "ordinal", [at, at + 1][: 1 + counted])
+        return None
 
     def _match_place(self, at: int) -> Mention | None:
         """Places and directions that share words: "the left arm", "its upper half", "the top", "from the front"."""
@@ -178,6 +248,11 @@ class MentionParser:
             # A count beyond any clip's frames means nothing more than "very often".
             repeat = m.Repeat(int(min(max(counted[0], 1), 1000)))
             return self._make_mention(MentionKind.REPEAT, repeat, "times", list(range(at, counted[1] + 1)))
+        if counted and counted[0] > 1 and counted[1] < len(self.tokens):
+            thing = self.tokens[counted[1]]  # "three gusts", "two kicks"
+            if thing.text.endswith("s") and (thing.lemma in v.VERBS or thing.text in v.CAUSES):
+                repeat = m.Repeat(int(min(counted[0], 1000)))
+                return self._make_mention(MentionKind.REPEAT, repeat, "times", list(range(at, counted[1])))
         return None
 
     def _match_phrase(self, at: int) -> Mention | None:
@@ -188,7 +263,9 @@ class MentionParser:
         matches = [(e, used) for e, used in matches if not self._is_noun(e, at)]
         if not matches:
             return None
-        (words, kind, value), used = max(matches, key=lambda match: len(match[0][0]))
+        (words, kind, value), used = max(
+            matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0])
+        )
         if kind is MentionKind.DIRECTION and (
             self._get_preposition(at) == "from" or self._locates_cause(words)
         ):
@@ -238,11 +315,17 @@ class MentionParser:
             "forth",
         ):
             return True  # "swings back and forth" does not swing back
+        if phrase.endswith(" over") and self._goes_over_and_over(at):
+            return True  # "push it over and over" does not push it over
         if kind is not MentionKind.VERB or len(words) > 1:
             return False
         if text in v.CAUSES:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
             return before in _DETERMINERS or before in m.INTENSITIES or self._get_text(at - 2) in ("a", "an")
         return phrase in v.NOUNS_AFTER_THE and before in ("the", "its", "a")
+
+    def _goes_over_and_over(self, at: int) -> bool:
+        texts = [token.text for token in self.tokens[at : at + LONGEST_GAP + 6]]
+        return any(texts[i : i + 3] == ["over", "and", "over"] for i in range(len(texts)))
 
     def _locates_cause(self, words: tuple[str, ...]) -> bool:
         """Whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
@@ -275,6 +358,49 @@ class MentionParser:
         """The word before, past a determiner."""
         before = at - 2 if self._after_determiner(at) else at - 1
         return self._get_text(before)
+
+
+_AGAINST = frozenset({"against", "into", "at", "onto", "on", "off"})
+
+
+def _mark_exceptions(mentions: list[Mention]) -> list[Mention]:
+    """Makes the place in "except the head", "but not the head", "everything but the head" an excluded one."""
+    result: list[Mention] = []
+    at = 0
+    while at < len(mentions):
+        mention = mentions[at]
+        place = _find_exception(mentions, at)
+        if place is None:
+            result.append(mention)
+            at += 1
+            continue
+        result.append(replace(mentions[place], kind=MentionKind.EXCLUDED))
+        at = place + 1
+    return result
+
+
+def _find_exception(mentions: list[Mention], at: int) -> int | None:
+    """Index of the excluded place if an exception begins at ``at``."""
+    mention = mentions[at]
+    contrasts = mention.kind is MentionKind.JOIN and mention.value is m.Join.BUT
+    if mention.kind is not MentionKind.EXCEPT and not contrasts:
+        return None
+    behind = at + 1
+    negated = False
+    while behind < len(mentions) and mentions[behind].kind in (MentionKind.FUNCTION, MentionKind.NOT):
+        negated = negated or mentions[behind].kind is MentionKind.NOT
+        behind += 1
+    if behind >= len(mentions) or mentions[behind].kind is not MentionKind.PLACE:
+        return None
+    if not contrasts:
+        return behind
+    segment = [e for e in mentions[:at] if e.kind in (MentionKind.FUNCTION, MentionKind.JOIN)]
+    joins = [i for i, e in enumerate(segment) if e.kind is MentionKind.JOIN]
+    whole = any(e.phrase in m.WHOLE_WORDS for e in segment[joins[-1] + 1 if joins else 0 :])
+    after = mentions[behind + 1] if behind + 1 < len(mentions) else None
+    if whole and not negated:
+        return behind
+    return behind if negated and (after is None or after.kind is MentionKind.JOIN) else None
 
 
 def find_mentions(prompt: str, object_words: frozenset[str]) -> list[Mention]:

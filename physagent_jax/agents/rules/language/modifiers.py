@@ -120,7 +120,7 @@ PLANES: dict[str, Names] = _spread(
 SIDES: dict[str, bool] = _spread(
     {
         "sides, both sides, both ends, left and right sides, opposite sides, opposite ends, "
-        "opposite directions, either side, two sides": False,
+        "opposite directions, both directions, either side, two sides": False,
         "all sides, every side, all directions, every direction, outward, outwards, inward, inwards": True,
     }
 )
@@ -148,7 +148,6 @@ INTENSITIES: dict[str, float] = _spread(
         "calmly, carefully, tender, tenderly": 0.5,
         "slowly, slow, lazily, leisurely": 0.6,
         "moderate, moderately, somewhat, medium": 0.8,
-        "a quarter turn, quarter of a turn, a quarter of a turn": 1.0,
         "quickly, quick, fast, rapidly, rapid, swiftly, swift, briskly": 1.3,
         "strong, strongly, hard, firmly, firm, heavily, forcefully, forceful, powerfully, "
         "powerful, big, much, severely, severe, vigorously, vigorous, a lot, far, intense, "
@@ -157,8 +156,7 @@ INTENSITIES: dict[str, float] = _spread(
         "violently, violent, fiercely, fierce, extremely strong, extreme, brutally, brutal, "
         "furiously, furious, wildly, wild, massive, massively, tremendous, enormous, huge, "
         "ferocious, with all its force, completely, hugely, ferociously, drastically, immense, "
-        "as hard as possible, with full force, half a turn, a half turn, a full turn, "
-        "one full turn, a whole turn, dramatically, enormously": MAGNITUDE_MAX,
+        "as hard as possible, with full force, dramatically, enormously": MAGNITUDE_MAX,
     }
 )
 DEGREES: dict[str, float] = _spread(
@@ -184,7 +182,8 @@ REPEATS: dict[str, Repeat] = _spread(
         "once": Repeat(1),
         "repeatedly, again and again, several times, a few times, many times, multiple times, "
         "a couple of times, over and over, over and over again": Repeat(3),
-        "back and forth, to and fro, alternating, alternatingly, alternately, rhythmically, "
+        "changing direction, changes direction, back and forth, to and fro, alternating, "
+        " alternatingly, alternately, rhythmically, "
         "periodically, and back, and back again": Repeat(None, alternate=True),
         "side to side, left and right, left and then right, from left to right and back, "
         "from side to side, left to right and back": Repeat(None, True, ("left",)),
@@ -239,11 +238,45 @@ PART_ADJECTIVES: dict[str, Names] = _spread(
     }
 )
 
-GRAVITY: dict[str, bool] = _spread(
+# Where gravity acts to, as far as the words say: `agents.schema.WorldRequest.gravity`.
+GRAVITY: dict[str, str] = _spread(
     {
         "gravity, own weight, its weight, from a height, from height, from high up, from the sky, "
-        "from a great height, free fall": True,
-        "weightless, weightlessly, weightlessness, zero gravity, in space, outer space, in zero g": False,
+        "from a great height, free fall": "down",
+        "weightless, weightlessly, weightlessness, zero gravity, in space, outer space, in zero g, "
+        "in mid air, in midair, held in the air, hold ~ in the air, floating in the air, gravity off, "
+        "gravity is off, gravity is switched off, gravity is turned off, turn off gravity, "
+        "switch off gravity": "none",
+        "gravity is reversed, gravity reversed, reversed gravity, reverse gravity, reverse the gravity, "
+        "gravity is inverted, inverted gravity, gravity is upside down, gravity upside down, "
+        "gravity points up, gravity points upward, gravity points upwards, gravity acts upward, "
+        "gravity acts upwards, gravity is flipped, negative gravity, "
+        "turn gravity upside down, turn the gravity upside down, "
+        "flip gravity, flip the gravity, invert gravity, invert the gravity": "up",
+    }
+)
+OPPOSITE_GRAVITY = {"down": "none", "none": "down", "up": "down"}
+GROUND_WORDS = frozenset({"ground", "floor"})  # "no ground"
+# Solids that a sentence names: `agents.schema.ObstacleRequest.kind`. Blocks only where something goes against them.
+OBSTACLES: dict[str, str] = _spread(
+    {
+        "wall, obstacle, barrier, fence, barricade, ceiling": "wall",
+        "block, box, brick, crate, step, rock, stone": "block",
+    }
+)
+# What goes before "but" or an exception when all the rest is meant.
+WHOLE_WORDS = frozenset({"everything", "all", "whole", "entire", "rest"})
+EXCEPTIONS = frozenset(
+    {
+        "except",
+        "except for",
+        "excepting",
+        "excluding",
+        "apart from",
+        "aside from",
+        "other than",
+        "save for",
+        "with the exception of",
     }
 )
 ANCHORS: dict[str, str] = _spread(
@@ -254,7 +287,7 @@ ANCHORS: dict[str, str] = _spread(
         "anchored at the base": "base",
         "hanging from the ceiling, fixed at the top, held at the top, fixed at its top": "top",
         "unattached, detached, free floating, freely floating, unanchored, loose, free, freely, "
-        "unsupported": "none",
+        "unsupported, out of the ground, out of its pot, out of the pot, out of the soil": "none",
     }
 )
 
@@ -277,6 +310,9 @@ NEGATIONS = frozenset(
 )
 
 UNITS: dict[str, str] = {
+    "ms": "millisecond",
+    "millisecond": "millisecond",
+    "milliseconds": "millisecond",
     "second": "second",
     "seconds": "second",
     "sec": "second",
@@ -338,8 +374,10 @@ FUNCTION_WORDS = frozenset(
         "hammer ball foot feet rope string invisible giant "
         "between two three object thing model subject scene video clip camera viewer axis direction side way bit "
         "ground floor table "
-        "ceiling sky wall place motion movement effect shape position body part end ends rest time times "
-        "seconds frame frames degrees whole entire entirely original straight directly toward towards much suddenly s t"
+        "ceiling sky wall walls plate plates "
+        "place motion movement effect shape position body part end ends rest time times "
+        "seconds frame frames degrees whole entire entirely original straight directly toward towards much "
+        "suddenly s t per percent"
     ).split()
 )
 FUNCTION_PHRASES = frozenset(

@@ -1,17 +1,28 @@
-"""When each event happens: a sequence divides the clip, an overlay shares its neighbour's window."""
+"""When each event happens, and how long the clip has to be for that.
+
+An overlay shares its neighbour's window. A sequence gets a second and a half for each of its steps, more where a
+quantity or a count needs it, and the clip grows with it; a clip of a fixed length is divided instead.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
+from physagent_jax.agents.rules.language.amounts import find_effort, find_span
 from physagent_jax.agents.rules.language.events import Event
 from physagent_jax.agents.rules.language.modifiers import Join
 from physagent_jax.agents.rules.language.verbs import Effect
+from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.agents.vectors import clamp, dot
 
 Window = tuple[float, float]
 _STILL_SHARE = 0.5  # stillness at the end needs less of the clip than what comes before it
 _SMALLEST_SHARE = 0.1  # of a run of events, kept for those without a told length
+STEP = 1.5  # [s] that a step of a sequence takes, and settling
+_STROKE = 0.75  # [s] that each of several strokes or swings takes at least
+_REST = 0.5  # [s] after a motion by a quantity, in which it is seen to be reached
+LONGEST = 10.0  # [s] of a clip that a sentence can ask for
 
 
 @dataclass
@@ -21,23 +32,43 @@ class Slot:
     Attributes:
         events: The events, the first one leading.
         start, length: Told by the sentence [frames]; None = by share.
+        need: What it takes at least [frames].
         window: Filled by `schedule` [frames].
     """
 
     events: list[Event]
     start: float | None
     length: float | None
+    need: float = 0.0
     window: Window = (0.0, 0.0)
 
 
-def schedule(events: list[Event], frame_count: int, frame_dt: float) -> list[Slot]:
-    """Groups events into slots and divides the clip among them.
+def schedule(events: list[Event], brief: SceneBrief, anchored: bool) -> tuple[list[Slot], int, list[str]]:
+    """Groups events into slots and finds their windows.
 
     Slots with a told start begin there; between two such starts, told lengths are kept (shortened if
     they do not fit) and the rest is shared. The last window ends with the clip unless its length was told.
+
+    Returns:
+        The slots, the number of frames that the clip needs (the brief's if that suffices or is fixed), and notes.
     """
+    frame_count, notes = brief.frame_count, []
+    if not brief.frames_fixed:
+        slots = _group_slots(events, brief, math.inf)
+        _find_needs(slots, brief, anchored)
+        most = max(int(LONGEST / brief.frame_dt), frame_count)
+        needed = max(frame_count, math.ceil(_find_end(slots, brief)) + 1)
+        if needed > most:
+            notes.append(f"The clip is {LONGEST:g} s long at most: what does not fit is shortened.")
+        frame_count = min(needed, most)
+    brief = brief.model_copy(update={"frame_count": frame_count})
     last = float(frame_count - 1)
-    slots = _group_slots(events, frame_count, frame_dt)
+    slots = _group_slots(events, brief, last)
+    if not brief.frames_fixed:
+        _find_needs(slots, brief, anchored)
+        for slot in slots:
+            if slot.length is None and _is_dosed(slot, brief, anchored):
+                slot.length = min(slot.need, last)
     first = 0
     while first < len(slots):
         run_end = next((i for i in range(first + 1, len(slots)) if slots[i].start is not None), len(slots))
@@ -45,12 +76,63 @@ def schedule(events: list[Event], frame_count: int, frame_dt: float) -> list[Slo
         end = slots[run_end].start if run_end < len(slots) else None
         _share(slots[first:run_end], begin, last if end is None else end)
         first = run_end
-    return slots
+    return slots, frame_count, notes
 
 
-def _group_slots(events: list[Event], frame_count: int, frame_dt: float) -> list[Slot]:
-    """One slot per step of the sequence; told starts that run backwards are ignored."""
-    last = float(frame_count - 1)
+def _is_dosed(slot: Slot, brief: SceneBrief, anchored: bool) -> bool:
+    """Whether it should end early, so that what it brought about is seen to last."""
+    event = slot.events[0]
+    moves = event.effect in (Effect.PUSH, Effect.TURN, Effect.LEAN)
+    measured = event.stays or find_effort(event.amount, event.effect, brief) is not None
+    return (
+        moves and measured and not anchored and not event.repeat.alternate and (event.repeat.count or 1) == 1
+    )
+
+
+def _find_needs(slots: list[Slot], brief: SceneBrief, anchored: bool) -> None:
+    """What each slot takes at least [frames]: told lengths as they are, steps of a sequence `STEP`."""
+    for slot in slots:
+        seconds = 0.0
+        for event in slot.events:
+            usual = (
+                STEP if len(slots) > 1 or event.stays else min(brief.frame_dt * (brief.frame_count - 1), 2.0)
+            )
+            seconds = max(seconds, usual, _STROKE * _count_strokes(event))
+            effort = find_effort(event.amount, event.effect, brief)
+            if effort is not None and not anchored:
+                seconds = max(find_span(effort, STEP, brief), STEP if len(slots) > 1 else 0.0)
+        slot.need = slot.length if slot.length is not None else seconds / brief.frame_dt
+
+
+def _count_strokes(event: Event) -> int:
+    if event.effect is Effect.SWAY or event.repeat.alternate:
+        return event.repeat.count or event.verb.cycles
+    return event.repeat.count or 1
+
+
+def _find_end(slots: list[Slot], brief: SceneBrief) -> float:
+    """Frame at which all is over: what is let go, held or stopped by a quantity takes some time yet."""
+    at = 0.0
+    for slot in slots:
+        at = max(at, slot.start if slot.start is not None else at) + slot.need
+    if not slots:
+        return at
+    leading = slots[-1].events[0]
+    rest = STEP if leading.stays else _REST if leading.amount else 0.0
+    blow = leading.effect is Effect.STRIKE and slots[-1].start is not None
+    return at + (max(rest, STEP) if blow and slots[-1].length is not None else rest) / brief.frame_dt
+
+
+def _group_slots(events: list[Event], brief: SceneBrief, last: float) -> list[Slot]:
+    """One slot per step of the sequence; told starts that run backwards are ignored.
+
+    Args:
+        events: In their order.
+        brief: The scene.
+        last: The clip's last frame; infinity while its length is still to be found.
+    """
+    frame_count, frame_dt = brief.frame_count, brief.frame_dt
+    clip_end = float(frame_count - 1)
     slots: list[Slot] = []
     latest = 0.0
     for index, event in enumerate(events):
@@ -60,7 +142,7 @@ def _group_slots(events: list[Event], frame_count: int, frame_dt: float) -> list
         start = event.when.start.to_frames(frame_count, frame_dt) if event.when.start else None
         length = event.when.length.to_frames(frame_count, frame_dt) if event.when.length else None
         if start is not None:
-            start = clamp(last + start if start < 0 else start, 0.0, max(last - 1.0, 0.0))
+            start = clamp(clip_end + start if start < 0 else start, 0.0, max(last - 1.0, 0.0))
             start = start if start > latest or not slots else None
             latest = start if start is not None else latest
         slots.append(Slot([event], start, None if length is None else clamp(length, min(1.0, last), last)))
@@ -100,18 +182,21 @@ def _share(slots: list[Slot], begin: float, end: float) -> None:
     told = sum(slot.length for slot in slots if slot.length is not None)
     room = span * (1.0 - _SMALLEST_SHARE * min(len(free), 5)) if free else span
     shrink = min(1.0, room / told) if told > 0 else 1.0
-    weights = sum(_weight(slot) for slot in free)
+    weights = sum(_weight(slot, free) for slot in free)
     at = begin
     for slot in slots:
         if slot.length is None:
-            size = (span - told * shrink) * _weight(slot) / weights
+            size = (span - told * shrink) * _weight(slot, free) / weights
         else:
             size = slot.length * shrink
         slot.window = (at, at + size)
         at += size
 
 
-def _weight(slot: Slot) -> float:
+def _weight(slot: Slot, free: list[Slot]) -> float:
+    """Its share: by need where the clip's length follows from needs."""
+    if all(each.need > 0.0 for each in free):
+        return slot.need
     return _STILL_SHARE if all(e.effect is Effect.STILL for e in slot.events) else 1.0
 
 

@@ -12,14 +12,19 @@ BRIEF = 0.15  # of the clip: "briefly"
 
 @dataclass(frozen=True)
 class Duration:
-    """A length of time in "second", "frame" or "clip" (fraction of the whole)."""
+    """A length of time in "second", "millisecond", "frame" or "clip" (fraction of the whole)."""
 
     value: float
     unit: str
 
     def to_frames(self, frame_count: int, frame_dt: float) -> float:
         """The same in frames; the clip's last frame is ``frame_count - 1``."""
-        per_unit = {"second": 1.0 / frame_dt, "frame": 1.0, "clip": float(frame_count - 1)}
+        per_unit = {
+            "second": 1.0 / frame_dt,
+            "millisecond": 0.001 / frame_dt,
+            "frame": 1.0,
+            "clip": float(frame_count - 1),
+        }
         return self.value * per_unit[self.unit]
 
 
@@ -95,26 +100,39 @@ def _parse_quantity(tokens: list[Token], at: int) -> tuple[Duration, int] | None
 
 def _parse_moment(tokens: list[Token], at: int) -> tuple[Duration, int] | None:
     """Reads "frame 10" or a quantity."""
-    if _get_word(tokens, at) == "frame" and (counted := parse_number(tokens, at + 1)):
-        return Duration(counted[0], "frame"), counted[1]
-    return _parse_quantity(tokens, at)
+    named = UNITS.get(_get_word(tokens, at))
+    if named and named != "clip" and (counted := parse_number(tokens, at + 1)):
+        return Duration(counted[0], named), counted[1]  # "frame 10", "second 1"
+    return _parse_quantity(tokens, _skip_symbol(tokens, at))
+
+
+def _skip_symbol(tokens: list[Token], at: int) -> int:
+    """Past "t" and "time" in "at t = 1 s"."""
+    return at + (_get_word(tokens, at) in ("t", "time"))
 
 
 def _parse_span(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
-    """Reads "from frame 10 to 20", "between 1 and 2 seconds"."""
-    first_at = at + 1 + (_get_word(tokens, at + 1) in ("frame", "frames", "second"))
+    """Reads "from frame 10 to 20", "between 1 and 2 seconds", "from t = 0.5 s to t = 1 s", "from 1 s on"."""
+    first_at = _skip_symbol(tokens, at + 1)
+    first_at += _get_word(tokens, first_at) in ("frame", "frames", "second")
     first = parse_number(tokens, first_at)
     if first is None or _get_word(tokens, at) not in ("from", "between"):
         return None
-    middle = first[1] + (_get_word(tokens, first[1]) in UNITS)
-    if _get_word(tokens, middle) not in ("to", "and", "until"):
+    early = UNITS.get(_get_word(tokens, first[1]))
+    middle = first[1] + (early is not None)
+    named = UNITS.get(_get_word(tokens, first_at - 1))
+    if _get_word(tokens, middle) in ("on", "onward", "onwards") and (early or named):
+        return TimeSpan(start=Duration(first[0], early or named or "second")), middle + 1
+    if _get_word(tokens, middle) not in ("to", "and", "until", "till"):
         return None
-    second = parse_number(tokens, middle + 1 + (_get_word(tokens, middle + 1) in ("frame", "second")))
+    second_at = _skip_symbol(tokens, middle + 1)
+    second = parse_number(tokens, second_at + (_get_word(tokens, second_at) in ("frame", "second")))
     unit = UNITS.get(_get_word(tokens, second[1])) if second else None
-    named = UNITS.get(_get_word(tokens, at + 1))
-    if second is None or not (unit or named) or second[0] <= first[0]:
+    if second is None or not (unit or named or early) or second[0] <= first[0]:
         return None
-    amounts = [Duration(value, unit or named or "frame") for value in (first[0], second[0] - first[0])]
+    amounts = [
+        Duration(value, unit or named or early or "frame") for value in (first[0], second[0] - first[0])
+    ]
     return TimeSpan(*amounts), second[1] + (unit is not None)
 
 

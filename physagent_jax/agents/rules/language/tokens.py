@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from physagent_jax.agents.rules.language.verbs import IRREGULAR_FORMS, VERBS
 
 # A word with its contraction, a number, or a mark of punctuation that can end a clause.
-_TOKEN = re.compile(r"\d{1,9}(?:\.\d{1,9})?|[^\W\d_]+(?:'[^\W\d_]+)?|[,;.!?:\n\u2014\u2013]")
+_TOKEN = re.compile(r"\d{1,9}(?:\.\d{1,9})?|[^\W\d_]+(?:'[^\W\d_]+)?|[,;.!?:\n\u2014\u2013%\u00b0/]")
+_SIGNS = {"%": "percent", "\u00b0": "degrees", "/": "per"}
 _VOWELS = "aeiou"
 
 
@@ -45,7 +46,7 @@ def tokenise(prompt: str) -> list[Token]:
         word, _, suffix = match.group().partition("'")
         negated = suffix == "t" and word.endswith("n")
         word = word[:-1] if negated else word
-        word = {"ca": "can", "wo": "will"}.get(word, word) if negated else word
+        word = {"ca": "can", "wo": "will"}.get(word, word) if negated else _SIGNS.get(word, word)
         tokens.append(Token(word, FORMS.get(word, word), match.start(), match.end(), suffix == "s"))
         if negated:
             tokens.append(Token("not", "not", match.start(), match.end()))

@@ -84,7 +84,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     ("lift, raise, rise, hoist, elevate, ascend, climb, pick up, pick ~ up", Verb(_D.PUSH, direction="up")),
     ("float, levitate, hover", Verb(_D.PUSH, strength=0.5, direction="up")),
     ("soar, take off", Verb(_D.PUSH, strength=1.3, direction="up")),
-    ("lower, sink, descend", Verb(_D.PUSH, direction="down")),
+    ("lower, sink, descend, set down, set ~ down, put down, put ~ down", Verb(_D.PUSH, direction="down")),
     # the upper end goes somewhere
     ("bend, lean, tilt, tip, droop", Verb(_D.LEAN)),
     ("bow, slump", Verb(_D.LEAN, direction="toward")),
@@ -154,7 +154,8 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     # states
     (
         "hold, fix, anchor, clamp, pin, attach, glue, nail, bolt, root, fasten, tie, stick, "
-        "secure, mount, hold ~ in place, keep ~ in place, keep ~ fixed, hold ~ fixed, "
+        "secure, mount, hold ~ there, keep ~ there, hold ~ that way, keep ~ that way, "
+        "hold ~ in place, keep ~ in place, keep ~ fixed, hold ~ fixed, "
         "hold ~ still, keep ~ still",
         Verb(_D.HOLD),
     ),
@@ -275,6 +276,8 @@ CAUSES = _build_table(_CAUSE_ROWS)
 
 # Verbs whose clockwise is meant in the picture plane; the others turn about the vertical, seen from above.
 PICTURE_PLANE_TURNS = frozenset({"rotate", "revolve", "flip", "tumble", "cartwheel", "somersault", "roll"})
+# Their direction is where the top goes.
+TUMBLES = frozenset({"flip", "tumble", "somersault", "cartwheel", "turn over", "turn ~ over"})
 # After "the", these are things rather than verbs ("the rock rocks").
 NOUNS_AFTER_THE = frozenset(
     {

@@ -1,0 +1,171 @@
+"""What a sentence says beyond the grammar: words, things and comparisons that would change the motion.
+
+What is found here keeps a run from being called a success. Words that only decorate (an adjective of the object, who
+acts) are no doubt.
+"""
+
+from __future__ import annotations
+
+from physagent_jax.agents.rules.language.clauses import Clause
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.modifiers import PARTS
+from physagent_jax.agents.rules.language.verbs import CAUSES
+from physagent_jax.agents.schema import SceneBrief
+
+DETERMINERS = frozenset({"the", "a", "an", "this", "that", "my", "your", "its", "his", "her", "their"})
+# Parts that no direction tells the place of; "the handle" is never the object.
+UNPLACED_PARTS = frozenset(
+    (
+        "handle handles knob knobs lid button buttons screw screws tail string strings strap spout door lever hook "
+        "horn horns finger fingers nose mouth beak paw paws tooth teeth thumb elbow knee knees rim cap sleeve cord "
+        "chain zip label sticker"
+    ).split()
+)
+# Other things, when something is done to them; elsewhere they are who or what acts.
+THINGS = frozenset({"ball", "hammer", "rope", "string", "stick"})
+_LEAST_WORDS, _MOST_UNKNOWN = 3, 0.5
+_PAIRS = frozenset({"two", "three", "four", "both", "several"})
+
+
+def list_unknown(
+    mentions: list[Mention], names: frozenset[str], brief: SceneBrief
+) -> tuple[list[str], list[str]]:
+    """Unknown content words, and notes; a noun is taken for the object if the sentence does not name it otherwise."""
+    named = any(mention.phrase in names for mention in mentions)
+    unknown: list[str] = []
+    taken: list[str] = []
+    for index, mention in enumerate(mentions):
+        word = mention.phrase
+        if mention.kind is not MentionKind.UNKNOWN or word in unknown or word in names:
+            continue
+        before = _phrase(mentions, index - 1)
+        if _describes_part(mentions, index) or word in UNPLACED_PARTS:
+            unknown.append(word)
+        elif word.isalpha() and (before in taken or not (named or taken) and before in DETERMINERS):
+            taken.append(word)  # "the castle", "the sand castle"
+        elif word not in taken and not _decorates(mentions, index, names):
+            unknown.append(word)
+    notes = [f"'{' '.join(taken)}' is taken to be the object ({brief.object_name})."] if taken else []
+    return unknown, notes
+
+
+def is_mostly_unknown(mentions: list[Mention], unknown: list[str]) -> bool:
+    """Whether so little was understood that what was is probably misunderstood: another language, say."""
+    words = [
+        mention for mention in mentions if mention.kind is not MentionKind.JOIN or mention.words.isalpha()
+    ]
+    return len(words) >= _LEAST_WORDS and len(unknown) >= _MOST_UNKNOWN * len(words)
+
+
+def find_doubts(
+    mentions: list[Mention], names: frozenset[str], unknown: list[str], clauses: list[Clause]
+) -> list[str]:
+    """Plain sentences about what was not understood and would change the motion."""
+    doubts = [f"'{word}' is not understood." for word in unknown]
+    named = any(mention.phrase in names for mention in mentions)
+    for index, mention in enumerate(mentions):
+        before = _phrase(mentions, index - 1)
+        following = mentions[index + 1] if index + 1 < len(mentions) else None
+        if mention.form == "like" and before not in ("would", "d", "i") and not _names_cause(mentions, index):
+            doubts.append("What comes after 'like' is a comparison, and comparisons are not understood.")
+        elif (
+            mention.form == "way" and before == "the" and _phrase(mentions, index - 2) not in ("all", "half")
+        ):
+            doubts.append("'the way' of doing it is not understood.")
+        elif mention.kind is MentionKind.EXCEPT:
+            doubts.append(f"What '{mention.words}' leaves out is not understood.")
+        elif mention.form in ("apart", "together") and _phrase(mentions, index - 1) in names | THINGS:
+            doubts.append(f"What goes '{mention.form}' is more than one object.")
+        elif mention.phrase in names and before in _PAIRS:
+            doubts.append(f"There is only one object here, not '{before} {mention.words}'.")
+        elif (
+            mention.phrase in UNPLACED_PARTS and mention.phrase not in names and _is_acted_on(mentions, index)
+        ):
+            doubts.append(f"Where the '{mention.words}' of the object is, is not known.")
+        elif (
+            mention.phrase in THINGS
+            and named
+            and mention.phrase not in names
+            and _is_acted_on(mentions, index)
+        ):
+            doubts.append(f"'{mention.words}' is another thing, and there is only one object here.")
+        elif mention.form in ("second", "third", "fourth", "fifth", "last") and following is not None:
+            if following.kind is MentionKind.PLACE or following.phrase in UNPLACED_PARTS | frozenset(PARTS):
+                doubts.append(f"Which part '{mention.form} {following.words}' is, is not known.")
+    doubts += [f"What '{m.words}' counts is not understood." for m in _loose_quantities(mentions, clauses)]
+    return list(dict.fromkeys(doubts))
+
+
+def _loose_quantities(mentions: list[Mention], clauses: list[Clause]) -> list[Mention]:
+    """Quantities that no clause with a verb has taken up."""
+    used = [m for clause in clauses if clause.head is not None for m in clause.modifiers]
+    used += [m for clause in clauses if clause.verb is not None for m in clause.mentions]
+    return [
+        m for m in mentions if m.kind is MentionKind.QUANTITY and not any(m.first == u.first for u in used)
+    ]
+
+
+def _describes_part(mentions: list[Mention], index: int) -> bool:
+    """Whether a word tells which part: "the red part", "the blue corner"."""
+    following = mentions[index + 1] if index + 1 < len(mentions) else None
+    if following is None or _phrase(mentions, index - 1) not in DETERMINERS:
+        return False
+    return (
+        following.kind is MentionKind.PLACE
+        or following.phrase in PARTS
+        or following.phrase in ("part", "end")
+    )
+
+
+def _decorates(mentions: list[Mention], index: int, names: frozenset[str]) -> bool:
+    """Whether a word changes nothing: an adjective of the object, or who acts ("by a crane", "the baker presses")."""
+    before = _phrase(mentions, index - 1)
+    behind = index + 1
+    while behind < len(mentions) and mentions[behind].kind is MentionKind.UNKNOWN:
+        behind += 1
+    after = mentions[behind] if behind < len(mentions) else None
+    if before in DETERMINERS and after is not None and after.phrase in names:
+        return True  # "the old robot"
+    first = index
+    while first > 0 and _is_adjective(mentions[first - 1]):
+        first -= 1
+    determined = _phrase(mentions, first - 1) in DETERMINERS | {"two", "three", "some"}
+    if determined and _phrase(mentions, first - 2) == "by":
+        return True  # "is lifted by a crane"
+    begins = first - 1 <= 0
+    acts = after is not None and after.kind is MentionKind.VERB and not after.form.endswith("ing")
+    done_to = any(m.phrase in names or m.phrase in ("it", "him", "her") for m in mentions[behind:])
+    return determined and begins and acts and done_to  # "the baker presses the bread"
+
+
+def _is_adjective(mention: Mention) -> bool:
+    """Whether a word may stand between an article and its noun."""
+    loose = mention.kind is MentionKind.FUNCTION and mention.phrase not in DETERMINERS | {"by", "with", "of"}
+    return loose or mention.kind in (MentionKind.UNKNOWN, MentionKind.INTENSITY)
+
+
+def _is_acted_on(mentions: list[Mention], index: int) -> bool:
+    """Whether a thing is what is moved rather than what moves: "pull the handle", not "hit by a hammer"."""
+    before = index - 1
+    while before >= 0 and (
+        mentions[before].phrase in DETERMINERS
+        or mentions[before].kind in (MentionKind.UNKNOWN, MentionKind.ORDINAL)
+        or mentions[before].phrase in ("second", "third", "first", "last")
+    ):
+        before -= 1
+    if before < 0:
+        return any(m.kind is MentionKind.VERB for m in mentions[index : index + 2])
+    mention = mentions[before]
+    if mention.phrase in ("by", "with") and mentions[index].phrase in UNPLACED_PARTS:
+        return mentions[index].phrase not in THINGS | {"finger", "fingers", "hook"}
+    joined = mention.kind is MentionKind.JOIN and mention.words.lower() == "and" and before > 0
+    return mention.kind is MentionKind.VERB or joined or mention.phrase in ("of", "s")
+
+
+def _names_cause(mentions: list[Mention], index: int) -> bool:
+    """Whether what follows is a cause that is understood: "like in a storm"."""
+    return any(m.kind is MentionKind.CAUSE or m.phrase in CAUSES for m in mentions[index + 1 : index + 5])
+
+
+def _phrase(mentions: list[Mention], index: int) -> str:
+    return mentions[index].phrase if 0 <= index < len(mentions) else ""
