@@ -357,7 +357,7 @@ SENTENCES = [
     (
         "slide it to the right for half a second, then wait, then slide it back",
         "",
-        "translation right +1 0-12; translation left +1 12-25; translation left +1 24-48",
+        "translation right +1 0-12; translation left +1 12-24; translation left +1 24-48",
         "move right; still; move left",
     ),
     (

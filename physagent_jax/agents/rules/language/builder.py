@@ -30,6 +30,7 @@ class ForceFieldBuilder:
     Attributes:
         brief, anchored: The scene, with the clip's length.
         gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
+        room: Frame at which what follows the present event is over: its brake ends there.
         unsure: What was not understood and matters.
         obstacles: Walls and blocks that it names.
     """
@@ -37,6 +38,7 @@ class ForceFieldBuilder:
     brief: SceneBrief
     anchored: bool
     gravity: Literal["down", "up", "none"] | None = None
+    room: float = 0.0
     default_drop: bool = False
     actions: list[Action] = field(default_factory=list)
     expectations: list[ExpectedMotion] = field(default_factory=list)

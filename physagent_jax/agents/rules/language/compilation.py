@@ -7,6 +7,7 @@ length that the sentence tells is the cause's own: what is to stop then is brake
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from physagent_jax.agents.rules.language.amounts import (
@@ -37,6 +38,7 @@ _MOTIONS = (Effect.PUSH, Effect.STRIKE, Effect.JUMP, Effect.ROLL)
 def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
     """Compiles every event; each knows what comes after it."""
     for index, slot in enumerate(slots):
+        builder.room = slots[index + 1].window[1] if index + 1 < len(slots) else builder.last
         after = [event for later in slots[index + 1 : index + 2] for event in later.events]
         for event in slot.events:
             for note in event.notes:
@@ -91,7 +93,8 @@ def _add_steady(
     if not brakes or told:
         builder.add_action(event, kind, vector, magnitude, window)
         if brakes and any(later.effect is Effect.STILL for later in after) and window[1] < builder.last:
-            brake = (window[1], min(2.0 * window[1] - window[0], builder.last))
+            first, end = round(window[0]), round(window[1])
+            brake = (float(end), float(min(2 * end - first, math.floor(builder.room))))
             builder.add_action(event, kind, scale(vector, -1.0), magnitude, brake)
             builder.add_note(
                 "The object is free and would drift on: it is braked after the time that is told."
