@@ -6,52 +6,75 @@ from collections.abc import Sequence
 
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.protocols import PlannerAgent
-from physagent_jax.agents.rules.checks import View, make_checks
+from physagent_jax.agents.rules.judging import View, make_checks
 from physagent_jax.agents.rules.tolerances import list_windows
-from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, Verdict
+from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, MotionKind, Verdict
 from physagent_jax.agents.trace import Reply
+
+_HIGHEST_FAILURE = 0.99
+_UNASKED = ("collateral", "integrity")
 
 
 class RulePlanner(PlannerAgent):
-    """Judges by commonsense bands (`tolerances`), one or more checks per expectation."""
+    """Judges by the sentence and the motion alone: what the force field holds is no yardstick.
+
+    SUCCESS needs every clause to be seen and met, nothing that nobody asked for beyond what goes with the motion, and a
+    reading without doubts.
+    """
 
     def windows(self, context: AgentContext) -> list[tuple[int, int]]:
         """One per expectation."""
         return list_windows(context.expectations, context.brief.frame_count)
 
     def judge(self, context: AgentContext, seen: Observation) -> Reply[Judgement]:
-        """Compares the report with what is expected of the sentence; see `protocols.PlannerAgent`.
-
-        What the pictures do not show is not counted; if they show nothing of what was asked, the verdict
-        is FAIL and the suggestion says why.
-        """
+        """Compares the report with what is expected of the sentence; see `protocols.PlannerAgent`."""
         expectations = context.expectations
-        view = View(seen.report, seen.force_field, context.brief, expectations)
-        checks = [check for index, e in enumerate(expectations) for check in make_checks(index, e, view)]
-        observable = [check for check in checks if check.passed is not None]
-        success = bool(observable) and all(check.passed for check in observable)
+        view = View(seen.report, context.brief, expectations, seen.force_field, _has_gravity(context, seen))
+        checks = make_checks(view)
+        unsure = context.reading.unsure if context.reading else ()
+        success = bool(checks) and all(check.passed for check in checks) and not unsure
+        mean = sum(check.score for check in checks) / len(checks) if checks else 0.0
         judgement = Judgement(
             verdict=Verdict.SUCCESS if success else Verdict.FAIL,
-            score=round(sum(check.score for check in observable) / len(observable), 6) if observable else 0.0,
+            score=round(mean if success else min(mean, _HIGHEST_FAILURE), 6),
             checks=tuple(checks),
-            suggestion="" if success else _suggestion(context.prompt, checks, observable, expectations),
+            suggestion="" if success else _suggest(context.prompt, checks, expectations, unsure),
         )
         return Reply(judgement)
 
 
-def _suggestion(
-    prompt: str, checks: list[Check], seen: list[Check], expectations: Sequence[ExpectedMotion]
+def _has_gravity(context: AgentContext, seen: Observation) -> bool:
+    """Whether what is let go falls: a fact about the world, from the sentence or the scene."""
+    told = context.reading.world.gravity if context.reading else None
+    if told is not None:
+        return told == "down"
+    falls = any(e.kind is MotionKind.FALL for e in context.expectations)
+    return context.brief.world == "ground" or falls or seen.force_field.default_drop
+
+
+def _suggest(
+    prompt: str, checks: list[Check], expectations: Sequence[ExpectedMotion], unsure: Sequence[str]
 ) -> str:
-    """The failed checks in words, worst first; the reason if there is nothing to go by."""
+    """Doubts, the failed clauses in words, worst first, and what could not be seen."""
     if not checks:
         return f"Nothing is expected of the sentence '{prompt.strip()[:120]}', so nothing can be judged."
-    if not seen:
-        reasons = "; ".join(dict.fromkeys(check.observed for check in checks))
-        return f"Nothing that the sentence asks for is observable in the pictures: {reasons}."
-    failed = sorted((check for check in seen if not check.passed), key=lambda check: check.score)
-    return " ".join(_sentence(check, expectations[check.expectation].words) for check in failed)
+    failed = sorted((check for check in checks if check.passed is False), key=lambda check: check.score)
+    unseen = [check for check in checks if check.passed is None]
+    parts = (
+        [f"Not understood for certain, so no motion can be called a success: {'; '.join(unsure)}."]
+        if unsure
+        else []
+    )
+    parts += [_describe_failure(check, expectations[check.expectation].words) for check in failed]
+    if unseen:
+        what = "; ".join(dict.fromkeys(f"{check.question} {check.observed}" for check in unseen))
+        parts.append(f"Asked for, but not observable in the pictures: {what}.")
+    return " ".join(parts)
 
 
-def _sentence(check: Check, words: str) -> str:
+def _describe_failure(check: Check, words: str) -> str:
+    remedy = f"; {check.remedy}" if check.remedy else ""
+    if check.aspect in _UNASKED:
+        return f"Nobody asked for this ({check.question} {check.expected}), but the pictures show {check.observed}{remedy}."
     asked = f"The sentence asks for '{words}'" if words else "The sentence asks for this motion"
-    return f"{asked} ({check.question}: {check.expected}), but the pictures show {check.observed}; {check.remedy}."
+    return f"{asked} ({check.question} {check.expected}), but the pictures show {check.observed}{remedy}."

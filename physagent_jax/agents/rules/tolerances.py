@@ -1,8 +1,21 @@
-"""Commonsense ranges: how much motion a viewer expects for a kind, a strength and a window.
+"""How much motion a viewer expects of a sentence's words: ranges per kind of motion and of holding.
 
-Units are body lengths, degrees and strain. A plain push (strength 1) of a free object over the whole clip is
-expected to do what M = 1 is calibrated to do (`forces.calibration`), and so is a blow; from rest the distance goes
-with the square of the window, after a blow with its length.
+They say what people call slight, plain and strong when they watch a clip of a few seconds; how a force field is scaled
+does not enter. The yardstick is the object itself (its longest extent L), which viewers compare motion with:
+
+- Motion below `LEAST` is not noticed: some 2 % of an object that fills a third of a 720p picture are 5 pixels.
+- Going somewhere: "slightly" is well below the object's own size, up to a third of it; a plain "push" brings it to
+  another place, a quarter of its size up to little more than its size; "violently" is about its own size or more. Four
+  sizes away it has left any picture that shows the object properly.
+- Bending of what is held: its centre moves by about half of what its end does, so a third of the above; beyond 0.8 it
+  cannot be held any more.
+- Turning: under 30 degrees is slight (the broad face stays in sight); a plain turn shows another side, 20 degrees up to
+  little more than half a turn; "violent" spinning goes on to a third of a turn or more.
+- Length: a tenth is about the least change of proportions that is seen without a ruler, a half is plain, twice is
+  violent. Squeezing ends at 1.
+
+Ranges of neighbouring words overlap by a factor of at most `LARGEST_OVERLAP`, because words do not have sharper edges;
+between the words' strengths (0.4, 1.0, 1.6) limits go geometrically.
 """
 
 from __future__ import annotations
@@ -11,19 +24,37 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind
+from physagent_jax.agents.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import clamp
-from physagent_jax.forces import calibration
 
 VISIBLE = 0.02  # [body lengths] less is not seen as motion
 VISIBLE_DEGREES = 3.0
+VISIBLE_STRAIN = 0.03
+LEAST = 0.03  # [body lengths] that something asked for has to move at least
 STILL = 0.05  # [body lengths] more is not seen as stillness
 STILL_DEGREES = 5.0
 STILL_STRAIN = 0.08
-_BRAKED = 0.7  # between a push that goes on (1) and one that is braked half-way (1/2)
+LARGEST_OVERLAP = 1.6
 _LARGEST_GAIN = 10.0  # beyond it the response is not proportional anyway
 _SETTLE = 1 / 3  # of a later stillness that may still show what came before it
 _PART = 0.3  # how much less the whole shows if only a part is acted on
+_UNHURRIED = 1.0  # [s] what lasts for less time may do less
+_STRENGTHS = (0.4, 1.0, 1.6)
+
+Limits = tuple[float, float, float]
+Bands = tuple[Limits, Limits, Limits]
+"""(low, target, high) of slight, plain and strong."""
+
+MOVE: Bands = ((0.06, 0.15, 0.35), (0.25, 0.6, 1.3), (0.9, 1.4, 4.0))
+MOVE_HELD: Bands = ((0.015, 0.04, 0.08), (0.055, 0.15, 0.3), (0.2, 0.3, 0.8))
+MOVE_HELD_END: Bands = ((0.03, 0.08, 0.2), (0.13, 0.3, 0.7), (0.45, 0.7, 1.6))
+SWAY: Bands = ((0.02, 0.05, 0.08), (0.055, 0.13, 0.35), (0.24, 0.35, 1.0))
+SWAY_HELD: Bands = ((0.01, 0.022, 0.04), (0.028, 0.07, 0.16), (0.11, 0.16, 0.5))
+TURN: Bands = ((5.0, 14.0, 30.0), (20.0, 80.0, 220.0), (140.0, 250.0, 1100.0))
+TURN_HELD: Bands = ((4.0, 7.0, 12.0), (8.0, 25.0, 60.0), (40.0, 60.0, 170.0))
+STRETCH: Bands = ((0.04, 0.08, 0.14), (0.1, 0.25, 0.55), (0.35, 0.6, 2.0))
+SQUEEZE: Bands = ((0.04, 0.07, 0.13), (0.09, 0.2, 0.42), (0.28, 0.45, 0.92))
+SWELL: Bands = ((0.03, 0.06, 0.1), (0.07, 0.18, 0.35), (0.23, 0.4, 1.5))
 
 
 @dataclass(frozen=True)
@@ -48,12 +79,24 @@ class Tolerance:
         ratio = value / self.low if value < self.low else self.high / value
         return 0.9 * max(ratio, 0.0)
 
+    def margin(self, value: float) -> float:
+        """Signed distance from the nearer limit, in tolerances: 1 at the target, 0 at a limit, negative outside."""
+        if value <= self.target:
+            return (value - self.low) / (self.target - self.low)
+        if math.isinf(self.high):
+            return 1.0
+        return (self.high - value) / (self.high - self.target)
+
+    def distance(self, value: float) -> float:
+        """Distance from the nearer limit, in the value's unit."""
+        return min(abs(value - self.low), abs(value - self.high))
+
     def gain(self, value: float) -> float:
         """Factor on the cause that would bring ``value`` to the target, if the response is proportional.
 
         What cannot be told from nothing is taken as just visible, so that the step stays finite.
         """
-        floor = 0.1 * self.low
+        floor = 0.1 * max(self.low, 1e-3)
         gain = self.target / (value if abs(value) > floor else floor)
         return clamp(gain, -_LARGEST_GAIN, _LARGEST_GAIN)
 
@@ -61,7 +104,24 @@ class Tolerance:
         """The range in words."""
         if self.high == float("inf"):
             return f"at least {self.low:.2g} {self.unit}"
-        return f"{self.low:.2g} to {self.high:.2g} {self.unit}"
+        if self.low <= 0:
+            return f"at most {self.high:.2g} {self.unit}"
+        return f"{self.low:.3g} to {self.high:.3g} {self.unit}"
+
+    def scaled(self, low: float = 1.0, target: float | None = None, least: float = 0.0) -> Tolerance:
+        """The same with the lower limit (and the target) multiplied, but the limit not below ``least``."""
+        lower = min(max(low * self.low, least), 0.5 * self.high)
+        aim = max(self.target * (low if target is None else target), 1.3 * lower)
+        return Tolerance(lower, min(aim, 0.9 * self.high), self.high, self.unit)
+
+
+def pick_band(bands: Bands, strength: float, unit: str) -> Tolerance:
+    """The range for a strength, between those of the words geometrically."""
+    s = clamp(strength, _STRENGTHS[0], _STRENGTHS[2])
+    k = 0 if s <= _STRENGTHS[1] else 1
+    share = (s - _STRENGTHS[k]) / (_STRENGTHS[k + 1] - _STRENGTHS[k])
+    low, target, high = (a ** (1 - share) * b**share for a, b in zip(bands[k], bands[k + 1]))
+    return Tolerance(low, target, high, unit)
 
 
 def list_windows(expectations: Sequence[ExpectedMotion], frame_count: int) -> list[tuple[int, int]]:
@@ -88,13 +148,14 @@ def round_window(expectation: ExpectedMotion, frame_count: int) -> tuple[int, in
     return first, end
 
 
-def _fraction(expectation: ExpectedMotion, frame_count: int) -> float:
-    first, last = round_window(expectation, frame_count)
-    return (last - first) / max(frame_count - 1, 1)
-
-
 def expect_move(
-    expectation: ExpectedMotion, frame_count: int, anchored: bool, speed: float = 0.0, rises: bool = False
+    expectation: ExpectedMotion,
+    frame_count: int,
+    anchored: bool,
+    *,
+    seconds: float = 2.0,
+    drift: float = 0.0,
+    end: bool = False,
 ) -> Tolerance:
     """Distance along the direction [body lengths].
 
@@ -102,70 +163,75 @@ def expect_move(
         expectation: The motion.
         frame_count: Frames of the clip.
         anchored: Whether the object is held.
-        speed: Of a free object along the direction when the window begins [body lengths per clip].
-        rises: Whether it is thrown up and comes down again, which halves the way.
+        seconds: For how long it is looked at: what lasts less than a second may do less.
+        drift: How far it goes on by itself with the speed that it has when the window begins [body lengths].
+        end: Whether the named end is looked at, not the whole.
     """
-    strength, part = expectation.strength, _PART if expectation.partial else 1.0
     if anchored:
-        low, high = 0.05 * strength, 0.5 * strength
-        return Tolerance(
-            part * low,
-            part * calibration.EXPECTED_HELD_SHIFT * strength + (1 - part) * low,
-            high,
-            "body lengths",
-        )
-    fraction = _fraction(expectation, frame_count)
-    steady = fraction**2 * (1.0 if fraction > 0.99 else _BRAKED)
-    impulses = (
-        0.5 * (expectation.repeats + 1) * fraction
-    )  # evenly spaced: the later ones act for a shorter time
-    target = (
-        calibration.TRAVEL * strength * (impulses if expectation.sudden else steady) * (0.5 if rises else 1.0)
-    )
-    low = max(0.5 * part * target, VISIBLE)
-    drift = max(speed, 0.0) * fraction
-    return Tolerance(
-        low, max(target, 1.5 * low) + drift, max(2.0 * target, 3.0 * low) + 2.0 * drift, "body lengths"
-    )
+        band = pick_band(MOVE_HELD_END if end else MOVE_HELD, expectation.strength, "body lengths")
+    else:
+        band = pick_band(MOVE, expectation.strength, "body lengths")
+    share = _PART if expectation.partial and not end else 0.6 if end and not anchored else 1.0
+    share *= clamp(seconds / _UNHURRIED, 0.3, 1.0)
+    band = band.scaled(share, least=0.5 * LEAST if anchored and not end else LEAST)
+    return Tolerance(band.low, band.target + max(drift, 0.0), band.high + max(drift, 0.0), band.unit)
 
 
-def expect_rotation(expectation: ExpectedMotion, frame_count: int, anchored: bool) -> Tolerance:
-    """Angle about the axis [degrees]: `calibration.TURN` for a plain torque over the whole clip."""
-    part = _PART if expectation.partial else 1.0
-    if anchored:
-        return Tolerance(
-            5.0 * part * expectation.strength,
-            calibration.EXPECTED_HELD_TURN * expectation.strength,
-            150.0,
-            "degrees",
-        )
-    fraction = _fraction(expectation, frame_count)
-    turn = math.degrees(calibration.TURN)
-    target = turn * expectation.strength * fraction**2 * (1.0 if fraction > 0.99 else _BRAKED)
-    low = max(0.5 * part * target, VISIBLE_DEGREES)
-    return Tolerance(low, max(target, 1.5 * low), max(2.5 * target, 3.0 * low), "degrees")
+def expect_rotation(
+    expectation: ExpectedMotion, frame_count: int, anchored: bool, *, seconds: float = 2.0
+) -> Tolerance:
+    """Angle about the axis [degrees]."""
+    band = pick_band(TURN_HELD if anchored else TURN, expectation.strength, "degrees")
+    share = _PART if expectation.partial and expectation.part is None else 1.0
+    return band.scaled(share * clamp(seconds / _UNHURRIED, 0.3, 1.0), least=VISIBLE_DEGREES)
 
 
 def expect_strain(expectation: ExpectedMotion, squeeze: bool) -> Tolerance:
-    """Relative change of length along the direction; what M = 1 gives (`calibration.STRAIN`) lies in its lower half."""
-    strength, part = expectation.strength, _PART if expectation.partial else 1.0
-    high = min(0.45 * strength + 0.15, 0.85) if squeeze else 0.75 * strength + 0.1
-    return Tolerance(0.1 * part * strength, calibration.EXPECTED_STRAIN * strength, high, "of its length")
+    """Relative change of length along the direction; in all directions if there is none."""
+    bands = SQUEEZE if squeeze else STRETCH
+    if expectation.direction is None:
+        bands = SWELL if not squeeze else (SWELL[0], SWELL[1], (0.2, 0.3, 0.8))
+    share = _PART if expectation.partial else 1.0
+    return pick_band(bands, expectation.strength, "of its length").scaled(share, least=VISIBLE_STRAIN)
 
 
-def expect_sway(expectation: ExpectedMotion) -> Tolerance:
+def expect_sway(expectation: ExpectedMotion, anchored: bool, *, end: bool = False) -> Tolerance:
     """Half of the peak-to-peak excursion [body lengths]."""
-    strength, part = expectation.strength, _PART if expectation.partial else 1.0
-    low = max(VISIBLE * strength * part, 0.008)
-    return Tolerance(
-        low,
-        max(calibration.EXPECTED_SWAY * strength * part, 1.5 * low),
-        0.6 * max(strength, 0.7),
-        "body lengths to either side",
-    )
+    held = anchored and not end
+    band = pick_band(SWAY_HELD if held else SWAY, expectation.strength, "body lengths to either side")
+    return band.scaled(_PART if expectation.partial and not end else 1.0, least=0.008 if held else 0.015)
 
 
-def expect_fall(expectation: ExpectedMotion, frame_count: int) -> Tolerance:
-    """Distance downwards [body lengths]; how far depends on the height of the ground, so there is no upper limit."""
-    low = 0.1 * min(1.0, 2.0 * _fraction(expectation, frame_count)) + VISIBLE
-    return Tolerance(low, 5.0 * low, float("inf"), "body lengths")
+def expect_fall(expectation: ExpectedMotion, seconds: float = 2.0) -> Tolerance:
+    """Distance downwards [body lengths]: to the ground, wherever that is, so the upper limit only says "not for ever"."""
+    low = 0.12 * clamp(seconds / 0.5, 0.4, 1.0)
+    return Tolerance(low, 4.0 * low, 8.0, "body lengths")
+
+
+def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tolerance | None:
+    """The range around a quantity that the sentence names, in the unit in which its kind of motion is measured.
+
+    A viewer has no ruler: 20 % off a distance, a length or an angle is not noticed without comparison, nor 12 degrees.
+    How long a cause lasts is read from speeds, which a viewer judges to about 40 %.
+
+    Returns:
+        Body lengths for moves, degrees for turns, relative change of length (or depth of a squeeze), seconds; None if
+        such a quantity says nothing about such a motion.
+    """
+    value, unit = amount.value, amount.unit
+    if unit == "seconds":
+        width = max(0.4 * value, 0.2)
+        return Tolerance(max(value - width, 0.0), value, value + width, "seconds")
+    if unit == "metres":
+        value, unit = value / brief.size, "lengths"
+    if unit == "degrees":
+        width = max(0.2 * value, 12.0)
+        return Tolerance(max(value - width, 0.2 * value), value, value + width, "degrees")
+    axial = kind in (MotionKind.STRETCH, MotionKind.SQUEEZE)
+    if unit == "factor":
+        value = abs(value - 1.0)
+    if unit == "factor" and not axial:
+        return None
+    width = max(0.2 * value, 0.05)
+    name = "of its length" if axial else "body lengths"
+    return Tolerance(max(value - width, 0.2 * value), value, value + width, name)

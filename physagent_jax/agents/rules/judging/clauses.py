@@ -1,0 +1,31 @@
+"""All clauses of a judgement: those of every expectation, and those of what nobody asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from physagent_jax.agents.rules.judging.changing import check_rotation, check_still, check_strain
+from physagent_jax.agents.rules.judging.collateral import check_collateral
+from physagent_jax.agents.rules.judging.following import check_following
+from physagent_jax.agents.rules.judging.moving import check_fall, check_move, check_sway
+from physagent_jax.agents.rules.judging.seen import View
+from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind
+
+_CHECKERS: dict[MotionKind, Callable[[int, ExpectedMotion, View], list[Check]]] = {
+    MotionKind.MOVE: check_move,
+    MotionKind.ROTATE: check_rotation,
+    MotionKind.STRETCH: check_strain,
+    MotionKind.SQUEEZE: check_strain,
+    MotionKind.SWAY: check_sway,
+    MotionKind.FALL: check_fall,
+    MotionKind.STILL: check_still,
+}
+
+
+def make_checks(view: View) -> list[Check]:
+    """Every comparison of what is asked with what is seen, in the order of the sentence, then collateral motion."""
+    checks: list[Check] = []
+    for index, expectation in enumerate(view.expectations):
+        checks += _CHECKERS[expectation.kind](index, expectation, view)
+        checks += check_following(index, expectation, view)
+    return checks + check_collateral(view) if view.expectations else []
