@@ -166,17 +166,34 @@ def _judgement(judgement: Judgement | None) -> list[Markup | None] | Markup:
             "callout", tag("strong", "The planner suggests"), make_paragraphs(judgement.suggestion)
         )
     checks = make_table(
-        ["question", "expected", "observed", "result", "score"], rows, class_="checks", numeric=(4,)
+        ["question", "expected", "observed", "result", "margin", "confidence", "score"],
+        rows,
+        class_="checks",
+        numeric=(4, 5, 6),
     )
     title = tag("h4", "What the planner checked")
-    return [title, checks if rows else tag("p", "It gave its verdict without single checks."), suggestion]
+    if not rows:
+        return [title, tag("p", "It gave its verdict without single checks."), suggestion]
+    note = (
+        "Margin: how far inside of its limits a value lies, in tolerances; 1 is what is aimed at, below 0 is outside. "
+        "Confidence: the chance that the result would be the same without errors of perception."
+    )
+    return [title, checks, tag("p", note, class_="quiet"), suggestion]
 
 
 def _check(check: Check) -> list[Child]:
     kind, word = MARKS[check.passed]
     remedy = tag("small", check.remedy, class_="remedy") if check.remedy else None
     result = span(f"result {kind}", word)
-    return [join(check.question, remedy), check.expected, check.observed, result, format_fixed(check.score)]
+    return [
+        join(check.question, remedy),
+        check.expected,
+        check.observed,
+        result,
+        UNKNOWN if check.margin is None else format_fixed(check.margin),
+        UNKNOWN if check.passed is None else format_percent(check.confidence),
+        format_fixed(check.score),
+    ]
 
 
 def _rewrite(rewrite: Rewrite | None, next_round: int) -> Markup | None:

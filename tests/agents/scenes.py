@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from scipy.spatial.transform import Rotation
 
 from physagent_jax.agents.context import AgentContext, Observation, Round
 from physagent_jax.agents.rules.executor import RuleExecutor
@@ -14,9 +17,18 @@ from physagent_jax.agents.rules.tolerances import list_windows
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, Rewrite, SceneBrief, SemanticReply
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import BoxRegion, ForceField
-from physagent_jax.perception.schema import MotionReport, Quality, WindowMotion
+from physagent_jax.perception.schema import (
+    Box,
+    Matrix,
+    MotionReport,
+    PartMotion,
+    Quality,
+    Uncertainty,
+    WindowMotion,
+)
 
 Vector = tuple[float, float, float]
+ZERO = (0.0, 0.0, 0.0)
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
@@ -116,34 +128,126 @@ def described(reply: SemanticReply, scene: SceneBrief) -> tuple[str, str]:
     return "; ".join(parts), "; ".join(seen)
 
 
-def window(first: int, last: int, **seen) -> WindowMotion:
-    """A window in which nothing happens but what is given."""
-    still = {
-        "displacement": (0, 0, 0), "path_length": 0.0, "peak_displacement": (0, 0, 0), "peak_frame": first,
-        "rotation_axis": None, "rotation_degrees": 0.0, "stretch": IDENTITY, "volume_ratio": 1.0,
-        "stretch_view_axis_observable": True,
-    }  # fmt: skip
-    if "displacement" in seen and "peak_displacement" not in seen:
-        seen["peak_displacement"] = seen["displacement"]
-    return WindowMotion(first=first, last=last, **(still | seen))
-
-
-def report(
-    windows: list[WindowMotion], frame_count: int = 49, centroid=None, leaves_frame: int | None = None
+def make_report(
+    places: Sequence[Vector | None],
+    turns: Sequence[Vector] | None = None,
+    stretches: Sequence[Matrix] | None = None,
+    *,
+    windows: Iterable[tuple[int, int]] = (),
+    view_axis_shown: bool = True,
+    leaves_frame: int | None = None,
+    unobservable: dict[str, str] | None = None,
+    frame_dt: float = 0.04,
+    **changes,
 ) -> MotionReport:
-    """A report of the given windows; the first is repeated as the whole clip unless it is that already."""
-    return MotionReport(
-        frame_count=frame_count, frame_dt=0.04, object_size=1.0, object_center=(0, 0, 0), windows=tuple(windows),
-        centroid=tuple(centroid or [(0, 0, 0)] * frame_count), rotation_degrees=(0.0,) * frame_count,
-        volume_ratio=(1.0,) * frame_count, oscillation=None, onset_frame=None, settle_frame=None,
-        quality=Quality(
+    """A report of a body that moves, turns (rotation vectors [deg]) and stretches as told, frame by frame.
+
+    Its ends sit half a body length from its centre along each axis and go with it.
+    """
+    count = len(places)
+    turns = turns or [ZERO] * count
+    stretches = stretches or [IDENTITY] * count
+    volumes = tuple(float(np.linalg.det(S)) for S in stretches)
+    ends = []
+    for axis in np.vstack([np.eye(3), -np.eye(3)]):
+        arm = 0.3 * axis
+        moved = [
+            None
+            if p is None
+            else tuple((Rotation.from_rotvec(np.radians(r)).apply(S @ arm) - arm + p).tolist())
+            for p, r, S in zip(places, turns, np.asarray(stretches))
+        ]
+        ends.append(PartMotion(direction=tuple(axis.tolist()), centroid=tuple(moved), rotation=tuple(turns)))
+    half = 0.5 * np.array([0.6, 0.6, 1.0])
+    boxes = [
+        None if p is None else Box(low=tuple(p - np.diag(S) * half), high=tuple(p + np.diag(S) * half))
+        for p, S in zip(places, np.asarray(stretches))
+    ]
+    spans = dict.fromkeys([(0, count - 1), *windows])
+    values = {
+        "frame_count": count, "frame_dt": frame_dt, "object_size": 1.0, "object_center": ZERO,
+        "windows": tuple(
+            _measure(a, b, places, turns, stretches, view_axis_shown, unobservable or {}) for a, b in spans
+        ),
+        "centroid": tuple(places), "rotation_degrees": tuple(float(np.linalg.norm(r)) for r in turns),
+        "volume_ratio": volumes, "rotation": tuple(turns), "stretch": tuple(stretches), "box": tuple(boxes),
+        "parts": tuple(ends), "pieces": (1,) * count,
+        "uncertainty": Uncertainty(displacement=0.0, rotation=0.0, axis=0.0, stretch=0.0, frequency=0.0),
+        "oscillation": None, "onset_frame": None, "settle_frame": None, "text": "",
+        "quality": Quality(
             tracks_kept=1.0, fit_residual=0.0, depth_noise=0.0, mask_fraction=0.2, leaves_frame=leaves_frame
         ),
-        text="",
+    } | changes  # fmt: skip
+    return MotionReport(**values)
+
+
+def _measure(a, b, places, turns, stretches, view_axis_shown, unobservable) -> WindowMotion:
+    """A window's own motion."""
+    known = [p is not None for p in places[a : b + 1]]
+    moved = peak = None
+    if known[0] and known[-1]:
+        moved = tuple(np.subtract(places[b], places[a]).tolist())
+        away = [np.subtract(p, places[a]) for p in places[a : b + 1] if p is not None]
+        peak = tuple(max(away, key=np.linalg.norm).tolist())
+    turn = np.subtract(turns[b], turns[a])
+    angle = float(np.linalg.norm(turn))
+    S = np.asarray(stretches[b]) @ np.linalg.inv(stretches[a])
+    return WindowMotion(
+        first=a, last=b, displacement=moved, path_length=None, peak_displacement=peak, peak_frame=None,
+        rotation_axis=tuple((turn / angle).tolist()) if angle > 1e-9 else None, rotation_degrees=angle,
+        stretch=tuple(tuple(row) for row in (0.5 * (S + S.T)).tolist()),
+        stretch_view_axis_observable=view_axis_shown, volume_ratio=float(np.linalg.det(S)),
+        unobservable=unobservable,
     )  # fmt: skip
 
 
-def seen_in(expectations: tuple[ExpectedMotion, ...], frame_count: int = 49, **seen) -> MotionReport:
-    """The same motion in every expectation's window and in the whole clip."""
-    spans = [(0, frame_count - 1), *list_windows(expectations, frame_count)]
-    return report([window(*span, **seen) for span in dict.fromkeys(spans)], frame_count)
+def ramp(frame: float, first: float, last: float) -> float:
+    """Speeding up and slowing down from 0 at ``first`` to 1 at ``last``."""
+    share = min(max((frame - first) / max(last - first, 1e-9), 0.0), 1.0)
+    return share * share * (3.0 - 2.0 * share)
+
+
+def seen_in(
+    expectations: tuple[ExpectedMotion, ...],
+    frame_count: int = 49,
+    *,
+    displacement: Vector | None = ZERO,
+    turn: Vector = ZERO,
+    stretch: Matrix = IDENTITY,
+    at_once: bool = False,
+    **options,
+) -> MotionReport:
+    """A report in which the same happens in every expectation's window, one after another.
+
+    Args:
+        expectations: Their windows; the whole clip without any.
+        frame_count: Frames.
+        displacement: In each window; None = not observable after frame 0.
+        turn: Rotation vector in each [deg].
+        stretch: Stretch tensor reached in each.
+        at_once: Whether it starts with its full speed, as after a blow.
+        options: Of `make_report`.
+    """
+    spans = list_windows(expectations, frame_count) or [(0, frame_count - 1)]
+
+    def share(t: float, a: int, b: int) -> float:
+        return min(max((t - a) / (b - a), 0.0), 1.0) if at_once else ramp(t, a, b)
+
+    shares = [sum(share(t, a, b) for a, b in spans) for t in range(frame_count)]
+    places = [
+        None if displacement is None and t else _times(displacement or ZERO, s) for t, s in enumerate(shares)
+    ]
+    inside = [max(share(t, a, b) for a, b in spans) for t in range(frame_count)]
+    stretches = [
+        tuple(map(tuple, (np.eye(3) + s * (np.asarray(stretch) - np.eye(3))).tolist())) for s in inside
+    ]
+    return make_report(places, [_times(turn, s) for s in shares], stretches, windows=spans, **options)
+
+
+def _times(v: Vector, factor: float) -> Vector:
+    return (v[0] * factor, v[1] * factor, v[2] * factor)
+
+
+def without_series(report: MotionReport) -> MotionReport:
+    """The same report as perception without series per frame leaves it."""
+    return report.model_copy(update={"rotation": (), "stretch": (), "box": (), "parts": (), "pieces": ()})

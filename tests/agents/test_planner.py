@@ -1,15 +1,72 @@
-"""The offline planner: synthetic motion reports against what sentences ask for."""
+"""The offline planner: made-up motion reports against what sentences ask for, clause by clause."""
 
 import math
 
+import numpy as np
 import pytest
 
+from physagent_jax.agents.rules import tolerances
+from physagent_jax.agents.rules.judging.collateral import find_eigenvalues
 from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.rules.tolerances import list_windows
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SemanticReply, Verdict
+from physagent_jax.agents.schema import Amount, ExpectedMotion, MotionKind, SemanticReply, Verdict
 from physagent_jax.core.turning import find_turning_points
 from physagent_jax.forces.schema import ForceField
-from tests.agents.scenes import asked, brief, judge, read, report, seen_in, window
+from physagent_jax.perception.schema import PartMotion, Uncertainty
+from tests.agents.scenes import (
+    IDENTITY,
+    asked,
+    brief,
+    judge,
+    make_report,
+    ramp,
+    read,
+    seen_in,
+    without_series,
+)
+
+LAST = 48
+LEFT, RIGHT, UP, DOWN, AWAY = (-1, 0, 0), (1, 0, 0), (0, 0, 1), (0, 0, -1), (0, 1, 0)
+ZERO = (0.0, 0.0, 0.0)
+HELD = brief(anchored="base")
+KINDS = MotionKind
+
+
+def expected(kind=KINDS.MOVE, direction=LEFT, **changes) -> ExpectedMotion:
+    values = {"kind": kind, "direction": direction, "window": (0, LAST), "words": "as asked"} | changes
+    return ExpectedMotion(**values)
+
+
+def show(place=None, turn=None, strain=None, count=LAST + 1, **options):
+    """A report of functions of the frame: displacement, rotation vector [deg], diagonal of the strain."""
+    places = [place(t) if place else ZERO for t in range(count)]
+    turns = [turn(t) if turn else ZERO for t in range(count)]
+    strains = [strain(t) if strain else ZERO for t in range(count)]
+    stretches = [tuple(map(tuple, np.diag(1.0 + np.asarray(e)).tolist())) for e in strains]
+    return make_report(
+        [tuple(map(float, p)) for p in places], [tuple(map(float, r)) for r in turns], stretches, **options
+    )
+
+
+def along(direction, size, first=0, last=LAST):
+    return lambda t: np.multiply(direction, size * ramp(t, first, last))
+
+
+def verdict_of(expectations, seen, scene=None, **reading):
+    if isinstance(expectations, ExpectedMotion):
+        expectations = (expectations,)
+    reply = SemanticReply(force_field=ForceField(), expectations=tuple(expectations), **reading)
+    return judge("", reply, seen, scene or brief()).judgement
+
+
+def passes(expectations, seen, scene=None, **reading) -> bool:
+    judgement = verdict_of(expectations, seen, scene, **reading)
+    assert (judgement.verdict is Verdict.SUCCESS) == (judgement.suggestion == "")
+    return judgement.verdict is Verdict.SUCCESS
+
+
+def failed_aspects(judgement) -> set[str]:
+    return {check.aspect for check in judgement.checks if check.passed is False}
 
 
 def judged(prompt: str, scene=None, field: ForceField | None = None, seen=None, **motion):
@@ -20,37 +77,492 @@ def judged(prompt: str, scene=None, field: ForceField | None = None, seen=None, 
     return judge(prompt, reply, seen, scene, field).judgement
 
 
-@pytest.mark.parametrize(
-    ("prompt", "motion"),
-    [
-        ("push the robot to the left", {"displacement": (-1.0, 0.1, 0)}),
-        ("push the robot slightly to the left", {"displacement": (-0.4, 0, 0)}),
-        ("push the robot violently to the upper right", {"displacement": (1.1, 0, 1.1)}),
-        ("spin the robot", {"rotation_axis": (0, 0, 1), "rotation_degrees": 95.0}),
-        ("spin the robot clockwise", {"rotation_axis": (0, 0, -1), "rotation_degrees": 70.0}),
-        ("stretch the robot", {"stretch": ((1.3, 0, 0), (0, 0.95, 0), (0, 0, 0.95)), "volume_ratio": 1.1}),
-        ("compress the robot", {"stretch": ((1.1, 0, 0), (0, 1.1, 0), (0, 0, 0.7)), "volume_ratio": 0.85}),
-        ("inflate the robot", {"volume_ratio": 1.3**3}),
-        ("drop the robot", {"displacement": (0, 0, -0.5)}),
-        ("the robot stands still", {"displacement": (0.01, 0, 0)}),
-    ],
-)  # fmt: skip
-def test_right_motion_is_a_success(prompt, motion):
-    """Motion as asked passes every check, with full score and no suggestion."""
-    judgement = judged(prompt, **motion)
-    assert judgement.verdict is Verdict.SUCCESS
+# --- what is asked, is seen ---------------------------------------------------------------------------------
+
+RIGHT_MOTIONS = [
+    (expected(), show(along(LEFT, 0.6))),
+    (expected(strength=0.4), show(along(LEFT, 0.2))),
+    (expected(strength=1.6), show(along(LEFT, 1.5))),
+    (expected(direction=(0.7071, 0, 0.7071)), show(along((0.7071, 0, 0.7071), 0.5))),
+    (expected(KINDS.ROTATE, UP), show(turn=along(UP, 95))),
+    (expected(KINDS.ROTATE, DOWN), show(turn=along(DOWN, 70))),
+    (expected(KINDS.STRETCH, RIGHT), show(strain=along((1, -0.2, -0.2), 0.3))),
+    (expected(KINDS.SQUEEZE, UP), show(strain=along((0.3, 0.3, -1), 0.3))),
+    (expected(KINDS.STRETCH, None), show(strain=along((1, 1, 1), 0.2))),
+    (expected(KINDS.FALL, None), show(along(DOWN, 0.5))),
+    (expected(KINDS.STILL, None), show(along(LEFT, 0.01))),
+    (expected(repeats=2, sudden=True), show(lambda t: np.multiply(LEFT, 0.006 * t + 0.01 * max(t - 24, 0)))),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("expectation", "seen"), RIGHT_MOTIONS)
+def test_right_motion_is_a_success(expectation, seen):
+    """Motion as asked passes every check, with full score and positive margins; also where windows alone are known."""
+    judgement = verdict_of(expectation, seen)
+    assert judgement.verdict is Verdict.SUCCESS, judgement.suggestion
     assert (judgement.score, judgement.suggestion) == (1.0, "")
-    assert all(check.passed and not check.remedy for check in judgement.checks)
+    assert all(check.passed and not check.remedy and 0 <= check.margin <= 1 for check in judgement.checks)
+    reduced = without_series(seen)
+    if expectation.repeats == 1:
+        assert verdict_of(expectation, reduced).verdict is Verdict.SUCCESS
+
+
+@pytest.mark.parametrize("right", range(len(RIGHT_MOTIONS)))
+@pytest.mark.parametrize("wrong", range(len(RIGHT_MOTIONS)))
+def test_every_other_motion_fails(right, wrong):
+    """Each motion is right for its own sentence only, save the two pushes whose sizes overlap on purpose."""
+    expectation, seen = RIGHT_MOTIONS[right][0], RIGHT_MOTIONS[wrong][1]
+    alike = {(0, 11), (11, 0)}
+    if right != wrong and (right, wrong) not in alike:
+        assert not passes(expectation, seen)
+
+
+# --- the list of what went wrong before ---------------------------------------------------------------------
+
+
+def test_right_distance_with_half_a_turn_and_threefold_stretch_fails():
+    """It moved left as asked, and was wrecked on the way."""
+    seen = show(along(LEFT, 0.9), along(UP, 180), along((2.0, -0.4, -0.4), 1.0))
+    judgement = verdict_of(expected(), seen)
+    assert judgement.verdict is Verdict.FAIL and {"collateral"} <= failed_aspects(judgement)
+    assert "Nobody asked for this" in judgement.suggestion
+    for seen in (
+        show(along(LEFT, 0.9), along(UP, 180)),
+        show(along(LEFT, 0.9), strain=along((2.0, -0.4, -0.4), 1)),
+        show(along((-0.8, 0, 0.8), 0.9)),
+    ):
+        assert not passes(expected(), seen)
+
+
+def swing(first: float, rebound: float):
+    """A held thing is struck: it bends by ``first`` and rebounds by ``rebound`` the other way."""
+
+    def place(t):
+        if t <= 8:
+            return (first * math.sin(math.pi * t / 8), 0, 0)
+        return (rebound * math.sin(math.pi * (t - 8) / 8) * 0.8 ** ((t - 8) / 8), 0, 0)
+
+    return place
+
+
+def test_a_rebound_is_not_the_response():
+    """Struck from the wrong side, a plant swings far along the wanted direction afterwards: still wrong."""
+    hit = expected(direction=LEFT, sudden=True, released=True)
+    assert passes(hit, show(swing(-0.2, 0.12)), HELD)
+    judgement = verdict_of(hit, show(swing(0.2, -0.22)), HELD)
+    assert judgement.verdict is Verdict.FAIL and "direction" in failed_aspects(judgement)
+    assert "which way does it start?" in judgement.suggestion
+
+
+def test_a_free_thing_that_comes_back_was_not_pushed_there():
+    """Net displacement counts, not the farthest favourable instant."""
+    seen = show(lambda t: (-0.6 * math.sin(math.pi * t / LAST), 0, 0))
+    assert not passes(expected(), seen)
+
+
+@pytest.mark.parametrize(
+    ("kind", "direction", "scene", "values"),
+    [
+        (KINDS.MOVE, LEFT, brief(), (0.15, 0.6, 1.8)),
+        (KINDS.MOVE, LEFT, HELD, (0.04, 0.15, 0.4)),
+        (KINDS.ROTATE, UP, brief(), (12, 80, 400)),
+        (KINDS.STRETCH, RIGHT, brief(), (0.08, 0.25, 0.9)),
+        (KINDS.SQUEEZE, RIGHT, brief(), (0.07, 0.2, 0.5)),
+    ],
+)
+def test_slight_plain_and_violent_accept_different_motion(kind, direction, scene, values):
+    """Each size passes for one of the three words only."""
+    for size in values:
+        motion = along(direction, size)
+        if kind is KINDS.MOVE:
+            seen = show(motion)
+        elif kind is KINDS.ROTATE:
+            seen = show(turn=motion)
+        else:
+            sign = 1 if kind is KINDS.STRETCH else -1
+            seen = show(strain=along((sign, 0, 0), size))
+        told = [passes(expected(kind, direction, strength=s), seen, scene) for s in (0.4, 1.0, 1.6)]
+        assert told == [size == value for value in values]
+
+
+BANDS = {name: getattr(tolerances, name) for name in dir(tolerances) if name.isupper() and name in (
+    "MOVE", "MOVE_HELD", "MOVE_HELD_END", "SWAY", "SWAY_HELD", "TURN", "TURN_HELD", "STRETCH", "SQUEEZE", "SWELL",
+)}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BANDS)
+def test_bands_overlap_by_the_stated_factor_at_most(name):
+    """Each has a lower limit, a target inside and an upper limit; slight and violent share nothing."""
+    slight, plain, strong = BANDS[name]
+    for low, target, high in BANDS[name]:
+        assert 0 < low < target < high < math.inf
+    assert (
+        slight[2] / plain[0] <= tolerances.LARGEST_OVERLAP
+        and plain[2] / strong[0] <= tolerances.LARGEST_OVERLAP
+    )
+    assert slight[2] < strong[0]
+    for strength in (0.4, 0.5, 0.8, 1.0, 1.3, 1.6):
+        band = tolerances.pick_band(BANDS[name], strength, "")
+        assert band.low < band.target < band.high
+
+
+def test_what_cannot_be_seen_is_no_success():
+    """One clause that is met and one that is not observable: FAIL, and the reason is said."""
+    both = (expected(), expected(KINDS.STRETCH, AWAY))
+    seen = show(along(LEFT, 0.6), strain=along((0, 0.3, 0), 1), view_axis_shown=False)
+    judgement = verdict_of(both, seen)
+    assert judgement.verdict is Verdict.FAIL
+    assert any(check.passed is None and check.margin is None for check in judgement.checks)
+    assert "not observable" in judgement.suggestion and "line of sight" in judgement.suggestion
+
+
+def test_motion_that_is_too_small_to_see_is_no_success():
+    """Whatever the strength."""
+    for strength in (0.4, 1.0):
+        for size in (0.0, 0.01, 0.02):
+            assert not passes(expected(strength=strength), show(along(LEFT, size)))
+        assert not passes(expected(KINDS.ROTATE, UP, strength=strength), show(turn=along(UP, 2)))
+        assert not passes(
+            expected(KINDS.SWAY, strength=strength), show(lambda t: (0.005 * math.sin(t / 3), 0, 0)), HELD
+        )
+
+
+def test_only_an_end_moves_when_the_whole_should_be_squashed():
+    """The ears bend: the body keeps its height."""
+    ears = [
+        PartMotion(
+            direction=d,
+            centroid=tuple((-0.3 * ramp(t, 0, LAST) * (d == UP), 0, 0) for t in range(LAST + 1)),
+            rotation=(ZERO,) * (LAST + 1),
+        )
+        for d in (UP, DOWN)
+    ]
+    seen = show(along(LEFT, 0.08), strain=along((0, 0, -1), 0.04), parts=tuple(ears))
+    assert not passes(expected(KINDS.SQUEEZE, UP), seen)
+
+
+# --- mirrored, turned, scaled, wrong kind -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("angle", [60, 90, 180, 270])
+def test_turned_motion_fails(angle):
+    """In the picture plane and along the ground."""
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    for direction in ((-c, 0, s), (-c, s, 0)):
+        judgement = verdict_of(expected(), show(along(direction, 0.6)))
+        assert "direction" in failed_aspects(judgement)
+    assert not passes(expected(KINDS.ROTATE, UP), show(turn=along((s, 0, c), 90)))
+
+
+@pytest.mark.parametrize("angle", [0, 20, 35])
+def test_nearly_the_right_way_passes(angle):
+    """A viewer has no compass; the margin shrinks on the way to 45 degrees."""
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    judgement = verdict_of(expected(), show(along((-c, s, 0), 0.6)))
+    assert judgement.verdict is Verdict.SUCCESS
+    check = next(c for c in judgement.checks if c.question == "which way does it go?")
+    assert check.margin == pytest.approx((45 - angle) / 45, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("unit", "value", "kind", "make"),
+    [
+        ("degrees", 90, KINDS.ROTATE, lambda f: show(turn=along(UP, 90 * f))),
+        ("degrees", 720, KINDS.ROTATE, lambda f: show(turn=along(UP, 720 * f))),
+        ("lengths", 0.5, KINDS.MOVE, lambda f: show(along(UP, 0.5 * f))),
+        ("metres", 1.0, KINDS.MOVE, lambda f: show(along(UP, 0.5 * f))),
+        ("factor", 2.0, KINDS.STRETCH, lambda f: show(strain=along((-0.2 * f, -0.2 * f, f), 1.0))),
+        ("factor", 0.5, KINDS.SQUEEZE, lambda f: show(strain=along((0.2, 0.2, -0.5 * f), 1.0))),
+    ],
+)
+def test_quantities_are_targets(unit, value, kind, make):
+    """Right within a tenth; half of it and twice as much are wrong, whatever the strength says."""
+    scene = brief(size=2.0)
+    for strength in (0.4, 1.6):
+        asked_for = expected(kind, UP, amount=Amount(value=value, unit=unit), strength=strength)
+        assert all(passes(asked_for, make(f), scene) for f in (0.92, 1.0, 1.08))
+        assert not any(passes(asked_for, make(f), scene) for f in (0.5, 1.9))
+
+
+def test_a_stated_duration_is_looked_for():
+    """Half a second of pushing is neither a quarter of one nor the whole clip."""
+
+    def pushed(seconds):
+        end = seconds / 0.04
+
+        def way(t):
+            return t * t / 2 if t < end else end * (t - end / 2)
+
+        return show(lambda t: (-0.8 * way(t) / way(LAST), 0, 0))
+
+    asked_for = expected(amount=Amount(value=0.6, unit="seconds"), window=(0, 15), released=True)
+    assert passes(asked_for, pushed(0.6)) and passes(asked_for, pushed(0.7))
+    assert not passes(asked_for, pushed(0.2)) and not passes(asked_for, pushed(1.4))
+
+
+def test_swelling_is_no_stretch_along_an_axis():
+    """All directions grow where one was asked for, and the other way round."""
+    assert not passes(expected(KINDS.STRETCH, RIGHT), show(strain=along((1, 1, 1), 0.3)))
+    assert not passes(expected(KINDS.SQUEEZE, UP), show(strain=along((-1, -1, -1), 0.2)))
+
+
+def test_a_lengthening_after_a_shortening_is_no_stretch():
+    """It springs longer after it was squeezed: the first response was the wrong one."""
+    seen = show(strain=lambda t: (-0.2 * math.sin(math.pi * t / 24) * (1.2 if t > 24 else 1), 0, 0))
+    assert not passes(expected(KINDS.STRETCH, RIGHT), seen)
+
+
+# --- several actions ----------------------------------------------------------------------------------------
+
+
+def two_moves(one, other, size=0.5):
+    return show(
+        lambda t: np.multiply(one, size * ramp(t, 0, 24)) + np.multiply(other, size * ramp(t, 24, LAST))
+    )
+
+
+def test_order_and_windows_of_two_actions():
+    """Left, then up: not the other way round, not at once, not one alone, not in the other's time."""
+    both = (expected(window=(0, 24)), expected(direction=UP, window=(24, LAST)))
+    assert passes(both, two_moves(LEFT, UP))
+    assert not passes(both, two_moves(UP, LEFT))
+    assert not passes(both, two_moves(LEFT, ZERO)) and not passes(both, two_moves(ZERO, UP))
+    assert not passes(both, show(along((-0.7, 0, 0.7), 0.5)))
+    assert not passes(both, two_moves(np.add(LEFT, UP), ZERO))
+
+
+def test_there_and_back():
+    """Left, then right: the way back is measured from where it turned."""
+    both = (expected(window=(0, 24)), expected(direction=RIGHT, window=(24, LAST)))
+    assert passes(both, two_moves(LEFT, RIGHT))
+    assert not passes(both, two_moves(RIGHT, LEFT)) and not passes(both, two_moves(LEFT, LEFT))
+
+
+def test_motion_before_its_time_fails():
+    """A push after one second is not seen in the first."""
+    later = expected(window=(25, LAST))
+    assert passes(later, show(along(LEFT, 0.5, 25)))
+    judgement = verdict_of(later, show(along(LEFT, 0.5, 0, 24)))
+    assert judgement.verdict is Verdict.FAIL and "order" in failed_aspects(judgement)
+
+
+def test_turn_then_move():
+    """Different kinds in turn; the second must not come first."""
+    both = (expected(KINDS.ROTATE, UP, window=(0, 24)), expected(window=(24, LAST)))
+    assert passes(both, show(along(LEFT, 0.5, 24), along(UP, 90, 0, 24)))
+    assert not passes(both, show(along(LEFT, 0.5, 0, 24), along(UP, 90, 24)))
+
+
+def test_blows_are_counted():
+    """Kicked twice is not kicked once, nor three times."""
+
+    def kicked(*frames):
+        whole = sum(LAST - f for f in frames)
+        return show(lambda t: (-0.7 * sum(max(t - f, 0) for f in frames) / whole, 0, 0))
+
+    twice = expected(repeats=2, sudden=True)
+    assert passes(twice, kicked(0, 24))
+    assert not passes(twice, kicked(0)) and not passes(twice, kicked(0, 16, 32))
+
+
+def test_a_blow_starts_at_once():
+    """A slow push is no kick."""
+    kick = expected(sudden=True)
+    assert passes(kick, show(lambda t: (-0.6 * t / LAST, 0, 0)))
+    judgement = verdict_of(kick, show(lambda t: (-0.6 * (t / LAST) ** 3, 0, 0)))
+    assert judgement.verdict is Verdict.FAIL and "order" in failed_aspects(judgement)
+
+
+def bend(rest):
+    return show(lambda t: (-0.2 * ramp(t, 0, 20) + (0.2 - rest) * ramp(t, 24, 34), 0, 0))
+
+
+def test_what_is_let_go_comes_back_and_what_is_held_stays():
+    """Bent and released, or bent and held there."""
+    released = expected(window=(0, 24), released=True)
+    assert passes(released, bend(0.02), HELD) and not passes(released, bend(0.19), HELD)
+    stays = expected(window=(0, 24), stays=True)
+    assert passes(stays, bend(0.19), HELD) and not passes(stays, bend(0.02), HELD)
+    deformed = expected(KINDS.SQUEEZE, UP, window=(0, 24), released=True)
+    for rest, right in ((0.0, True), (0.22, False)):
+        seen = show(
+            strain=lambda t, rest=rest: (0, 0, -0.25 * ramp(t, 0, 24) + (0.25 - rest) * ramp(t, 24, 34))
+        )
+        assert passes(deformed, seen) == right
+
+
+def test_a_return_that_the_clip_does_not_show_is_no_success():
+    """The clip ends with the cause."""
+    seen = show(along(LEFT, 0.15))
+    judgement = verdict_of(expected(released=True), seen, HELD)
+    assert judgement.verdict is Verdict.FAIL and "before it can come back" in judgement.suggestion
+
+
+@pytest.mark.parametrize(
+    ("cycles", "amplitude", "passed"),
+    [(2, 0.1, True), (0.2, 0.1, False), (1, 0.1, False), (4, 0.1, False), (2, 0.001, False), (2, 0.5, False),
+     (20, 0.1, False)],
+)  # fmt: skip
+def test_sway_needs_size_and_turns(cycles, amplitude, passed):
+    """A sway must be visible, not wild, and turn back about as often as told."""
+    twice = expected(KINDS.SWAY, repeats=2)
+    seen = show(lambda t: (amplitude * math.sin(2 * math.pi * cycles * t / LAST), 0, 0))
+    assert passes(twice, seen, HELD) == passed
+    across = show(lambda t: (0, amplitude * math.sin(2 * math.pi * cycles * t / LAST), 0))
+    assert not passes(twice, across, HELD)
+
+
+# --- parts --------------------------------------------------------------------------------------------------
+
+
+def ends(top, bottom, turn_top=ZERO, turn_bottom=ZERO):
+    """The upper and the lower end go their own ways."""
+    return tuple(
+        PartMotion(
+            direction=direction,
+            centroid=tuple(tuple(np.multiply(moved, ramp(t, 0, LAST)).tolist()) for t in range(LAST + 1)),
+            rotation=tuple(tuple(np.multiply(turned, ramp(t, 0, LAST)).tolist()) for t in range(LAST + 1)),
+        )
+        for direction, moved, turned in ((UP, top, turn_top), (DOWN, bottom, turn_bottom))
+    )
+
+
+def test_the_named_part_moves_and_the_rest_less():
+    """The top to the left: not the bottom, not the whole alike; without ends in the report it cannot be told."""
+    top = expected(part=UP, partial=True)
+    mean = along(LEFT, 0.15)
+    assert passes(top, show(mean, parts=ends((-0.3, 0, 0), (-0.02, 0, 0))), HELD)
+    assert not passes(top, show(mean, parts=ends((-0.02, 0, 0), (-0.3, 0, 0))), HELD)
+    judgement = verdict_of(top, show(mean, parts=ends((-0.3, 0, 0), (-0.3, 0, 0))), HELD)
+    assert failed_aspects(judgement) == {"part"}
+    judgement = verdict_of(top, without_series(show(mean)), HELD)
+    assert judgement.verdict is Verdict.FAIL and "not told apart" in judgement.suggestion
+
+
+def test_everything_except_a_part():
+    """The head stays where it is while the rest moves."""
+    rest = expected(part=UP, excludes_part=True, partial=True)
+    mean = along(LEFT, 0.2)
+    assert passes(rest, show(mean, parts=ends((-0.05, 0, 0), (-0.4, 0, 0))))
+    assert not passes(rest, show(mean, parts=ends((-0.4, 0, 0), (-0.05, 0, 0))))
+    assert not passes(rest, show(mean, parts=ends((-0.4, 0, 0), (-0.4, 0, 0))))
+
+
+def test_ends_against_each_other():
+    """Twisted: the top one way, the bottom the other."""
+    both = (
+        expected(KINDS.ROTATE, UP, part=UP, partial=True),
+        expected(KINDS.ROTATE, DOWN, part=DOWN, partial=True),
+    )
+    assert passes(both, show(parts=ends(ZERO, ZERO, (0, 0, 60), (0, 0, -60))))
+    assert not passes(both, show(turn=along(UP, 60), parts=ends(ZERO, ZERO, (0, 0, 60), (0, 0, 60))))
+
+
+# --- collateral ---------------------------------------------------------------------------------------------
+
+
+def test_breaking_up_bursting_and_leaving_fail():
+    """Each although the asked motion is there."""
+    right = along(LEFT, 0.6)
+    pieces = (1,) * 20 + (3,) * 29
+    assert "integrity" in failed_aspects(verdict_of(expected(), show(right, pieces=pieces)))
+    burst = show(right)
+    burst = burst.model_copy(update={"box": show(right, strain=along((1, 1, 1), 1.0)).box})
+    assert "integrity" in failed_aspects(verdict_of(expected(), burst))
+    judgement = verdict_of(expected(), show(right, leaves_frame=20))
+    assert judgement.verdict is Verdict.FAIL and "leaves it at frame 20" in judgement.suggestion
+
+
+def test_what_leaves_the_picture_before_it_has_moved_far_enough_is_not_observable():
+    """It was going the right way, and then it was gone."""
+    seen = make_report([(-0.01 * t, 0, 0) if t < 15 else None for t in range(LAST + 1)], leaves_frame=14)
+    judgement = verdict_of(expected(), seen)
+    assert judgement.checks[0].passed is None and "leaves the picture at frame 14" in judgement.suggestion
+
+
+def test_what_goes_with_the_motion_is_allowed():
+    """A pushed thing turns a little, a dropped one tumbles, a stretched one gets thinner, a fallen one bounces."""
+    assert passes(expected(), show(along(LEFT, 0.6), along(UP, 22), along((0.12, -0.05, -0.05), 1)))
+    assert passes(expected(KINDS.FALL, None), show(along(DOWN, 0.5), along(AWAY, 120)))
+    assert passes(expected(KINDS.STRETCH, RIGHT), show(strain=along((0.5, -0.18, -0.18), 1)))
+    assert passes(expected(sudden=True), show(lambda t: (-0.012 * t, 0, 0), along(UP, 90)))
+
+
+def test_gravity_does_not_spoil_a_throw():
+    """What is thrown to the left falls meanwhile; the same fall without gravity is a wrong direction."""
+    seen = show(lambda t: (-0.02 * t, 0, -0.8 * (t / LAST) ** 2))
+    thrown = expected(sudden=True)
+    assert passes((thrown, expected(KINDS.FALL, None)), seen)
+    assert not passes(thrown, show(lambda t: (-0.012 * t, 0, -0.015 * t)), brief())
+
+
+def test_turned_only_means_that_it_stays():
+    """A turn on the spot, not on the way to somewhere."""
+    turn = expected(KINDS.ROTATE, UP)
+    assert passes(turn, show(along(LEFT, 0.1), along(UP, 80)))
+    assert "collateral" in failed_aspects(verdict_of(turn, show(along(LEFT, 0.6), along(UP, 80))))
+
+
+# --- doubts, margins, confidence ----------------------------------------------------------------------------
+
+
+def test_doubts_about_the_sentence_forbid_success():
+    """Whatever is seen, and the suggestion says why."""
+    judgement = verdict_of(expected(), show(along(LEFT, 0.6)), unsure=("What 'flurb' asks for is not known",))
+    assert judgement.verdict is Verdict.FAIL and "flurb" in judgement.suggestion and judgement.score < 1
+    assert all(check.passed for check in judgement.checks)
+
+
+def test_margins_are_signed_and_continuous():
+    """1 at the target, through 0 at the limits, falling on."""
+    sizes = np.linspace(0.05, 2.0, 80)
+    margins = []
+    for size in sizes:
+        checks = verdict_of(expected(), show(along(LEFT, size))).checks
+        check = next(c for c in checks if c.question == "how far does it move?")
+        assert check.passed == (check.margin >= 0)
+        margins.append(check.margin)
+    steps = np.abs(np.diff(margins))
+    assert steps.max() < 0.12 and max(margins) == pytest.approx(1, abs=0.05)
+    assert margins[0] < 0 > margins[-1]
+
+
+def test_confidence_follows_the_uncertainty():
+    """Near a limit it is a toss-up, far from it certain; a coarse measurement is no observation."""
+
+    def amount(size, displacement):
+        uncertainty = Uncertainty(
+            displacement=displacement, rotation=1.0, axis=1.0, stretch=0.01, frequency=0.1
+        )
+        checks = verdict_of(expected(), show(along(LEFT, size), uncertainty=uncertainty)).checks
+        return next(c for c in checks if c.question == "how far does it move?")
+
+    assert amount(0.25, 0.05).confidence == pytest.approx(0.5, abs=0.01)
+    assert amount(0.6, 0.05).confidence > 0.999
+    assert 0.5 < amount(0.3, 0.1).confidence < amount(0.4, 0.1).confidence < 1
+    assert amount(0.2, 0.1).confidence > 0.5 and amount(0.2, 0.1).passed is False
+    assert amount(0.6, 2.0).passed is None
+
+
+def test_eigenvalues_of_symmetric_matrices():
+    """Against a library, also for equal ones."""
+    rng = np.random.default_rng(0)
+    for matrix in [np.eye(3), np.diag([1.0, 1.0, 3.0]), *rng.normal(size=(20, 3, 3))]:
+        S = 0.5 * (matrix + matrix.T)
+        told = find_eigenvalues(tuple(map(tuple, S.tolist())))
+        assert told == pytest.approx(np.linalg.eigvalsh(S)[::-1], abs=1e-7)
+
+
+# --- sentences, remedies and the force field ----------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("prompt", "motion", "gain", "words"),
     [
-        ("push the robot to the left", {"displacement": (-0.25, 0, 0)}, 4.0, "increase the magnitude of actions[0]"),
-        ("push the robot to the left", {"displacement": (-4.0, 0, 0)}, 0.25, "decrease the magnitude of actions[0]"),
-        ("spin the robot", {"rotation_axis": (0, 0, 1), "rotation_degrees": 30.0}, 3.0, "increase"),
-        ("stretch the robot", {"stretch": ((1.05, 0, 0), (0, 1, 0), (0, 0, 1))}, 6.0, "increase"),
-        ("squeeze the robot", {"stretch": ((0.2, 0, 0), (0, 1, 0), (0, 0, 1))}, 0.375, "decrease"),
+        ("push the robot to the left", {"displacement": (-0.2, 0, 0)}, 3.0, "increase the magnitude of actions[0]"),
+        ("push the robot to the left", {"displacement": (-3.0, 0, 0)}, 0.2, "decrease the magnitude of actions[0]"),
+        ("spin the robot", {"turn": (0, 0, 16.0)}, 5.0, "increase"),
+        ("stretch the robot", {"stretch": ((1.05, 0, 0), (0, 1, 0), (0, 0, 1))}, 5.0, "increase"),
     ],
 )  # fmt: skip
 def test_too_little_or_too_much_gives_a_gain(prompt, motion, gain, words):
@@ -63,118 +575,70 @@ def test_too_little_or_too_much_gives_a_gain(prompt, motion, gain, words):
 
 
 def test_wrong_way_with_a_wrong_vector_is_to_be_reversed():
-    """A field that drives the object against the sentence is to be reversed; the score is near zero."""
+    """A field that drives the object against the sentence is to be reversed."""
     reply = read("push the robot to the right")
-    judgement = judged("push the robot to the left", field=reply.force_field, displacement=(1.0, 0, 0))
-    assert judgement.verdict is Verdict.FAIL and judgement.score < 0.1
-    assert all(check.gain < 0 for check in judgement.checks)
+    judgement = judged("push the robot to the left", field=reply.force_field, displacement=(0.6, 0, 0))
+    wrong = [check for check in judgement.checks if check.passed is False]
+    assert judgement.verdict is Verdict.FAIL and all(check.gain < 0 for check in wrong)
     assert "reverse actions[0]" in judgement.suggestion
 
 
 def test_wrong_way_with_the_right_vector_is_to_be_overcome():
     """The fixed mapping stays: what points as the sentence says is not to be reversed."""
-    judgement = judged("push the robot to the left", displacement=(1.0, 0, 0))
+    judgement = judged("push the robot to the left", displacement=(0.6, 0, 0))
     assert "reverse" not in judgement.suggestion and "overcomes" in judgement.suggestion
 
 
+def test_the_force_field_is_no_yardstick():
+    """Whatever it holds, the same motion has the same verdict and the same margins."""
+    reply = read("push it left")
+    seen = seen_in(reply.expectations, displacement=(-0.6, 0, 0))
+    fields = [read(words).force_field for words in ("push it left", "kick it violently up", "stretch it")]
+    told = [judge("", reply, seen, brief(), field).judgement for field in [*fields, ForceField()]]
+    assert len({tuple((c.question, c.margin) for c in judgement.checks) for judgement in told}) == 1
+
+
 def test_score_grades_iterations():
-    """Closer motion scores higher."""
+    """Closer motion scores higher, and a failure below a success."""
     scores = [
-        judged("push the robot to the left", displacement=(-d, 0, 0)).score for d in (0.05, 0.2, 0.4, 0.9)
+        judged("push the robot to the left", displacement=(-d, 0, 0)).score for d in (0.05, 0.1, 0.2, 0.6)
     ]
     assert scores == sorted(scores) and scores[-1] == 1.0 and len(set(scores)) == 4
 
 
 def test_wrong_kind_is_named():
     """Rotation in place of travel is said."""
-    judgement = judged("push the robot left", rotation_axis=(0, 0, 1), rotation_degrees=60.0)
+    judgement = judged("push the robot left", turn=(0, 0, 60.0))
     assert "a rotation by 60 degrees" in judgement.suggestion
 
 
 @pytest.mark.parametrize(
     ("prompt", "hidden"),
-    [("push it left", {"displacement": None, "unobservable": {"displacement": "the mask was lost"}}),
-     ("spin it", {"rotation_degrees": None, "unobservable": {"rotation_degrees": "the mask was lost"}}),
-     ("stretch it", {"stretch": None, "volume_ratio": None, "unobservable": {"stretch": "the mask was lost"}})],
-)  # fmt: skip
+    [
+        ("push it left", {"displacement": None}),
+        ("spin it", {"rotation": (None,) * 49}),
+        ("stretch it", {"stretch": IDENTITY, "stretch_series": None}),
+    ],
+)
 def test_nothing_observable_fails_and_says_so(prompt, hidden):
-    """What cannot be seen is neither passed nor failed; if nothing can, the verdict is FAIL with the reason."""
-    judgement = judged(prompt, **hidden)
-    assert judgement.verdict is Verdict.FAIL and judgement.score == 0
-    assert all(check.passed is None for check in judgement.checks)
+    """What cannot be seen is neither passed nor failed; the verdict is FAIL with the reason."""
+    reply = read(prompt)
+    place = hidden.get("displacement", ZERO)
+    seen = seen_in(reply.expectations, displacement=place, unobservable={k: "the mask was lost" for k in (
+        "displacement", "rotation_degrees", "stretch")})  # fmt: skip
+    update = {"rotation": hidden["rotation"]} if "rotation" in hidden else {}
+    if "stretch_series" in hidden:
+        update = {"stretch": (None,) * 49}
+    judgement = judge(prompt, reply, seen.model_copy(update=update), brief()).judgement
+    assert judgement.verdict is Verdict.FAIL
+    assert judgement.checks[0].passed is None and judgement.checks[0].score == 0
     assert "not observable" in judgement.suggestion and "the mask was lost" in judgement.suggestion
-
-
-def test_unobservable_parts_are_not_counted():
-    """One observable expectation decides if the other cannot be seen."""
-    judgement = judged(
-        "push the robot left while spinning it",
-        displacement=(-1, 0, 0), rotation_degrees=None, rotation_axis=None,
-    )  # fmt: skip
-    assert judgement.verdict is Verdict.SUCCESS
-    assert [check.passed for check in judgement.checks] == [True, True, None]
-
-
-def test_window_that_perception_was_not_asked_for():
-    """A report without the window is not observable rather than an error."""
-    reply = read("push it left, then up")
-    judgement = judge("", reply, report([window(0, 48)]), brief()).judgement
-    assert judgement.verdict is Verdict.FAIL and "not in the motion report" in judgement.suggestion
-
-
-def test_leaving_the_picture_hides_the_distance():
-    """Too small a distance is no failure if the object left the picture on its way."""
-    reply = read("push it left")
-    seen = report([window(0, 48, displacement=(-0.3, 0, 0))], leaves_frame=20)
-    judgement = judge("", reply, seen, brief()).judgement
-    assert judgement.checks[0].passed is None and "frame 20" in judgement.suggestion
 
 
 def test_a_held_object_moves_less():
     """A tenth of a body length is right for a held plant and too little for a free robot."""
-    assert (
-        judged("push it left", brief(anchored="base"), displacement=(-0.1, 0, 0)).verdict is Verdict.SUCCESS
-    )
+    assert judged("push it left", HELD, displacement=(-0.1, 0, 0)).verdict is Verdict.SUCCESS
     assert judged("push it left", displacement=(-0.1, 0, 0)).verdict is Verdict.FAIL
-
-
-def test_depth_stretch_falls_back_to_the_bounding_box():
-    """Along the line of sight the affine fit guesses: the box's volume is used, and said."""
-    judgement = judged(
-        "stretch it along its depth", stretch_view_axis_observable=False, volume_ratio=1.12,
-        stretch=((1, 0, 0), (0, 5.0, 0), (0, 0, 1)),
-    )  # fmt: skip
-    assert judgement.verdict is Verdict.SUCCESS
-    assert "bounding box" in judgement.checks[0].observed
-
-
-def sway_report(scene, prompt, cycles: float, amplitude: float):
-    path = [(amplitude * math.sin(2 * math.pi * cycles * f / 48), 0, 0) for f in range(49)]
-    spans = [(0, 48), *list_windows(read(prompt, scene).expectations, 49)]
-    return report([window(*span) for span in dict.fromkeys(spans)], centroid=path)
-
-
-@pytest.mark.parametrize(
-    ("cycles", "amplitude", "passed"),
-    [(2, 0.1, True), (0.2, 0.1, False), (2, 0.001, False), (20, 0.1, False)],
-)
-def test_sway_needs_size_and_turns(cycles, amplitude, passed):
-    """A sway must be visible and turn back about as often as told."""
-    scene, prompt = brief(anchored="base"), "the plant sways left and right twice"
-    judgement = judged(prompt, scene, seen=sway_report(scene, prompt, cycles, amplitude))
-    assert (judgement.verdict is Verdict.SUCCESS) == passed
-
-
-def test_let_go_must_come_back():
-    """After the release a held object must come back towards rest."""
-    scene = brief(anchored="base")
-    prompt = "bend the plant to the left, then let go"
-    for rest, verdict in ((0.02, Verdict.SUCCESS), (0.2, Verdict.FAIL)):
-        path = [(-0.2 * min(f / 24, 1), 0, 0) for f in range(25)] + [(-rest, 0, 0)] * 24
-        windows = [window(0, 48, displacement=(-rest, 0, 0)), window(0, 24, displacement=(-0.2, 0, 0))]
-        judgement = judged(prompt, scene, seen=report(windows, centroid=path))
-        assert judgement.verdict is verdict
-    assert "end earlier" in judgement.suggestion
 
 
 @pytest.mark.parametrize(
@@ -214,6 +678,5 @@ def test_the_planner_asks_for_a_window_per_expectation():
 
 def test_without_expectations_nothing_can_be_judged_by_rules():
     """A reading without expectations is whole; the rules say that they have nothing to compare."""
-    reply = SemanticReply(force_field=ForceField())
-    judgement = judge("", reply, report([window(0, 48)]), brief()).judgement
+    judgement = verdict_of((), show())
     assert judgement.verdict is Verdict.FAIL and "Nothing is expected" in judgement.suggestion

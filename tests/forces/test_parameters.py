@@ -187,12 +187,14 @@ def test_the_free_path_is_what_pushes_and_blows_add_up_to():
 
 
 def test_what_one_gives_is_within_what_a_viewer_expects():
-    """Planner and skills speak of the same stretch: M = 1 passes, and a correction aims at more."""
+    """What viewers call plain does not follow from the skills; that M = 1 shows it does."""
     plain = ExpectedMotion(kind=MotionKind.STRETCH, window=(0, 25))
     band = expect_strain(plain, squeeze=False)
-    assert band.low < calibration.STRAIN < band.target == calibration.EXPECTED_STRAIN < band.high
-    assert expect_rotation(plain, 26, anchored=False).target == math.degrees(calibration.TURN) == 90
-    assert expect_move(plain, 26, anchored=False).target == calibration.TRAVEL
+    turn = expect_rotation(plain, 26, anchored=False)
+    move = expect_move(plain, 26, anchored=False)
+    assert band.low < calibration.STRAIN < band.high
+    assert turn.low < math.degrees(calibration.TURN) < turn.high
+    assert move.low < calibration.TRAVEL < move.high
 
 
 def test_what_one_means_is_said_in_words():

@@ -276,6 +276,8 @@ def _judgement(index: int) -> Judgement:
                 observed=f"{reach:.2f} body lengths",
                 passed=good,
                 score=1.0 if good else reach / 0.31,
+                margin=(reach - 0.25) / 0.1,
+                confidence=0.83,
                 gain=None if good else 0.31 / reach,
                 remedy="" if good else f"Multiply the push by {0.31 / reach:.1f}.",
             ),

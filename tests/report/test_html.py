@@ -150,6 +150,9 @@ def test_every_check_and_change_is_shown(run, page):
         for check in judgement["checks"]:
             for key in ("question", "expected", "observed", "remedy"):
                 assert check[key] in page.text
+            if check["margin"] is not None:
+                assert f"{check['margin']:.2f}".replace("-", "\u2212") in page.text.replace("-", "\u2212")
+        assert "83 %" in page.text and "100 %" in page.text
         assert judgement["suggestion"] in page.text
         assert f"score {judgement['score']:.2f}" in page.text
     for kind, many in (("pass", 4), ("failed", 2), ("open", 3)):

@@ -75,6 +75,7 @@ def _suggest(
 def _describe_failure(check: Check, words: str) -> str:
     remedy = f"; {check.remedy}" if check.remedy else ""
     if check.aspect in _UNASKED:
-        return f"Nobody asked for this ({check.question} {check.expected}), but the pictures show {check.observed}{remedy}."
-    asked = f"The sentence asks for '{words}'" if words else "The sentence asks for this motion"
+        asked = "Nobody asked for this"
+    else:
+        asked = f"The sentence asks for '{words}'" if words else "The sentence asks for this motion"
     return f"{asked} ({check.question} {check.expected}), but the pictures show {check.observed}{remedy}."

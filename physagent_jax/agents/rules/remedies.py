@@ -58,6 +58,9 @@ def list_remedies(case: Case) -> Iterator[Change]:
         yield edits.shorten(case, causes, 0.5, "it should come back after letting go")
     if case.failed("repeats"):
         yield edits.alternate(case, causes)
+    slow = case.expectation.sudden and case.failed("order")
+    if slow and any(c.type is ActionType.TRANSLATION for c in causes):
+        yield _strike(case, causes)
     yield from _amount(case, causes)
 
 
@@ -193,6 +196,15 @@ def _weaker(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change
         why = "the weakest push is still too much"
         yield edits.shorten(case, lasting, clamp(math.sqrt(gain), 0.3, 0.9), why)
     yield edits.scale_magnitudes(case, causes, MAGNITUDE_MIN / MAGNITUDE_MAX)
+
+
+def _strike(case: Case, causes: Sequence[Cause]) -> Change:
+    """What should start at once is struck, not pushed."""
+    new = edits.make_actions(case)
+    field = edits.replace_items(case.force_field, causes, [*new[:1], *[None] * (len(causes) - 1)])
+    return Change(
+        field, f"{edits.format_names(causes)} starts too slowly: a blow in its place.", "known_skills"
+    )
 
 
 def _switch_type(case: Case) -> Iterator[Change]:

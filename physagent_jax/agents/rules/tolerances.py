@@ -48,10 +48,10 @@ Bands = tuple[Limits, Limits, Limits]
 MOVE: Bands = ((0.06, 0.15, 0.35), (0.25, 0.6, 1.3), (0.9, 1.4, 4.0))
 MOVE_HELD: Bands = ((0.015, 0.04, 0.08), (0.055, 0.15, 0.3), (0.2, 0.3, 0.8))
 MOVE_HELD_END: Bands = ((0.03, 0.08, 0.2), (0.13, 0.3, 0.7), (0.45, 0.7, 1.6))
-SWAY: Bands = ((0.02, 0.05, 0.08), (0.055, 0.13, 0.35), (0.24, 0.35, 1.0))
-SWAY_HELD: Bands = ((0.01, 0.022, 0.04), (0.028, 0.07, 0.16), (0.11, 0.16, 0.5))
-TURN: Bands = ((5.0, 14.0, 30.0), (20.0, 80.0, 220.0), (140.0, 250.0, 1100.0))
-TURN_HELD: Bands = ((4.0, 7.0, 12.0), (8.0, 25.0, 60.0), (40.0, 60.0, 170.0))
+SWAY: Bands = ((0.02, 0.045, 0.07), (0.045, 0.12, 0.35), (0.23, 0.35, 1.0))
+SWAY_HELD: Bands = ((0.01, 0.03, 0.06), (0.038, 0.09, 0.2), (0.13, 0.2, 0.5))
+TURN: Bands = ((5.0, 14.0, 30.0), (20.0, 80.0, 200.0), (128.0, 220.0, 1100.0))
+TURN_HELD: Bands = ((4.0, 10.0, 24.0), (15.0, 35.0, 75.0), (48.0, 75.0, 180.0))
 STRETCH: Bands = ((0.04, 0.08, 0.14), (0.1, 0.25, 0.55), (0.35, 0.6, 2.0))
 SQUEEZE: Bands = ((0.04, 0.07, 0.13), (0.09, 0.2, 0.42), (0.28, 0.45, 0.92))
 SWELL: Bands = ((0.03, 0.06, 0.1), (0.07, 0.18, 0.35), (0.23, 0.4, 1.5))
@@ -174,7 +174,8 @@ def expect_move(
     share = _PART if expectation.partial and not end else 0.6 if end and not anchored else 1.0
     share *= clamp(seconds / _UNHURRIED, 0.3, 1.0)
     band = band.scaled(share, least=0.5 * LEAST if anchored and not end else LEAST)
-    return Tolerance(band.low, band.target + max(drift, 0.0), band.high + max(drift, 0.0), band.unit)
+    more = 1.0 if anchored else 0.5 * (expectation.repeats + 1)  # each of several blows adds its own way
+    return Tolerance(band.low, band.target + max(drift, 0.0), more * band.high + max(drift, 0.0), band.unit)
 
 
 def expect_rotation(
@@ -203,7 +204,7 @@ def expect_sway(expectation: ExpectedMotion, anchored: bool, *, end: bool = Fals
 
 
 def expect_fall(expectation: ExpectedMotion, seconds: float = 2.0) -> Tolerance:
-    """Distance downwards [body lengths]: to the ground, wherever that is, so the upper limit only says "not for ever"."""
+    """Distance downwards [body lengths]: to the ground, wherever that is; the upper limit only says "not for ever"."""
     low = 0.12 * clamp(seconds / 0.5, 0.4, 1.0)
     return Tolerance(low, 4.0 * low, 8.0, "body lengths")
 

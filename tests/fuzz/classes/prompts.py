@@ -45,6 +45,7 @@ WHEN = (
     "for -3 s", "for 0 s", "for 1e400 s", "halfway", "until it stops", "in frame 3",
     "during the second half", "for 99999999999999999999 minutes",
 )  # fmt: skip
+FLAT = ((3.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1e-9))
 JOIN = (
     ", then ",
     " and ",
@@ -135,19 +136,11 @@ def _words(draw: Draw) -> str:
 def _motion(draw: Draw) -> dict:
     """What the made-up report shows in every window."""
     nothing: dict = {}
-    unseen = {key: None for key in ("displacement", "path_length", "peak_displacement", "peak_frame", "rotation_axis",
-                                    "rotation_degrees", "stretch", "volume_ratio")}  # fmt: skip
-    wild = {
-        "displacement": (draw.uniform(-3, 3), draw.uniform(-3, 3), draw.uniform(-3, 3)),
-        "path_length": draw.uniform(0, 9),
-    }
-    extreme = {
-        "displacement": (1e9, -1e9, 0.0),
-        "rotation_axis": (0.0, 0.0, 1.0),
-        "rotation_degrees": 1e9,
-        "volume_ratio": 0.0,
-    }
-    turned = {"rotation_axis": (0.0, 0.6, 0.8), "rotation_degrees": draw.uniform(0, 400), "stretch": IDENTITY}
+    unseen = {"displacement": None}
+    wild = {"displacement": (draw.uniform(-3, 3), draw.uniform(-3, 3), draw.uniform(-3, 3))}
+    extreme = {"displacement": (1e9, -1e9, 0.0), "turn": (0.0, 0.0, 1e9)}
+    angle = draw.uniform(0, 400)
+    turned = {"turn": (0.0, 0.6 * angle, 0.8 * angle), "stretch": draw.one([IDENTITY, FLAT])}
     return draw.one([nothing, unseen, wild, wild, extreme, turned])
 
 

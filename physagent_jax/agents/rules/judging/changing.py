@@ -113,7 +113,8 @@ def check_strain(index: int, expectation: ExpectedMotion, view: View) -> list[Ch
     peak = max((value for _, value in along), key=abs)
     checks = []
     threshold = max(tolerances.VISIBLE_STRAIN, _FIRST * abs(peak), view.uncertainty("stretch") / 2)
-    response = next(((t, value) for t, value in along if abs(value) > threshold), None)
+    response = next(((t, value) for t, value in along if abs(value - along[0][1]) > threshold), None)
+    response = response and (response[0], response[1] - along[0][1])
     if response and len(along) > 2:
         checks.append(
             make_limit_check(
@@ -156,7 +157,7 @@ def measure_strains(
     if expectation.direction is not None:
         if view.hides(expectation.direction):
             return [], "the stretch along the line of sight is hidden"
-        strains = view.strains(expectation.direction, first, until)
+        strains = _from_rest(expectation, view, view.strains(expectation.direction, first, until), first)
         return strains, "from the affine fit" if strains else lost
     table = view.brief.directions
     axes = [table.right, table.up, table.toward]
@@ -168,6 +169,17 @@ def measure_strains(
         return [(t, max(v, 0.0) ** (1 / 3) - 1.0) for t, v in volumes], "from the bounding box"
     values = list(zip(*shown))
     return [(each[0][0], sum(v for _, v in each) / len(each)) for each in values], "in all directions"
+
+
+def _from_rest(
+    expectation: ExpectedMotion, view: View, strains: list[tuple[int, float]], first: int
+) -> list[tuple[int, float]]:
+    """Relative to rest, if it was deformed the other way before: springing back is not stretching yet."""
+    before = view.strains(expectation.direction, 0, first) if first > 0 and expectation.direction else []
+    start = before[-1][1] if before and before[-1][0] == first else 0.0
+    if (start > 0.0) == (expectation.kind is MotionKind.STRETCH):
+        return strains
+    return [(t, (1.0 + v) * (1.0 + start) - 1.0) for t, v in strains]
 
 
 def _count_strains(index: int, expectation: ExpectedMotion, view: View, first: int) -> Check:

@@ -1,8 +1,8 @@
 """What nobody asked for: other motion, turning, deformation, break-up, leaving the picture, motion at other times.
 
 Limits leave room for what physically goes with the asked motion: a pushed thing turns a little, a blown or dropped one
-tumbles, a stretched one gets thinner, a bent one leans, what stands on the ground may tip. They are judged over the whole
-clip, once per judgement.
+tumbles, a stretched one gets thinner, a bent one leans, what stands on the ground may tip. They are judged over the
+whole clip, once per judgement.
 """
 
 from __future__ import annotations

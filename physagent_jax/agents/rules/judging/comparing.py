@@ -44,7 +44,8 @@ def compare_amount(
     """A value against its range, with the factor on the cause that would mend it.
 
     Args:
-        index, expectation: What was asked.
+        index: Which expectation.
+        expectation: What was asked.
         question: Asked of the pictures.
         tolerance: The range.
         value: What was seen.
@@ -96,7 +97,8 @@ def compare_direction(
     """The angle between a seen and the expected direction.
 
     Args:
-        index, expectation: What was asked.
+        index: Which expectation.
+        expectation: What was asked.
         question: Asked of the pictures.
         seen: What was seen, of any length.
         view: Where.
@@ -145,18 +147,22 @@ def make_limit_check(
     gain: float | None = None,
     remedy: str = "",
 ) -> Check:
-    """A value with one limit: 1 at zero excess of an upper limit, or at twice a lower one.
+    """A value with one limit; its margin is 1 at zero for an upper limit, and from twice a lower one on.
 
     Args:
         index: Which expectation.
-        question, expected, observed, remedy: In words.
-        value, limit: What is compared; the limit is above zero.
+        question: Asked of the pictures.
+        expected: The range in words.
+        observed: The value in words.
+        value: What is compared.
+        limit: With what; above zero.
         aspect: Of the motion.
         at_least: Whether the limit is the lowest value allowed.
         sigma: Standard deviation of the value.
         gain: Factor on the cause that would mend it.
+        remedy: What to change.
     """
-    margin = (value - limit) / limit if at_least else (limit - value) / limit
+    margin = min((value - limit) / limit, 1.0) if at_least else (limit - value) / limit
     passed = margin >= 0.0
     score = 1.0 if passed else 0.9 * (max(value, 0.0) / limit if at_least else limit / value)
     return Check(

@@ -130,7 +130,7 @@ def _check_duration(
     if ended >= view.last - 1 and value < tolerance.high:
         value = max(value, min(tolerance.target, view.seconds(first, view.last) + view.report.frame_dt))
     passed = tolerance.low <= value <= tolerance.high
-    gain = None if passed else tolerance.gain(value)
+    fix = f"let {view.causes(expectation) or 'the cause'} act {tolerance.gain(value):.2g} times as long"
     return [
         Check(
             expectation=index,
@@ -142,9 +142,7 @@ def _check_duration(
             score=round(tolerance.score(value), 6),
             margin=round(tolerance.margin(value), 6),
             confidence=0.8,  # speeds from pictures are uncertain by some frames
-            remedy=""
-            if gain is None
-            else f"let {view.causes(expectation) or 'the cause'} act {gain:.2g} times as long",
+            remedy="" if passed else fix,
         )
     ]
 
@@ -386,7 +384,7 @@ def _check_part(index: int, expectation: ExpectedMotion, view: View) -> list[Che
 
 
 _REST_SHARE = {False: 0.75, True: 0.4}
-"""Of the named end's motion that the opposite end may show: a part drags the rest along, an excepted one hardly moves."""
+"""Of the moving end's motion that the other may show: a part drags the rest along, an excepted one hardly moves."""
 
 
 def _extent(expectation: ExpectedMotion, view: View, end: PartMotion, first: int, last: int) -> float | None:

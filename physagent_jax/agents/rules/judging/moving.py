@@ -5,7 +5,6 @@ from __future__ import annotations
 from physagent_jax.agents.matching import is_thrown_up
 from physagent_jax.agents.rules import tolerances
 from physagent_jax.agents.rules.judging.comparing import (
-    SAME_WAY,
     compare_amount,
     compare_direction,
     find_spread,
@@ -209,7 +208,7 @@ def check_sway(index: int, expectation: ExpectedMotion, view: View) -> list[Chec
     if why:
         return [make_unseen_check(index, expectation, why)]
     first, last = view.span(expectation)
-    course = view.course(first, last, end)
+    course = view.without_others(view.course(first, last, end), expectation, (0.0, 0.0, 0.0))
     if len(course) < 3:
         return [make_unseen_check(index, expectation, "its path is not followed")]
     line = _find_line(course)
@@ -262,6 +261,3 @@ def _find_line(course: Course) -> Vector:
     _, far = find_farthest(course)
     _, other = max(course, key=lambda point: norm(add([point[1], scale(far, -1.0)])))
     return add([far, scale(other, -1.0)])
-
-
-__all__ = ["SAME_WAY", "check_fall", "check_move", "check_sway", "count_turns", "find_track", "follow"]

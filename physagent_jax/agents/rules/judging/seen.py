@@ -1,4 +1,4 @@
-"""What the planner looks at: the report's motion as courses of frames, from its series or, without them, its windows."""
+"""What the planner looks at: the report's motion as courses of frames, from its series or else its windows."""
 
 from __future__ import annotations
 
