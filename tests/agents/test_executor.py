@@ -13,6 +13,8 @@ LEFT, RIGHT = (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
 SWALLOWED = {  # this world's gravity overcomes any blow upwards, and no rule may switch it off
     "a sudden jolt from below makes the robot jump",
     "the robot jumps to the right",
+    "throw the ball into the air",
+    "jump",
     "The object rises slowly, spins twice and falls to the ground.",
 }
 UNSEEN = {  # parts against each other: the report measures the whole object
@@ -23,6 +25,13 @@ UNSEEN = {  # parts against each other: the report measures the whole object
 
 
 TOO_SHORT = {  # several actions in two seconds: none of them has the time to be seen
+    "pushed to the left, then to the right",
+    "during the first half push left, during the second half push right",
+    "the robot moves to the right and then back to the left",
+    "rotate the robot about its own axis, first clockwise, then counterclockwise",
+    "The vase is twisted by an invisible force, first to the left, then to the right.",
+    "the robot nods twice",
+    "the jelly is pulled to the left and to the right",
     "the object is severely compressed, violently twisted, and then rebounds",
     "push the robot to the left, then harder to the right, and finally stop",
     "Push it left. Push it right. Lift it up. Drop it.",
@@ -206,7 +215,7 @@ def test_unobservable_motion_changes_nothing():
 @pytest.mark.parametrize("gain", [0.4, 0.55, 0.8, 1.0, 1.5, 2.0, 2.5])
 @pytest.mark.parametrize(
     "prompt",
-    ["push it left", "push it slightly to the right", "a violent storm pushes it away", "spin it clockwise",
+    ["push it left", "push it slightly to the right", "a strong wind pushes it away", "spin it clockwise",
      "stretch it", "squeeze it", "kick it to the upper left", "push it left for one second"],
 )  # fmt: skip
 def test_loop_converges_for_unknown_gains(prompt, gain):

@@ -10,7 +10,7 @@ does not enter. The yardstick is the object itself (its longest extent L), which
 - Bending of what is held: its centre moves by about half of what its end does, so a third of the above; beyond 0.8 it
   cannot be held any more.
 - Turning: under 30 degrees is slight (the broad face stays in sight); a plain turn shows another side, 20 degrees up to
-  little more than half a turn; "violent" spinning goes on to a third of a turn or more.
+  two thirds of a turn; "violent" spinning goes on to half a turn or more.
 - Length: a tenth is about the least change of proportions that is seen without a ruler, a half is plain, twice is
   violent. Squeezing ends at 1.
 
@@ -50,7 +50,7 @@ MOVE_HELD: Bands = ((0.015, 0.04, 0.08), (0.055, 0.15, 0.3), (0.2, 0.3, 0.8))
 MOVE_HELD_END: Bands = ((0.03, 0.08, 0.2), (0.13, 0.3, 0.7), (0.45, 0.7, 1.6))
 SWAY: Bands = ((0.02, 0.045, 0.07), (0.045, 0.12, 0.35), (0.23, 0.35, 1.0))
 SWAY_HELD: Bands = ((0.01, 0.03, 0.06), (0.038, 0.09, 0.2), (0.13, 0.2, 0.5))
-TURN: Bands = ((5.0, 14.0, 30.0), (20.0, 80.0, 200.0), (128.0, 220.0, 1100.0))
+TURN: Bands = ((5.0, 14.0, 30.0), (20.0, 85.0, 260.0), (163.0, 270.0, 1100.0))
 TURN_HELD: Bands = ((4.0, 10.0, 24.0), (15.0, 35.0, 75.0), (48.0, 75.0, 180.0))
 STRETCH: Bands = ((0.04, 0.08, 0.14), (0.1, 0.25, 0.55), (0.35, 0.6, 2.0))
 SQUEEZE: Bands = ((0.04, 0.07, 0.13), (0.09, 0.2, 0.42), (0.28, 0.45, 0.92))

@@ -162,7 +162,8 @@ def _check_sudden(index: int, expectation: ExpectedMotion, view: View) -> list[C
     signal = measure_signal(expectation, view, first, min(reach, last))
     if len(signal) < 4 or max(abs(v) for _, v in signal) < visible(expectation):
         return []
-    speeds = _speeds(signal, 2)
+    top = max(range(len(signal)), key=lambda i: abs(signal[i][1]))
+    speeds = _speeds(signal[: max(top + 1, 4)], 2)  # what comes after it is not the blow's doing
     fastest = max(speeds, key=lambda point: abs(point[1]))[1]
     level = max(0.25 * visible(expectation), 0.15 * max(abs(v) for _, v in signal))
     onset = next(t for t, v in signal if abs(v) >= level)

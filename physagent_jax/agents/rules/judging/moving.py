@@ -70,6 +70,9 @@ def check_move(index: int, expectation: ExpectedMotion, view: View) -> list[Chec
     within = [point for point in own if point[0] <= last]
     peak_frame, peak = find_farthest(within if view.anchored and len(within) > 1 and not lasting else own)
     direction = expectation.direction
+    rises = view.gravity and direction is not None and dot(direction, view.brief.directions.up) > 0.5
+    if rises and direction is not None:  # it has to come down again, and may land lower
+        peak_frame, peak = max(own, key=lambda point: dot(point[1], direction))
     along = norm(peak) if direction is None else dot(peak, direction)
     coasting = 0.0 if direction is None else max(dot(drift, direction), 0.0) * (peak_frame - first)
     tolerance = tolerances.expect_move(
@@ -94,7 +97,6 @@ def check_move(index: int, expectation: ExpectedMotion, view: View) -> list[Chec
                 index, expectation, "how far does it move?", tolerance, along, name, view, "displacement"
             )
         )
-    rises = view.gravity and direction is not None and dot(direction, view.brief.directions.up) > 0.5
     free = not view.anchored and expectation.repeats == 1 and not rises and end is None
     if free and direction is not None and peak_frame < own[-1][0] and along >= tolerance.low:
         left = dot(own[-1][1], direction) / along
