@@ -561,7 +561,7 @@ def test_eigenvalues_of_symmetric_matrices():
     [
         ("push the robot to the left", {"displacement": (-0.2, 0, 0)}, 3.0, "increase the magnitude of actions[0]"),
         ("push the robot to the left", {"displacement": (-3.0, 0, 0)}, 0.2, "decrease the magnitude of actions[0]"),
-        ("spin the robot", {"turn": (0, 0, 16.0)}, 5.0, "increase"),
+        ("spin the robot", {"turn": (0, 0, 17.0)}, 5.0, "increase"),
         ("stretch the robot", {"stretch": ((1.05, 0, 0), (0, 1, 0), (0, 0, 1))}, 5.0, "increase"),
     ],
 )  # fmt: skip
