@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
 
 from benchmarks.verdicts.motions import FRICTION, Burst, Grip, Motion, Part, Push, Spin
-from benchmarks.verdicts.things import DOMAIN, Thing
+from benchmarks.verdicts.things import DOMAIN, FILLING, Thing
 from physagent_jax.forces.schema import Action, ActionType, BoxRegion, ForceField, SkillScaling
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.camera import find_viewer_directions
@@ -36,6 +37,14 @@ SIZE = (320, 240)  # width, height [px]
 REACH = 1.3  # [L] from where it was that the camera follows what moves
 HELD_FOOT = 0.15  # share of the height
 _WEAKEST, _STRONGEST = 0.4, 1.6  # of an action's magnitude
+_LEAST_SPIN = 1e-6  # [degrees/s^2], nothing that can be seen
+_PUSHES, _SPINS = (
+    4,
+    2,
+)  # terms in a scene, at least: those that do nothing spare compiling a program for each number
+_RIGID, _TURNING = 1.5e4, 3e4  # [Pa]
+_WHOLE = BoxRegion(low=(-9, -9, -9), high=(9, 9, 9))
+_NOTHING = Uniform(acceleration=(0.0, 0.0, 0.0), envelope=ConstantEnvelope(start=0.0, end=0.1), region=_WHOLE)
 _SLAB = {
     "top": ((-9, -9, 2 / 3), (9, 9, 9)),
     "bottom": ((-9, -9, -9), (9, 9, 1 / 3)),
@@ -57,15 +66,18 @@ def make_scene(thing: Thing, source: Source, body: Body, motion: Motion) -> Scen
         plane = HalfSpace(point=(0, 0, ground), normal=(0, 0, 1), surface=Surface.SEPARATE, friction=FRICTION)
         boundaries += (plane,)
     spins = [cause for cause in motion.causes if isinstance(cause, Spin)]
-    terms = [_term(c, axes, lead, body) for c in motion.causes if isinstance(c, Push | Burst)]
+    terms: list[Uniform | Attractor] = [
+        _term(c, axes, lead, body) for c in motion.causes if isinstance(c, Push | Burst)
+    ]
+    terms += [_NOTHING] * (_PUSHES - len(terms))
     grips = [_grip(c, axes, lead, body) for c in motion.causes if isinstance(c, Grip)]
     field, scaling = _spin(spins, axes, lead)
     frames = round(motion.seconds / FRAME_DT) + count_lead(motion)
     return SceneConfig(
         prompt=motion.words,
         source=source,
-        filling=thing.filling,
-        material=thing.material,
+        filling=FILLING,
+        material=thing.make_material(_stiffness(motion)),
         domain=DOMAIN,
         timing=Timing(frame_count=frames, frame_dt=FRAME_DT),
         transfer=Transfer(damping_rate=motion.drag),
@@ -79,6 +91,15 @@ def make_scene(thing: Thing, source: Source, body: Body, motion: Motion) -> Scen
         camera=CameraConfig(azimuth_degrees=thing.azimuth),
         rendering=Rendering(width=SIZE[0], height=SIZE[1]),
     )
+
+
+def _stiffness(motion: Motion) -> float | None:
+    """What moves as a rigid body does may be soft, which is cheap: nothing strains it. None = the object's own [Pa]."""
+    if motion.world == "ground" or motion.held:
+        return None
+    if all(isinstance(cause, Push) and cause.part == "all" for cause in motion.causes):
+        return _RIGID
+    return None if any(getattr(cause, "part", "all") != "all" for cause in motion.causes) else _TURNING
 
 
 def find_axes(thing: Thing) -> np.ndarray:
@@ -106,10 +127,10 @@ def _term(cause: Push | Burst, axes: np.ndarray, lead: float, body: Body) -> Uni
     return Uniform(acceleration=acceleration, envelope=envelope, region=_region(cause.part, axes))
 
 
-def _region(part: Part, axes: np.ndarray) -> BoxRegion | None:
-    """A third of the object."""
+def _region(part: Part, axes: np.ndarray) -> BoxRegion:
+    """A third of the object, or all of it."""
     if part == "all":
-        return None
+        return _WHOLE
     if part in _SLAB:
         low, high = _SLAB[part]
         return BoxRegion(low=low, high=high)
@@ -143,10 +164,13 @@ def _grip(cause: Grip, axes: np.ndarray, lead: float, body: Body) -> ParticleTra
     )
 
 
-def _spin(spins: list[Spin], axes: np.ndarray, lead: float) -> tuple[ForceField, SkillScaling | None]:
+def _spin(spins: list[Spin], axes: np.ndarray, lead: float) -> tuple[ForceField, SkillScaling]:
     """Torques; what a magnitude of 1 means is chosen so that all of them are in its range."""
     if not spins:
-        return ForceField(), None
+        spins = [Spin((0.0, 1.0, 0.0), _LEAST_SPIN, 0.0, 0.1)]
+    if len(spins) < _SPINS:
+        first = dataclasses.replace(spins[0], strength=spins[0].strength / 2)
+        spins = [first, first]
     strengths = [abs(spin.strength) for spin in spins]
     unit = max(strengths) / _STRONGEST
     if min(strengths) / unit < _WEAKEST - 1e-9:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -18,6 +19,7 @@ from physagent_jax.scene.procedural import PROCEDURAL
 
 ROBOT = Path(__file__).resolve().parents[2] / "examples" / "assets" / "robot.ply"
 DOMAIN = Domain(size=8.0, cells=104)  # 13 cells per body length
+FILLING = Filling(max_particles=3500)  # three in a cell of full matter, and nearly all things have as many
 GAUSSIANS = 2500
 
 
@@ -33,7 +35,6 @@ class Thing:
         azimuth: Where the camera stands [degrees].
         youngs_modulus: [Pa].
         poissons_ratio: nu.
-        particle_count: At most; three in a cell of full matter.
         rooted: Why its foot is held; None = it is free.
         data: Name of its file in the folder of data; None = it needs none.
     """
@@ -45,19 +46,16 @@ class Thing:
     azimuth: float = 0.0
     youngs_modulus: float = 7e4
     poissons_ratio: float = 0.3
-    particle_count: int = 3000
     rooted: str | None = None
     data: str | None = None
 
-    @property
-    def filling(self) -> Filling:
-        """How it is filled."""
-        return Filling(max_particles=self.particle_count)
-
-    @property
-    def material(self) -> Material:
-        """Stiff enough to bear its own weight with a strain of 1 to 2 %."""
-        return Material(youngs_modulus=self.youngs_modulus, poissons_ratio=self.poissons_ratio, density=250.0)
+    def make_material(self, youngs_modulus: float | None = None) -> Material:
+        """Stiff enough to bear its own weight with a strain of 1 to 2 %, or as stiff as is said [Pa]."""
+        return Material(
+            youngs_modulus=youngs_modulus or self.youngs_modulus,
+            poissons_ratio=self.poissons_ratio,
+            density=250.0,
+        )
 
 
 def _mesh(make: Callable[[], trimesh.Trimesh]) -> Callable[[Path], Path]:
@@ -94,25 +92,23 @@ THINGS = {
             youngs_modulus=3e5,
             rooted="plants are rooted: the pot or the foot of the stem does not move",
         ),
-        Thing("loaf", "food", _procedural("loaf"), azimuth=20.0, particle_count=3500),
+        Thing("loaf", "food", _procedural("loaf"), azimuth=20.0),
         Thing(
             "jelly",
             "jelly",
             _procedural("jelly"),
             youngs_modulus=5e4,
             poissons_ratio=0.4,
-            particle_count=4500,
         ),
         Thing(
-            "cube",
+            "crate",
             "object",
-            _mesh(lambda: trimesh.creation.box((1, 1, 1))),
+            _mesh(lambda: trimesh.creation.box((1, 0.7, 0.75))),
             azimuth=30.0,
-            particle_count=7000,
         ),
-        Thing("ball", "ball", _mesh(lambda: trimesh.creation.icosphere(3, 0.5)), particle_count=4000),
+        Thing("ball", "ball", _mesh(lambda: trimesh.creation.icosphere(3, 0.5))),
         Thing("board", "object", _mesh(lambda: trimesh.creation.box((0.6, 0.3, 1)))),
-        Thing("bottle", "vessel", _mesh(_bottle), particle_count=3500),
+        Thing("bottle", "vessel", _mesh(_bottle)),
         Thing("guitar", "instrument", up="-y", data="guitar_sh0.ply"),
         Thing("cow", "animal", up="+y", azimuth=-60.0, data="spot.obj"),
         Thing("bunny", "animal", up="+y", data="bunny.obj"),
@@ -135,10 +131,9 @@ def find_source(thing: Thing, clips: Path, data: Path | None) -> Source:
         assert data is not None
         file = data / thing.data
     else:
-        assert thing.make is not None
         folder = clips / "objects"
         folder.mkdir(parents=True, exist_ok=True)
-        file = thing.make(folder / thing.noun)
+        file = _make_once(thing, folder)
     return Source(
         path=str(file.resolve()),
         sha256=hash_file(file),
@@ -149,8 +144,21 @@ def find_source(thing: Thing, clips: Path, data: Path | None) -> Source:
     )
 
 
+def _make_once(thing: Thing, folder: Path) -> Path:
+    """The object's file in ``folder``; several processes may ask for it at once."""
+    assert thing.make is not None
+    with tempfile.TemporaryDirectory(dir=folder) as mine:
+        made = thing.make(Path(mine) / thing.noun)
+        if Path(mine) not in made.parents:
+            return made
+        file = folder / made.name
+        if not file.is_file():
+            made.replace(file)
+    return file
+
+
 @cache
 def load_body(name: str, clips: Path, data: Path | None) -> tuple[Source, Body]:
     """The object's file, and the object filled with particles."""
     source = find_source(THINGS[name], clips, data)
-    return source, make_body(source, THINGS[name].filling, DOMAIN, clips)
+    return source, make_body(source, FILLING, DOMAIN, clips)
