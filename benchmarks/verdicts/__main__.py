@@ -13,7 +13,7 @@ import multiprocessing
 import sys
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Literal
 
@@ -29,6 +29,9 @@ from benchmarks.verdicts.markdown import document
 from benchmarks.verdicts.recording import find_file, record
 from benchmarks.verdicts.sheets import write_sheets
 from benchmarks.verdicts.things import THINGS, list_things
+
+
+JOBS = 16  # of each part
 
 
 @dataclasses.dataclass(frozen=True)
@@ -77,26 +80,29 @@ def make(clip: Clip, clips: Path, data: Path | None) -> Row:
 
 
 def _list_jobs(command: Command, clips: list[Clip], part: str, work: Callable) -> list[Job]:
-    """One per object."""
-    names = list(dict.fromkeys(clip.thing for clip in clips))
-    chosen = {name: [clip for clip in clips if clip.thing == name] for name in names}
+    """Each has a fair sample of all clips, so that a run that is stopped has one too."""
+    chosen = [[clip for clip in clips if clip.turn % JOBS == number] for number in range(JOBS)]
     return [
-        Job(name, partial(_do, command, part, sorted(mine, key=lambda clip: clip.name), work))
-        for name, mine in sorted(chosen.items())
+        Job(f"sample {number:02d}", partial(_do, command, mine, part, work))
+        for number, mine in enumerate(chosen)
+        if mine
     ]
 
 
-def _do(command: Command, part: str, clips: list[Clip], work: Callable) -> list[Row]:
-    """The rows of one object's clips."""
-    harness.say(f"{part}: {clips[0].thing}, {len(clips)} clips")
+def _do(command: Command, clips: list[Clip], part: str, work: Callable) -> list[Row]:
+    """The rows of a job."""
     ready = partial(_attempt, work, command.clips, command.data, command.made)
-    if command.workers == 1 or part == "truth":
-        rows = [ready(clip) for clip in clips]
-    else:
-        fresh = multiprocessing.get_context("spawn")  # JAX does not survive a fork
-        with ProcessPoolExecutor(command.workers, mp_context=fresh) as pool:
-            rows = list(pool.map(ready, clips, chunksize=4))
+    clips = sorted(clips, key=lambda clip: clip.name)
+    # What the truth shows is judged in no time.
+    apart = command.workers > 1 and part != "truth"
+    rows = _start_workers(command.workers).map(ready, clips) if apart else map(ready, clips)
     return [row for row in rows if row is not None]
+
+
+@cache
+def _start_workers(count: int) -> ProcessPoolExecutor:
+    """Processes of their own: JAX does not survive a fork."""
+    return ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
 
 
 def _attempt(work: Callable, folder: Path, data: Path | None, made: bool, clip: Clip) -> Row | None:

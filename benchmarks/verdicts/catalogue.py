@@ -517,7 +517,7 @@ _TOLD: dict[str, tuple[Callable[[str], Iterator[Clip]], ...]] = {
     "plant": (_held,),
     "loaf": (_push, _spin, _amounts, _stretch, _squeeze, _shove, _drop, _kick),
     "jelly": (_pull, _strength, *_SHAPE, _shove, _drop, _throw, _rest),
-    "crate": (_lift, _spin, _amounts, *_SHAPE, *_GROUND, _sequence),
+    "crate": (_lift, _spin, _amounts, _stretch, _twist, *_GROUND, _sequence),
     "ball": (_push, _pull, _stretch, _drop, _throw, _rest),
     "board": (_spin, _lift, _part, _held, _stretch, _twist, _strength),
     "bottle": (_push, _part, _held, _squeeze, _drop, _shove),

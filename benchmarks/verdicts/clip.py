@@ -68,7 +68,7 @@ class Clip:
 
     @property
     def turn(self) -> int:
-        """A place in an order in which any beginning is a fair sample."""
+        """A number by which fair samples can be drawn."""
         return _digest("order", self.name)
 
 

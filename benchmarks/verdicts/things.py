@@ -92,7 +92,7 @@ THINGS = {
             youngs_modulus=3e5,
             rooted="plants are rooted: the pot or the foot of the stem does not move",
         ),
-        Thing("loaf", "food", _procedural("loaf"), azimuth=20.0),
+        Thing("loaf", "food", _procedural("loaf")),
         Thing(
             "jelly",
             "jelly",
