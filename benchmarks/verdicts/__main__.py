@@ -9,27 +9,21 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import multiprocessing
 import sys
-from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
-from typing import Literal
 
 import tyro
 
 from benchmarks import harness
-from benchmarks.harness import Job, Row
+from benchmarks.harness import Job
 from benchmarks.verdicts.catalogue import list_clips
 from benchmarks.verdicts.clip import Clip
 from benchmarks.verdicts.figures import SIGHTS, find_excess
-from benchmarks.verdicts.judging import judge
 from benchmarks.verdicts.markdown import document
-from benchmarks.verdicts.recording import find_file, record
 from benchmarks.verdicts.sheets import write_sheets
 from benchmarks.verdicts.things import THINGS, list_things
-
+from benchmarks.verdicts.work import Part, do_all
 
 JOBS = 16  # of each part
 
@@ -38,7 +32,7 @@ JOBS = 16  # of each part
 class Command(harness.Command):
     """Simulate clips and judge them, or write the tables of an earlier run."""
 
-    parts: tuple[Literal["clips", "truth", "pictures"], ...] = ("clips", "truth", "pictures")
+    parts: tuple[Part, ...] = ("clips", "truth", "pictures")
     """clips: make those that are missing; truth: judge the true motion; pictures: judge what is seen."""
     clips: Path = Path("runs/verdicts")
     """Folder where clips are kept."""
@@ -56,9 +50,8 @@ def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
     clips = list_clips(command.data, command.quick)
-    works: dict[str, Callable[[Clip, Path, Path | None], Row]] = {"clips": make}
-    works |= {sight: partial(judge, sight=sight) for sight in SIGHTS}
-    parts = {part: partial(_list_jobs, command, clips, part, work) for part, work in works.items()}
+    every: tuple[Part, ...] = ("clips", "truth", "pictures")
+    parts = {part: partial(_list_jobs, command, clips, part) for part in every}
     missing = sorted(THINGS.keys() - set(list_things(command.data)))
     code = harness.main(command, parts, document, {"left_out": missing})
     result = json.loads(command.json.read_text()) if command.json.is_file() else {}
@@ -73,43 +66,15 @@ def main() -> int:
     return code or bool(excess)
 
 
-def make(clip: Clip, clips: Path, data: Path | None) -> Row:
-    """Simulates and renders a clip, if it has not been."""
-    held = record(clip.thing, clip.motion, clips, data)
-    return {"clip": clip.name, "frames": len(held.rgb), "particles": held.particles.shape[1]}
-
-
-def _list_jobs(command: Command, clips: list[Clip], part: str, work: Callable) -> list[Job]:
+def _list_jobs(command: Command, clips: list[Clip], part: Part) -> list[Job]:
     """Each has a fair sample of all clips, so that a run that is stopped has one too."""
-    chosen = [[clip for clip in clips if clip.turn % JOBS == number] for number in range(JOBS)]
-    return [
-        Job(f"sample {number:02d}", partial(_do, command, mine, part, work))
-        for number, mine in enumerate(chosen)
-        if mine
-    ]
-
-
-def _do(command: Command, clips: list[Clip], part: str, work: Callable) -> list[Row]:
-    """The rows of a job."""
-    ready = partial(_attempt, work, command.clips, command.data, command.made)
-    clips = sorted(clips, key=lambda clip: clip.name)
-    # What the truth shows is judged in no time.
-    apart = command.workers > 1 and part != "truth"
-    rows = _start_workers(command.workers).map(ready, clips) if apart else map(ready, clips)
-    return [row for row in rows if row is not None]
-
-
-@cache
-def _start_workers(count: int) -> ProcessPoolExecutor:
-    """Processes of their own: JAX does not survive a fork."""
-    return ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
-
-
-def _attempt(work: Callable, folder: Path, data: Path | None, made: bool, clip: Clip) -> Row | None:
-    """The row of a clip; None if it has not been made and is not to be."""
-    if made and not find_file(clip.thing, clip.motion, folder, data).is_file():
-        return None
-    return work(clip, clips=folder, data=data)
+    jobs = []
+    for number in range(JOBS):
+        mine = sorted((clip for clip in clips if clip.turn % JOBS == number), key=lambda clip: clip.name)
+        options = {"workers": command.workers, "made": command.made}
+        work = partial(do_all, part, mine, command.clips, command.data, **options)
+        jobs += [Job(f"sample {number:02d}", work)] if mine else []
+    return jobs
 
 
 if __name__ == "__main__":
