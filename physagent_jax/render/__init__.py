@@ -9,6 +9,7 @@ from physagent_jax.render.renderer import (
     rasterize,
     render,
     render_all,
+    to_uint8,
 )
 
 __all__ = [
@@ -22,4 +23,5 @@ __all__ = [
     "rasterize",
     "render",
     "render_all",
+    "to_uint8",
 ]

@@ -73,20 +73,31 @@ def render(
 
 
 def render_all(
-    frames: Sequence[Splats], camera: Camera, *, background=(1.0, 1.0, 1.0), kernels: Kernels = "auto"
+    frames: Sequence[Splats],
+    camera: Camera | Sequence[Camera],
+    *,
+    background=(1.0, 1.0, 1.0),
+    kernels: Kernels = "auto",
 ) -> list[RenderedImage]:
-    """`render` of each frame, `choose_batch_size` at the same time.
+    """`render` of each frame, `choose_batch_size` at the same time; all from one camera, or each from its own.
 
     On CPU a frame by itself leaves cores idle while its tile lists are made.
     """
 
-    def one(splats: Splats) -> RenderedImage:
+    def one(splats: Splats, camera: Camera) -> RenderedImage:
         return jax.block_until_ready(render(splats, camera, background=background, kernels=kernels))
 
-    alone = [splats for splats in frames[:1] if _key(splats, camera) not in capacities]
-    done = [one(splats) for splats in alone]  # so that what has to be compiled is compiled once
+    cameras = [camera] * len(frames) if isinstance(camera, Camera) else list(camera)
+    views = list(zip(frames, cameras, strict=True))
+    alone = [view for view in views[:1] if _key(*view) not in capacities]
+    done = [one(*view) for view in alone]  # so that what has to be compiled is compiled once
     with ThreadPoolExecutor(choose_batch_size()) as pool:
-        return done + list(pool.map(one, frames[len(done) :]))
+        return done + list(pool.map(lambda view: one(*view), views[len(done) :]))
+
+
+def to_uint8(rgb) -> np.ndarray:
+    """Colours in [0, 1], rounded to levels of 8 bits; what is beyond is clipped."""
+    return (np.clip(np.asarray(rgb), 0, 1) * 255 + 0.5).astype(np.uint8)
 
 
 def choose_batch_size() -> int:

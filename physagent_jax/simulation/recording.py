@@ -19,15 +19,11 @@ from physagent_jax.mpm.energy import (
     momentum,
 )
 from physagent_jax.mpm.ledger import Exchange
+from physagent_jax.render import to_uint8
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.scene.config import SceneConfig
 from physagent_jax.simulation.record import Ledger, SimulationRecord
-
-
-def to_uint8(rgb) -> np.ndarray:
-    """Colours in [0, 1], rounded to levels of 8 bits; what is beyond is clipped."""
-    return (np.clip(np.asarray(rgb), 0, 1) * 255 + 0.5).astype(np.uint8)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -8,8 +8,8 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.binding import deform
-from physagent_jax.render import Camera, choose_batch_size, render_all
-from physagent_jax.simulation.recording import Recording, to_uint8
+from physagent_jax.render import Camera, choose_batch_size, render_all, to_uint8
+from physagent_jax.simulation.recording import Recording
 
 
 def render_recording(

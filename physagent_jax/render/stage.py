@@ -1,0 +1,207 @@
+"""What stands around an object in pictures for people: a ground with a grid, a contact shadow, a horizon.
+
+Never for perception, which gets the plain picture. All of it follows from the camera and the Gaussians.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from physagent_jax.gaussians.cloud import Splats
+from physagent_jax.render.camera import Camera
+from physagent_jax.render.renderer import RenderedImage, to_uint8
+from physagent_jax.render.shadow import ShadowMap, cast_shadow
+
+HORIZON = np.array([0.925, 0.935, 0.945], np.float32)
+ZENITH = np.array([0.70, 0.775, 0.86], np.float32)
+GROUND = np.array([0.76, 0.745, 0.72], np.float32)
+SHADOW = np.array([0.13, 0.14, 0.18], np.float32)  # share of light that is left where none arrives from above
+BACKDROP = (np.array([0.955, 0.96, 0.965], np.float32), np.array([0.83, 0.85, 0.875], np.float32))
+GRID_STEP, LINE_WIDTH, LINE_DARKNESS = 0.5, 0.012, 0.13  # [sizes], [sizes], [1]
+HAZE_RANGE, MOST_HAZE = 14.0, 0.7  # [sizes] to where the ground has paled by 1 - 1/e; of it, at the horizon
+FARTHEST = 400.0  # [sizes]; nothing of the ground can be told apart beyond
+SUNK = 0.035  # [sizes] below the ground from which on it hides what is drawn: contact is softer than a plane
+
+
+@dataclasses.dataclass(frozen=True)
+class Stage:
+    """Where an object stands.
+
+    Attributes:
+        ground: Height of the ground, whose normal is +z [m]; None = there is none, only a plain backdrop.
+        size: The object's longest side [m], by which the grid's step and the shadow's softness go.
+    """
+
+    ground: float | None
+    size: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Backdrop:
+    """A stage without its object, from one camera; the same for all frames that this camera takes.
+
+    Attributes:
+        stage, camera: Of what, from where.
+        rgb: The picture, shape (h, w, 3), float32.
+        levels: The same in levels of 8 bits, uint8.
+        slope: Height that a ray gains per depth [1], shape (h, w).
+        ground: Where rays meet the ground, x and y [m], nan where they do not, shape (h, w, 2); None without a ground,
+            and from below it.
+    """
+
+    stage: Stage
+    camera: Camera
+    rgb: np.ndarray
+    levels: np.ndarray
+    slope: np.ndarray
+    ground: np.ndarray | None
+
+
+def make_backdrop(stage: Stage, camera: Camera) -> Backdrop:
+    """Draws sky and ground; without a ground, or from below it, a plain gradient in which nothing seems to hover."""
+    rotation = np.asarray(camera.viewmat, np.float64)[:3, :3]
+    rays = (rotation.T @ np.linalg.inv(np.asarray(camera.K, np.float64))).astype(np.float32)
+    size = camera.height, camera.width
+    grounded = stage.ground is not None and camera.center[2] > stage.ground
+    if grounded:
+        pixel = 1 / float(np.asarray(camera.K)[1, 1])
+        drawn = _draw_ground(rays, np.float32(camera.center), stage.ground, stage.size, pixel, size)
+    else:
+        drawn = _draw_plain(rays, size)
+    rgb, slope, ground = (np.asarray(each) for each in drawn)
+    rgb = rgb + _make_dither(*size)
+    return Backdrop(stage, camera, rgb, to_uint8(rgb), slope, ground if grounded else None)
+
+
+def compose(image: RenderedImage, splats: Splats, backdrop: Backdrop) -> np.ndarray:
+    """Puts a rendered object on its stage.
+
+    What is below the ground is hidden by it, but for a depth that contact may have.
+
+    Args:
+        image: Rendered over black, from the backdrop's camera.
+        splats: What was rendered; they cast the shadow.
+        backdrop: Of that camera.
+
+    Returns:
+        The picture, uint8, shape (h, w, 3).
+    """
+    stage, levels = backdrop.stage, backdrop.levels.copy()
+    rgb = np.asarray(image.rgb)
+    alpha = np.asarray(image.alpha)
+    boxes = []
+    lit = None
+    if backdrop.ground is not None:
+        assert stage.ground is not None
+        shadow = cast_shadow(splats, stage.ground, stage.size)
+        if shadow is not None:
+            part = _find_on_screen(shadow, stage.ground, backdrop.camera)
+            lit = np.ones(alpha.shape, np.float32)
+            lit[part] = 1 - shadow.sample(backdrop.ground[part])
+            boxes.append(part)
+    rows, columns = np.flatnonzero(alpha.any(axis=1)), np.flatnonzero(alpha.any(axis=0))
+    if len(rows):
+        boxes.append((slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)))
+    for part in boxes:
+        behind = backdrop.rgb[part]
+        if lit is not None:
+            behind = behind * (SHADOW + lit[part][..., None] * (1 - SHADOW))
+        shown = _find_shown(backdrop, np.asarray(image.depth)[part], part)
+        cover = (shown * alpha[part])[..., None]
+        levels[part] = to_uint8(shown[..., None] * rgb[part] + (1 - cover) * behind)
+    return levels
+
+
+def _find_shown(backdrop: Backdrop, depth: np.ndarray, part) -> np.ndarray:
+    """What share of the object the ground lets through in a part of the picture, by the height of what is hit."""
+    stage = backdrop.stage
+    if backdrop.ground is None or stage.ground is None:
+        return np.ones_like(depth)
+    height = (backdrop.camera.center[2] - stage.ground) + depth * backdrop.slope[part]
+    return np.clip(2 + height / (SUNK * stage.size), 0, 1).astype(np.float32)
+
+
+def _find_on_screen(shadow: ShadowMap, ground: float, camera: Camera) -> tuple[slice, slice]:
+    """Rows and columns of the picture in which ``shadow`` may be seen."""
+    low, high = shadow.low, shadow.low + shadow.cell * (np.array(shadow.darkness.shape) - 1)
+    x, y = np.meshgrid([low[0], high[0]], [low[1], high[1]])
+    view = np.asarray(camera.viewmat, np.float64)
+    corners = np.stack([x.ravel(), y.ravel(), np.full(4, ground)], 1) @ view[:3, :3].T + view[:3, 3]
+    if (corners[:, 2] < 1e-3).any():  # beside or behind the camera: it may reach anywhere
+        return np.s_[: camera.height, : camera.width]
+    pixels = corners @ np.asarray(camera.K, np.float64).T
+    pixels = pixels[:, :2] / pixels[:, 2:]
+    bounds = np.array([camera.width, camera.height])
+    first = np.clip(np.floor(pixels.min(0)), 0, bounds - 1).astype(int)
+    last = np.clip(np.ceil(pixels.max(0)), first + 1, bounds).astype(int)
+    return np.s_[first[1] : last[1], first[0] : last[0]]
+
+
+def _cast_rays(rays: jax.Array, size: tuple[int, int]) -> list[jax.Array]:
+    """Components (x, y, z) in the world of rays of depth 1 through the pixels' centres, each of shape (h, w)."""
+    u, v = jnp.arange(size[1]) + 0.5, jnp.arange(size[0]) + 0.5
+    return [rays[i, 0] * u[None, :] + rays[i, 1] * v[:, None] + rays[i, 2] for i in range(3)]
+
+
+@functools.partial(jax.jit, static_argnums=1)
+def _draw_plain(rays: jax.Array, size: tuple[int, int]):
+    share = jnp.linspace(0, 1, size[0])[:, None, None]
+    rgb = jnp.broadcast_to((1 - share) * BACKDROP[0] + share * BACKDROP[1], (*size, 3))
+    return rgb, _cast_rays(rays, size)[2], jnp.zeros((0,))
+
+
+@functools.partial(jax.jit, static_argnums=5)
+def _draw_ground(
+    rays: jax.Array, eye: jax.Array, ground: float, scale: float, pixel: float, size: tuple[int, int]
+):
+    """Colours, slopes and ground points of a stage seen from ``eye`` [m]; ``pixel`` is a pixel's angle [rad]."""
+    dx, dy, slope = _cast_rays(rays, size)
+    flat = jnp.sqrt(dx * dx + dy * dy) + 1e-9
+    length = jnp.sqrt(flat * flat + slope * slope)
+    sky = HORIZON + (jnp.clip(slope / length, 0, 1) ** 0.8)[..., None] * (ZENITH - HORIZON)
+    above = eye[2] - ground
+    depth = above / jnp.maximum(-slope, 1e-6)
+    seen = depth * length < FARTHEST * scale
+    x, y = eye[0] + depth * dx, eye[1] + depth * dy
+    across = depth * pixel  # what a pixel covers, across the line of sight and along it
+    along = across * jnp.sqrt(1 + (depth * flat / above) ** 2)
+    cos, sin = jnp.abs(dx) / flat, jnp.abs(dy) / flat
+    step, width = GRID_STEP * scale, LINE_WIDTH * scale
+    lines = jnp.maximum(
+        _average_lines(x, cos * along + sin * across, step, width),
+        _average_lines(y, sin * along + cos * across, step, width),
+    )
+    haze = MOST_HAZE * (1 - jnp.exp(-((jnp.where(seen, depth * length, jnp.inf) / scale / HAZE_RANGE) ** 2)))
+    lines = LINE_DARKNESS * jnp.where(seen, lines, LINE_WIDTH / GRID_STEP)
+    floor = (1 - lines)[..., None] * GROUND
+    floor = floor + haze[..., None] * (HORIZON - floor)
+    covered = jnp.clip(0.5 - slope / pixel, 0, 1)[..., None]  # the horizon's own row of pixels is mixed
+    met = (seen & (slope < 0))[..., None]
+    points = jnp.where(met, jnp.stack([x, y], axis=-1), jnp.nan)
+    return sky + covered * (floor - sky), slope, points
+
+
+def _average_lines(x: jax.Array, footprint: jax.Array, step: float, width: float) -> jax.Array:
+    """Share of [x - footprint / 2, x + footprint / 2] in lines of ``width`` every ``step``: exact, so free of moire."""
+
+    def covered_up_to(position):
+        whole = jnp.floor(position / step)
+        return whole * width + jnp.minimum(position - whole * step, width)
+
+    x = x + 0.5 * width  # lines are centred on multiples of the step
+    footprint = jnp.maximum(footprint, 1e-4 * step)
+    return jnp.clip(
+        (covered_up_to(x + 0.5 * footprint) - covered_up_to(x - 0.5 * footprint)) / footprint, 0, 1
+    )
+
+
+@functools.lru_cache(maxsize=4)
+def _make_dither(height: int, width: int) -> np.ndarray:
+    """Noise of half a level of 8 bits, always the same: gradients show no steps, shape (h, w, 1)."""
+    noise = np.random.default_rng(0).random((height, width, 1), np.float32)
+    return (noise - 0.5) / 255
