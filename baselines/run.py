@@ -19,6 +19,7 @@ from physagent_jax.report.html import write_report
 from physagent_jax.run.artifacts import write_best, write_rollout
 from physagent_jax.run.manifest import Stages
 from physagent_jax.run.provenance import hash_settings, make_manifest
+from physagent_jax.run.spec import VIDEO_SIZE
 from physagent_jax.run.store import RunStore
 from physagent_jax.simulation.stopwatch import Stopwatch
 
@@ -115,7 +116,9 @@ def _write(
     recording = pa.simulate_scene(scene, watch=watch)
     with watch("write"):
         write_rollout(store, 0, scene, recording)
-        write_best(store, 0, scene.body, save_frames=False, save_splats=False)
+        write_best(
+            store, 0, scene.config, scene.body, save_frames=False, save_splats=False, video_size=VIDEO_SIZE
+        )
         steps = [dataclasses.asdict(step) for step in history]
         write_text(store.claimed("optimisation.json"), json.dumps(steps, indent=2) + "\n")
     store.finish(stages=Stages(**watch.seconds()), iterations=1, best_iteration=0)

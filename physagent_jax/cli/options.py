@@ -44,6 +44,8 @@ OPTIONS = {
     "probe": "--probe",
     "seed": "--seed",
     "ledger": "--ledger",
+    "camera.follow": "--follow",
+    "save.video_size": "--video-size",
     "save.frames": "--save-frames",
     "save.splats": "--save-splats",
 }
@@ -66,14 +68,35 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
     _check_pairs(options)
     values = {field: _plain(options[_attribute(option)]) for field, option in OPTIONS.items()}
     values["overrides.height"] = values["overrides.width"]
+    values["camera.follow"] = options["follow"] or None
+    video_size = parse_size(values.pop("save.video_size"))
     if (box := options["anchor_box"]) is not None:
         values["anchor.point"], values["anchor.half_size"] = box[:3], box[3:]
     try:
-        return RunSpec.model_validate(_nested(values))
+        tree = _nested(values)
+        tree["save"]["video_size"] = video_size  # None too says something here
+        return RunSpec.model_validate(tree)
     except ValidationError as error:
         raise format_validation_error(
             error, "command line", do="`physagent run --help` lists the options"
         ) from None
+
+
+def parse_size(text: str) -> tuple[int, int] | None:
+    """Width and height of ``--video-size`` [px]; None for "off".
+
+    Raises:
+        UserError: The text is neither a size nor "off", or the size is out of range.
+    """
+    if text == "off":
+        return None
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(part.isascii() and part.isdecimal() and len(part) <= 4 for part in parts):
+        raise UserError("`--video-size` is a width and a height, or off", got=text, do="Pass 1280x720")
+    width, height = map(int, parts)
+    if not 16 <= min(width, height) <= max(width, height) <= 4096:
+        raise UserError("`--video-size` must be 16 to 4096 pixels a side", got=text, do="Pass 1280x720")
+    return width, height
 
 
 def read_whole_spec(path: Path, changed: Iterable[str]) -> RunSpec:

@@ -44,9 +44,11 @@ class Run:
     kind: str | None = None
     """plant, food, robot, ... (decides material and anchor); default: its card, else from the file's name."""
     azimuth: float | None = None
-    """Where the camera stands, in degrees about the vertical; default: the card's, else 0."""
+    """Where the camera stands, in degrees about the vertical; default: the card's, else where the object is broad."""
     elevation: float = 10.0
     """The camera's height above the horizon, in degrees."""
+    follow: bool = False
+    """Have the video's camera go along with the object; else it does so only if the object would be too small."""
     anchor: AnchorChoice = "auto"
     """What is held fixed; auto: what the sentence says, else what the kind implies."""
     anchor_box: tuple[float, float, float, float, float, float] | None = None
@@ -76,7 +78,9 @@ class Run:
     particles: int | None = None
     """Particles at most; default: the preset's."""
     resolution: int | None = None
-    """Width and height of the pictures; default: the preset's."""
+    """Width and height of the pictures that perception gets; default: the preset's."""
+    video_size: str = "1280x720"
+    """Width and height of the video, which is drawn for people; off: none is."""
     max_iterations: int = 3
     """Rounds at most."""
     semantic: str = "rules"
@@ -92,7 +96,7 @@ class Run:
     ledger: bool = False
     """Also record work, dissipation and impulses, frame by frame (plotted in the report)."""
     save_frames: bool = False
-    """Also leave the frames as PNG."""
+    """Also leave perception's pictures as PNG."""
     save_splats: bool = False
     """Also leave one 3DGS PLY per frame."""
     max_minutes: float = 60.0
@@ -110,6 +114,7 @@ class Run:
         from physagent_jax.report.html import write_report
         from physagent_jax.run.loop import run_loop
         from physagent_jax.run.resolve import resolve
+        from physagent_jax.run.store import PLAIN_VIDEO, VIDEO
         from physagent_jax.scene.cost import Limits
 
         begun = time.perf_counter()
@@ -141,7 +146,8 @@ class Run:
             print(json.dumps(summary))
         else:
             stderr.print(f"[bold]{summary['verdict']}[/] after {summary['iterations']} round(s)")
-            print(f"video:  {store.path / 'video.mp4'}\nreport: {report}")
+            video = PLAIN_VIDEO if run.spec.save.video_size is None else VIDEO
+            print(f"video:  {store.path / video}\nreport: {report}")
         return 0
 
 

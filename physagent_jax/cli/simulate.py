@@ -13,6 +13,7 @@ from typing import Annotated
 import tyro
 
 from physagent_jax.cli.console import FrameBar, stderr, warn
+from physagent_jax.cli.options import parse_size
 from physagent_jax.core.errors import UserError
 
 
@@ -30,8 +31,10 @@ class Simulate:
     """Also record work, dissipation and impulses, frame by frame."""
     force_substep: bool = False
     """Run the scene's `substep_dt` even above the stable bound."""
+    video_size: str = "1280x720"
+    """Width and height of the video, which is drawn for people; off: none is."""
     save_frames: bool = False
-    """Also leave the frames as PNG."""
+    """Also leave the scene's plain pictures as PNG."""
     save_splats: bool = False
     """Also leave one 3DGS PLY per frame."""
     max_minutes: float = 60.0
@@ -46,6 +49,7 @@ class Simulate:
     def __call__(self) -> int:
         """Runs the command; returns the exit code."""
         from physagent_jax.run.replay import replay_scene
+        from physagent_jax.run.store import PLAIN_VIDEO, VIDEO
         from physagent_jax.scene.cost import Limits
 
         begun = time.perf_counter()
@@ -54,7 +58,7 @@ class Simulate:
         config, notes = read_scene(self.scene, self.object)
         for text in notes:
             warn(text)
-        config = self._adjusted(config)
+        config, video_size = self._adjusted(config), parse_size(self.video_size)
         bar = FrameBar("simulating and rendering")
         try:
             record, stages = replay_scene(
@@ -65,6 +69,7 @@ class Simulate:
                 command=shlex.join(sys.argv),
                 save_frames=self.save_frames,
                 save_splats=self.save_splats,
+                video_size=video_size,
                 limits=Limits(self.max_minutes, self.max_memory),
                 overwrite=self.overwrite,
                 warn=warn,
@@ -83,7 +88,7 @@ class Simulate:
             }
             print(json.dumps(summary))
         else:
-            print(f"video: {self.out / 'video.mp4'}")
+            print(f"video: {self.out / (PLAIN_VIDEO if video_size is None else VIDEO)}")
         return 0
 
     def _adjusted(self, config):

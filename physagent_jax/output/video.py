@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Callable, Collection, Iterable
 from fractions import Fraction
 from pathlib import Path, PurePosixPath
 
@@ -22,14 +24,14 @@ from physagent_jax.core.files import replace_file, write_bytes
 QUALITY = {"crf": "18", "preset": "medium", "threads": "1", "mbtree": "0"}
 
 
-def write_video(path: str | Path, frames: np.ndarray, fps: float) -> Path:
+def write_video(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> Path:
     """Writes frames as an H.264 mp4 (yuv420p, BT.709, limited range).
 
     Odd sizes are padded by repeating the last row or column, because 4:2:0 colour needs even ones.
 
     Args:
         path: Where to, ending in ``.mp4``.
-        frames: Pictures, uint8, shape (T, H, W, 3), T >= 1.
+        frames: At least one picture, uint8, shape (H, W, 3): an array of them, or one after another as they are made.
         fps: Frames per second [1/s].
 
     Returns:
@@ -37,33 +39,46 @@ def write_video(path: str | Path, frames: np.ndarray, fps: float) -> Path:
 
     Raises:
         UserError: The file cannot be written.
-        ValueError: The frames are not uint8 RGB, or ``fps`` is not positive.
+        ValueError: The frames are not uint8 RGB of one size, or ``fps`` is not positive.
     """
-    frames = _checked(frames)
     if not fps > 0:
         raise ValueError(f"`fps` must be positive (got {fps})")
     path = Path(path)
-    padded = np.pad(frames, ((0, 0), (0, frames.shape[1] % 2), (0, frames.shape[2] % 2), (0, 0)), mode="edge")
+    pictures = iter(frames)
+    first = next(pictures, np.empty((0, 0, 0)))
+    size = _checked(np.asarray(first)[None]).shape[1:]
     with (
         replace_file(path) as temporary,
         av.open(str(temporary), "w", options={"movflags": "+faststart"}) as file,
     ):
-        stream = _h264_stream(file, padded.shape[2], padded.shape[1], fps)
-        for picture in padded:
-            file.mux(stream.encode(_to_yuv(picture)))
+        stream = _h264_stream(file, size[1] + size[1] % 2, size[0] + size[0] % 2, fps)
+        for picture in itertools.chain([first], pictures):
+            if _checked(np.asarray(picture)[None]).shape[1:] != size:
+                raise ValueError(f"`frames` must be of one size (got {size} and {np.shape(picture)})")
+            padded = np.pad(picture, ((0, size[0] % 2), (0, size[1] % 2), (0, 0)), mode="edge")
+            file.mux(stream.encode(_to_yuv(padded)))
         file.mux(stream.encode(None))
     return path
 
 
-def read_video(path: str | Path) -> np.ndarray:
-    """All frames of a video, uint8, shape (T, H, W, 3).
+def read_video(path: str | Path, choose: Callable[[int], Collection[int]] = range) -> np.ndarray:
+    """Frames of a video, uint8, shape (T, H, W, 3).
+
+    Args:
+        path: The file.
+        choose: Which frames of so many, ascending; all by default.
 
     Raises:
         UserError: The file is missing or is not a video.
     """
     try:
         with av.open(str(path)) as file:
-            decoded = [frame.to_ndarray(format="rgb24") for frame in file.decode(video=0)]
+            wanted = set(choose(file.streams.video[0].frames))
+            decoded = [
+                frame.to_ndarray(format="rgb24")
+                for index, frame in enumerate(file.decode(video=0))
+                if index in wanted
+            ]
     except (OSError, FFmpegError, IndexError, UnicodeError) as error:  # names of codecs may be damaged too
         raise UserError(
             f"cannot read the video {path}", got=error, do="Check that it is a finished mp4"

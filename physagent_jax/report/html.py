@@ -49,6 +49,7 @@ SECTIONS = {
 }
 
 
+HERO = "player"  # id of the video at the top
 _GENERATOR = "physagent-jax"
 _HEAD_BYTES = 1024  # within which a page says who has made it
 
@@ -118,7 +119,7 @@ def render_page(run: FinishedRun) -> str:
 
 
 class _Players:
-    """Video elements; the best round's video, which the folder holds twice, is embedded once."""
+    """Video elements; a video that the folder holds twice is embedded once."""
 
     def __init__(self, run: FinishedRun):
         self.run = run
@@ -128,19 +129,17 @@ class _Players:
     def hero(self) -> Markup:
         if self.hero_clip is None:
             return note_missing("There is no video yet.")
-        return self._player(self.hero_clip, self.hero_group)
+        return self._player(self.hero_clip, self.hero_group, id_=HERO)
 
     def of(self, round_: FinishedRound) -> Markup:
         clip = load_clip(round_.video)
         if clip is None:
             return note_missing("The video of this round is missing.")
         same = self.hero_clip is not None and clip.digest == self.hero_clip.digest
-        return self._player(clip, round_.clip, f"player-{self.hero_group}" if same else None)
+        return self._player(clip, round_.clip, same_as=HERO if same else None)
 
-    def _player(self, clip: Clip, group: str, same_as: str | None = None) -> Markup:
-        return embed_player(
-            clip, group=group, frame_dt=self.run.frame_dt, folder=self.run.folder, same_as=same_as
-        )
+    def _player(self, clip: Clip, group: str, **options: str | None) -> Markup:
+        return embed_player(clip, group=group, frame_dt=self.run.frame_dt, folder=self.run.folder, **options)
 
 
 def _header(run: FinishedRun) -> Markup:
@@ -217,7 +216,8 @@ def _words(run: FinishedRun) -> Markup:
 def _make_rounds(run: FinishedRun, players: _Players) -> Markup:
     lead = (
         "Each round simulates a force field, looks at the pictures, and judges them against the sentence. "
-        "If they fail, the force field is rewritten for the next round."
+        "If they fail, the force field is rewritten for the next round. Clips here are the plain pictures that "
+        "perception gets; the video at the top is drawn for people."
     )
     cards, previous = [], None
     for round_ in run.rounds:

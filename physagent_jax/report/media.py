@@ -38,11 +38,13 @@ class Clip:
     Attributes:
         path: The file.
         content: Its bytes.
-        frames: Its pictures, uint8, shape (T, H, W, 3); None if they cannot be decoded.
+        frame_count: How many it has.
+        frames: At most `STRIP_FRAMES` evenly through it, uint8, shape (k, H, W, 3); None if they cannot be decoded.
     """
 
     path: Path
     content: bytes
+    frame_count: int
     frames: np.ndarray | None
 
     @property
@@ -55,15 +57,28 @@ def load_clip(path: Path | None) -> Clip | None:
     """Reads a video; None if there is none."""
     if path is None:
         return None
+    count = 0
+
+    def choose(frame_count: int) -> list[int]:
+        nonlocal count
+        count = frame_count
+        return _spread(frame_count)
+
     try:
-        frames = read_video(path)
+        frames = read_video(path, choose)
     except UserError:
         frames = None
-    return Clip(path, path.read_bytes(), frames)
+    return Clip(path, path.read_bytes(), count, frames)
 
 
 def embed_player(
-    clip: Clip, *, group: str, frame_dt: float | None, folder: Path, same_as: str | None = None
+    clip: Clip,
+    *,
+    group: str,
+    frame_dt: float | None,
+    folder: Path,
+    id_: str | None = None,
+    same_as: str | None = None,
 ) -> Markup:
     """A video element.
 
@@ -72,6 +87,7 @@ def embed_player(
         group: Which plots' cursors follow it.
         frame_dt: Seconds per frame [s].
         folder: The page's folder, against which a video too large to embed is linked.
+        id_: Of the element, if another is to share its video.
         same_as: Id of the player that holds the same bytes already; the script then shares them.
     """
     if clip.frames is None:
@@ -97,7 +113,7 @@ def embed_player(
         data_clip=group,
         data_frame_dt=frame_dt,
         data_same_as=same_as,
-        id=f"player-{group}" if same_as is None else None,
+        id=id_,
     )
 
 
@@ -105,14 +121,17 @@ def embed_filmstrip(clip: Clip, frame_dt: float | None) -> Markup | None:
     """A row of pictures evenly through the clip, for print and for a glance."""
     if clip.frames is None:
         return None
-    last = len(clip.frames) - 1
-    chosen = sorted({round(i * last / (STRIP_FRAMES - 1)) for i in range(STRIP_FRAMES)})
     cells = []
-    for index in chosen:
+    for index, frame in zip(_spread(clip.frame_count), clip.frames):
         time = "" if frame_dt is None else f", {format_fixed(index * frame_dt)} s"
-        picture = tag("img", src=_jpeg(clip.frames[index], STRIP_HEIGHT), alt=f"frame {index}")
+        picture = tag("img", src=_jpeg(frame, STRIP_HEIGHT), alt=f"frame {index}")
         cells.append(tag("figure", picture, tag("figcaption", f"{index}{time}")))
     return div("filmstrip", join(cells))
+
+
+def _spread(count: int) -> list[int]:
+    """Frames evenly through a clip of ``count``, the first and the last among them."""
+    return sorted({round(i * (count - 1) / (STRIP_FRAMES - 1)) for i in range(STRIP_FRAMES)})
 
 
 def _jpeg(picture: np.ndarray, height: int | None = None) -> str:

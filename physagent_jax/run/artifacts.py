@@ -15,10 +15,11 @@ from physagent_jax.output.video import make_frame_names, write_frames, write_pic
 from physagent_jax.perception.measure import Perception
 from physagent_jax.perception.overlay import draw_overlay
 from physagent_jax.run.key_frames import spread_evenly
-from physagent_jax.run.store import RunStore
+from physagent_jax.run.store import PLAIN_VIDEO, VIDEO, RunStore
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import CompiledScene
-from physagent_jax.scene.config import dump_scene
+from physagent_jax.scene.config import SceneConfig, dump_scene
+from physagent_jax.simulation.presentation import draw_presentation
 from physagent_jax.simulation.recording import Recording
 
 FILMSTRIP_FRAMES = 6
@@ -48,11 +49,14 @@ def write_recording(
     save_motion: bool = True,
     save_frames: bool = False,
 ) -> None:
-    """Leaves a scene and what its simulation gave in ``folder`` of the run folder; "" = at its top."""
+    """Leaves a scene and what its simulation gave in ``folder`` of the run folder; "" = at its top.
+
+    The video and the frames are the plain pictures that perception gets.
+    """
     place = PurePosixPath(folder)
     write_text(store.claimed(f"{place / 'scene.json'}"), dump_scene(scene.config))
     store.write(f"{place / 'simulation.json'}", recording.record)
-    write_video(store.claimed(f"{place / 'video.mp4'}"), recording.rgb, 1 / scene.config.timing.frame_dt)
+    write_video(store.claimed(f"{place / PLAIN_VIDEO}"), recording.rgb, 1 / scene.config.timing.frame_dt)
     if save_motion:
         write_motion(store.claimed(f"{place / 'motion.npz'}"), make_motion(scene, recording))
     if save_frames:
@@ -69,18 +73,40 @@ def write_verdict(
     store.write(f"iterations/{index}/judgement.json", judgement)
 
 
-def write_best(store: RunStore, index: int, body: Body, *, save_frames: bool, save_splats: bool) -> None:
-    """Puts round ``index`` at the top of the folder, its large files under a second name, and what was asked for."""
+def write_presentation(
+    store: RunStore, config: SceneConfig, body: Body, x: np.ndarray, F: np.ndarray, size: tuple[int, int]
+) -> None:
+    """Leaves the video for people at the top of the folder; positions and F are of the body's particles, all frames."""
+    pictures = draw_presentation(config, body, x, F, size)
+    write_video(store.claimed(VIDEO), pictures, 1 / config.timing.frame_dt)
+
+
+def write_best(
+    store: RunStore,
+    index: int,
+    config: SceneConfig,
+    body: Body,
+    *,
+    save_frames: bool,
+    save_splats: bool,
+    video_size: tuple[int, int] | None,
+) -> None:
+    """Puts round ``index`` at the top of the folder, its large files under a second name, and what was asked for.
+
+    The video for people is drawn here, from the motion file, and so for this round alone.
+    """
     folder = store.round_folder(index)
     frames = sorted(path.name for path in (folder / "frames").glob("*.png")) if save_frames else []
-    copied = ["scene.json", "video.mp4", "motion.npz", *(f"frames/{name}" for name in frames)]
+    copied = ["scene.json", PLAIN_VIDEO, "motion.npz", *(f"frames/{name}" for name in frames)]
     store.claim(*copied)
     for name in copied:
         with replace_file(store.path / name) as temporary:
             # A scene file is edited by people, who do not expect another one to change with it.
             (shutil.copyfile if name == "scene.json" else link_or_copy)(folder / name, temporary)
+    motion = read_motion(folder / "motion.npz")
+    if video_size is not None:
+        write_presentation(store, config, body, motion.x, motion.F, video_size)
     if save_splats:
-        motion = read_motion(folder / "motion.npz")
         store.claim(*make_splat_names("splats", len(motion.x)))
         write_splat_frames(store.path / "splats", body, motion.x, motion.F)
 

@@ -23,7 +23,7 @@ from physagent_jax.run.best import find_best_round
 from physagent_jax.run.manifest import Manifest
 from physagent_jax.run.refused import REFUSED, RefusedReading, RefusedReadings
 from physagent_jax.run.spec import RunSpec
-from physagent_jax.run.store import PROBE, REPORT
+from physagent_jax.run.store import PLAIN_VIDEO, PROBE, REPORT, VIDEO
 from physagent_jax.scene.config import SceneConfig
 from physagent_jax.simulation.record import SimulationRecord
 
@@ -32,7 +32,7 @@ Model = TypeVar("Model", bound=BaseModel)
 
 @dataclasses.dataclass(frozen=True)
 class FinishedRound:
-    """One round of the loop; None where the file is missing or broken.
+    """One round of the loop; None where the file is missing or broken. Its video is the plain one of perception.
 
     People count rounds from 1, as the terminal does; ``index``, which names the folder, counts from 0. ``failed_calls``
     are those that gave no answer, by the agent's role.
@@ -71,7 +71,7 @@ class FinishedRun:
         folder: Where it is.
         spec: What was asked for; None in a folder that no agents made.
         manifest, semantic, scene: Top-level files; None where missing or broken.
-        video: The best round's video.
+        video: The best round's, drawn for people; the plain one if there is none.
         rounds: In order.
         probe: Rounds on a coarse version of the scene, which came before.
         problems: What is missing or broken, a sentence each.
@@ -129,7 +129,7 @@ class FinishedRun:
         Raises:
             UserError: There is no video, or it cannot be read.
         """
-        return read_video(self._require(self.video, "video.mp4"))
+        return read_video(self._require(self.video, VIDEO))
 
     def motion(self) -> Motion:
         """The best round's particles and Gaussians, frame by frame.
@@ -170,7 +170,9 @@ def open_run(folder: str | Path) -> FinishedRun:
     semantic_failed = reader.failed_calls("semantic")
     refused = reader.model(REFUSED, RefusedReadings, optional=True)
     scene = reader.model("scene.json", SceneConfig)
-    video = reader.file("video.mp4")
+    video = reader.file(VIDEO, optional=True) or reader.file(PLAIN_VIDEO, optional=True)
+    if video is None:
+        reader.problems.append(f"{VIDEO} is missing.")
     reused = manifest.reused_frames if manifest else {}
     rounds = _read_rounds(reader, "iterations", reused)
     probe = _read_rounds(reader, f"{PROBE}/iterations", reused)
@@ -215,7 +217,7 @@ def _read_round(
         # The last round has no successor, and pictures for people are a courtesy.
         rewrite=reader.model(f"{base}/rewrite.json", Rewrite, optional=is_last),
         simulation=reader.model(f"{base}/simulation.json", SimulationRecord),
-        video=reader.file(f"{base}/video.mp4"),
+        video=reader.file(f"{base}/{PLAIN_VIDEO}"),
         overlay=reader.file(f"{base}/overlay.png", optional=True),
         reused_frames=reused.get(base, 0),
         planner_trace=reader.model(f"{base}/planner_trace.json", Trace, optional=True),

@@ -16,7 +16,7 @@ class VideoKeyFrames:
     """Implements `agents.context.KeyFrames`; a resumed run shows the same pictures as one that was not stopped.
 
     Attributes:
-        video: The round's video.
+        video: The round's plain video: agents are shown what perception gets.
     """
 
     video: Path

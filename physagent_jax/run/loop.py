@@ -40,7 +40,7 @@ from physagent_jax.run.provenance import hash_settings, make_manifest
 from physagent_jax.run.refused import REFUSED, RefusedReading
 from physagent_jax.run.resolve import ResolvedRun
 from physagent_jax.run.spec import RunSpec
-from physagent_jax.run.store import PROBE, RunStore
+from physagent_jax.run.store import PLAIN_VIDEO, PROBE, RunStore
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.coarse import coarsen
 from physagent_jax.scene.compile import compile_scene
@@ -137,7 +137,8 @@ def run_loop(
         try:
             body = loop.load_object()
             template = loop.apply_reply(reply)
-            check_cost(estimate_cost(fuse(template, body, reply.force_field), body), limits or Limits())
+            config = fuse(template, body, reply.force_field)
+            check_cost(estimate_cost(config, body, run.spec.save.video_size), limits or Limits())
         except UserError as error:
             loop.refuse(reading, error)
         store.begin()
@@ -333,7 +334,7 @@ class _Loop:
                 backends=self._backends,
                 prompt=self._prompt(scene.camera),
             )
-        key_frames = VideoKeyFrames(series.store.round_folder(index) / "video.mp4")
+        key_frames = VideoKeyFrames(series.store.round_folder(index) / PLAIN_VIDEO)
         observation = Observation(force_field, seen.report, key_frames)
         answer = self._ask(series.store, f"iterations/{index}/", "planner", "judge", context, observation)
         with self._watch("write"):
@@ -350,7 +351,7 @@ class _Loop:
         report = series.store.read(f"{folder}/motion_report.json", MotionReport)
         if judgement is None or scene is None or report is None:
             return None
-        key_frames = VideoKeyFrames(series.store.round_folder(index) / "video.mp4")
+        key_frames = VideoKeyFrames(series.store.round_folder(index) / PLAIN_VIDEO)
         return Attempt(scene, Round(scene.force_field, report, key_frames, judgement))
 
     def rewrite(self, series: _Series, index: int, context: AgentContext, failed: Round) -> Rewrite:
@@ -371,12 +372,15 @@ class _Loop:
         best = find_best_round(judgements)
         self.observer.stage("writing the results")
         with self._watch("write"):
+            save = self._run.spec.save
             write_best(
                 self._store,
                 best,
+                attempts[best].scene,
                 body,
-                save_frames=self._run.spec.save.frames,
-                save_splats=self._run.spec.save.splats,
+                save_frames=save.frames,
+                save_splats=save.splats,
+                video_size=save.video_size,
             )
         self.save_costs(
             iterations=len(attempts),

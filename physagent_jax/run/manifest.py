@@ -14,9 +14,12 @@ run/iterations/k/executor_trace.json   how the rewrite came about
 run/iterations/k/planner_failed_n.json executor's and, at the top, semantic's likewise: a call without an answer,
                                        `agents.trace.FailedCall`; n counts those of the agent
 run/iterations/k/simulation.json       `SimulationRecord`
-run/iterations/k/video.mp4, motion.npz
+run/iterations/k/perception.mp4        the plain pictures that perception and agents get
+run/iterations/k/motion.npz            particles and Gaussians, frame by frame
 run/probe/iterations/k/...             the same but motion.npz, on a coarse version of the scene, if that was asked for
-run/video.mp4, motion.npz, frames/     the best round's
+run/video.mp4                          the best round drawn for people: ground, shadow, horizon, a camera of its own
+run/perception.mp4, motion.npz         the best round's
+run/frames/                            its plain pictures, on request
 run/report.html
 run/refused.json                       `run.refused.RefusedReadings`: of no run in particular, so in no list of files
 """
@@ -30,8 +33,8 @@ from pydantic import Field, field_validator
 
 from physagent_jax.core.strict import Strict
 
-FORMAT = 2
-"""Of the run folder's layout; 2 added the list of files."""
+FORMAT = 3
+"""Of the run folder's layout; 2 added the list of files, 3 the plain video beside the one for people."""
 
 MOST_ROUNDS = 1000
 Rounds = Annotated[int, Field(ge=0, le=MOST_ROUNDS)]

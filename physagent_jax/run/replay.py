@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from physagent_jax.output.splats import make_splat_names, write_splat_frames
-from physagent_jax.run.artifacts import write_recording
+from physagent_jax.run.artifacts import write_presentation, write_recording
 from physagent_jax.run.manifest import Stages
 from physagent_jax.run.provenance import hash_settings, make_manifest
 from physagent_jax.run.store import RunStore
@@ -31,11 +31,12 @@ def replay_scene(
     command: str,
     save_frames: bool,
     save_splats: bool,
+    video_size: tuple[int, int] | None,
     limits: Limits,
     overwrite: bool,
     warn: Callable[[str], None],
 ) -> tuple[SimulationRecord, Stages]:
-    """Simulates ``config``, read from ``scene_file``; writes scene.json, simulation.json, video and motion to ``out``.
+    """Simulates ``config``, read from ``scene_file``; writes scene.json, simulation.json, videos and motion to ``out``.
 
     A folder that holds this very result already is left as it is, unless ``overwrite`` is set.
 
@@ -46,7 +47,7 @@ def replay_scene(
     files = config.files(base_dir)
     settings = config.model_dump(mode="json", exclude={"source": {"path"}})
     inputs = {name: hash_file(path) for name, path in files.items()}
-    inputs["settings"] = hash_settings((settings, save_frames, save_splats))
+    inputs["settings"] = hash_settings((settings, save_frames, save_splats, video_size))
     manifest = make_manifest(command=command, prompt=config.prompt, seed=config.filling.seed, inputs=inputs)
     with RunStore.open(out, manifest, overwrite=overwrite, needed=[scene_file, *files.values()]) as store:
         record = store.read("simulation.json", SimulationRecord)
@@ -57,7 +58,7 @@ def replay_scene(
         with watch("prepare"), warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", UserWarning)
             body = make_scene_body(config, base_dir)
-            check_cost(estimate_cost(config, body), limits)
+            check_cost(estimate_cost(config, body, video_size), limits)
             scene = compile_scene(config, body, base_dir)
         for warning in caught:
             warn(str(warning.message))
@@ -65,8 +66,10 @@ def replay_scene(
         store.begin()
         with watch("write"):
             write_recording(store, scene, recording, save_frames=save_frames)
+            x, F = recording.x[:, scene.back], recording.F[:, scene.back]
+            if video_size is not None:
+                write_presentation(store, config, body, x, F, video_size)
             if save_splats:
-                x, F = recording.x[:, scene.back], recording.F[:, scene.back]
                 store.claim(*make_splat_names("splats", len(x)))
                 write_splat_frames(store.path / "splats", body, x, F)
         stages = Stages(**watch.seconds())

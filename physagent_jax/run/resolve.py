@@ -15,8 +15,9 @@ from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
 from physagent_jax.scene.anchor import MASK_BYTES
+from physagent_jax.scene.broad_side import find_broad_side
 from physagent_jax.scene.card import ObjectCard, load_card
-from physagent_jax.scene.config import Anchor, CameraConfig, Source
+from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Source
 from physagent_jax.scene.fuse import SceneTemplate
 from physagent_jax.scene.load import hash_file
 from physagent_jax.scene.presets import PRESETS, Preset
@@ -98,7 +99,7 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
             source=source,
             material=material,
             anchor=resolve_anchor(spec.anchor, source.kind, base_dir=base_dir),
-            camera=_camera(spec.camera, card),
+            camera=_camera(spec.camera, card, source, preset.domain),
             world=WORLDS[spec.world],
             friction=_friction(spec),
             damping_rate=choose_damping(source.kind),
@@ -202,9 +203,12 @@ def _source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str) -> Source:
     )
 
 
-def _camera(choice: CameraChoice, card: ObjectCard) -> CameraConfig:
-    azimuth = choice.azimuth_degrees if choice.azimuth_degrees is not None else card.azimuth_degrees
-    return CameraConfig(azimuth_degrees=azimuth or 0.0, elevation_degrees=choice.elevation_degrees)
+def _camera(choice: CameraChoice, card: ObjectCard, source: Source, domain: Domain) -> CameraConfig:
+    given = [each for each in (choice.azimuth_degrees, card.azimuth_degrees) if each is not None]
+    azimuth = given[0] if given else find_broad_side(source, domain)
+    return CameraConfig(
+        azimuth_degrees=azimuth, elevation_degrees=choice.elevation_degrees, follow=choice.follow
+    )
 
 
 def _resolved_identity(template: SceneTemplate) -> dict:

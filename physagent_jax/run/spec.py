@@ -110,12 +110,15 @@ class CameraChoice(Strict):
     """Where the camera stands; its distance follows from what is to be seen.
 
     Attributes:
-        azimuth_degrees: About the vertical; None = the card's, else 0.
+        azimuth_degrees: About the vertical; None = the card's, else where the object's broad side is seen.
         elevation_degrees: Above the horizon.
+        follow: Whether it goes along with the object in the video for people; None = only if that would else be too
+            small in it.
     """
 
     azimuth_degrees: Degrees | None = None
     elevation_degrees: float = Field(default=10.0, gt=-89, lt=89)
+    follow: bool | None = None
 
 
 class Implementation(Strict):
@@ -214,14 +217,20 @@ class PerceptionChoice(Strict):
         return self
 
 
+VIDEO_SIZE = (1280, 720)
+VideoSize = tuple[Annotated[int, Field(ge=16, le=4096)], Annotated[int, Field(ge=16, le=4096)]]
+
+
 class SaveChoice(Strict):
-    """What is left beside video, motion and report.
+    """What is left beside motion and report.
 
     Attributes:
-        frames: The frames as PNG.
+        video_size: Width and height of the video for people [px]; None = there is none, only perception's pictures.
+        frames: Perception's pictures as PNG.
         splats: One 3DGS PLY per frame.
     """
 
+    video_size: VideoSize | None = VIDEO_SIZE
     frames: bool = False
     splats: bool = False
 

@@ -27,6 +27,8 @@ from physagent_jax.run.refused import REFUSED, RefusedReading, read_refused, rep
 Schema = TypeVar("Schema", bound=BaseModel)
 PROBE = "probe"  # folder of the coarse rounds
 REPORT = "report.html"  # the run's, whoever writes it
+VIDEO = "video.mp4"  # for people: on a stage, with a camera of its own
+PLAIN_VIDEO = "perception.mp4"  # the pictures that perception gets
 _LAST_FILE = "judgement.json"  # written last, so a round that has it is complete
 
 

@@ -9,6 +9,10 @@ from physagent_jax.scene.config import CameraConfig, Domain, Rendering
 
 UP = np.array([0.0, 0.0, 1.0])
 MARGIN = 0.88  # share of the half picture that the framed points may fill
+LEAST_HEIGHT, MOST_HEIGHT = (
+    0.15,
+    0.60,
+)  # share of the picture's height that the object fills in the first frame
 
 
 def make_reference_camera(config: CameraConfig, rendering: Rendering, domain: Domain) -> Camera:
@@ -43,26 +47,74 @@ def find_viewer_directions(config: CameraConfig) -> dict[str, tuple[float, float
     }  # type: ignore[return-value]
 
 
-def frame_camera(points: np.ndarray, camera: CameraConfig, rendering: Rendering) -> CameraConfig:
+def frame_camera(
+    points: np.ndarray, camera: CameraConfig, rendering: Rendering, *, start: np.ndarray | None = None
+) -> CameraConfig:
     """Moves ``camera`` (along its direction, and sideways) until it just shows ``points``.
 
+    With ``start``, it goes no nearer than that the object fills `MOST_HEIGHT` of the picture's height at first, and no
+    farther than that it fills `LEAST_HEIGHT`: what then does not fit is cut off, but never the object at first.
+
     Args:
-        points: World points that must be visible [m], shape (m, 3).
+        points: World points that should be visible [m], shape (m, 3).
         camera: Its direction and field of view are kept.
         rendering: For the aspect ratio.
+        start: The object's points in the first frame [m], shape (k, 3); None = it may be of any size.
     """
+    centre = 0.5 * (points.min(0) + points.max(0))
+    axes, half = _find_axes(camera), _find_half_picture(camera, rendering)
+    distance = _find_distance((points - centre) @ axes, MARGIN * half)
+    if start is not None:
+        local = (start - centre) @ axes
+        centred = local - 0.5 * (local.min(0) + local.max(0)) * [1, 1, 0]
+        distance = max(distance, _find_distance_of_height(centred, MOST_HEIGHT, half[1]))
+        farthest = _find_distance_of_height(centred, LEAST_HEIGHT, half[1])
+        distance = min(distance, max(farthest, _find_distance(centred, MARGIN * half)))
+        centre = centre + axes[:, :2] @ _find_shift(local, distance, MARGIN * half)
+    return camera.model_copy(
+        update=dict(target=tuple(round(float(c), 4) for c in centre), distance=round(distance, 4))
+    )
+
+
+def measure_height(points: np.ndarray, camera: CameraConfig) -> float:
+    """The share of the picture's height that ``points``, shape (m, 3), span; they may reach beyond it."""
+    assert camera.target is not None
+    local = (points - np.asarray(camera.target)) @ _find_axes(camera)
+    rows = local[:, 1] / np.maximum(camera.distance + local[:, 2], 1e-6)
+    return float(np.ptp(rows) / (2 * np.tan(0.5 * np.radians(camera.fov_degrees))))
+
+
+def _find_axes(camera: CameraConfig) -> np.ndarray:
+    """The picture's right and up, and the view direction, as columns, shape (3, 3)."""
     forward = find_view_direction(camera)
     right = np.cross(forward, UP)
     right = right / np.linalg.norm(right)
-    up = np.cross(right, forward)
-    centre = 0.5 * (points.min(0) + points.max(0))
-    local = (points - centre) @ np.stack([right, up, forward], axis=1)
-    half_height = MARGIN * np.tan(0.5 * np.radians(camera.fov_degrees))
-    half_width = half_height * rendering.width / rendering.height
-    # A point (x, y, z) is inside if |x| <= half_width (distance + z), and likewise for y.
-    distance = np.maximum(np.abs(local[:, 0]) / half_width, np.abs(local[:, 1]) / half_height) - local[:, 2]
-    return camera.model_copy(
-        update=dict(
-            target=tuple(round(float(c), 4) for c in centre), distance=round(float(distance.max()), 4)
-        )
-    )
+    return np.stack([right, np.cross(right, forward), forward], axis=1)
+
+
+def _find_half_picture(camera: CameraConfig, rendering: Rendering) -> np.ndarray:
+    """Half width and half height of the picture at depth 1, shape (2,)."""
+    height = np.tan(0.5 * np.radians(camera.fov_degrees))
+    return np.array([height * rendering.width / rendering.height, height])
+
+
+def _find_distance(local: np.ndarray, half: np.ndarray) -> float:
+    """From how far points (right, up, forward) fit into ``half``: |x| <= half (distance + z), and likewise y [m]."""
+    return float((np.abs(local[:, :2]) / half - local[:, 2:]).max())
+
+
+def _find_shift(local: np.ndarray, distance: float, half: np.ndarray) -> np.ndarray:
+    """The least step to the right and up after which points (right, up, forward) fit into ``half`` [m], shape (2,)."""
+    reach = half * (distance + local[:, 2:])
+    return np.maximum((local[:, :2] - reach).max(0), 0) + np.minimum((local[:, :2] + reach).min(0), 0)
+
+
+def _find_distance_of_height(local: np.ndarray, share: float, half_height: float) -> float:
+    """From how far points (right, up, forward) span ``share`` of the picture's height [m]."""
+    near = 1e-6 - local[:, 2].min()
+    far = near + max(float(np.ptp(local[:, 1])), 1e-3) / (share * half_height) + np.ptp(local[:, 2])
+    for _ in range(50):
+        middle = 0.5 * (near + far)
+        span = np.ptp(local[:, 1] / (middle + local[:, 2])) / (2 * half_height)
+        near, far = (middle, far) if span > share else (near, middle)
+    return far

@@ -18,6 +18,7 @@ from physagent_jax.scene.materials.cost import stable_step
 # Seconds on two cores, measured (docs/throughput.md, docs/startup.md); a pixel's are those of drawing it, of
 # following it and of encoding it.
 SECONDS_PER_PARTICLE_STEP, SECONDS_PER_NODE_STEP, SECONDS_PER_PIXEL = 5e-8, 5e-9, 8e-7
+SECONDS_PER_VIDEO_PIXEL = 2e-7  # of drawing and encoding the video for people, a few frames at a time
 # Bytes on the host, measured as the slope of the peak over frames: pictures, depth, trajectories and what is made of
 # them on the way to files.
 BYTES_PER_PIXEL, BYTES_PER_PARTICLE, BYTES_PER_NODE = 24.0, 220.0, 64.0
@@ -62,8 +63,8 @@ class Limits:
                 raise UserError(f"`{option}` must be positive and finite", got=value)
 
 
-def estimate_cost(config: SceneConfig, body: Body) -> Cost:
-    """The least that simulating and rendering a scene takes."""
+def estimate_cost(config: SceneConfig, body: Body, video_size: tuple[int, int] | None = None) -> Cost:
+    """The least that simulating and rendering a scene takes, with a video for people of that width and height."""
     timing, domain, picture = config.timing, config.domain, config.rendering
     if timing.substep_dt == "auto":
         materials = (config.material, *(region.material for region in config.material_regions))
@@ -81,6 +82,9 @@ def estimate_cost(config: SceneConfig, body: Body) -> Cost:
         * (particles * SECONDS_PER_PARTICLE_STEP + nodes * SECONDS_PER_NODE_STEP),
         f"{timing.frame_count:,} pictures of {picture.width} x {picture.height}": pixels * SECONDS_PER_PIXEL,
     }
+    if video_size is not None:
+        video_pixels = timing.frame_count * video_size[0] * video_size[1]
+        seconds[f"a video of {video_size[0]} x {video_size[1]}"] = video_pixels * SECONDS_PER_VIDEO_PIXEL
     memory = {
         f"{timing.frame_count:,} pictures of {picture.width} x {picture.height}": pixels * BYTES_PER_PIXEL,
         f"{timing.frame_count:,} frames of {body.particles.count:,} particles": timing.frame_count

@@ -86,8 +86,9 @@ def fuse(template: SceneTemplate, body: Body, force_field: ForceField) -> SceneC
     )
     if config.camera.target is not None:
         return config
-    points = estimate_sweep(config, body)
-    return config.model_copy(update=dict(camera=frame_camera(points, config.camera, config.rendering)))
+    points, start = estimate_sweep(config, body), np.asarray(body.cloud.means, np.float64)
+    camera = frame_camera(points, config.camera, config.rendering, start=start)
+    return config.model_copy(update=dict(camera=camera))
 
 
 def estimate_sweep(config: SceneConfig, body: Body) -> np.ndarray:

@@ -57,7 +57,8 @@ def build_run(folder: Path, *, prompt: str = PROMPT, size: int = 48) -> Path:
     )
     store(folder / "scene.json", _scene(prompt, _force_field(last)))
     store(folder / "manifest.json", _manifest(prompt))
-    (folder / "video.mp4").write_bytes((folder / f"iterations/{last}/video.mp4").read_bytes())
+    (folder / "perception.mp4").write_bytes((folder / f"iterations/{last}/perception.mp4").read_bytes())
+    write_video(folder / "video.mp4", moving_square(last, 2 * size), 1 / FRAME_DT)
     return folder
 
 
@@ -105,7 +106,7 @@ def _build_round(folder: Path, index: int, prompt: str, size: int, *, is_last: b
     store(folder / "judgement.json", _judgement(index))
     store(folder / "simulation.json", _simulation(index))
     frames = moving_square(index, size)
-    write_video(folder / "video.mp4", frames, 1 / FRAME_DT)
+    write_video(folder / "perception.mp4", frames, 1 / FRAME_DT)
     iio.imwrite(folder / "overlay.png", np.concatenate(frames[::10], axis=1))
     if not is_last:
         store(folder / "executor_trace.json", Trace())

@@ -109,13 +109,26 @@ def test_embeds_the_videos_once_each(run, page):
     videos = page.all("video")
     assert len(videos) == 4  # the best at the top, and one per round
     embedded = [v["src"] for v in videos if v.get("src")]
-    assert len(embedded) == len(set(embedded)) == 3
-    assert base64.b64decode(embedded[0].split(",")[1]) == (run / "video.mp4").read_bytes()
-    borrowed = next(v for v in videos if not v.get("src"))
-    assert borrowed["data-same-as"] == videos[0]["id"]
+    assert len(embedded) == len(set(embedded)) == 4
+    names = ["video.mp4", *(f"iterations/{index}/perception.mp4" for index in range(3))]
+    assert [base64.b64decode(each.split(",")[1]) for each in embedded] == [
+        (run / name).read_bytes() for name in names
+    ]
     for video in videos:
         assert {"controls", "loop", "autoplay", "muted", "playsinline"} <= set(video)
     assert len(page.all("div", "filmstrip")) == 1
+
+
+def test_without_a_video_for_people_the_plain_one_is_shown_and_embedded_once(copy):
+    (copy / "video.mp4").unlink()
+    page = render(copy)
+    assert "Missing from the run folder" not in page.text
+    videos = page.all("video")
+    embedded = [v["src"] for v in videos if v.get("src")]
+    assert len(embedded) == len(set(embedded)) == 3
+    assert base64.b64decode(embedded[0].split(",")[1]) == (copy / "perception.mp4").read_bytes()
+    borrowed = next(v for v in videos if not v.get("src"))
+    assert borrowed["data-same-as"] == videos[0]["id"]
 
 
 def test_words_lead_to_values(page):
@@ -221,14 +234,13 @@ def test_hostile_text_stays_text(tmp_path, page):
         "manifest.json",
         "semantic.json",
         "scene.json",
-        "video.mp4",
         "iterations/2/scene.json",
         "iterations/2/force_field.json",
         "iterations/2/motion_report.json",
         "iterations/2/judgement.json",
         "iterations/1/rewrite.json",
         "iterations/2/simulation.json",
-        "iterations/2/video.mp4",
+        "iterations/2/perception.mp4",
     ],
 )
 def test_a_missing_file_is_named_and_the_rest_is_shown(copy, name):
@@ -242,22 +254,22 @@ def test_a_broken_file_is_named_with_its_field(copy):
     data = json.loads((copy / "iterations/1/judgement.json").read_text())
     data["score"] = 7
     (copy / "iterations/1/judgement.json").write_text(json.dumps(data))
-    (copy / "iterations/0/video.mp4").write_bytes(b"half a video")
+    (copy / "iterations/0/perception.mp4").write_bytes(b"half a video")
     page = render(copy)
     assert "iterations/1/judgement.json cannot be used: field `score`:" in page.text
-    assert "video.mp4 cannot be played" in page.text
+    assert "perception.mp4 cannot be played" in page.text
 
 
 def test_a_run_that_has_just_begun(copy):
     shutil.rmtree(copy / "iterations")
-    for name in ("video.mp4", "scene.json"):
+    for name in ("video.mp4", "perception.mp4", "scene.json"):
         (copy / name).unlink()
     manifest = json.loads((copy / "manifest.json").read_text())
     manifest |= {"complete": False, "best_iteration": None, "verdict": None}
     (copy / "manifest.json").write_text(json.dumps(manifest))
     page = render(copy)
     assert "This run is not complete." in page.text
-    assert "No round has been stored yet." in page.text
+    assert "No round has been stored yet." in page.text and "video.mp4 is missing." in page.text
     assert "not judged" in page.text
 
 
@@ -270,7 +282,7 @@ def test_courtesies_are_not_reported_missing(copy):
 def test_a_video_too_large_to_embed_is_linked(copy, monkeypatch):
     monkeypatch.setattr("physagent_jax.report.media.MAX_EMBEDDED_BYTES", 10)
     sources = [v["src"] for v in render(copy).all("video") if v.get("src")]
-    assert sources == ["video.mp4", "iterations/0/video.mp4", "iterations/1/video.mp4"]
+    assert sources == ["video.mp4", *(f"iterations/{index}/perception.mp4" for index in range(3))]
 
 
 def test_rounds_are_counted_from_one_as_in_the_terminal(run):

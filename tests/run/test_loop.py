@@ -45,6 +45,8 @@ def finished(tmp_path_factory, robot_path):
         600,
         "--resolution",
         96,
+        "--video-size",
+        "160x90",
         "--save-splats",
         "--save-frames",
         "--json",
@@ -64,7 +66,8 @@ def test_a_run_leaves_every_file(finished):
         "judgement.json",
         "simulation.json",
     } <= first
-    assert len(read_video(finished / "video.mp4")) == FRAMES
+    assert read_video(finished / "video.mp4").shape == (FRAMES, 90, 160, 3)
+    assert read_video(finished / "perception.mp4").shape == (FRAMES, 96, 96, 3)
     assert len(list((finished / "frames").iterdir())) == FRAMES
     assert len(list((finished / "splats").glob("*.ply"))) == FRAMES
 
@@ -103,7 +106,7 @@ def test_the_motion_file_reproduces_the_particles(finished):
 
 
 def test_the_large_files_of_the_best_round_are_kept_once(finished):
-    for name in ("motion.npz", "video.mp4"):
+    for name in ("motion.npz", "perception.mp4"):
         assert os.path.samefile(finished / name, finished / "iterations" / "0" / name)
     scene = finished / "scene.json"  # people edit this one
     assert not os.path.samefile(scene, finished / "iterations" / "0" / "scene.json")
@@ -123,7 +126,17 @@ def test_without_hard_links_a_file_is_copied(tmp_path, monkeypatch):
 
 def test_assumptions_and_unknown_words_are_in_the_line_of_json(finished, robot_path, capsys):
     line = ["run", "--object", robot_path, "--prompt", PROMPT, "--out", finished, "--frames", FRAMES]
-    options = ["--particles", 600, "--resolution", 96, "--save-splats", "--save-frames", "--json"]
+    options = [
+        "--particles",
+        600,
+        "--resolution",
+        96,
+        "--video-size",
+        "160x90",
+        "--save-splats",
+        "--save-frames",
+    ]
+    options += ["--json"]
     assert main([str(part) for part in (*line, *options)]) == 0  # it is there already
     told = json.loads(capsys.readouterr().out)
     reply = json.loads((finished / "semantic.json").read_text())
@@ -137,7 +150,7 @@ def test_the_same_command_gives_the_same_scene_bytes(finished, tmp_path, robot_p
 
 def test_a_finished_run_is_not_made_again(finished, capsys, robot_path):
     stamp = (finished / "video.mp4").stat().st_mtime_ns
-    store = made(small(robot_path, save=dict(splats=True, frames=True)), finished)
+    store = made(small(robot_path, save=dict(splats=True, frames=True, video_size=(160, 90))), finished)
     assert store.manifest.complete and (finished / "video.mp4").stat().st_mtime_ns == stamp
 
 
@@ -215,7 +228,7 @@ def test_a_stopped_run_goes_on_where_it_stopped(tmp_path, robot_path):
         made(asked, out, scripted([0.2], interrupt=True))
     manifest = Manifest.model_validate_json((tmp_path / "run" / "manifest.json").read_bytes())
     assert not manifest.complete
-    video = tmp_path / "run" / "iterations" / "0" / "video.mp4"
+    video = tmp_path / "run" / "iterations" / "0" / "perception.mp4"
     stamp, spent = video.stat().st_mtime_ns, manifest.stages.simulate
     store = made(asked, out, scripted([1.0]))  # one score only: round 0 must not be judged again
     assert store.manifest.complete and store.manifest.best_iteration == 1

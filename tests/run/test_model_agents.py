@@ -344,10 +344,13 @@ def test_a_refused_run_does_not_hold_the_folder_against_another(tmp_path, robot_
 def test_a_finished_run_stands_when_the_one_that_is_to_replace_it_is_refused(tmp_path, robot_path):
     out = tmp_path / "run"
     first = made(small(robot_path, PROMPT, rounds=1), out, chat([push(0.5)], [SUCCESS]))
-    video, other = (first.path / "video.mp4").read_bytes(), small(robot_path, "push the robot up", rounds=1)
+    video, other = (
+        (first.path / "perception.mp4").read_bytes(),
+        small(robot_path, "push the robot up", rounds=1),
+    )
     with pytest.raises(UserError, match="max-memory"):
         made(other, out, chat([push(0.4)]), limits=TIGHT, overwrite=True)
-    assert (out / "video.mp4").read_bytes() == video and not (out / ".previous").exists()
+    assert (out / "perception.mp4").read_bytes() == video and not (out / ".previous").exists()
     assert made(small(robot_path, PROMPT, rounds=1), out, chat()).manifest.complete
     again = made(other, out, chat([], [SUCCESS]), overwrite=True)
     assert again.manifest.prompt == "push the robot up" and not (out / "refused.json").exists()
@@ -381,10 +384,10 @@ def test_a_file_of_refused_readings_that_is_none_is_not_written_over(tmp_path, r
 def test_a_run_that_is_to_be_replaced_stands_until_the_agent_answers(tmp_path, robot_path):
     out = tmp_path / "run"
     first = made(small(robot_path, PROMPT, rounds=1), out, chat([push(0.5)], [SUCCESS]))
-    video = (first.path / "video.mp4").read_bytes()
+    video = (first.path / "perception.mp4").read_bytes()
     with pytest.raises(AgentError):
         made(small(robot_path, "push the robot up", rounds=1), out, failing("semantic"), overwrite=True)
-    assert (out / ".previous" / "video.mp4").read_bytes() == video
+    assert (out / ".previous" / "perception.mp4").read_bytes() == video
     again = made(small(robot_path, "push the robot up", rounds=1), out, chat([push(0.5)], [SUCCESS]))
     assert again.manifest.complete and not (out / ".previous").exists()
 

@@ -80,7 +80,7 @@ def test_the_fine_rounds_begin_with_the_best_coarse_one_also_after_a_stop(robot_
     with pytest.raises(KeyboardInterrupt):
         run_loop(robot_path, out, [0.2], interrupt=True)  # after the first coarse round
     assert not (out / "iterations").exists()
-    video = out / "probe" / "iterations" / "0" / "video.mp4"
+    video = out / "probe" / "iterations" / "0" / "perception.mp4"
     stamp = video.stat().st_mtime_ns
     spent = Manifest.model_validate_json((out / "manifest.json").read_bytes()).stages.probe
 

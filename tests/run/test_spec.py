@@ -37,12 +37,14 @@ OTHERS = {
     "camera.azimuth_degrees": 30.0,
     "camera.elevation_degrees": 30.0,
     "world": "ground",
+    "camera.follow": True,
     "friction": 0.5,
     "perception.prompt": {"frame": 3, "points": [[0.5, 0.25]], "labels": [True], "box": [0.1, 0.1, 0.9, 0.9]},
     "rounds": 2,
     "probe": True,
     "seed": 7,
     "ledger": True,
+    "save.video_size": [64, 48],
     "save.frames": True,
     "save.splats": True,
 }
@@ -231,5 +233,5 @@ def test_a_run_leaves_its_spec_which_makes_the_same_run(tmp_path, robot_path, ca
     assert main(["run", "--spec", str(spec), "--out", str(first)]) == 0
     assert main(["run", "--spec", str(first / "run.json"), "--out", str(tmp_path / "second"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out.splitlines()[-1])["frames"] == 4
-    for name in ("run.json", "scene.json", "video.mp4", "motion.npz"):
+    for name in ("run.json", "scene.json", "perception.mp4", "motion.npz"):
         assert (first / name).read_bytes() == (tmp_path / "second" / name).read_bytes(), name

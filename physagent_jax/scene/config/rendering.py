@@ -21,6 +21,8 @@ class CameraConfig(Strict):
         elevation_degrees: Above the horizon.
         distance: [m].
         fov_degrees: Vertical field of view.
+        follow: Whether the camera of the video for people goes along with the object; None = only if the object would
+            else be too small in it (`scene.presentation`). Perception's always stands still.
     """
 
     target: Point | None = None
@@ -28,6 +30,7 @@ class CameraConfig(Strict):
     elevation_degrees: float = Field(default=10.0, gt=-89, lt=89)
     distance: Length = 4.0
     fov_degrees: float = Field(default=40.0, gt=1, lt=150)
+    follow: bool | None = None
 
 
 class Rendering(Strict):

@@ -1,0 +1,73 @@
+"""Which side of an object is shown when nobody says."""
+
+import numpy as np
+import pytest
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.gaussians.formats.ply import write_ply
+from physagent_jax.run.resolve import resolve
+from physagent_jax.scene.broad_side import find_broad_azimuth
+from physagent_jax.scene.procedural import PROCEDURAL
+from tests.run.specs import small
+
+THIN = np.array([1.0, 0.08, 0.7])
+
+
+def slab(turn_degrees, count=4000, seed=0):
+    """A board of sides `THIN`, its broad face turned away from the front by an angle about +z."""
+    points = np.random.default_rng(seed).uniform(-0.5, 0.5, (count, 3)) * THIN
+    c, s = np.cos(np.radians(turn_degrees)), np.sin(np.radians(turn_degrees))
+    return points @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]).T
+
+
+@pytest.mark.parametrize("turn", [0, 30, 45, 75, 90, -30, -60])
+def test_a_board_shows_its_face(turn):
+    """A camera at azimuth a looks along (-sin a, cos a): at a board turned by a it looks square on."""
+    found = find_broad_azimuth(slab(turn))
+    assert -90 < found <= 90
+    off = (found - turn + 90) % 180 - 90
+    assert abs(off) <= 15
+
+
+def test_what_is_about_as_broad_all_around_is_seen_from_the_front():
+    rng = np.random.default_rng(1)
+    ball = rng.normal(size=(5000, 3))
+    ball /= np.linalg.norm(ball, axis=1, keepdims=True)
+    assert find_broad_azimuth(ball) == 0
+    for make in PROCEDURAL.values():
+        assert find_broad_azimuth(np.asarray(make(0).means)) == 0
+
+
+def test_floaters_do_not_decide():
+    floaters = np.array([[0.0, 5.0, 0.0], [0.0, -6.0, 0.2]])
+    assert abs(find_broad_azimuth(np.concatenate([slab(0), floaters]))) <= 15
+
+
+def test_single_points_have_a_side():
+    assert find_broad_azimuth(np.zeros((1, 3))) == 0
+    assert find_broad_azimuth(np.array([[0, 0, 0], [0, 1.0, 0]])) in range(-90, 91)
+
+
+@pytest.fixture
+def board(tmp_path):
+    cloud = PROCEDURAL["jelly"](0)
+    flat = np.asarray(cloud.means) * [0.1, 1.0, 1.0]  # its broad face towards +x
+    path = tmp_path / "board.ply"
+    write_ply(path, type(cloud)(flat, cloud.quats, cloud.scales, cloud.opacities, cloud.sh))
+    return path
+
+
+def test_a_run_looks_at_the_broad_side_unless_it_is_told(board):
+    assert abs(resolve(small(board)).template.camera.azimuth_degrees) >= 75
+    told = small(board, camera=dict(azimuth_degrees=10.0))
+    assert resolve(told).template.camera.azimuth_degrees == 10
+    board.with_name("board.card.json").write_text('{"azimuth_degrees": -20}')
+    assert resolve(small(board)).template.camera.azimuth_degrees == -20
+    assert resolve(told).template.camera.azimuth_degrees == 10
+
+
+def test_a_file_that_cannot_be_read_is_refused_as_ever(tmp_path):
+    path = tmp_path / "broken.ply"
+    path.write_bytes(b"ply\nformat ascii 1.0\n")
+    with pytest.raises(UserError):
+        resolve(small(path))

@@ -1,0 +1,134 @@
+"""How much of the picture an object fills, for perception and for people."""
+
+import numpy as np
+import pytest
+
+from physagent_jax.scene import config as c
+from physagent_jax.scene.camera import LEAST_HEIGHT, MOST_HEIGHT, frame_camera, make_reference_camera
+from physagent_jax.scene.presentation import find_stage, place_cameras
+
+WIDE = c.Rendering(width=1280, height=720)
+CORNERS = np.array(np.meshgrid(*[[-0.5, 0.5]] * 3)).reshape(3, -1).T
+BOX = CORNERS * [0.6, 0.4, 1.0] + [2, 2, 1.0]
+
+
+def to_screen(points, camera):
+    """Picture coordinates as shares of width and height, shape (m, 2)."""
+    view = np.asarray(camera.viewmat)
+    local = points @ view[:3, :3].T + view[:3, 3]
+    assert (local[:, 2] > 0).all()
+    return (local @ np.asarray(camera.K).T)[:, :2] / local[:, 2:] / [camera.width, camera.height]
+
+
+def inside(points, camera):
+    seen = to_screen(points, camera)
+    return bool((seen > 0).all() and (seen < 1).all())
+
+
+def height(points, camera):
+    return np.ptp(to_screen(points, camera)[:, 1])
+
+
+def framed(points, start=BOX, view=None, rendering=WIDE):
+    camera = frame_camera(points, view or c.CameraConfig(azimuth_degrees=20), rendering, start=start)
+    return make_reference_camera(camera, rendering, c.Domain())
+
+
+def test_an_object_that_stays_does_not_fill_the_picture():
+    assert height(BOX, framed(BOX)) == pytest.approx(MOST_HEIGHT, abs=0.01)
+    assert inside(BOX, framed(BOX))
+
+
+@pytest.mark.parametrize("shift", [(-1.6, 0, 0), (0, 0, 1.2), (0, 2, 0), (0.3, 0, 0.1)])
+def test_a_usual_motion_stays_inside_and_the_object_is_of_a_good_size(shift):
+    points = np.concatenate([BOX, BOX + shift])
+    camera = framed(points)
+    assert inside(points, camera)
+    assert LEAST_HEIGHT - 0.01 <= height(BOX, camera) <= MOST_HEIGHT + 0.01
+
+
+@pytest.mark.parametrize("shift", [(-20, 0, 0), (0, 0, 30.0), (9, 0, 9)])
+def test_of_a_very_long_way_the_start_is_shown(shift):
+    points = np.concatenate([BOX, BOX + shift])
+    camera = framed(points)
+    assert inside(BOX, camera)
+    assert height(BOX, camera) == pytest.approx(LEAST_HEIGHT, abs=0.02)  # at the rim a view is wider
+    ends = to_screen(np.array([[2, 2, 1.0], np.add([2, 2, 1.0], np.multiply(shift, 0.03))]), camera)
+    free = np.array([0.5, 0.5]) - ends[0]  # the room is left on the side that it goes to
+    assert free @ (ends[1] - ends[0]) > 0
+
+
+def test_a_flat_wide_object_is_not_cut_off_to_be_high_enough():
+    flat = CORNERS * [1.0, 1.0, 0.01] + [2, 2, 1.0]
+    assert inside(flat, framed(flat, flat, c.CameraConfig(elevation_degrees=1.0)))
+
+
+# --- the video for people ---------------------------------------------------------------------------------------------
+
+
+def scene(**camera):
+    return c.SceneConfig(
+        source=c.Source(path="x.ply"), camera=c.CameraConfig(**camera), timing=c.Timing(frame_count=26)
+    )
+
+
+def moving(velocity, frames=26):
+    inner = np.random.default_rng(0).uniform(-0.5, 0.5, (400, 3)) * [0.6, 0.4, 1.0] + [2, 2, 1.0]
+    points = np.concatenate([BOX, inner])
+    return points + np.arange(frames)[:, None, None] * 0.04 * np.asarray(velocity, float)
+
+
+@pytest.mark.parametrize("velocity", [(0, 0, 0), (-1.5, 0, 0), (0.5, 1.0, 0.8)])
+def test_peoples_camera_stands_still_and_shows_all_of_the_motion(velocity):
+    x = moving(velocity)
+    cameras = place_cameras(scene(), x, WIDE)
+    assert len(cameras) == len(x) and all(camera is cameras[0] for camera in cameras)
+    assert all(inside(points, camera) for points, camera in zip(x, cameras))
+    assert LEAST_HEIGHT - 0.01 <= height(x[0], cameras[0]) <= MOST_HEIGHT + 0.01
+
+
+@pytest.mark.parametrize(
+    ("velocity", "follow"), [((-1.5, 0, 0), True), ((-40, 0, 0), None), ((0, 0, 30), None)]
+)
+def test_a_camera_follows_if_asked_to_or_if_the_object_would_be_too_small(velocity, follow):
+    x = moving(velocity)
+    cameras = place_cameras(scene(follow=follow), x, WIDE)
+    assert all(inside(points, camera) for points, camera in zip(x, cameras))
+    assert LEAST_HEIGHT - 0.01 <= height(x[0], cameras[0]) <= MOST_HEIGHT + 0.01
+    eyes = np.array([camera.center for camera in cameras])
+    way = eyes[-1] - eyes[0]
+    assert way @ np.asarray(velocity) > 0.5 * np.linalg.norm(velocity) ** 2 * 25 * 0.04
+    for camera in cameras:  # it moves without turning
+        np.testing.assert_allclose(camera.viewmat[:3, :3], cameras[0].viewmat[:3, :3], atol=1e-9)
+
+
+def test_a_camera_that_follows_does_not_jerk():
+    x = moving((0, 0, 0))
+    x[13:] += [1.0, 0, 0]  # a jump
+    eyes = np.array([camera.center for camera in place_cameras(scene(follow=True), x, WIDE)])
+    assert np.linalg.norm(np.diff(eyes, axis=0), axis=1).max() < 0.1
+
+
+def test_a_camera_that_must_not_follow_does_not():
+    cameras = place_cameras(scene(follow=False), moving((-40, 0, 0)), WIDE)
+    assert all(camera is cameras[0] for camera in cameras) and inside(BOX, cameras[0])
+
+
+def test_what_flies_off_or_breaks_does_not_make_the_rest_small():
+    x = moving((0, 0, 0))
+    x[5:, -1] = [300.0, 2, 1]
+    x[9:, -2] = np.nan
+    camera = place_cameras(scene(), x, WIDE)[0]
+    assert height(x[0, :-2], camera) == pytest.approx(MOST_HEIGHT, abs=0.03)
+
+
+def test_the_ground_of_a_stage_is_the_level_plane():
+    slope, wall = (
+        c.HalfSpace(point=(0, 0, 9), normal=(1, 0, 1)),
+        c.HalfSpace(point=(0, 0, 9), normal=(1, 0, 0)),
+    )
+    floor = c.HalfSpace(point=(0, 0, 0.4), normal=(0, 0, 1))
+    bare = scene()
+    grounded = bare.model_copy(update=dict(boundaries=(c.DomainBox(), wall, slope, floor)))
+    assert find_stage(grounded, 1.0).ground == 0.4
+    assert find_stage(bare, 1.0).ground is None
