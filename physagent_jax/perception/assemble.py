@@ -20,6 +20,10 @@ THINNEST = 0.03
 """Box edges are taken as at least this long, so that a flat front gives no infinite ratio [body lengths]."""
 LOOSEST = 0.05
 """Parts that are this far off the best affine motion share no rotation or stretch [body lengths]."""
+MIDDLE_OFF, DEPTH_OFF = 0.02, 0.08
+"""How far a mask's middle is from the object's, across the view and, guessed from the rim, along it [body lengths]."""
+INDEPENDENT_VIEWS = 4.0
+"""Neighbouring frames err alike: so many of a clip's views count."""
 CUT = "the object is cut off by the picture's border"
 GONE = "the object is not in the picture"
 LOST = "too few points could be followed"
@@ -63,10 +67,11 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
     corners = np.stack([lift.measure_box(d, m, camera) if m.any() else nothing for d, m in zip(depth, masks)])
     edges = corners[:, 1] - corners[:, 0]
     size, center = float(edges[0].max()), lift.find_center(trusted[0], masks[0], camera)
+    area, cut, out = masks.sum((1, 2)), *_leaving(masks)
+    center = _ride(path, masks, cut, center, size, camera)
     points = [lift.unproject_surface(d, camera)[::7] for d in trusted]
     loose = np.array([p is not None and p.residual > LOOSEST * size for p in path.poses])
     path = dataclasses.replace(path, poses=[None if bad else p for p, bad in zip(path.poses, loose)])
-    area, cut, out = masks.sum((1, 2)), *_leaving(masks)
     centroid = (_centroids(path, points, cut, center) - center) / size
     centroid[out] = np.nan
     forward = camera.forward.astype(float)
@@ -94,6 +99,42 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
             "box": why(gone, (cut, CUT)),
         },
     )
+
+
+def _ride(
+    path: Path, masks: np.ndarray, cut: np.ndarray, guess: np.ndarray, size: float, camera: Camera
+) -> np.ndarray:
+    """The point of frame 0 that stays in the middle of the mask as the object turns; world [m], shape (3,).
+
+    One view does not tell how far behind the surface the middle lies; with the wrong depth it would swing about the
+    right one in a turn. The middle of each frame's mask is a ray that the riding point should meet: two equations that
+    are linear in the point. Without a turn they say nothing about depth, and the guess stands.
+
+    Args:
+        path: The poses; those of the first chain are used.
+        masks: The object, shape (T, H, W).
+        cut: Whether the object is cut off by the border, shape (T,).
+        guess: From frame 0 alone [m], shape (3,).
+        size: The body length [m].
+        camera: The camera.
+    """
+    view, K = np.asarray(camera.viewmat, float), np.asarray(camera.K, float)
+    posed = [(t, p) for t, p in enumerate(path.poses) if p is not None and path.chain[t] == path.chain[0]]
+    posed = [(t, p) for t, p in posed if not cut[t]]
+    if len(posed) < 2 or path.poses[0] is None:
+        return guess
+    rows, values = [], []
+    for t, pose in posed:
+        y, x = np.nonzero(masks[t])
+        u, v, _ = np.linalg.solve(K, [x.mean() + 0.5, y.mean() + 0.5, 1.0])
+        across = np.stack([view[0] - u * view[2], view[1] - v * view[2]])
+        rows.append(across[:, :3] @ pose.matrix)
+        values.append(-(across[:, :3] @ pose.offset + across[:, 3]))
+    weight = np.sqrt(INDEPENDENT_VIEWS / len(posed)) / (MIDDLE_OFF * size)
+    prior = view[:3, :3] / (size * np.array([[MIDDLE_OFF], [MIDDLE_OFF], [DEPTH_OFF]]))
+    A = np.concatenate([weight * np.concatenate(rows), prior])
+    b = np.concatenate([weight * np.concatenate(values), prior @ guess])
+    return np.linalg.lstsq(A, b, rcond=None)[0]
 
 
 def _centroids(path: Path, points: list[np.ndarray], cut: np.ndarray, center: np.ndarray) -> np.ndarray:

@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
+from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from physagent_jax.core.rotations import polar
+
+NEIGHBOURS = 6
+"""Points that a point is compared with."""
+ENOUGH = 40
+"""With fewer points there are no neighbours to speak of."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -56,7 +63,9 @@ def fit_affine(
 ) -> Affine:
     """Robust affine map a -> b that falls back to the rigid one where the points cannot tell.
 
-    Huber weights, reweighted least squares. A visible surface that is nearly flat says nothing about
+    Huber weights, reweighted least squares: of the residual at first, then of how far it differs from its neighbours'.
+    What moves apart from the rest together, as the end that is squashed, is motion and counts in full; a point that
+    leaves its neighbours was followed wrongly. A visible surface that is nearly flat says nothing about
     stretch along its normal, so the matrix is pulled towards its own rotation with the strength of points
     spread over ``prior`` times the extent. The rotation comes from the polar decomposition: Kabsch's, which
     starts the iteration, reads a squash of a lopsided visible side as a turn (by 20 degrees at half height).
@@ -74,7 +83,8 @@ def fit_affine(
     extent = np.linalg.norm(np.ptp(a, axis=0))
     trust = np.ones(len(a)) if trust is None else trust
     w, matrix = trust, None
-    for _ in range(iterations):
+    beside = _find_neighbours(a) if len(a) >= ENOUGH else None
+    for k in range(iterations):
         total = w.sum()
         a0, b0 = w @ a / total, w @ b / total
         x, y = a - a0, b - b0
@@ -82,12 +92,21 @@ def fit_affine(
         pull = total * (prior * extent) ** 2
         cross, square = (w[:, None] * y).T @ x, (w[:, None] * x).T @ x
         matrix = (cross + pull * rotation) @ np.linalg.inv(square + pull * np.eye(3))
-        distance = np.linalg.norm(x @ matrix.T - y, axis=1)
+        off = x @ matrix.T - y
+        distance = np.linalg.norm(off, axis=1)
         fitted = Affine(matrix, b0 - matrix @ a0, rotation, float(np.sqrt(trust @ distance**2 / trust.sum())))
+        if beside is not None and k >= iterations // 2:
+            distance = np.linalg.norm(off - np.median(off[beside], axis=1), axis=1)
         before, w = w, trust * huber(distance, floor=0.003 * float(extent))
-        if np.abs(w - before).max() < 1e-2:
+        if k >= iterations // 2 and np.abs(w - before).max() < 1e-2:
             break
     return fitted
+
+
+def _find_neighbours(a: np.ndarray) -> np.ndarray:
+    """Indices of the points nearest to each, shape (n, NEIGHBOURS)."""
+    tree: Any = KDTree(a)  # scipy annotates `query` for a single neighbour only
+    return tree.query(a, k=NEIGHBOURS + 1)[1][:, 1:]
 
 
 def huber(distance: np.ndarray, *, floor: float) -> np.ndarray:

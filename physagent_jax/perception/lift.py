@@ -10,6 +10,30 @@ from physagent_jax.render.camera import Camera
 _KERNEL = np.ones((3, 3), np.uint8)
 
 
+def fill_dropped(depth: np.ndarray, masks: np.ndarray) -> np.ndarray:
+    """``depth`` with the object's dropped pixels as the mean of their known neighbours on the object.
+
+    Args:
+        depth: z-depth [m], nan where unknown, shape (T, H, W).
+        masks: The object, shape (T, H, W).
+
+    Returns:
+        float32, shape (T, H, W); larger holes stay nan.
+    """
+    filled = depth.astype(np.float32)
+    for frame, mask in zip(filled, masks):
+        for _ in range(2):
+            known = mask & np.isfinite(frame)
+            holes = mask & ~known
+            if not holes.any():
+                break
+            weight = cv2.blur(known.astype(np.float32), (3, 3))
+            total = cv2.blur(np.where(known, frame, 0).astype(np.float32), (3, 3))
+            holes &= weight > 0.2
+            frame[holes] = total[holes] / weight[holes]
+    return filled
+
+
 def keep_trusted_depth(depth: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, float]:
     """Keeps depth where it can be trusted: inside an eroded mask and close to its 3x3 median.
 

@@ -25,10 +25,6 @@ VISIBLE = 0.01
 """Least motion that counts as seen [body lengths]; one pixel, if that is more."""
 LEAST_PIXELS = 8
 """Fewer pixels in frame 0 are no object [px]."""
-MISSED = 0.4
-"""Share of the depth picture that a segmenter may miss before its mask is dropped. A soft rim of splats alone, which
-has depth but is mostly background, can make a quarter."""
-
 LEAST_TEXTURE = 0.5
 """Share of points on texture below which the report warns."""
 
@@ -89,8 +85,10 @@ def perceive(
     backends = backends or make_backends()
     estimate = backends.depth.estimate(rgb, camera, depth)
     z = estimate.z
-    masks, notes = _masks(z, _segment(rgb, z, backends.segmenter, prompt))
-    notes = [*estimate.notes, *([] if estimate.scale_known else [_NO_SCALE]), *notes]
+    found = _segment(rgb, z, backends.segmenter, prompt)
+    masks = found.masks
+    notes = [*estimate.notes, *([] if estimate.scale_known else [_NO_SCALE]), *found.notes]
+    z = lift.fill_dropped(z, masks)
     spans = _spans(len(rgb), windows)
     if masks[0].sum() < LEAST_PIXELS:
         return _nothing(rgb, masks, frame_dt, spans, notes)
@@ -180,21 +178,9 @@ def _segment(rgb: np.ndarray, z: np.ndarray, segmenter: Segmenter, prompt: Segme
         prompt = find_prompt(rgb, z)
         if prompt is None:
             return Masks(np.zeros(rgb.shape[:3], bool))
+    if segmenter.takes_depth:
+        return segmenter.segment(rgb, prompt, depth=z)
     return segmenter.segment(rgb, prompt)
-
-
-def _masks(z: np.ndarray, found: Masks) -> tuple[np.ndarray, list[str]]:
-    """The segmenter's masks where there is depth; all depth, if the segmenter misses much of a lone object."""
-    surface = np.isfinite(z)
-    masks = found.masks & surface
-    missed = 1 - masks.sum() / max(surface.sum(), 1)
-    alone = not touches_border(surface[0])  # nothing else, like a floor, is in the depth picture
-    if alone and missed > MISSED:
-        return surface, [
-            *found.notes,
-            f"Segmentation missed {missed:.0%} of the object: its mask was taken from the depth picture.",
-        ]
-    return masks, list(found.notes)
 
 
 def _report(frames: Frames, rest: np.ndarray, frame_dt, spans, quality, *, threshold: float) -> MotionReport:

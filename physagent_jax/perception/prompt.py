@@ -5,12 +5,12 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from physagent_jax.perception.backends.colour import ColorSegmenter
+from physagent_jax.perception.backends.rgbd import RgbdSegmenter
 from physagent_jax.perception.protocols import SegmentPrompt
 
 
 def find_prompt(rgb: np.ndarray, z: np.ndarray) -> SegmentPrompt | None:
-    """The box around what stands out by colour in frame 0, and the point deepest inside it.
+    """The box around what stands out in frame 0, and the point deepest inside it.
 
     A point alone may mean a part of the object, a box alone may hold more than the object.
 
@@ -21,7 +21,7 @@ def find_prompt(rgb: np.ndarray, z: np.ndarray) -> SegmentPrompt | None:
     Returns:
         The prompt; None if nothing stands out.
     """
-    mask = ColorSegmenter().segment(rgb[:1], None).masks[0] & np.isfinite(z[0])
+    mask = RgbdSegmenter().segment(rgb[:1], None, depth=z[:1]).masks[0]
     if not mask.any():
         return None
     x, y, w, h = cv2.boundingRect(mask.astype(np.uint8))

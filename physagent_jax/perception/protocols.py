@@ -85,12 +85,20 @@ class Segmenter(Backend, Protocol):
         """Whether it can be told; a run that has a prompt for one that cannot is refused before it begins."""
         return self.needs_prompt
 
-    def segment(self, frames: np.ndarray, prompt: SegmentPrompt | None) -> Masks:
-        """Masks of the object.
+    @property
+    def takes_depth(self) -> bool:
+        """Whether it looks at depth too: `perceive` then passes it as ``depth``; others get pictures alone."""
+        return False
+
+    def segment(
+        self, frames: np.ndarray, prompt: SegmentPrompt | None, depth: np.ndarray | None = None
+    ) -> Masks:
+        """Masks of the object. A segmenter that does not take depth may leave that argument out.
 
         Args:
             frames: Pictures, uint8, shape (T, H, W, 3).
             prompt: Which object is meant; None = it is the only one.
+            depth: z-depth, nan where unknown, shape (T, H, W); of the background too, if it has a surface there.
 
         Raises:
             UserError: It needs a prompt, or cannot take one.

@@ -198,10 +198,10 @@ class PerceptionChoice(Strict):
 
     Attributes:
         segmenter, depth, tracker: By name.
-        prompt: Which object is meant; None = the one that stands out by colour, if the segmenter has to be told.
+        prompt: Which object is meant; None = the one that stands out, if the segmenter has to be told.
     """
 
-    segmenter: Implementation = Implementation(name="colour")
+    segmenter: Implementation = Implementation(name="rgbd")
     depth: Implementation = Implementation(name="sensor")
     tracker: Implementation = Implementation(name="flow")
     prompt: PromptChoice | None = None

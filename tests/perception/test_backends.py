@@ -134,7 +134,8 @@ def test_without_a_depth_channel_the_sensor_has_nothing_to_say(clip):
 
 def test_an_empty_picture_needs_no_prompt(clip):
     rgb = np.full_like(clip.rgb, 200)
-    backends = model_backends(dataclasses.replace(clip, rgb=rgb), forth, back)
+    nothing = np.full_like(clip.depth, np.nan)
+    backends = model_backends(dataclasses.replace(clip, rgb=rgb, depth=nothing), forth, back)
     report = perceive(rgb, None, clip.camera, frame_dt=DT, backends=backends).report
     assert "No object is visible" in report.text and backends.segmenter.prompts == []
 
@@ -159,7 +160,7 @@ def find_points(clip, frame):
 
 def test_backends_are_chosen_by_name():
     assert make_backends().names == {
-        "segmenter": "ColorSegmenter",
+        "segmenter": "RgbdSegmenter",
         "depth": "DepthSensor",
         "tracker": "FlowTracker",
     }

@@ -189,7 +189,7 @@ def test_object_of_the_backgrounds_colour_is_found_by_depth():
     shape.colours[:] = 255
     clip = film(shape, translated((0.3, 0, 0.1)), frames=8)
     report = perceive(clip.rgb, clip.depth, clip.camera, frame_dt=DT).report
-    assert any("depth picture" in note for note in report.quality.notes)
+    assert any("taken from depth" in note for note in report.quality.notes)
     assert any("little texture" in note for note in report.quality.notes)
     assert report.windows[0].displacement == pytest.approx((0.3, 0, 0.1), abs=0.04)
 

@@ -312,6 +312,6 @@ def test_without_a_prompt_the_segmenter_gets_none(tmp_path, robot_path):
 
 
 def test_a_prompt_for_a_segmenter_that_takes_none_is_refused_before_the_run_begins(tmp_path, robot_path):
-    with pytest.raises(UserError, match="means nothing to this segmenter .got ColorSegmenter."):
+    with pytest.raises(UserError, match="means nothing to this segmenter .got RgbdSegmenter."):
         made(prompted(robot_path, {"points": [[0.5, 0.5]]}), tmp_path / "run", scripted([1.0]))
     assert not (tmp_path / "run" / "manifest.json").exists()

@@ -10,13 +10,16 @@ if TYPE_CHECKING:
     from physagent_jax.perception.protocols import PerceptionBackends
 
 _HERE = "physagent_jax.perception.backends"
-SEGMENTERS = Registry("`perception.segmenter`", {"colour": f"{_HERE}.colour:ColorSegmenter"})
+SEGMENTERS = Registry(
+    "`perception.segmenter`",
+    {"rgbd": f"{_HERE}.rgbd:RgbdSegmenter", "colour": f"{_HERE}.colour:ColorSegmenter"},
+)
 DEPTH_ESTIMATORS = Registry("`perception.depth`", {"sensor": f"{_HERE}.depth_sensor:DepthSensor"})
 TRACKERS = Registry("`perception.tracker`", {"flow": f"{_HERE}.flow:FlowTracker"})
 
 
 def make_backends(
-    segmenter: Choice = "colour", depth: Choice = "sensor", tracker: Choice = "flow"
+    segmenter: Choice = "rgbd", depth: Choice = "sensor", tracker: Choice = "flow"
 ) -> PerceptionBackends:
     """The backends of these names; those that need no weights by default.
 

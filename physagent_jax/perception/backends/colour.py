@@ -50,7 +50,7 @@ class ColorSegmenter(Segmenter):
                 guess = (
                     _matte(difference, guess) if spread < self.plain_spread else self._grabcut(frame, guess)
                 )
-            masks.append(_without_specks(guess))
+            masks.append(remove_specks(guess))
         return Masks(np.stack(masks))
 
     def _grabcut(self, frame: np.ndarray, guess: np.ndarray) -> np.ndarray:
@@ -108,7 +108,7 @@ def _matte(difference: np.ndarray, guess: np.ndarray) -> np.ndarray:
     return mask
 
 
-def _without_specks(mask: np.ndarray) -> np.ndarray:
+def remove_specks(mask: np.ndarray) -> np.ndarray:
     """``mask`` without pieces smaller than a speck."""
     count, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
     keep = stats[:, cv2.CC_STAT_AREA] >= max(_SPECK, _FLOATER * mask.sum())

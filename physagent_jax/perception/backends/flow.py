@@ -41,8 +41,14 @@ class FlowTracker(Tracker):
         self._dis: Any = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
 
     def encode(self, frames: np.ndarray, masks: np.ndarray) -> FlowClip:
-        """The clip as it is; see `protocols.Tracker`. What is followed lies on the object."""
-        return FlowClip(self, frames, masks)
+        """The clip without its background; see `protocols.Tracker`. What is followed lies on the object.
+
+        A still background at the object's edge would hold the flow back, so the object's mean colour takes its place.
+        """
+        plain = np.array([255, 255, 255], np.uint8)
+        if masks[0].any():
+            plain = frames[0][masks[0]].mean(0).round().astype(np.uint8)
+        return FlowClip(self, np.where(masks[..., None], frames, plain), masks)
 
     def follow(
         self, frames: np.ndarray, queries: np.ndarray, masks: np.ndarray
