@@ -11,6 +11,7 @@ from typing import Literal
 import tyro
 
 from physagent_jax.cli.materials import Materials
+from physagent_jax.cli.plan import Plan
 from physagent_jax.cli.run import Run
 from physagent_jax.cli.simulate import ImportPhysGaussian, Simulate
 from physagent_jax.core.errors import UserError
@@ -118,6 +119,7 @@ class Report:
 
 COMMANDS = {
     "run": Run,
+    "plan": Plan,
     "simulate": Simulate,
     "make": Make,
     "materials": Materials,

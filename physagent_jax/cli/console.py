@@ -78,6 +78,8 @@ class ConsoleObserver(Observer):
             stderr.print(f"  assumed: {_plain(note)}")
         if reply.not_understood:
             stderr.print(f"  [yellow]not understood:[/] {_plain(', '.join(reply.not_understood))}")
+        for doubt in reply.unsure:
+            stderr.print(f"  [yellow]unsure:[/] {_plain(doubt)}")
 
     def judged(self, index: int, judgement: Judgement) -> None:
         """Prints the planner's verdict and its suggestion."""

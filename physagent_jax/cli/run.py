@@ -168,6 +168,7 @@ def summarise(store, seconds: float) -> dict:
         "iterations": manifest.iterations,
         "assumptions": understood.notes,
         "not_understood": understood.not_understood,
+        "unsure": understood.unsure,
         "frames": len(best.kinetic_energy),
         "particle_count": best.particle_count,
         "substeps": sum(record.substeps for record in records),

@@ -115,7 +115,7 @@ def _kind(item: Timed) -> str:
     return item.action_type.value if isinstance(item, Action) else item.constraint_type.value
 
 
-def _effect(item: Timed, table: DirectionTable) -> str:
+def describe_effect(item: Timed, table: DirectionTable) -> str:
     """What the item does, in the viewer's words, the sign of its magnitude taken into account."""
     sign = 1.0 if item.magnitude > 0 else -1.0
     pointing = tuple(sign * component for component in item.vector)
@@ -149,7 +149,7 @@ def _card(
         div(
             "",
             tag("strong", spell_out(_kind(item)).capitalize()),
-            tag("p", _effect(item, setting.directions)),
+            tag("p", describe_effect(item, setting.directions)),
         ),
     )
     rows = [

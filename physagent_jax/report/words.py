@@ -6,10 +6,9 @@ import dataclasses
 import re
 from collections.abc import Sequence
 
-from physagent_jax.agents.schema import Evidence, ExpectedMotion, MotionKind, SemanticReply
-from physagent_jax.report.directions import describe_axis, describe_direction, describe_turn
+from physagent_jax.agents.schema import Evidence, ExpectedMotion, SemanticReply
+from physagent_jax.report.expectations import describe_motion, list_details
 from physagent_jax.report.force_cards import Setting, make_force_cards
-from physagent_jax.report.formats import format_fixed, format_plural, format_window
 from physagent_jax.report.layout import make_list, make_table
 from physagent_jax.report.markup import Markup, div, join, span, tag
 
@@ -62,6 +61,7 @@ def make_words_section(prompt: str, reply: SemanticReply, setting: Setting) -> l
             ),
             make_list("Assumptions", reply.notes),
             make_list("Not understood", reply.not_understood),
+            make_list("Unsure, so that no motion is called a success", reply.unsure),
         ),
         tag("h3", "The force field, as first compiled"),
         make_force_cards(reply.force_field, setting, name="compiled"),
@@ -103,27 +103,10 @@ def find_topic(field: str) -> str:
 
 def describe_expectation(expected: ExpectedMotion, setting: Setting) -> Markup:
     """One expected motion as a sentence."""
-    kind, axis, viewer = expected.kind, expected.direction, setting.directions
-    where = ""
-    if axis is not None and kind is MotionKind.ROTATE:
-        where = f" {describe_turn(axis, viewer)}"
-    elif axis is not None and kind in (MotionKind.STRETCH, MotionKind.SQUEEZE):
-        where = f" along {describe_axis(axis, viewer)}"
-    elif kind in (MotionKind.STRETCH, MotionKind.SQUEEZE):
-        where = " in all directions"
-    elif axis is not None:
-        where = f" {describe_direction(axis, viewer)}"
-    parts = [f"strength {format_fixed(expected.strength)}", format_window(*expected.window, setting.frame_dt)]
-    if expected.sudden:
-        parts.append("with a blow")
-    if expected.partial:
-        parts.append("in a part of the object")
-    if expected.repeats > 1:
-        parts.append(format_plural(expected.repeats, "time"))
-    if expected.released:
-        parts.append("then let go")
+    head = describe_motion(expected, setting.directions)
+    details = ", ".join(list_details(expected, setting.directions, setting.frame_dt))
     quote = span("quiet", f" \u2014 from \u201c{expected.words}\u201d") if expected.words else None
-    return join(tag("strong", f"{kind.value.capitalize()}{where}"), f": {', '.join(parts)}", quote)
+    return join(tag("strong", head[0].upper() + head[1:]), f": {details}", quote)
 
 
 def _occurrences(prompt: str, words: str) -> list[tuple[int, int]]:

@@ -49,17 +49,24 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
 
 
 def _is_released(event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder) -> bool:
-    """Whether the cause ends and leaves the object to itself."""
+    """Whether the cause ends and leaves the object to itself; what is brought to a place is not left there."""
+    if event.stays or _is_measured(event, builder):
+        return False
     let_go = any(e.effect is Effect.RELEASE for e in after)
     ends_early = not after and window[1] < builder.last - 0.5
     return let_go or ends_early or event.verb.brief
+
+
+def _is_measured(event: Event, builder: ForceFieldBuilder) -> bool:
+    """Whether a free object is to go so far, or turn by so much, and no further."""
+    return not builder.anchored and find_effort(event.amount, event.effect, builder.brief) is not None
 
 
 def _needs_brake(event: Event, after: list[Event], builder: ForceFieldBuilder) -> bool:
     """Whether a free object must be stopped before what comes next can be seen."""
     if builder.anchored:
         return False
-    if event.stays or find_effort(event.amount, event.effect, builder.brief) is not None:
+    if event.stays or _is_measured(event, builder):
         return True
     for later in after:
         stops = later.effect is Effect.STILL
@@ -95,6 +102,8 @@ def _add_steady(
         if brakes and any(later.effect is Effect.STILL for later in after) and window[1] < builder.last:
             first, end = round(window[0]), round(window[1])
             brake = (float(end), float(min(2 * end - first, math.floor(builder.room))))
+            if brake[1] <= brake[0]:
+                return window
             builder.add_action(event, kind, scale(vector, -1.0), magnitude, brake)
             builder.add_note(
                 "The object is free and would drift on: it is braked after the time that is told."

@@ -1,0 +1,132 @@
+"""`physagent plan`: what a sentence would make of an object, without simulating it."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import tyro
+
+from physagent_jax.cli.options import name_options, report_as_options, to_spec
+from physagent_jax.cli.run import Run
+from physagent_jax.scene.config import SignedAxis
+from physagent_jax.scene.presets import PresetName
+
+if TYPE_CHECKING:
+    from physagent_jax.agents.schema import SceneBrief, SemanticReply
+
+
+@dataclasses.dataclass(frozen=True)
+class Plan:
+    """Say what a sentence would do to an object, without simulating anything.
+
+    Prints what should be seen and how much of it, the actions, the surroundings, what is held, how long the clip is,
+    what was assumed, and what was not understood. A sentence that `physagent run` would refuse is refused: exit code 2.
+    """
+
+    prompt: tyro.conf.Positional[str]
+    """What should happen, in everyday English."""
+    object: Path
+    """3DGS PLY or mesh (.obj, .glb, .stl, .ply)."""
+    preset: PresetName = PresetName.FAST
+    """As for `physagent run`."""
+    up: SignedAxis | None = None
+    """The file's up axis; default: its card, else +z."""
+    kind: str | None = None
+    """plant, food, robot, ... (decides what is held); default: its card, else from the file's name."""
+    azimuth: float | None = None
+    """Where the camera stands, in degrees about the vertical: it decides what left is."""
+    anchor: Literal["auto", "none", "base", "top"] = "auto"
+    """What is held fixed; auto: what the sentence says, else what the kind implies."""
+    world: Literal["ground", "free"] | None = None
+    """As for `physagent run`."""
+    frames: int | None = None
+    """Pictures of the clip; default: as many as the sentence needs."""
+    semantic: str = "rules"
+    """Who reads the sentence."""
+    json_line: Annotated[bool, tyro.conf.arg(name="json")] = False
+    """Print one line of JSON instead of sentences."""
+
+    def __call__(self) -> int:
+        """Runs the command; returns the exit code."""
+        from physagent_jax.agents.context import AgentContext
+        from physagent_jax.cli.console import warn
+        from physagent_jax.forces.description import describe_skills
+        from physagent_jax.run.brief import make_brief
+        from physagent_jax.run.loop import agents_of
+        from physagent_jax.run.resolve import resolve
+
+        given = {name: value for name, value in vars(self).items() if value is not None}
+        with report_as_options():
+            run = resolve(to_spec({**vars(Run(out=Path())), **given}), origin="command line")
+        for text in run.warnings:
+            warn(name_options(text))
+        brief = make_brief(run.template, frames_fixed=run.frames_fixed)
+        reader = agents_of(run.spec).semantic
+        reply = reader.compile(AgentContext(self.prompt, brief, describe_skills())).value
+        after = make_brief(run.with_reply(reply), frames_fixed=run.frames_fixed)
+        if self.json_line:
+            print(json.dumps(to_json(reply, after)))
+        else:
+            print("\n".join(describe_plan(reply, after)))
+        return 0
+
+
+def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:
+    """The line that ``--json`` prints; ``brief`` is the scene with what the sentence says of it."""
+    shown = reply.model_dump(mode="json", exclude_none=True)
+    return {
+        "targets": shown["expectations"],
+        "actions": shown["force_field"]["actions"],
+        "default_drop": reply.force_field.default_drop,
+        "world": {"surroundings": brief.world, **shown["world"]},
+        "anchor": {"held": brief.anchored, **shown["anchor"]},
+        "frames": brief.frame_count,
+        "seconds": round((brief.frame_count - 1) * brief.frame_dt, 6),
+        "assumptions": list(reply.notes),
+        "not_understood": list(reply.not_understood),
+        "unsure": list(reply.unsure),
+        "directions": brief.directions.model_dump(mode="json"),
+    }
+
+
+def describe_plan(reply: SemanticReply, brief: SceneBrief) -> list[str]:
+    """The plan in lines of text."""
+    from physagent_jax.report.expectations import describe_motion, list_details
+    from physagent_jax.report.force_cards import describe_effect
+    from physagent_jax.report.formats import format_window
+
+    table, frame_dt, field = brief.directions, brief.frame_dt, reply.force_field
+    lines = ["should be seen:"]
+    for each in reply.expectations:
+        lines.append(f"  {describe_motion(each, table)}: {', '.join(list_details(each, table, frame_dt))}")
+    lines.append("done by:")
+    done = ["it is lifted a little and let fall"] * field.default_drop
+    for action in field.actions:
+        when = (
+            "the whole clip" if action.active_time is None else format_window(*action.active_time, frame_dt)
+        )
+        where = ", on a part of it" if action.region is not None else ""
+        done.append(f"{describe_effect(action, table)}: magnitude {abs(action.magnitude):.3g}, {when}{where}")
+    lines += [f"  {each}" for each in done or ["nothing"]]
+    lines.append(f"surroundings: {_describe_world(reply, brief)}")
+    lines.append(f"held: {brief.anchored or 'nowhere'}")
+    lines.append(f"clip: {brief.frame_count} frames, {(brief.frame_count - 1) * frame_dt:.3g} s")
+    lines += [f"assumed: {note}" for note in reply.notes]
+    if reply.not_understood:
+        lines.append(f"not understood: {', '.join(reply.not_understood)}")
+    return lines + [f"unsure, so that nothing is called a success: {doubt}" for doubt in reply.unsure]
+
+
+def _describe_world(reply: SemanticReply, brief: SceneBrief) -> str:
+    from physagent_jax.report.directions import describe_direction
+
+    words = {"none": "no gravity", "up": "gravity acts upwards", "down": "gravity acts"}
+    usual = "gravity acts, it stands on the ground" if brief.world == "ground" else "it floats in empty space"
+    parts = [words[reply.world.gravity] if reply.world.gravity else usual]
+    for each in reply.world.obstacles:
+        where = describe_direction(each.direction, brief.directions)
+        parts.append(f"a {each.kind} {where} of it, {each.distance:g} body lengths away")
+    return "; ".join(parts)

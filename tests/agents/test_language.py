@@ -1,0 +1,301 @@
+"""Quantities, exceptions, surroundings and holding in sentences, and what is said of words beyond the grammar."""
+
+import math
+
+import pytest
+
+from physagent_jax.agents.rules.language.quantities import match_quantity
+from physagent_jax.agents.rules.language.schedule import LONGEST, STEP
+from physagent_jax.agents.rules.language.tokens import tokenise
+from physagent_jax.agents.schema import MotionKind
+from physagent_jax.agents.vectors import cosine
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces import calibration
+from physagent_jax.forces.schema import ActionType
+from tests.agents.scenes import brief, read
+
+UP, LEFT, RIGHT = (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
+
+
+def ground(**changes):
+    """A robot on the ground, in a clip that grows with the sentence."""
+    return brief(**({"world": "ground", "frames_fixed": False, "frame_count": 51} | changes))
+
+
+def plant():
+    return ground(object_name="plant", object_kind="plant", anchored="it is rooted")
+
+
+def first(prompt, scene=None):
+    return read(prompt, scene or ground()).expectations[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "unit", "value"),
+    [
+        ("90 degrees", "degrees", 90), ("180°", "degrees", 180), ("half a turn", "degrees", 180),
+        ("a quarter turn", "degrees", 90), ("one and a half turns", "degrees", 540), ("a full turn", "degrees", 360),
+        ("three times around", "degrees", 1080), ("forty five degrees", "degrees", 45),
+        ("2 meters", "metres", 2), ("30 cm", "metres", 0.3), ("half a metre", "metres", 0.5),
+        ("half a body length", "lengths", 0.5), ("two body lengths", "lengths", 2),
+        ("a third of a length", "lengths", 1 / 3),
+        ("twice its length", "share", 2), ("1.3 times its length", "share", 1.3),
+        ("half its own height", "share", 0.5),
+        ("70 % of its height", "share", 0.7), ("threefold", "share", 3), ("twice as tall", "share", 2),
+        ("5 newtons", "", 5), ("3 m/s", "", 3), ("60 rpm", "", 60),
+    ],
+)  # fmt: skip
+def test_quantities_with_units(words, unit, value):
+    """Numbers in digits, words and fractions, in the unit that they stand in."""
+    tokens = tokenise(words)
+    found = match_quantity(tokens, 0)
+    assert found is not None and found[1] == len(tokens)
+    assert found[0].unit == unit and found[0].value == pytest.approx(value)
+
+
+@pytest.mark.parametrize(
+    "words", ["half a second", "two seconds", "the upper half", "a kick", "a turn", "two kicks"]
+)
+def test_what_is_no_quantity(words):
+    """Times, parts and counts are other things' business."""
+    assert match_quantity(tokenise(words), 0) is None
+
+
+@pytest.mark.parametrize(
+    ("prompt", "kind", "unit", "value"),
+    [
+        ("rotate the robot by 90 degrees", "rotate", "degrees", 90),
+        ("twist it half a turn", "rotate", "degrees", 180),
+        ("spin twice", "rotate", "degrees", 720),
+        ("stretch it to twice its length", "stretch", "factor", 2),
+        ("squash it to half its height", "squeeze", "factor", 0.5),
+        ("compress it by 30 percent", "squeeze", "factor", 0.7),
+        ("lengthen it by half", "stretch", "factor", 1.5),
+        ("make it twice as tall", "stretch", "factor", 2),
+        ("push it half a body length to the left", "move", "lengths", 0.5),
+        ("push it 2 meters to the left", "move", "metres", 2),
+    ],
+)  # fmt: skip
+def test_quantities_are_targets(prompt, kind, unit, value):
+    """A quantity is the expectation's amount, and happens once."""
+    reply = read(prompt, ground())
+    (seen,) = reply.expectations
+    assert (seen.kind.value, seen.repeats) == (kind, 1)
+    assert seen.amount is not None and (seen.amount.unit, seen.amount.value) == (unit, pytest.approx(value))
+    assert not reply.unsure
+
+
+def travel(actions, frame_dt=0.04):
+    """Displacement that pushes along x give a free body [lengths]: M = 1 is 2 L / T^2 with T = 2 s."""
+    speed = place = at = 0.0
+    for action in actions:
+        begin, end = (frame * frame_dt for frame in action.active_time)
+        place += speed * (begin - at)
+        a = 2 * calibration.TRAVEL / calibration.REFERENCE_TIME**2 * action.magnitude * action.vector[0]
+        place += speed * (end - begin) + 0.5 * a * (end - begin) ** 2
+        speed += a * (end - begin)
+        at = end
+    return place, speed
+
+
+@pytest.mark.parametrize(
+    "words", ["a tenth of a body length", "half a body length", "one body length", "3 body lengths"]
+)
+def test_a_push_reaches_its_distance_and_stops(words):
+    """Closed form: push and brake bring a free body there and to rest, however far it is."""
+    lengths = {"a": 0.1, "half": 0.5, "one": 1.0, "3": 3.0}[words.split()[0]]
+    words = words.replace("a tenth of a body length", "0.1 body lengths")
+    place, speed = travel(read(f"push it {words} to the right", ground()).force_field.actions)
+    assert place == pytest.approx(lengths, rel=0.06) and speed == pytest.approx(0.0, abs=0.08)
+
+
+@pytest.mark.parametrize("degrees", [20, 90, 180, 720])
+def test_a_turn_reaches_its_angle(degrees):
+    """The same for torques: M = 1 is a quarter turn in 2 s."""
+    actions = read(f"spin it by {degrees} degrees counterclockwise", ground()).force_field.actions
+    (a, b) = actions
+    seconds = 0.04 * (a.active_time[1] - a.active_time[0])
+    rate = 2 * calibration.TURN / calibration.REFERENCE_TIME**2 * a.magnitude
+    assert math.degrees(rate * seconds**2) == pytest.approx(degrees, rel=0.06)
+    assert a.magnitude == b.magnitude and a.vector[2] == -b.vector[2]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "window"),
+    [
+        ("push it left for half a second", (0, 12)), ("push it left for half a second, then stop", (0, 12)),
+        ("push it left from t = 0.5 s to t = 1.5 s", (12, 38)), ("after one second, push it left", (25, 75)),
+        ("push it left from 0.2s until 0.6s", (5, 15)), ("from second 1 to second 2 push it left", (25, 50)),
+        ("push it left for 800 ms", (0, 20)), ("push it left from t=1s on", (25, 75)),
+    ],
+)  # fmt: skip
+def test_told_times_are_the_causes_own(prompt, window):
+    """Nothing brakes inside the time that is told."""
+    action = read(prompt, ground()).force_field.actions[0]
+    assert action.active_time == window
+
+
+@pytest.mark.parametrize(
+    ("prompt", "seconds"),
+    [
+        ("push it left", 2.0), ("push it left, then up, then right", 3 * STEP),
+        ("wait two seconds, then push it left", 2 * STEP),
+        ("bend left, then let go", 2 * STEP), ("push it left for 3 seconds", 3.0),
+        ("after 3 seconds push it left", 3 + 2.0),
+        ("sway eight times", 6.0), ("push it left for 99 seconds", LONGEST),
+    ],
+)  # fmt: skip
+def test_the_clip_is_as_long_as_the_sentence_needs(prompt, seconds):
+    """A step takes a second and a half at least; the default clip is the least, and there is a longest one."""
+    scene = ground()
+    reply = read(prompt, scene)
+    count = reply.frame_count or scene.frame_count
+    assert (count - 1) * 0.04 == pytest.approx(seconds, abs=0.05)
+    assert all(a.active_time[1] <= count - 1 for a in reply.force_field.actions)
+    fixed = read(prompt, ground(frames_fixed=True))
+    assert fixed.frame_count is None
+    assert all(a.active_time[1] <= 50 for a in fixed.force_field.actions)
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "push everything except the head to the left", "push the robot to the left, but not the head",
+        "everything but the head moves to the left", "push all of it but the head to the left",
+    ],
+)  # fmt: skip
+def test_exceptions_are_not_acted_on(prompt):
+    """The region is the rest, and the named end is the one that should not move."""
+    reply = read(prompt, ground())
+    seen = reply.expectations[0]
+    assert seen.excludes_part and seen.part == UP and not reply.unsure
+    region = reply.force_field.actions[0].region
+    assert cosine(region.normal, UP) == pytest.approx(-1.0)
+    assert region.point[2] == pytest.approx(0.72)
+
+
+def test_named_ends_are_parts():
+    """An end is a direction; the middle is a part without one."""
+    assert first("push the head to the left").part == UP
+    assert first("push the left arm up").part == LEFT
+    middle = first("push the middle to the left")
+    assert middle.partial and middle.part is None
+
+
+@pytest.mark.parametrize(
+    ("prompt", "gravity"),
+    [
+        ("gravity is reversed", "up"), ("the robot falls upwards", "up"), ("reverse gravity", "up"),
+        ("in space, push it left", "none"), ("no gravity: push it left", "none"),
+        ("push the floating robot left", "none"),
+        ("held in the air, the robot spins", "none"), ("gravity pulls it down", "down"), ("push it left", None),
+    ],
+)  # fmt: skip
+def test_gravity_is_told(prompt, gravity):
+    """What the sentence says about gravity goes into the world; what falls upwards is expected there."""
+    reply = read(prompt, ground())
+    assert reply.world.gravity == gravity
+    falls = [e for e in reply.expectations if e.kind is MotionKind.FALL]
+    assert gravity != "up" or (falls[0].direction == UP and not reply.force_field.default_drop)
+
+
+@pytest.mark.parametrize(
+    ("prompt", "kind", "where"),
+    [
+        ("throw it against the wall", "wall", LEFT), ("throw it against the wall on the right", "wall", RIGHT),
+        ("push it right until it hits a wall", "wall", RIGHT), ("kick it into the left wall", "wall", LEFT),
+        ("there is a wall on its right; push it to the right", "wall", RIGHT),
+        ("drop it onto a block", "block", (0, 0, -1)), ("fling it against the ceiling", "wall", UP),
+    ],
+)  # fmt: skip
+def test_obstacles_stand_where_the_motion_goes(prompt, kind, where):
+    """A wall is where the sentence puts it, else in the way, and the motion goes there."""
+    reply = read(prompt, ground())
+    (solid,) = reply.world.obstacles
+    assert solid.kind == kind and solid.direction == pytest.approx(where)
+    moves = [e for e in reply.expectations if e.kind is MotionKind.MOVE]
+    assert all(e.direction == pytest.approx(where) for e in moves)
+    assert moves or kind == "block"
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "bend it to the left and hold it there",
+        "hold the plant bent to the left",
+        "bend it left and keep it bent",
+    ],
+)
+def test_holding_what_was_moved_keeps_it_there(prompt):
+    """It stays, and no part is anchored by it."""
+    reply = read(prompt, plant())
+    assert reply.expectations[0].stays and not reply.expectations[0].released
+    assert reply.anchor.kind is None
+
+
+def test_holding_before_letting_go_is_no_anchor():
+    """What is held and then let fall is not held in the clip."""
+    reply = read("hold the robot, then let it fall", ground())
+    assert reply.anchor.kind is None and reply.force_field.default_drop
+
+
+@pytest.mark.parametrize(
+    "prompt", ["lift it, then release it", "it is lifted, then dropped", "lift it, then let it fall"]
+)
+def test_what_is_lifted_and_let_go_falls(prompt):
+    """Where gravity acts nothing pushes it down."""
+    reply = read(prompt, ground())
+    assert [e.kind for e in reply.expectations] == [MotionKind.MOVE, MotionKind.FALL]
+    assert [a.vector for a in reply.force_field.actions] == [UP]
+
+
+def test_strokes_of_their_own():
+    """One plain kick and one hard one."""
+    a, b = read("kick it twice, the second harder", ground()).force_field.actions
+    assert (a.magnitude, b.magnitude) == (1.0, 1.4)
+
+
+def test_a_wind_that_turns_is_no_torque():
+    """It blows one way, then the other."""
+    reply = read("the wind turns from left to right", plant())
+    assert {a.action_type for a in reply.force_field.actions} == {ActionType.TRANSLATION}
+    assert [e.direction for e in reply.expectations] == [LEFT, RIGHT]
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "push the red part to the left", "pull the handle up", "push it with 5 newtons to the left",
+        "like a whisper push it left",
+        "two robots collide", "push it to the left at 3 m/s", "the third branch bends down",
+        "push the robot in a zigzag",
+        "the robot pushes the ball to the left", "stretch it to half its length", "push it left melodiously",
+        "rotate it by 3 metres", "push the robot the way a child would",
+    ],
+)  # fmt: skip
+def test_what_is_beyond_the_grammar_is_said(prompt):
+    """A plain sentence in ``unsure`` for each."""
+    unsure = read(prompt, ground()).unsure
+    assert unsure and all(text.endswith(".") for text in unsure)
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "the old robot is pushed to the left", "the robot is lifted by a crane", "a heavy weight squashes the robot",
+        "I would like it to be pushed to the left", "the robot is hit by a hammer from the left",
+        "push it alternately to the left and to the right", "shake it as in an earthquake",
+    ],
+)  # fmt: skip
+def test_decoration_is_no_doubt(prompt):
+    """Adjectives of the object and whoever acts change nothing."""
+    assert read(prompt, ground()).unsure == ()
+
+
+@pytest.mark.parametrize(
+    "prompt", ["der Roboter rollt left in die Ecke hinein", "lorem ipsum dolor sit amet left consectetur"]
+)
+def test_mostly_unknown_words_are_refused(prompt):
+    """A few words that happen to be known do not make it a sentence."""
+    with pytest.raises(UserError, match="Most words"):
+        read(prompt)

@@ -1,0 +1,61 @@
+"""`physagent plan`: what a sentence would do, without simulating it."""
+
+import json
+
+import pytest
+
+from physagent_jax.cli import main
+
+
+@pytest.fixture(autouse=True)
+def no_cache(monkeypatch):
+    monkeypatch.setenv("PHYSAGENT_COMPILE_CACHE", "off")
+
+
+def plan(capsys, robot_path, *arguments):
+    assert main(["plan", "--object", str(robot_path), *arguments]) == 0
+    return capsys.readouterr().out
+
+
+def test_a_plan_in_json(robot_path, capsys):
+    """Targets, actions, world, clip and what was not understood, in one line."""
+    sentence = (
+        "push it half a body length to the left against a wall, then rotate it by 90 degrees, melodiously"
+    )
+    out = plan(capsys, robot_path, sentence, "--json", "--world", "ground")
+    assert out.count("\n") == 1
+    said = json.loads(out)
+    assert [each["kind"] for each in said["targets"]] == ["move", "rotate"]
+    assert [each["amount"] for each in said["targets"]] == [
+        {"value": 0.5, "unit": "lengths"},
+        {"value": 90.0, "unit": "degrees"},
+    ]
+    assert said["actions"][0]["action_type"] == "translation"
+    assert said["world"]["surroundings"] == "ground" and said["world"]["obstacles"][0]["kind"] == "wall"
+    assert said["frames"] > 50 and said["seconds"] == pytest.approx((said["frames"] - 1) * 0.04)
+    assert said["not_understood"] == ["melodiously"] and said["unsure"]
+
+
+def test_a_plan_in_words(robot_path, capsys):
+    """The same for people; a fixed clip keeps its length."""
+    out = plan(
+        capsys, robot_path, "hold its feet and bend the head to the left, then let go", "--frames", "30"
+    )
+    lines = out.splitlines()
+    assert lines[0] == "should be seen:" and "move left" in lines[1] and "then let go" in lines[1]
+    assert "held: " in out and "feet" in out
+    assert "clip: 30 frames, 1.16 s" in out
+
+
+@pytest.mark.parametrize("sentence", ["Schieb den Roboter nach links", "", "asdf qwer zxcv"])
+def test_what_a_run_refuses_a_plan_refuses(sentence, robot_path, capsys):
+    """Exit code 2 and one line."""
+    assert main(["plan", "--object", str(robot_path), sentence]) == 2
+    error = capsys.readouterr().err
+    assert error.count("physagent: ") == 1 and "Traceback" not in error
+
+
+def test_a_missing_object_is_refused(tmp_path, capsys):
+    """As for a run."""
+    assert main(["plan", "--object", str(tmp_path / "gone.ply"), "push it left"]) == 2
+    assert "gone.ply" in capsys.readouterr().err
