@@ -168,8 +168,13 @@ def _instead(view: View, moved: float, first: int, last: int) -> str:
 
 
 def check_fall(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
-    """From the highest place in the window down to the lowest after it."""
+    """From the highest place in the window down to the lowest after it.
+
+    What is thrown up falls when gravity says, not when the sentence's next part begins: it is watched from the throw.
+    """
     first, last = view.span(expectation)
+    throws = [e for e in view.expectations if is_thrown_up(e, view.expectations, view.brief)]
+    first = min([first, *(view.span(e)[0] for e in throws if e.window[0] <= expectation.window[0])])
     course = view.course(first, last)
     if not course:
         return [make_unseen_check(index, expectation, _why_lost(view, first, last))]
