@@ -22,7 +22,11 @@ SENTENCES = {
     "jelly": "drop the jelly",
     "robot": "a strong wind pushes the robot to the left",
 }
-SMALL = dict(rounds=1, overrides=dict(frame_count=12, max_particles=1500, width=160, height=120))
+SMALL = dict(
+    rounds=1,
+    overrides=dict(frame_count=12, max_particles=1500, width=160, height=120),
+    save=dict(video_size=(320, 180)),
+)
 GIF_WIDTH, STRIP_WIDTH = 320, 240  # [px], of a frame
 MOST_BYTES = 1_500_000
 
@@ -39,21 +43,9 @@ def film(name, prompt, folder, settings):
     return run.frames(), run.manifest.verdict
 
 
-def crop(frames, margin=0.06):
-    """The 4:3 part of the pictures in which something is ever seen."""
-    rows, columns = np.nonzero((frames < 245).any(axis=(0, 3)))
-    low, high = np.array([columns.min(), rows.min()]), np.array([columns.max(), rows.max()]) + 1
-    width = (1 + 2 * margin) * max(high[0] - low[0], (high[1] - low[1]) * 4 / 3)
-    half, center = np.array([width, 0.75 * width]) / 2, (low + high) / 2
-    room = int(width)  # so that the part may reach beyond the picture's border, which is white
-    padded = np.pad(frames, ((0, 0), (room, room), (room, room), (0, 0)), constant_values=255)
-    (x0, y0), (x1, y1) = (center - half + room).astype(int), (center + half + room).astype(int)
-    return padded[:, y0:y1, x0:x1]
-
-
 def resize(frames, width):
-    """Frames of another width, 4:3."""
-    size = (width, width * 3 // 4)
+    """Frames of another width, 16:9."""
+    size = (width, width * 9 // 16)
     return np.stack([cv2.resize(frame, size, interpolation=cv2.INTER_AREA) for frame in frames])
 
 
@@ -64,7 +56,6 @@ def main(out, settings):
     for name, prompt in SENTENCES.items():
         with tempfile.TemporaryDirectory() as folder:
             frames, verdict = film(name, prompt, Path(folder), settings)
-        frames = crop(frames)
         path = out / f"{name}.gif"
         iio.imwrite(path, resize(frames, GIF_WIDTH), plugin="pillow", duration=40, loop=0)
         chosen = np.linspace(0, len(frames) - 1, 5).round().astype(int)
