@@ -15,12 +15,13 @@ from physagent_jax.scene.placement import place
 STEP = 15  # [degrees] between the directions that are tried
 GAIN = 1.1  # times as much as from the front must be seen from elsewhere; what is about as broad all around stays
 AS_GOOD = 0.985  # of the largest silhouette counts as the largest: of such, the direction nearest to the front is taken
+RICHER = 1.25  # times as varied the colours must be on the other side for that to be the face
 TRIMMED = 0.005  # share of the points on each side that may be floaters
 FEWEST_CELLS, MOST_CELLS = 8, 48  # across the object, for counting its silhouette
 
 
 def find_broad_side(source: Source, domain: Domain) -> float:
-    """The azimuth from which the object fills most of a picture [degrees], in (-90, 90]; 0 if it hardly matters.
+    """The azimuth from which the object fills most of a picture [degrees]; 0 if it hardly matters.
 
     The file is read for that, before the sentence is: what left and right mean depends on where the camera stands.
 
@@ -40,30 +41,49 @@ def _find_cached(source: str, domain: str) -> float:
         warnings.simplefilter("ignore", UserWarning)  # they are heeded when the object is loaded in earnest
         parsed = Source.model_validate_json(source)
         cloud, _ = place(load_object(parsed, Path()), parsed, Domain.model_validate_json(domain))
-    return find_broad_azimuth(np.asarray(cloud.means, np.float64))
+    return find_broad_azimuth(np.asarray(cloud.means, np.float64), np.asarray(cloud.sh[:, 0], np.float64))
 
 
-def find_broad_azimuth(points: np.ndarray) -> float:
-    """The azimuth (`CameraConfig.azimuth_degrees`) from which ``points``, shape (n, 3), have the largest silhouette.
+def find_broad_azimuth(points: np.ndarray, colours: np.ndarray) -> float:
+    """The azimuth (`CameraConfig.azimuth_degrees`) from which an object's face is seen [degrees], in (-180, 180].
 
-    From behind a silhouette is the same as from in front: only directions up to a quarter turn from 0 are tried.
+    The largest silhouette says which sides are broad. It is the same from behind: of the two, the side with the more
+    varied colours is the face if it is clearly so, else the one within a quarter turn of 0.
+
+    Args:
+        points: Shape (n, 3).
+        colours: In any linear units, shape (n, 3).
     """
     low, high = np.quantile(points, [TRIMMED, 1 - TRIMMED], axis=0)
-    inner = points[((points >= low) & (points <= high)).all(axis=1)]
-    points = inner if len(inner) else points
+    inner = ((points >= low) & (points <= high)).all(axis=1)
+    if inner.any():
+        points, colours = points[inner], colours[inner]
     points = points - points.mean(0)
     cells = int(np.clip(np.sqrt(len(points)) / 4, FEWEST_CELLS, MOST_CELLS))
     cell = max(float(np.ptp(points, axis=0).max()), 1e-9) / cells
     tried = sorted(range(STEP - 90, 91, STEP), key=lambda azimuth: (abs(azimuth), -azimuth))
-    areas = [_count_cells(points, azimuth, cell) for azimuth in tried]
-    if max(areas) <= GAIN * areas[0]:
-        return 0.0
-    return float(next(a for a, area in zip(tried, areas) if area >= AS_GOOD * max(areas)))
+    areas = [len(_find_seen(points, azimuth, cell)) for azimuth in tried]
+    found = 0
+    if max(areas) > GAIN * areas[0]:
+        found = next(azimuth for azimuth, area in zip(tried, areas) if area >= AS_GOOD * max(areas))
+    behind = found + 180 if found <= 0 else found - 180
+    here, there = (_measure_variety(colours[_find_seen(points, each, cell)]) for each in (found, behind))
+    return float(behind if there > RICHER * here else found)
 
 
-def _count_cells(points: np.ndarray, azimuth: float, cell: float) -> int:
-    """Cells of a picture taken horizontally from ``azimuth`` that show a point."""
+def _find_seen(points: np.ndarray, azimuth: float, cell: float) -> np.ndarray:
+    """Indices of the points that are in front in the cells of a picture taken horizontally from ``azimuth``."""
     angle = np.radians(azimuth)
     across = points[:, 0] * np.cos(angle) + points[:, 1] * np.sin(angle)
-    places = np.floor(np.stack([across, points[:, 2]], axis=1) / cell).astype(np.int64)
-    return len(np.unique(places, axis=0))
+    depth = points[:, 1] * np.cos(angle) - points[:, 0] * np.sin(angle)
+    column, row = (np.floor(each / cell).astype(np.int64) for each in (across, points[:, 2]))
+    order = np.lexsort((depth, row, column))
+    column, row = column[order], row[order]
+    first = np.ones(len(order), bool)
+    first[1:] = (np.diff(column) != 0) | (np.diff(row) != 0)
+    return order[first]
+
+
+def _measure_variety(colours: np.ndarray) -> float:
+    """How far colours (m, 3) are from their mean."""
+    return float(np.sqrt(colours.var(axis=0).sum()))

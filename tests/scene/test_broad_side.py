@@ -20,32 +20,50 @@ def slab(turn_degrees, count=4000, seed=0):
     return points @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]).T
 
 
+def plain(count):
+    return np.full((count, 3), 0.4)
+
+
 @pytest.mark.parametrize("turn", [0, 30, 45, 75, 90, -30, -60])
 def test_a_board_shows_its_face(turn):
     """A camera at azimuth a looks along (-sin a, cos a): at a board turned by a it looks square on."""
-    found = find_broad_azimuth(slab(turn))
+    found = find_broad_azimuth(slab(turn), plain(4000))
     assert -90 < found <= 90
     off = (found - turn + 90) % 180 - 90
     assert abs(off) <= 15
+
+
+@pytest.mark.parametrize("turn", [0, 60, -75])
+def test_of_two_broad_sides_the_painted_one_is_the_face(turn):
+    """The board's side towards its own -y, which a camera at azimuth ``turn`` sees, or its back."""
+    rng = np.random.default_rng(3)
+    for painted in (-1, 1):
+        board, colours = slab(0), plain(4000).copy()
+        face = painted * board[:, 1] > 0
+        colours[face] += rng.normal(size=(face.sum(), 1))
+        found = find_broad_azimuth(slab(turn), colours)
+        expected = turn if painted < 0 else turn + 180
+        assert abs((found - expected + 180) % 360 - 180) <= 15 and -180 < found <= 180
 
 
 def test_what_is_about_as_broad_all_around_is_seen_from_the_front():
     rng = np.random.default_rng(1)
     ball = rng.normal(size=(5000, 3))
     ball /= np.linalg.norm(ball, axis=1, keepdims=True)
-    assert find_broad_azimuth(ball) == 0
+    assert find_broad_azimuth(ball, plain(5000)) == 0
     for make in PROCEDURAL.values():
-        assert find_broad_azimuth(np.asarray(make(0).means)) == 0
+        cloud = make(0)
+        assert find_broad_azimuth(np.asarray(cloud.means), np.asarray(cloud.sh[:, 0])) == 0
 
 
 def test_floaters_do_not_decide():
     floaters = np.array([[0.0, 5.0, 0.0], [0.0, -6.0, 0.2]])
-    assert abs(find_broad_azimuth(np.concatenate([slab(0), floaters]))) <= 15
+    assert abs(find_broad_azimuth(np.concatenate([slab(0), floaters]), plain(4002))) <= 15
 
 
 def test_single_points_have_a_side():
-    assert find_broad_azimuth(np.zeros((1, 3))) == 0
-    assert find_broad_azimuth(np.array([[0, 0, 0], [0, 1.0, 0]])) in range(-90, 91)
+    assert find_broad_azimuth(np.zeros((1, 3)), plain(1)) == 0
+    assert find_broad_azimuth(np.array([[0, 0, 0], [0, 1.0, 0]]), plain(2)) in range(-90, 91)
 
 
 @pytest.fixture
