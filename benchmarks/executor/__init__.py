@@ -1,0 +1,1 @@
+"""How far the offline executor gets from wrong force fields, and what the two kinds of skill do."""

@@ -1,0 +1,84 @@
+"""`python -m benchmarks.executor [PARTS] [--quick] --json OUT [--markdown MD]`: from wrong force fields to right motions.
+
+`starts` begins with 60 wrong force fields and lets the offline executor mend them, with perfect perception: planner and
+executor read the particles' motion. `kinds` compares body forces with velocity constraints.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from functools import partial
+from typing import Literal
+
+import tyro
+
+from benchmarks import harness
+from benchmarks.executor.kinds import COMPARISONS, compare_kind
+from benchmarks.executor.markdown import document
+from benchmarks.executor.scenes import prepare, run_rounds
+from benchmarks.executor.tasks import FAULTS, TASKS, Task
+from benchmarks.harness import Job, Row
+
+ROUNDS = 4  # the wrong start and three rewrites
+
+
+@dataclasses.dataclass(frozen=True)
+class Command(harness.Command):
+    """Measure the executor, or write the tables of an earlier run."""
+
+    parts: tuple[Literal["starts", "kinds"], ...] = ("starts", "kinds")
+    """Which to measure."""
+
+
+def main() -> int:
+    """Runs the command line."""
+    command = tyro.cli(Command)
+
+    def list_starts() -> list[Job]:
+        pairs = [(task, fault) for task in TASKS for fault in task.faults]
+        if command.quick:
+            pairs = pairs[::10]
+        return [Job(f"{task.name}: {fault}", partial(measure_start, task, fault)) for task, fault in pairs]
+
+    def list_kinds() -> list[Job]:
+        chosen = COMPARISONS[::5] if command.quick else COMPARISONS
+        return [Job(each.name, partial(compare_kind, each)) for each in chosen]
+
+    return harness.main(command, {"starts": list_starts, "kinds": list_kinds}, document)
+
+
+def measure_start(task: Task, fault: str) -> list[Row]:
+    """One wrong start: its rounds, and in which of them the motion was right."""
+    setting = prepare(task.object, task.world)
+    right = task.mean(setting.brief)
+    wrong = FAULTS[fault](right, setting.brief)
+    attempts = run_rounds(setting, task.sentence, task.expect(setting.brief), wrong, ROUNDS)
+    verdicts = [attempt.round.judgement.verdict.value for attempt in attempts]
+    at = verdicts.index("SUCCESS") if "SUCCESS" in verdicts else None
+    harness.say(f"{task.name:14s} {fault:15s} {'right after ' + str(at) if at is not None else 'never right'}")
+    row: Row = {
+        "task": task.name,
+        "object": task.object,
+        "sentence": task.sentence,
+        "fault": fault,
+        "rewrites_to_success": at,
+        "rounds": len(attempts),
+        "scores": [attempt.round.judgement.score for attempt in attempts],
+        "stopped_at_walls": [attempt.clip.stopped if attempt.clip else None for attempt in attempts],
+        "fields": [a.round.force_field.model_dump(mode="json", exclude_none=True) for a in attempts],
+        "changes": [list(a.rewrite.changes) if a.rewrite else [] for a in attempts],
+        "failed": [
+            [
+                f"{check.question} expected {check.expected}, observed {check.observed}"
+                for check in attempt.round.judgement.checks
+                if check.passed is not True
+            ]
+            for attempt in attempts
+        ],
+    }
+    return [row]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
