@@ -1,4 +1,4 @@
-"""`python -m benchmarks.executor [PARTS] [--quick] --json OUT [--markdown MD]`: from wrong force fields to right motions.
+"""`python -m benchmarks.executor [--quick] --json OUT [--markdown MD]`: from wrong force fields to right motions.
 
 `starts` begins with 60 wrong force fields and lets the offline executor mend them, with perfect perception: planner and
 executor read the particles' motion. `kinds` compares body forces with velocity constraints.
@@ -56,7 +56,9 @@ def measure_start(task: Task, fault: str) -> list[Row]:
     attempts = run_rounds(setting, task.sentence, task.expect(setting.brief), wrong, ROUNDS)
     verdicts = [attempt.round.judgement.verdict.value for attempt in attempts]
     at = verdicts.index("SUCCESS") if "SUCCESS" in verdicts else None
-    harness.say(f"{task.name:14s} {fault:15s} {'right after ' + str(at) if at is not None else 'never right'}")
+    harness.say(
+        f"{task.name:14s} {fault:15s} {'right after ' + str(at) if at is not None else 'never right'}"
+    )
     row: Row = {
         "task": task.name,
         "object": task.object,

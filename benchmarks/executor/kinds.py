@@ -104,7 +104,10 @@ def _make_scale(setting: Setting, comparison: Comparison, axis: Vector) -> tuple
         kind=MotionKind.STRETCH if stretches else MotionKind.SQUEEZE, direction=axis, window=(0.0, LAST)
     )
     pull = Action(
-        action_type=ActionType.SCALE, vector=axis, magnitude=1.0 if stretches else -1.0, active_time=(0.0, LAST)
+        action_type=ActionType.SCALE,
+        vector=axis,
+        magnitude=1.0 if stretches else -1.0,
+        active_time=(0.0, LAST),
     )
     field, target = ForceField(actions=(pull,)), kinds.expect_strain(expected, not stretches).target
     causes = find_causes(expected, field)

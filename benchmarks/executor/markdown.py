@@ -45,11 +45,16 @@ def _starts(rows: Sequence[Mapping]) -> str:
         table(
             ["faults", *(f"{k} rewrite{'s' * (k != 1)}" for k in _REWRITES[1:])],
             [["all", *(_share(wrong, k) for k in _REWRITES[1:])]]
-            + [[name, *(_share(group, k) for k in _REWRITES[1:])] for name, group in _grouped(wrong, "fault")],
+            + [
+                [name, *(_share(group, k) for k in _REWRITES[1:])] for name, group in _grouped(wrong, "fault")
+            ],
         ),
         table(
             ["sentence", *(f"{k} rewrite{'s' * (k != 1)}" for k in _REWRITES[1:])],
-            [[name, *(_share(group, k) for k in _REWRITES[1:])] for name, group in _grouped(wrong, "sentence")],
+            [
+                [name, *(_share(group, k) for k in _REWRITES[1:])]
+                for name, group in _grouped(wrong, "sentence")
+            ],
         ),
         "## Those that never became right",
         table(

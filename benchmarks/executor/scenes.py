@@ -27,7 +27,7 @@ from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.compile import compile_scene
-from physagent_jax.scene.config import SceneConfig
+from physagent_jax.scene.config import CameraConfig, SceneConfig
 from physagent_jax.scene.fuse import SceneTemplate, fuse
 from physagent_jax.scene.procedural import make_jelly, make_loaf, make_plant
 from physagent_jax.simulation.simulate import simulate_frames
@@ -62,10 +62,9 @@ class Setting:
     body: Body
     brief: SceneBrief
 
-    def simulate(self, field: ForceField, camera: SceneConfig | None = None) -> Clip:
-        """The particles' motion under ``field``."""
-        template = self.template if camera is None else dataclasses.replace(self.template, camera=camera.camera)
-        config = fuse(template, self.body, field)
+    def simulate(self, field: ForceField, camera: CameraConfig | None = None) -> Clip:
+        """The particles' motion under ``field``; seen by the ``camera`` of the round before, if that shows it."""
+        config = fuse(self.template, self.body, field, keep=camera)
         scene = compile_scene(config, self.body)
         frames = list(simulate_frames(scene))
         x = np.stack([np.asarray(frame.state.x, np.float64)[scene.back] for frame in frames])
@@ -104,7 +103,9 @@ class Clip:
 def prepare(name: str, world: str = "free") -> Setting:
     """An object in a world; the same for all clips of a process."""
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # of few particles per cell: these scenes are small on purpose
+        warnings.simplefilter(
+            "ignore", UserWarning
+        )  # of few particles per cell: these scenes are small on purpose
         path = ROBOT
         if name in MADE:
             path = Path(folder) / f"{name}.ply"
@@ -147,15 +148,15 @@ def run_rounds(
     reading = SemanticReply(force_field=field, expectations=expected)
     planner, executor = RulePlanner(), RuleExecutor()
     attempts: list[Attempt] = []
-    first: SceneConfig | None = None
+    camera: CameraConfig | None = None
     for number in range(most):
         rounds = tuple(attempt.round for attempt in attempts)
         context = AgentContext(sentence, setting.brief, describe_skills(), reading, rounds)
         try:
-            clip = setting.simulate(field, first)
+            clip = setting.simulate(field, camera)
         except UserError:
             break  # what cannot be simulated is no success, and there is nothing to be learned from it
-        first = first or clip.config
+        camera = clip.config.camera
         seen = Observation(field, clip.report(list(planner.windows(context))), NoPictures())
         judgement = planner.judge(context, seen).value
         attempt = Attempt(Round(field, seen.report, seen.key_frames, judgement), clip)

@@ -68,7 +68,18 @@ class Task:
         )
 
 
-_PUSHED = ("sign", "60 degrees", "90 degrees", "half", "minimum", "maximum", "type", "late", "missing", "extra")
+_PUSHED = (
+    "sign",
+    "60 degrees",
+    "90 degrees",
+    "half",
+    "minimum",
+    "maximum",
+    "type",
+    "late",
+    "missing",
+    "extra",
+)
 _HIT = ("sign", "90 degrees", "minimum", "maximum", "type", "late")
 _DEFORMED = ("sign", "half", "minimum", "maximum", "type", "late", "missing", "extra")
 
@@ -180,7 +191,9 @@ def _extra(field: ForceField, brief: SceneBrief) -> ForceField:
     kinds = {action.action_type for action in field.actions}
     spin = Action(action_type=ActionType.TORQUE, vector=brief.directions.up, magnitude=1.4)
     push = Action(action_type=ActionType.TRANSLATION, vector=brief.directions.right, magnitude=1.4)
-    return field.model_copy(update={"actions": (*field.actions, push if ActionType.TORQUE in kinds else spin)})
+    return field.model_copy(
+        update={"actions": (*field.actions, push if ActionType.TORQUE in kinds else spin)}
+    )
 
 
 def _swapped(field: ForceField, brief: SceneBrief) -> ForceField:

@@ -44,7 +44,7 @@ from physagent_jax.run.store import PLAIN_VIDEO, PROBE, RunStore
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.coarse import coarsen
 from physagent_jax.scene.compile import compile_scene
-from physagent_jax.scene.config import SceneConfig
+from physagent_jax.scene.config import CameraConfig, SceneConfig
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
 from physagent_jax.scene.fuse import SceneTemplate, fuse
 from physagent_jax.simulation.ahead import compile_ahead
@@ -172,6 +172,7 @@ class _Series:
         template, body: What they have in common.
         name: Of one of them.
         judged: Told of every judgement.
+        camera: Of the round before; None = there is none.
     """
 
     store: RunStore
@@ -179,6 +180,7 @@ class _Series:
     body: Body
     name: str
     judged: Callable[[int, Judgement], None]
+    camera: CameraConfig | None = None
 
 
 class _Loop:
@@ -293,9 +295,8 @@ class _Loop:
             yield attempt
             if attempt.round.judgement.verdict is Verdict.SUCCESS or index + 1 == self._run.spec.rounds:
                 break
-            # The camera of the first round stays, so that the rounds' pictures can be compared.
-            camera = attempts[0].scene.camera
-            series = dataclasses.replace(series, template=dataclasses.replace(series.template, camera=camera))
+            # The camera stays, so that the rounds' pictures can be compared, as long as it shows what will happen.
+            series = dataclasses.replace(series, camera=attempt.scene.camera)
             rewrite = self.rewrite(series, index, context, attempt.round)
             if rewrite.force_field == force_field:
                 break  # the executor has nothing left to try; another round would only repeat this one
@@ -304,7 +305,7 @@ class _Loop:
     def attempt(self, series: _Series, index: int, force_field: ForceField, context: AgentContext) -> Attempt:
         """Simulates ``force_field``, looks at the pictures, judges them, and leaves the round's files."""
         with self._watch("prepare"):
-            config = fuse(series.template, series.body, force_field)
+            config = fuse(series.template, series.body, force_field, keep=series.camera)
             scene = compile_scene(config, series.body, self._run.base_dir)
         name = f"{series.name} {index + 1}"
         self.observer.stage(f"{name}: simulating and rendering")

@@ -76,6 +76,14 @@ def frame_camera(
     )
 
 
+def shows_points(points: np.ndarray, camera: CameraConfig, rendering: Rendering) -> bool:
+    """Whether ``points``, shape (m, 3) [m], all lie in the picture of a camera that has been placed."""
+    assert camera.target is not None
+    local = (points - np.asarray(camera.target)) @ _find_axes(camera)
+    reach = _find_half_picture(camera, rendering) * (camera.distance + local[:, 2:])
+    return bool((np.abs(local[:, :2]) <= reach).all())
+
+
 def measure_height(points: np.ndarray, camera: CameraConfig) -> float:
     """The share of the picture's height that ``points``, shape (m, 3), span; they may reach beyond it."""
     assert camera.target is not None

@@ -10,7 +10,7 @@ from physagent_jax.forces import calibration
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.forces.skills import compute_free_path, make_closed_form_scaling
 from physagent_jax.scene.body import Body
-from physagent_jax.scene.camera import frame_camera
+from physagent_jax.scene.camera import frame_camera, shows_points
 from physagent_jax.scene.config import (
     Anchor,
     CameraConfig,
@@ -53,8 +53,17 @@ class SceneTemplate:
     ledger: bool = False
 
 
-def fuse(template: SceneTemplate, body: Body, force_field: ForceField) -> SceneConfig:
-    """The scene that simulates ``force_field``; the same input gives the same bytes."""
+def fuse(
+    template: SceneTemplate, body: Body, force_field: ForceField, *, keep: CameraConfig | None = None
+) -> SceneConfig:
+    """The scene that simulates ``force_field``; the same input gives the same bytes.
+
+    Args:
+        template: The scene without its force field.
+        body: Its object.
+        force_field: What moves it.
+        keep: The camera of an earlier round, which stays if it shows where the object will be.
+    """
     preset, material = template.preset, template.material
     scaling = make_closed_form_scaling(
         extent=body.extent,
@@ -88,6 +97,8 @@ def fuse(template: SceneTemplate, body: Body, force_field: ForceField) -> SceneC
         return config
     points, start = estimate_sweep(config, body), np.asarray(body.cloud.means, np.float64)
     camera = frame_camera(points, config.camera, config.rendering, start=start)
+    if keep is not None and shows_points(points, keep, config.rendering):
+        camera = keep
     return config.model_copy(update=dict(camera=camera))
 
 
