@@ -120,7 +120,7 @@ def _make_scale(setting: Setting, comparison: Comparison, axis: Vector) -> tuple
 
 
 def _make_blow(comparison: Comparison, axis: Vector) -> tuple[ForceField, float]:
-    """A blow on the upper third: what of its velocity the part has a frame later."""
+    """A blow on the upper third: how much of its velocity the part has, on average over a frame."""
     region = make_end_region((0.0, 0.0, 1.0), 0.67)
     timed = {"vector": axis, "magnitude": 1.0, "active_time": (5.0, 6.0), "region": region}
     if comparison.kind == "force":
@@ -163,8 +163,8 @@ def _measure(clip: Clip, comparison: Comparison, axis: Vector) -> tuple[float, s
             part = x[0, :, 2] > x[0, :, 2].min() + 0.67 * np.ptp(x[0, :, 2])
             dt, scaling = clip.config.timing.frame_dt, clip.config.scaling
             assert scaling is not None
-            speed = ((x[7, part] - x[6, part]) @ n).mean() / dt
-            return float(speed / scaling.impulse), "of its velocity, a frame later"
+            speed = max(((x[k + 1, part] - x[k, part]) @ n).mean() / dt for k in range(5, 9))
+            return float(speed / scaling.impulse), "of the blow's speed, in its best frame"
     height = x[0] @ n
     ends = [height > np.percentile(height, 85), height < np.percentile(height, 15)]
     turns = [_measure_turn(x[:, end], n) for end in ends]

@@ -94,8 +94,8 @@ def _kinds(rows: Sequence[Mapping]) -> str:
         [
             "## The two kinds of skill",
             "",
-            "The same effect by a body force (M = 1) and by velocity constraints. `drift` and `turn` are what the whole "
-            "does besides, in body lengths and degrees; J is the volume of the most squeezed and of the most stretched "
+            "The same effect by a body force (M = 1) and by velocity constraints. `drift` and `turn` are what the "
+            "whole does besides, in body lengths and degrees; J is the volume of the most squeezed and most stretched "
             "particle over that at rest. The rule that chooses between them is in [skills.md](skills.md).",
             table(
                 ["effect", "object", "kind", "asked for", "achieved", "", "drift", "turn", "J"],

@@ -1,4 +1,4 @@
-"""Sentences with what they ask for and a force field that means it, written without the parser; and ways to go wrong."""
+"""Sentences, what they ask for, a force field that means it, all written without the parser; and ways to go wrong."""
 
 from __future__ import annotations
 

@@ -210,6 +210,11 @@ def _is_time_right(clause: Clause, motion: ExpectedMotion, reply: SemanticReply,
     if clause.span == (None, None, None):
         return True
     windows = [a.active_time for a in reply.force_field.actions if a.active_time is not None]
+    windows += [
+        (c.active_time[0], c.held_until or c.active_time[1])
+        for c in reply.force_field.constraints
+        if c.active_time is not None
+    ]
     inside = [w for w in windows if w[0] < motion.window[1] and w[1] > motion.window[0]]
     candidates = [motion.window, *inside]
     if inside:

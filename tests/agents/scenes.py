@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from physagent_jax.agents.context import AgentContext, Observation, Round
 from physagent_jax.agents.rules.executor import RuleExecutor
 from physagent_jax.agents.rules.planner import RulePlanner
-from physagent_jax.agents.rules.semantic import RuleSemanticAgent
+from physagent_jax.agents.rules.semantic import read_sentence
 from physagent_jax.agents.rules.tolerances import list_windows
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, Rewrite, SceneBrief, SemanticReply
 from physagent_jax.forces.description import describe_skills
@@ -53,7 +53,8 @@ def brief(**changes) -> SceneBrief:
 
 
 def read(prompt: str, scene: SceneBrief | None = None) -> SemanticReply:
-    return RuleSemanticAgent().compile(asked(prompt, scene or brief())).value
+    """The reading in the four skills, before the kind of each is chosen."""
+    return read_sentence(prompt, scene or brief())
 
 
 class Unseen:

@@ -4,10 +4,11 @@ import pytest
 
 from physagent_jax.agents.hard_rules import apply_hard_rules
 from physagent_jax.agents.rules.kinds import choose_kinds
+from physagent_jax.agents.rules.semantic import RuleSemanticAgent
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind
 from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField
-from tests.agents.scenes import brief, read
+from tests.agents.scenes import asked, brief, read
 from tests.agents.sentences import SENTENCES
 
 LEFT, RIGHT, UP, DOWN = (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)
@@ -119,6 +120,26 @@ def test_ends_turned_against_each_other_are_gripped():
     assert one.magnitude == -two.magnitude and one.region.normal == pytest.approx(
         [-c for c in two.region.normal]
     )
+
+
+def compiled(prompt, scene=None):
+    return RuleSemanticAgent().compile(asked(prompt, scene or brief())).value
+
+
+def test_the_semantic_agent_chooses_and_says_so():
+    """Evidence goes with what it speaks of, and what is held or weightless by the sentence counts."""
+    reply = compiled("push it left, then stretch it sideways")
+    (push,), ends = reply.force_field.actions, reply.force_field.constraints
+    assert (
+        push.action_type is ActionType.TRANSLATION and [e.constraint_type for e in ends] == [TRANSLATION] * 2
+    )
+    assert any("ends are moved apart" in note for note in reply.notes)
+    places = {item.field.partition(".")[0] for item in reply.evidence}
+    assert places <= {"actions[0]", "constraints[0]"} and len(places) == 2
+    standing = brief(world="ground")
+    assert compiled("stretch it vertically", standing).force_field.constraints == ()
+    assert len(compiled("stretch it vertically in zero gravity", standing).force_field.constraints) == 2
+    assert compiled("push it left") == read("push it left")
 
 
 @pytest.mark.parametrize("row", SENTENCES[::4], ids=lambda row: row[0])

@@ -68,6 +68,25 @@ def choose_kinds(
 _Replaced = tuple[ForceField, str] | None
 
 
+def find_new_places(before: ForceField, after: ForceField) -> dict[str, str]:
+    """Where each action of ``before`` is in ``after``: its new place, or the first constraint that stands for it."""
+    places = {}
+    for index, action in enumerate(before.actions):
+        here = next((i for i, other in enumerate(after.actions) if other is action), None)
+        heirs = [
+            i
+            for i, other in enumerate(after.constraints)
+            if i >= len(before.constraints)
+            and abs(cosine(other.vector, action.vector)) > _VERTICAL
+            and (other.active_time or (0.0,))[0] == (action.active_time or (0.0,))[0]
+        ]
+        if here is not None:
+            places[f"actions[{index}]"] = f"actions[{here}]"
+        elif heirs:
+            places[f"actions[{index}]"] = f"constraints[{heirs[0]}]"
+    return places
+
+
 def stands_on_its_end(brief: SceneBrief, axis: Sequence[float]) -> bool:
     """Whether the ground or a fixture is at one end of ``axis``: only the other end can then be moved freely."""
     x, y, z = axis

@@ -8,6 +8,7 @@ from typing import Literal
 
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.protocols import SemanticAgent
+from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.rules.language.builder import ForceFieldBuilder
 from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb, read_clauses
 from physagent_jax.agents.rules.language.compilation import compile_slots
@@ -43,11 +44,44 @@ class RuleSemanticAgent(SemanticAgent):
     """Reads by rules: no model, no network, the same words give the same field."""
 
     def compile(self, context: AgentContext) -> Reply[SemanticReply]:
-        """Reads the sentence; see `protocols.SemanticAgent`."""
-        return Reply(_read(context.prompt, context.brief))
+        """Reads the sentence, and chooses the kind of each skill; see `protocols.SemanticAgent`."""
+        return Reply(_choose_kinds(read_sentence(context.prompt, context.brief), context.brief))
 
 
-def _read(prompt: str, brief: SceneBrief) -> SemanticReply:
+def _choose_kinds(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
+    """The reply with velocity constraints where they do what the sentence says and a force does not."""
+    held = {"base": "the base", "top": "the top", "none": None, None: brief.anchored}[reply.anchor.kind]
+    weightless = reply.world.gravity in ("none", "up") or reply.world.ground is False
+    scene = brief.model_copy(
+        update={
+            "anchored": held,
+            "frame_count": reply.frame_count or brief.frame_count,
+            "world": "free" if weightless else "ground" if reply.world.ground else brief.world,
+        }
+    )
+    choice = choose_kinds(reply.force_field, reply.expectations, scene)
+    if not choice.reasons:
+        return reply
+    places = find_new_places(reply.force_field, choice.force_field)
+    evidence = []
+    for item in reply.evidence:
+        place, dot_, rest = item.field.partition(".")
+        evidence.append(item.model_copy(update={"field": places.get(place, place) + dot_ + rest}))
+    return reply.model_copy(
+        update={
+            "force_field": choice.force_field,
+            "evidence": tuple(evidence),
+            "notes": (*reply.notes, *choice.reasons),
+        }
+    )
+
+
+def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
+    """What the sentence means in the paper's four skills, all of them body forces.
+
+    Raises:
+        UserError: Nothing in it, or too little of it, can be understood.
+    """
     _check_text(prompt)
     names = _object_words(brief)
     mentions = find_mentions(prompt, names)
