@@ -3,7 +3,7 @@
 import pytest
 
 from physagent_jax.agents.hard_rules import apply_hard_rules
-from physagent_jax.agents.schema import MotionKind, Verdict
+from physagent_jax.agents.schema import Verdict
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField
 from tests.agents.scenes import brief, judge, read, rewrite, seen_in
 from tests.agents.sentences import SENTENCES
@@ -17,11 +17,15 @@ SWALLOWED = {  # this world's gravity overcomes any blow upwards, and no rule ma
     "jump",
     "The object rises slowly, spins twice and falls to the ground.",
 }
+UNSEEN = {  # parts against each other: the report measures the whole object
+    "twist the top to the left and the bottom to the right",
+    "push the upper half to the left and the lower half to the right",
+    "push the left side to the right and the right side to the left",
+}
 
 
-TOO_SHORT = {  # several actions in two seconds: none of them has the time to be seen
+TOO_SHORT = {  # so much, or so many actions, in two seconds: M = 1.6 is not enough for them to be seen
     "twist it half a turn",
-    "swirl the jelly violently",
     "pushed to the left, then to the right",
     "during the first half push left, during the second half push right",
     "the robot moves to the right and then back to the left",
@@ -240,19 +244,16 @@ def toy_scene(row):
 
 def test_first_guesses_agree_with_the_skill_library():
     """With the library's own scaling most sentences succeed at once, though viewers' ranges do not follow from it."""
-    at_once, failed, unseen = 0, set(), set()
+    at_once, failed = 0, set()
     for row in SENTENCES:
         scene = toy_scene(row)
         reply = read(row[0], scene)
-        parts = any(expected.part is not None for expected in reply.expectations)
-        if parts and not any(expected.kind is MotionKind.STRETCH for expected in reply.expectations):
-            unseen.add(row[0])  # this world moves as a whole: never a part of it against the rest
         attempts = loop(reply.force_field, reply.expectations, ToyWorld(scene), iterations=3)
         at_once += len(attempts) == 1
         if attempts[-1][1].verdict is not Verdict.SUCCESS:
             failed.add(row[0])
-    assert failed == unseen | SWALLOWED | TOO_SHORT
-    assert at_once > 0.8 * (len(SENTENCES) - len(unseen))
+    assert failed == UNSEEN | SWALLOWED | TOO_SHORT
+    assert at_once > 0.8 * len(SENTENCES)
 
 
 @pytest.mark.parametrize("gain", [0.4, 2.5])

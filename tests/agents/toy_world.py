@@ -15,12 +15,12 @@ from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, S
 from physagent_jax.agents.vectors import add, scale
 from physagent_jax.forces import calibration
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, HalfSpaceRegion
-from physagent_jax.perception.schema import MotionReport
+from physagent_jax.perception.schema import MotionReport, PartMotion
 from tests.agents.scenes import judge, make_report, rewrite
 
 STEPS = 20  # per frame
 SHORTENING = 0.2  # of the length per M: a soft solid gives more than its linear strain
-HELD = 0.15  # body lengths of a held object per M
+HELD = 0.16  # body lengths of a held object per M
 GRAVITY = 8.0  # body lengths per clip^2
 ZERO = (0.0, 0.0, 0.0)
 
@@ -39,7 +39,7 @@ class ToyWorld:
         """Simulates and reports every expectation's window."""
         count = self.scene.frame_count
         places, angles, strains = self._travel(field)
-        return make_report(
+        seen = make_report(
             places,
             angles,
             [
@@ -48,6 +48,11 @@ class ToyWorld:
             ],
             windows=list_windows(expectations, count),
         )
+        sides = {a.region.normal for a in field.actions if isinstance(a.region, HalfSpaceRegion)}
+        if len(sides) != 1:
+            return seen
+        side = sides.pop()
+        return seen.model_copy(update={"parts": tuple(_drag_along(part, side) for part in seen.parts)})
 
     def _travel(self, field: ForceField):
         """Per frame: place, angle vector [degrees], strain tensor's diagonal in world axes."""
@@ -98,6 +103,17 @@ class ToyWorld:
                     _along(item.vector, side * calibration.PRESCRIBED_TRAVEL * item.magnitude * share)
                 )
         return add(push), add(torque), add(strain), add(drive)
+
+
+def _drag_along(part: PartMotion, side) -> PartMotion:
+    """What an end shows of a motion that acts on the end towards ``side``: the far end hangs back."""
+    share = {1: 1.0, 0: 0.6, -1: 0.3}[round(sum(a * b for a, b in zip(part.direction, side)))]
+    return part.model_copy(
+        update={
+            "centroid": tuple(scale(p, share) for p in part.centroid),
+            "rotation": tuple(scale(r, share) for r in part.rotation),
+        }
+    )
 
 
 def _along(axis, amount: float):

@@ -10,11 +10,12 @@ does not enter. The yardstick is the object itself (its longest extent L), which
 - Bending of what is held: its centre moves by about half of what its end does, so a third of the above; beyond 0.8 it
   cannot be held any more.
 - Turning: under 30 degrees is slight (the broad face stays in sight); a plain turn shows another side, 20 degrees up to
-  two thirds of a turn; "violent" spinning goes on to half a turn or more.
+  two thirds of a turn; "violent" spinning goes on to three eighths of a turn or more.
 - Length: a tenth is about the least change of proportions that is seen without a ruler, a half is plain, twice is
   violent. Squeezing ends at 1.
 
-Ranges of neighbouring words overlap by a factor of at most `LARGEST_OVERLAP`, because words do not have sharper edges;
+Ranges of neighbouring words overlap by a factor of at most `LARGEST_OVERLAP`, because words do not have sharper edges
+(turns by `LARGEST_OVERLAP_OF_TURNS`: a plain "spin" goes farther than a plain "turn", and is the same kind of motion);
 between the words' strengths (0.4, 1.0, 1.6) limits go geometrically.
 """
 
@@ -35,6 +36,7 @@ STILL = 0.05  # [body lengths] more is not seen as stillness
 STILL_DEGREES = 5.0
 STILL_STRAIN = 0.08
 LARGEST_OVERLAP = 1.6
+LARGEST_OVERLAP_OF_TURNS = 2.0
 _LARGEST_GAIN = 10.0  # beyond it the response is not proportional anyway
 _SETTLE = 1 / 3  # of a later stillness that may still show what came before it
 _PART = 0.3  # how much less the whole shows if only a part is acted on
@@ -49,8 +51,8 @@ MOVE: Bands = ((0.06, 0.15, 0.35), (0.25, 0.6, 1.3), (0.9, 1.4, 4.0))
 MOVE_HELD: Bands = ((0.015, 0.04, 0.08), (0.055, 0.15, 0.3), (0.2, 0.3, 0.8))
 MOVE_HELD_END: Bands = ((0.03, 0.08, 0.2), (0.13, 0.3, 0.7), (0.45, 0.7, 1.6))
 SWAY: Bands = ((0.02, 0.045, 0.07), (0.045, 0.12, 0.35), (0.23, 0.35, 1.0))
-SWAY_HELD: Bands = ((0.01, 0.03, 0.06), (0.038, 0.09, 0.2), (0.13, 0.2, 0.5))
-TURN: Bands = ((5.0, 14.0, 30.0), (20.0, 85.0, 260.0), (163.0, 270.0, 1100.0))
+SWAY_HELD: Bands = ((0.01, 0.03, 0.065), (0.041, 0.09, 0.2), (0.13, 0.2, 0.5))
+TURN: Bands = ((5.0, 14.0, 30.0), (20.0, 85.0, 260.0), (135.0, 240.0, 1100.0))
 TURN_HELD: Bands = ((4.0, 10.0, 24.0), (15.0, 35.0, 75.0), (48.0, 75.0, 180.0))
 STRETCH: Bands = ((0.04, 0.08, 0.14), (0.1, 0.25, 0.55), (0.35, 0.6, 2.0))
 SQUEEZE: Bands = ((0.04, 0.07, 0.13), (0.09, 0.2, 0.42), (0.28, 0.45, 0.92))
