@@ -13,6 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from physagent_jax.gaussians.cloud import Splats
+from physagent_jax.render.blocks import COLOUR, OPACITY, Block, cast_at_block
 from physagent_jax.render.camera import Camera
 from physagent_jax.render.renderer import RenderedImage, to_uint8
 from physagent_jax.render.shadow import ShadowMap, cast_shadow
@@ -35,10 +36,12 @@ class Stage:
     Attributes:
         ground: Height of the ground, whose normal is +z [m]; None = there is none, only a plain backdrop.
         size: The object's longest side [m], by which the grid's step and the shadow's softness go.
+        blocks: What else stands there.
     """
 
     ground: float | None
     size: float
+    blocks: tuple[Block, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,6 +55,7 @@ class Backdrop:
         slope: Height that a ray gains per depth [1], shape (h, w).
         ground: Where rays meet the ground, x and y [m], nan where they do not, shape (h, w, 2); None without a ground,
             and from below it.
+        solid: z-depth of the nearest block [m], inf where there is none, shape (h, w); None without blocks.
     """
 
     stage: Stage
@@ -60,6 +64,7 @@ class Backdrop:
     levels: np.ndarray
     slope: np.ndarray
     ground: np.ndarray | None
+    solid: np.ndarray | None
 
 
 def make_backdrop(stage: Stage, camera: Camera) -> Backdrop:
@@ -75,7 +80,8 @@ def make_backdrop(stage: Stage, camera: Camera) -> Backdrop:
         drawn = _draw_plain(rays, size)
     rgb, slope, ground = (np.asarray(each) for each in drawn)
     rgb = rgb + _make_dither(*size)
-    return Backdrop(stage, camera, rgb, to_uint8(rgb), slope, ground if grounded else None)
+    solid = _draw_blocks(stage, camera, slope, rgb) if stage.blocks else None
+    return Backdrop(stage, camera, rgb, to_uint8(rgb), slope, ground if grounded else None, solid)
 
 
 def compose(image: RenderedImage, splats: Splats, backdrop: Backdrop) -> np.ndarray:
@@ -117,13 +123,37 @@ def compose(image: RenderedImage, splats: Splats, backdrop: Backdrop) -> np.ndar
     return levels
 
 
+def _draw_blocks(stage: Stage, camera: Camera, slope: np.ndarray, rgb: np.ndarray) -> np.ndarray:
+    """Draws the blocks into ``rgb``, in place, the farthest first.
+
+    Returns:
+        z-depth of the nearest [m], inf where there is none, shape (h, w).
+    """
+    ground = np.full(slope.shape, np.inf, np.float32)
+    if stage.ground is not None and camera.center[2] > stage.ground:
+        height = camera.center[2] - stage.ground
+        ground = np.where(slope < 0, height / np.maximum(-slope, 1e-6), np.inf)
+    met = [cast_at_block(block, camera) for block in stage.blocks]
+    middle = [float(camera.forward @ (block.center - camera.center)) for block in stage.blocks]
+    nearest = np.full(slope.shape, np.inf, np.float32)
+    for index in sorted(range(len(met)), key=lambda index: -middle[index]):
+        depth, brightness = met[index]
+        seen = np.isfinite(depth) & (depth < ground)
+        rgb[seen] += OPACITY * (brightness[seen][:, None] * COLOUR - rgb[seen])
+        nearest = np.where(seen, np.minimum(nearest, depth), nearest)
+    return nearest
+
+
 def _find_shown(backdrop: Backdrop, depth: np.ndarray, part) -> np.ndarray:
-    """What share of the object the ground lets through in a part of the picture, by the height of what is hit."""
-    stage = backdrop.stage
-    if backdrop.ground is None or stage.ground is None:
-        return np.ones_like(depth)
-    height = (backdrop.camera.center[2] - stage.ground) + depth * backdrop.slope[part]
-    return np.clip(2 + height / (SUNK * stage.size), 0, 1).astype(np.float32)
+    """What share of the object ground and blocks let through in a part of the picture, by where it is hit."""
+    stage, shown = backdrop.stage, np.ones_like(depth)
+    if backdrop.ground is not None and stage.ground is not None:
+        height = (backdrop.camera.center[2] - stage.ground) + depth * backdrop.slope[part]
+        shown = np.clip(2 + height / (SUNK * stage.size), 0, 1).astype(np.float32)
+    if backdrop.solid is not None:
+        within = np.clip((depth - backdrop.solid[part]) / (SUNK * stage.size) - 1, 0, 1)
+        shown = shown * (1 - OPACITY * within)
+    return shown
 
 
 def _find_on_screen(shadow: ShadowMap, ground: float, camera: Camera) -> tuple[slice, slice]:

@@ -8,30 +8,56 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
+from physagent_jax.render.blocks import Block
 from physagent_jax.render.camera import Camera
 from physagent_jax.render.stage import Stage
 from physagent_jax.scene.camera import LEAST_HEIGHT, frame_camera, make_reference_camera, measure_height
-from physagent_jax.scene.config import HalfSpace, Rendering, SceneConfig
+from physagent_jax.scene.config import Box, HalfSpace, Rendering, SceneConfig
 
 MOST_POINTS = 2000  # of the object that are framed
 TRIMMED = 0.005  # share of the points on each side, in each frame, that need not be in the picture
 LEVEL = 0.999  # least upward part of the normal of what is a ground
+PANEL, PANEL_THICKNESS = 1.0, 0.06  # [sizes] half side of what is drawn of a wall; [half sides]
 SMOOTHING = 0.3  # [s] over which a camera that follows evens out its way
 
 
-def find_stage(config: SceneConfig, size: float) -> Stage:
-    """The stage of a scene: its level ground, the highest if there are several; none in a scene without.
+def find_stage(config: SceneConfig, centre: np.ndarray, size: float) -> Stage:
+    """The stage of a scene: its level ground, the highest if there are several, and the walls and boxes around.
+
+    Balls, meshes and what moves or is not there from the start on are not drawn.
 
     Args:
         config: The scene.
-        size: The object's longest side [m].
+        centre: Of the object at first [m], shape (3,).
+        size: Its longest side [m].
     """
-    level = [
-        plane.point[2]
-        for plane in config.boundaries
-        if isinstance(plane, HalfSpace) and plane.normal[2] >= LEVEL
+    still = [
+        each
+        for each in config.boundaries
+        if isinstance(each, HalfSpace | Box) and each.start <= 0 and not any(each.velocity)
     ]
-    return Stage(max(level, default=None), size)
+    level = [each.point[2] for each in still if isinstance(each, HalfSpace) and each.normal[2] >= LEVEL]
+    blocks = [
+        _make_panel(each, centre, size) if isinstance(each, HalfSpace) else _make_block(each)
+        for each in still
+        if not (isinstance(each, Box) and each.container)
+        and not (isinstance(each, HalfSpace) and each.normal[2] >= LEVEL)
+    ]
+    return Stage(max(level, default=None), size, tuple(blocks))
+
+
+def _make_block(box: Box) -> Block:
+    return Block(np.array(box.point), np.eye(3), np.array(box.half_size))
+
+
+def _make_panel(plane: HalfSpace, centre: np.ndarray, size: float) -> Block:
+    """The part of a plane that is nearest to the object, as a thin panel."""
+    normal = np.asarray(plane.normal)
+    aside = np.cross(normal, [0, 0, 1] if abs(normal[2]) < 0.9 else [1, 0, 0])
+    aside = aside / np.linalg.norm(aside)
+    foot = centre - ((centre - plane.point) @ normal) * normal
+    half = PANEL * size * np.array([0.5 * PANEL_THICKNESS, 1, 1])
+    return Block(foot - half[0] * normal, np.stack([normal, aside, np.cross(normal, aside)]), half)
 
 
 def place_cameras(config: SceneConfig, x: np.ndarray, rendering: Rendering) -> list[Camera]:

@@ -38,7 +38,8 @@ def draw_presentation(
     """
     rendering = resize(config.rendering, size)
     cameras = place_cameras(config, x, rendering)
-    stage, scales = find_stage(config, body.extent), np.asarray(body.cloud.scales)
+    stage = find_stage(config, 0.5 * (body.low + body.high), body.extent)
+    scales = np.asarray(body.cloud.scales)
     backdrop = make_backdrop(stage, cameras[0])
     at_once = choose_batch_size()
     for first in range(0, len(x), at_once):

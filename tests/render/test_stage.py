@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from physagent_jax.render import look_at, render
+from physagent_jax.render.blocks import Block, cast_at_block
 from physagent_jax.render.shadow import cast_shadow
 from physagent_jax.render.stage import GRID_STEP, HORIZON, Stage, compose, make_backdrop
 from tests.render.scenes import one_splat
@@ -168,3 +169,42 @@ def test_objects_far_apart_stay_affordable():
     shadow = cast_shadow(splats, 0.0, 1.0)
     assert max(shadow.darkness.shape) < 400
     assert shadow.sample(np.array([[0.1, 0.0], [np.nan, 0.0], [50.0, 0.0]], np.float32))[0] > 0.05
+
+
+# --- walls ------------------------------------------------------------------------------------------------------------
+
+
+def block(x, y, z=0.3, half=(0.2, 0.1, 0.3)):
+    return Block(np.array([x, y, z]), np.eye(3), np.array(half))
+
+
+def test_rays_meet_a_block_where_it_is():
+    depth, _ = cast_at_block(block(0.1, 0.5), CAMERA)
+    rows, columns = np.nonzero(np.isfinite(depth))
+    corners = np.array([0.1, 0.5, 0.3]) + np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T * [
+        0.2,
+        0.1,
+        0.3,
+    ]
+    seen = to_pixels(corners)
+    np.testing.assert_allclose([columns.min(), rows.min()], seen.min(0), atol=1.5)
+    np.testing.assert_allclose([columns.max() + 1, rows.max() + 1], seen.max(0), atol=1.5)
+    x, y = to_pixels([0.1, 0.4, 0.3])[0]  # on its front
+    assert depth[int(y), int(x)] == pytest.approx(
+        np.asarray(CAMERA.viewmat)[2] @ [0.1, 0.4, 0.3, 1], abs=0.02
+    )
+
+
+def test_a_block_hides_what_is_behind_it_and_not_what_is_in_front():
+    stage = Stage(0.0, 1.0, (block(0.0, 0.5, half=(0.6, 0.1, 0.5)),))
+    assert np.abs(at(empty(stage=stage).astype(float) - empty(), [0.3, 0.4, 0.4])).max() > 20
+    front, behind = (
+        staged(one_splat([0, y, 0.4], sigma=0.15, opacity=0.99, color=(0.9, 0.1, 0.1)), stage) for y in (0, 1)
+    )
+    assert at(front, [0, 0, 0.4])[1] < 60
+    assert at(behind, [0, 1, 0.4])[1] > 90
+
+
+def test_what_of_a_block_is_below_the_ground_is_not_drawn():
+    sunk = Stage(0.0, 1.0, (block(0.0, 0.5, z=-0.6, half=(0.4, 0.1, 0.3)),))
+    np.testing.assert_array_equal(empty(stage=sunk), empty())

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from physagent_jax.render.stage import Stage
 from physagent_jax.scene import config as c
 from physagent_jax.scene.camera import LEAST_HEIGHT, MOST_HEIGHT, frame_camera, make_reference_camera
 from physagent_jax.scene.presentation import find_stage, place_cameras
 
 WIDE = c.Rendering(width=1280, height=720)
+CENTRE = np.array([2.0, 2.0, 1.0])
 CORNERS = np.array(np.meshgrid(*[[-0.5, 0.5]] * 3)).reshape(3, -1).T
 BOX = CORNERS * [0.6, 0.4, 1.0] + [2, 2, 1.0]
 
@@ -130,5 +132,22 @@ def test_the_ground_of_a_stage_is_the_level_plane():
     floor = c.HalfSpace(point=(0, 0, 0.4), normal=(0, 0, 1))
     bare = scene()
     grounded = bare.model_copy(update=dict(boundaries=(c.DomainBox(), wall, slope, floor)))
-    assert find_stage(grounded, 1.0).ground == 0.4
-    assert find_stage(bare, 1.0).ground is None
+    assert find_stage(grounded, CENTRE, 1.0).ground == 0.4
+    assert find_stage(bare, CENTRE, 1.0) == Stage(None, 1.0)
+
+
+def test_walls_and_boxes_that_stand_still_are_on_the_stage():
+    wall = c.HalfSpace(point=(3.0, 0, 0), normal=(-1, 0, 0))
+    box = c.Box(point=(1, 1, 0.2), half_size=(0.1, 0.2, 0.3))
+    moving_box, later = (
+        box.model_copy(update=dict(velocity=(1.0, 0, 0))),
+        box.model_copy(update=dict(start=0.5)),
+    )
+    config = scene().model_copy(update=dict(boundaries=(c.DomainBox(), wall, box, moving_box, later)))
+    panel, block = find_stage(config, CENTRE, 1.0).blocks
+    np.testing.assert_allclose(block.center, box.point)
+    face = panel.center - panel.axes.T @ [-panel.half_size[0], 0, 0]
+    np.testing.assert_allclose(
+        face, [3.0, 2.0, 1.0], atol=1e-12
+    )  # right beside the object, on the wall's plane
+    np.testing.assert_allclose(panel.axes @ panel.axes.T, np.eye(3), atol=1e-12)
