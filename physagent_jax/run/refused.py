@@ -1,4 +1,4 @@
-"""Sentences that a model has read for a run that was refused then: `refused.json`, beside whatever run the folder holds.
+"""Sentences that a model has read for a run that was refused then: `refused.json`, beside the run in that folder.
 
 A run that is refused before it has simulated anything does not take the folder, but its reading is paid for. The same
 run goes on from it, under other limits for instance; runs that ask for something else leave it alone.
