@@ -24,14 +24,14 @@ def show_agent_traces(
         make_fold(
             f"A call of the {role} that gave no answer",
             tag("p", call.error, class_="missing"),
-            *_trace(call.trace),
+            *_show_trace(call.trace),
         )
         for role, calls in failed.items()
         for call in calls
     ]
     for role, trace in traces.items():
         if trace is not None and not trace.is_empty:
-            folds.append(make_fold(f"How the {role} came to it", *_trace(trace)))
+            folds.append(make_fold(f"How the {role} came to it", *_show_trace(trace)))
     return folds
 
 
@@ -42,13 +42,13 @@ def show_refused_readings(readings: Sequence[RefusedReading]) -> list[Markup]:
             "A sentence that was read, and its run refused",
             tag("p", each.prompt),
             tag("p", each.error, class_="missing"),
-            *_trace(each.trace),
+            *_show_trace(each.trace),
         )
         for each in readings
     ]
 
 
-def _trace(trace: Trace) -> list[Child]:
+def _show_trace(trace: Trace) -> list[Child]:
     rows = [
         ("model", trace.model) if trace.model else None,
         ("tokens", f"{format_count(trace.input_tokens)} in, {format_count(trace.output_tokens)} out"),
@@ -58,17 +58,17 @@ def _trace(trace: Trace) -> list[Child]:
         make_facts(rows),
         make_list("Replies that were refused", trace.validation_errors),
         make_list("What was repaired", trace.repairs),
-        _text("The reply as it came", trace.raw_reply) if trace.raw_reply else None,
-        make_fold(format_plural(len(trace.messages), "message"), *map(_message, trace.messages))
+        _show_text("The reply as it came", trace.raw_reply) if trace.raw_reply else None,
+        make_fold(format_plural(len(trace.messages), "message"), *map(_show_message, trace.messages))
         if trace.messages
         else None,
     ]
 
 
-def _message(message: Message) -> Markup:
+def _show_message(message: Message) -> Markup:
     pictures = f", with {format_plural(message.pictures, 'picture')}" if message.pictures else ""
-    return _text(f"{message.role}{pictures}", message.text)
+    return _show_text(f"{message.role}{pictures}", message.text)
 
 
-def _text(title: str, text: str) -> Markup:
+def _show_text(title: str, text: str) -> Markup:
     return div("json", tag("h3", title), tag("pre", text))

@@ -25,12 +25,12 @@ def draw_motion_charts(round_: FinishedRound) -> Markup | None:
     if report is None and truth is None:
         return None
     plots = [
-        _displacement(report, truth, round_.scene),
-        _rotation(report, truth),
-        _volume(report, truth),
-        _stretch(report, truth),
+        _plot_displacement(report, truth, round_.scene),
+        _plot_rotation(report, truth),
+        _plot_volume(report, truth),
+        _plot_stretch(report, truth),
     ]
-    return _grid(plots, round_)
+    return _arrange_plots(plots, round_)
 
 
 def draw_physics_charts(round_: FinishedRound) -> Markup | None:
@@ -38,8 +38,14 @@ def draw_physics_charts(round_: FinishedRound) -> Markup | None:
     record = round_.simulation
     if record is None:
         return None
-    plots = [_energy(record), _momentum(record), _angular_momentum(record), _substep(record), _det_f(record)]
-    return _grid([*plots, *_ledger(record)], round_)
+    plots = [
+        _plot_energy(record),
+        _plot_momentum(record),
+        _plot_angular_momentum(record),
+        _plot_substep(record),
+        _plot_det_f(record),
+    ]
+    return _arrange_plots([*plots, *_plot_ledger(record)], round_)
 
 
 _NOTICEABLE = 1e-4  # share of the largest flow of energy below which a curve would only be round-off
@@ -60,7 +66,7 @@ def find_active_windows(force_field: ForceField | None, last_frame: int) -> list
     return merged
 
 
-def _grid(plots: Sequence[tuple[str, str, list[Series], dict]], round_: FinishedRound) -> Markup:
+def _arrange_plots(plots: Sequence[tuple[str, str, list[Series], dict]], round_: FinishedRound) -> Markup:
     last = max((len(s.values) - 1 for _, _, series, _ in plots for s in series if s.xs is None), default=0)
     bands = find_active_windows(round_.force_field, last)
     figures = [
@@ -71,7 +77,7 @@ def _grid(plots: Sequence[tuple[str, str, list[Series], dict]], round_: Finished
     return div("plots", *figures)
 
 
-def _seen_and_true(seen, true, color: int, name: str = "") -> list[Series]:
+def _make_series(seen, true, color: int, name: str = "") -> list[Series]:
     series = []
     if seen is not None:
         series.append(Series(name or "perceived", seen, color))
@@ -81,33 +87,33 @@ def _seen_and_true(seen, true, color: int, name: str = "") -> list[Series]:
     return series
 
 
-def _column(rows: Sequence[Sequence[float] | None], axis: int) -> list[float | None]:
+def _take_axis(rows: Sequence[Sequence[float] | None], axis: int) -> list[float | None]:
     return [None if row is None else row[axis] for row in rows]
 
 
-def _displacement(report: MotionReport | None, truth: TrueMotion | None, scene: SceneConfig | None):
+def _plot_displacement(report: MotionReport | None, truth: TrueMotion | None, scene: SceneConfig | None):
     labels = label_world_axes(make_direction_table(scene.camera)) if scene else AXIS_NAMES
     series = []
     for axis, label in enumerate(labels):
-        seen = _column(report.centroid, axis) if report else None
-        true = _column(truth.centroid, axis) if truth else None
-        series += _seen_and_true(seen, true, axis, label)
+        seen = _take_axis(report.centroid, axis) if report else None
+        true = _take_axis(truth.centroid, axis) if truth else None
+        series += _make_series(seen, true, axis, label)
     return "Displacement of the centre", "body lengths", series, {"least_span": 0.05}
 
 
-def _rotation(report: MotionReport | None, truth: TrueMotion | None):
-    series = _seen_and_true(
+def _plot_rotation(report: MotionReport | None, truth: TrueMotion | None):
+    series = _make_series(
         report.rotation_degrees if report else None, truth.rotation_degrees if truth else None, 2
     )
     return "Rotation", "degrees", series, {"least_span": 5.0}
 
 
-def _volume(report: MotionReport | None, truth: TrueMotion | None):
-    series = _seen_and_true(report.volume_ratio if report else None, truth.volume_ratio if truth else None, 1)
+def _plot_volume(report: MotionReport | None, truth: TrueMotion | None):
+    series = _make_series(report.volume_ratio if report else None, truth.volume_ratio if truth else None, 1)
     return "Bounding-box volume", "ratio to frame 0", series, {"least_span": 0.1}
 
 
-def _stretch(report: MotionReport | None, truth: TrueMotion | None):
+def _plot_stretch(report: MotionReport | None, truth: TrueMotion | None):
     series = []
     # Perception fits a stretch per window; those that begin at frame 0 compare with the true curve.
     from_start = [(w.last, w.stretch) for w in report.windows if w.first == 0 and w.stretch] if report else []
@@ -118,13 +124,13 @@ def _stretch(report: MotionReport | None, truth: TrueMotion | None):
             series.append(Series(name, seen, axis, xs=ends, shape="points"))
         if truth:
             label = "true" if from_start else f"{name} true"
-            series.append(Series(label, _column(truth.stretch, axis), axis, dashed=True))
+            series.append(Series(label, _take_axis(truth.stretch, axis), axis, dashed=True))
     return "Stretch along the world axes", "ratio to frame 0", series, {"least_span": 0.1}
 
 
-def _energy(record: SimulationRecord):
+def _plot_energy(record: SimulationRecord):
     gravitational = record.gravitational_energy if any(record.gravitational_energy) else ()
-    factor, letter = find_prefix(_largest(record.kinetic_energy, record.elastic_energy, gravitational))
+    factor, letter = find_prefix(_find_largest(record.kinetic_energy, record.elastic_energy, gravitational))
     series = [
         Series("kinetic", [e * factor for e in record.kinetic_energy], 0),
         Series("elastic", [e * factor for e in record.elastic_energy], 2),
@@ -134,25 +140,25 @@ def _energy(record: SimulationRecord):
     return "Energy", f"{letter}J", series, {}
 
 
-def _largest(*columns: Sequence[float]) -> float:
+def _find_largest(*columns: Sequence[float]) -> float:
     return max((abs(value) for column in columns for value in column), default=0.0)
 
 
-def _momentum(record: SimulationRecord):
-    series = [Series(name, _column(record.momentum, axis), axis) for axis, name in enumerate(AXIS_NAMES)]
+def _plot_momentum(record: SimulationRecord):
+    series = [Series(name, _take_axis(record.momentum, axis), axis) for axis, name in enumerate(AXIS_NAMES)]
     return "Momentum", "kg m/s", series, {}
 
 
-def _angular_momentum(record: SimulationRecord):
+def _plot_angular_momentum(record: SimulationRecord):
     series = [
-        Series(name, _column(record.angular_momentum, axis), axis)
+        Series(name, _take_axis(record.angular_momentum, axis), axis)
         for axis, name in enumerate(AXIS_NAMES)
         if record.angular_momentum
     ]
     return "Angular momentum about the first mass centre", "kg m\u00b2/s", series, {}
 
 
-def _ledger(record: SimulationRecord):
+def _plot_ledger(record: SimulationRecord):
     """Where energy came from and went, and what pushed; nothing if it was not recorded."""
     ledger = record.ledger
     if ledger is None:
@@ -164,15 +170,15 @@ def _ledger(record: SimulationRecord):
         "viscous dissipation": ledger.viscous_dissipation,
         "numerical loss": ledger.numerical_loss,
     }
-    largest = _largest(*flows.values())
-    flows = {name: values for name, values in flows.items() if _largest(values) > _NOTICEABLE * largest}
+    largest = _find_largest(*flows.values())
+    flows = {name: values for name, values in flows.items() if _find_largest(values) > _NOTICEABLE * largest}
     factor, letter = find_prefix(largest)
     energy = [
         Series(name, [e * factor for e in values], color)
         for color, (name, values) in enumerate(flows.items())
     ]
     impulse = [
-        Series(f"{who} {name}", _column(rows, axis), axis, dashed=who == "walls")
+        Series(f"{who} {name}", _take_axis(rows, axis), axis, dashed=who == "walls")
         for who, rows in (("forces", ledger.force_impulse), ("walls", ledger.boundary_impulse))
         for axis, name in enumerate(AXIS_NAMES)
         if any(row[axis] for row in rows)
@@ -183,7 +189,7 @@ def _ledger(record: SimulationRecord):
     ]
 
 
-def _substep(record: SimulationRecord):
+def _plot_substep(record: SimulationRecord):
     bound = record.stable_dt
     factor, letter = find_prefix(max((bound or 0.0, *record.substep_dt)))
     # The k-th interval leads to frame k + 1.
@@ -194,7 +200,7 @@ def _substep(record: SimulationRecord):
     return "Time step", f"{letter}s", series, options
 
 
-def _det_f(record: SimulationRecord):
+def _plot_det_f(record: SimulationRecord):
     series = [
         Series("largest", record.max_volume_ratio, 0),
         Series("smallest", record.min_volume_ratio, 2),

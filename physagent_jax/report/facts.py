@@ -50,16 +50,20 @@ STAGE_NAMES = {
 def make_scene_facts(scene: SceneConfig, record: SimulationRecord | None) -> list[Markup]:
     """What was simulated and why with these values."""
     columns = [
-        _column("Object", _object_rows(scene, record)),
-        _column("Material", _material_rows(scene.material)),
-        _column("World", _world_rows(scene)),
-        _column("Camera and clip", _camera_rows(scene)),
+        _make_column("Object", _list_object(scene, record)),
+        _make_column("Material", _list_material(scene.material)),
+        _make_column("World", _list_world(scene)),
+        _make_column("Camera and clip", _list_camera(scene)),
     ]
     parts = [div("columns", *columns)]
     if scene.material_regions:
         head = ["centre [m]", "half size [m]", "model", "properties", "why"]
         rows = [
-            [format_vector(region.point), format_vector(region.half_size), *_material_cells(region.material)]
+            [
+                format_vector(region.point),
+                format_vector(region.half_size),
+                *_make_material_cells(region.material),
+            ]
             for region in scene.material_regions
         ]
         parts += [tag("h3", "Regions of other material"), make_table(head, rows)]
@@ -96,20 +100,20 @@ def make_simulation_facts(round_: FinishedRound) -> Markup:
                     "none" if record.stable_dt is None else format_quantity(record.stable_dt, "s"),
                 ),
                 ("substep used", used + share),
-                ("particles stopped at the wall", _stopped(record.stopped_particles)),
+                ("particles stopped at the wall", _describe_stopped(record.stopped_particles)),
                 ("redone frames", "none" if not record.redone_frames else str(len(record.redone_frames))),
                 ("taken over", describe_reused_frames(round_.reused_frames))
                 if round_.reused_frames
                 else None,
             ]
         ),
-        _redone(record),
+        _make_redone_table(record),
     )
 
 
 def make_cost_facts(manifest: Manifest) -> Markup:
     """Where the time and the tokens went."""
-    return div("columns cost", _stages(manifest.stages), _agents(manifest.agents))
+    return div("columns cost", _make_stage_table(manifest.stages), _make_agent_table(manifest.agents))
 
 
 def describe_reproduction(manifest: Manifest) -> list[Child]:
@@ -125,22 +129,22 @@ def describe_reproduction(manifest: Manifest) -> list[Child]:
                 ("revision", manifest.git_revision or "not a git working tree"),
                 ("platform", manifest.platform),
                 ("kernels", manifest.kernels),
-                ("versions", _versions(manifest)),
+                ("versions", _describe_versions(manifest)),
             ]
         ),
-        _inputs(manifest),
+        _make_input_table(manifest),
     ]
 
 
-def _column(title: str, rows: Sequence[tuple[str, Child] | None]) -> Markup:
+def _make_column(title: str, rows: Sequence[tuple[str, Child] | None]) -> Markup:
     return tag("section", tag("h3", title), make_facts(rows), class_="column")
 
 
-def _with_reason(value: Child, reason: str) -> Markup:
+def _add_reason(value: Child, reason: str) -> Markup:
     return join(value, tag("small", reason, class_="reason") if reason else None)
 
 
-def _object_rows(scene: SceneConfig, record: SimulationRecord | None) -> list[tuple[str, Child] | None]:
+def _list_object(scene: SceneConfig, record: SimulationRecord | None) -> list[tuple[str, Child] | None]:
     source = scene.source
     return [
         ("name", f"{source.name or source.path} ({source.kind})"),
@@ -149,7 +153,7 @@ def _object_rows(scene: SceneConfig, record: SimulationRecord | None) -> list[tu
         ("Gaussians", format_count(record.gaussian_count)) if record else None,
         ("particles", format_count(record.particle_count)) if record else None,
         ("inside", "filled with particles" if scene.filling.enabled else "not filled"),
-        ("anchor", _with_reason(_describe_anchor(scene.anchor), scene.anchor.reason)),
+        ("anchor", _add_reason(_describe_anchor(scene.anchor), scene.anchor.reason)),
     ]
 
 
@@ -164,13 +168,13 @@ def describe_property(value: float | bool, unit: str) -> str:
     return format_quantity(value, unit)
 
 
-def _material_rows(material: Material) -> list[tuple[str, Child]]:
+def _list_material(material: Material) -> list[tuple[str, Child]]:
     acting = [(name, describe_property(value, unit)) for name, value, unit in describe_material(material)]
     reason = [("from", material.reason)] if material.reason else []
     return [("model", spell_out(material.model.value)), *acting, *reason]
 
 
-def _material_cells(material: Material) -> list[Child]:
+def _make_material_cells(material: Material) -> list[Child]:
     """Model, properties and reason of a region."""
     acting = ", ".join(
         f"{name} {describe_property(value, unit)}" for name, value, unit in describe_material(material)
@@ -178,7 +182,7 @@ def _material_cells(material: Material) -> list[Child]:
     return [spell_out(material.model.value), acting, material.reason or UNKNOWN]
 
 
-def _world_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
+def _list_world(scene: SceneConfig) -> list[tuple[str, Child] | None]:
     acts = scene.always_gravity or scene.force_field.default_drop
     gravity = f"on, {format_vector(scene.gravity, 1)} m/s\u00b2" if acts else "off"
     transfer = scene.transfer
@@ -201,7 +205,7 @@ def _world_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
     ]
 
 
-def _camera_rows(scene: SceneConfig) -> list[tuple[str, Child] | None]:
+def _list_camera(scene: SceneConfig) -> list[tuple[str, Child] | None]:
     camera, timing, picture = scene.camera, scene.timing, scene.rendering
     azimuth, elevation = format_number(camera.azimuth_degrees), format_number(camera.elevation_degrees)
     view = f"azimuth {azimuth}\u00b0, elevation {elevation}\u00b0"
@@ -285,7 +289,7 @@ def describe_constraint(constraint: Constraint) -> str:
     return words + describe_span(constraint.start, constraint.end)
 
 
-def _stopped(particle_steps: int) -> str:
+def _describe_stopped(particle_steps: int) -> str:
     return "none" if particle_steps == 0 else f"{format_count(particle_steps)} times"
 
 
@@ -294,14 +298,14 @@ def describe_reused_frames(frames: int) -> str:
     return f"frames 0 to {frames - 1} of the round before, whose forces are the same until then"
 
 
-def _redone(record: SimulationRecord) -> Markup | None:
+def _make_redone_table(record: SimulationRecord) -> Markup | None:
     if not record.redone_frames:
         return None
     rows = [[str(frame), why] for frame, why in sorted(record.redone_frames.items())]
     return make_table(["redone frame", "because"], rows)
 
 
-def _stages(stages: Stages) -> Markup:
+def _make_stage_table(stages: Stages) -> Markup:
     entries = [(title, getattr(stages, name)) for name, title in STAGE_NAMES.items()]
     total = sum(value for _, value in entries)
     bar = div(
@@ -331,7 +335,7 @@ def _stages(stages: Stages) -> Markup:
     return tag("section", tag("h3", "Time"), bar if total else None, time, class_="column")
 
 
-def _agents(agents: tuple[AgentCost, ...]) -> Markup:
+def _make_agent_table(agents: tuple[AgentCost, ...]) -> Markup:
     head = ["agent", "made by", "calls", "tokens in", "tokens out", "time"]
     rows = [
         [
@@ -354,11 +358,11 @@ def _agents(agents: tuple[AgentCost, ...]) -> Markup:
     return tag("section", tag("h3", "Agents"), body, class_="column")
 
 
-def _versions(manifest: Manifest) -> str:
+def _describe_versions(manifest: Manifest) -> str:
     return ", ".join(f"{name}\u00a0{version}" for name, version in manifest.versions.items()) or UNKNOWN
 
 
-def _inputs(manifest: Manifest) -> Markup | None:
+def _make_input_table(manifest: Manifest) -> Markup | None:
     if not manifest.inputs:
         return None
     rows = [

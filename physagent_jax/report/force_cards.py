@@ -97,21 +97,25 @@ def make_force_cards(
     for kind in ("actions", "constraints"):
         before = getattr(previous, kind) if previous else ()
         for index, item in enumerate(getattr(force_field, kind)):
-            old = before[index] if index < len(before) and _kind(before[index]) == _kind(item) else None
-            cards.append(_card(item, setting, old, id_=f"{name}-{kind}-{index}" if name else None))
+            old = (
+                before[index]
+                if index < len(before) and _name_kind(before[index]) == _name_kind(item)
+                else None
+            )
+            cards.append(_make_card(item, setting, old, id_=f"{name}-{kind}-{index}" if name else None))
     if not cards:
         nothing = "No force acts on the object." if not setting.terms else "The force field is empty."
         cards.append(div("card force quiet", nothing))
     return div(
         "forces",
         div("cards", *cards),
-        _terms(setting),
-        _gravity(force_field, setting),
+        _make_term_list(setting),
+        _describe_gravity(force_field, setting),
         make_json_fold("Force field as JSON", force_field),
     )
 
 
-def _kind(item: Timed) -> str:
+def _name_kind(item: Timed) -> str:
     return item.action_type.value if isinstance(item, Action) else item.constraint_type.value
 
 
@@ -136,7 +140,7 @@ def describe_effect(item: Timed, table: DirectionTable) -> str:
     return f"{verb} {describe_direction(pointing, table)}"
 
 
-def _card(
+def _make_card(
     item: Timed,
     setting: Setting,
     old: Timed | None,
@@ -148,31 +152,31 @@ def _card(
         draw_action_icon(action, item.vector, setting.directions, reversed_=item.magnitude < 0),
         div(
             "",
-            tag("strong", spell_out(_kind(item)).capitalize()),
+            tag("strong", spell_out(_name_kind(item)).capitalize()),
             tag("p", describe_effect(item, setting.directions)),
         ),
     )
     rows = [
-        ("direction" if action is not ActionType.TORQUE else "axis", _direction(item, old)),
-        ("magnitude", _magnitude(item, old, setting.scaling)),
-        ("active", _timeline(item, old, setting)),
+        ("direction" if action is not ActionType.TORQUE else "axis", _show_direction(item, old)),
+        ("magnitude", _show_magnitude(item, old, setting.scaling)),
+        ("active", _show_window(item, old, setting)),
         ("acts on", [describe_region(item.region), f" of {item.object}" if item.object else None]),
     ]
     return div("card force", head, tag("dl", *[(tag("dt", k), tag("dd", v)) for k, v in rows]), id=id_)
 
 
-def _direction(item: Timed, old: Timed | None) -> list:
-    return [span("mono", format_vector(item.vector)), _was(old, item, "vector", format_vector)]
+def _show_direction(item: Timed, old: Timed | None) -> list:
+    return [span("mono", format_vector(item.vector)), _show_previous(old, item, "vector", format_vector)]
 
 
-def _magnitude(item: Timed, old: Timed | None, scaling: SkillScaling | None) -> list:
+def _show_magnitude(item: Timed, old: Timed | None, scaling: SkillScaling | None) -> list:
     ghost = None
     if old is not None and old.magnitude != item.magnitude:
-        ghost = tag("i", class_="ghost", style=f"left:{_share(old.magnitude):.1f}%")
+        ghost = tag("i", class_="ghost", style=f"left:{_place_magnitude(old.magnitude):.1f}%")
     bar = div(
         "bar",
-        tag("i", class_="fill", style=f"width:{_share(item.magnitude):.1f}%"),
-        tag("i", class_="one", style=f"left:{_share(1.0):.1f}%"),
+        tag("i", class_="fill", style=f"width:{_place_magnitude(item.magnitude):.1f}%"),
+        tag("i", class_="one", style=f"left:{_place_magnitude(1.0):.1f}%"),
         ghost,
         title=f"from {MAGNITUDE_MIN} (slight) over 1 (plain) to {MAGNITUDE_MAX} (violent)",
     )
@@ -180,13 +184,13 @@ def _magnitude(item: Timed, old: Timed | None, scaling: SkillScaling | None) -> 
     return [
         span("number", format_fixed(item.magnitude)),
         span("quiet", note) if note else None,
-        _was(old, item, "magnitude", format_fixed),
+        _show_previous(old, item, "magnitude", format_fixed),
         bar,
-        _physical(item, scaling),
+        _show_physical(item, scaling),
     ]
 
 
-def _physical(item: Timed, scaling: SkillScaling | None) -> Markup | None:
+def _show_physical(item: Timed, scaling: SkillScaling | None) -> Markup | None:
     """The magnitude in SI units, if the run recorded what 1 means."""
     if scaling is None:
         return None
@@ -200,7 +204,7 @@ def _physical(item: Timed, scaling: SkillScaling | None) -> Markup | None:
     return span("quiet", text, title=f"1 means {describe_meaning(name)}")
 
 
-def _timeline(item: Timed, old: Timed | None, setting: Setting) -> list:
+def _show_window(item: Timed, old: Timed | None, setting: Setting) -> list:
     strip = None
     if setting.last_frame:
         first, last = item.active_time or (0.0, float(setting.last_frame))
@@ -210,7 +214,7 @@ def _timeline(item: Timed, old: Timed | None, setting: Setting) -> list:
     return [
         _describe_window(item.active_time, setting.frame_dt),
         span("quiet", f", then held until frame {format_number(held)}") if held is not None else None,
-        _was(old, item, "active_time", _describe_window),
+        _show_previous(old, item, "active_time", _describe_window),
         strip,
     ]
 
@@ -219,19 +223,19 @@ def _describe_window(active: tuple[float, float] | None, frame_dt: float | None 
     return "the whole clip" if active is None else format_window(*active, frame_dt)
 
 
-def _was(old: Timed | None, item: Timed, field: str, words: Callable[[Any], str]) -> Markup | None:
+def _show_previous(old: Timed | None, item: Timed, field: str, words: Callable[[Any], str]) -> Markup | None:
     """The value before, if it was another."""
     if old is None or getattr(old, field) == getattr(item, field):
         return None
     return span("was", f"was {words(getattr(old, field))}")
 
 
-def _share(magnitude: float) -> float:
+def _place_magnitude(magnitude: float) -> float:
     """Where a magnitude lies on the bar [%]."""
     return 100 * min(1.0, max(0.0, (abs(magnitude) - MAGNITUDE_MIN) / (MAGNITUDE_MAX - MAGNITUDE_MIN)))
 
 
-def _terms(setting: Setting) -> Markup | None:
+def _make_term_list(setting: Setting) -> Markup | None:
     """The scene's own terms."""
     if not setting.terms:
         return None
@@ -239,7 +243,7 @@ def _terms(setting: Setting) -> Markup | None:
     return tag("ul", items, class_="quiet")
 
 
-def _gravity(force_field: ForceField, setting: Setting) -> Markup:
+def _describe_gravity(force_field: ForceField, setting: Setting) -> Markup:
     acts = force_field.default_drop or setting.always_gravity
     text = (
         "Gravity acts: the object has weight." if acts else "Gravity is off: the rest pose bears it already."

@@ -93,26 +93,26 @@ def render_page(run: FinishedRun) -> str:
     players = _Players(run)
     body = tag(
         "main",
-        _header(run),
-        _notices(run),
-        _hero(run, players),
-        _words(run),
+        _make_header(run),
+        _make_notices(run),
+        _make_hero(run, players),
+        _make_words(run),
         _make_rounds(run, players),
-        _measurements(run),
-        _scene(run),
-        _cost(run),
-        _again(run),
+        _make_measurements(run),
+        _make_scene(run),
+        _make_cost(run),
+        _make_reproduction(run),
         tag("footer", f"Written by physagent-jax {__version__} from the files of this run folder."),
     )
-    script = _asset("report.js")
+    script = _read_asset("report.js")
     head = [
         tag("meta", charset="utf-8"),
         tag("meta", name="generator", content=f"{_GENERATOR} {__version__}"),
         tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
-        tag("meta", http_equiv="Content-Security-Policy", content=_policy(script)),
+        tag("meta", http_equiv="Content-Security-Policy", content=_make_policy(script)),
         tag("meta", name="color-scheme", content="light dark"),
         tag("title", run.prompt or "PhysAgent run"),
-        tag("style", raw(_asset("report.css"))),
+        tag("style", raw(_read_asset("report.css"))),
     ]
     page = tag("html", tag("head", *head), tag("body", body, tag("script", raw(script))), lang="en")
     return f"<!DOCTYPE html>\n{page}\n"
@@ -129,20 +129,20 @@ class _Players:
     def hero(self) -> Markup:
         if self.hero_clip is None:
             return note_missing("There is no video yet.")
-        return self._player(self.hero_clip, self.hero_group, id_=HERO)
+        return self._embed(self.hero_clip, self.hero_group, id_=HERO)
 
     def of(self, round_: FinishedRound) -> Markup:
         clip = load_clip(round_.video)
         if clip is None:
             return note_missing("The video of this round is missing.")
         same = self.hero_clip is not None and clip.digest == self.hero_clip.digest
-        return self._player(clip, round_.clip, same_as=HERO if same else None)
+        return self._embed(clip, round_.clip, same_as=HERO if same else None)
 
-    def _player(self, clip: Clip, group: str, **options: str | None) -> Markup:
+    def _embed(self, clip: Clip, group: str, **options: str | None) -> Markup:
         return embed_player(clip, group=group, frame_dt=self.run.frame_dt, folder=self.run.folder, **options)
 
 
-def _header(run: FinishedRun) -> Markup:
+def _make_header(run: FinishedRun) -> Markup:
     verdict = run.manifest.verdict if run.manifest else None
     scene = run.best_scene
     name = (scene.source.name or Path(scene.source.path).stem) if scene else ""
@@ -155,7 +155,7 @@ def _header(run: FinishedRun) -> Markup:
     )
 
 
-def _notices(run: FinishedRun) -> list[Markup | None]:
+def _make_notices(run: FinishedRun) -> list[Markup | None]:
     manifest = run.manifest
     notices = []
     if manifest and not manifest.complete:
@@ -169,16 +169,16 @@ def _notices(run: FinishedRun) -> list[Markup | None]:
     return notices
 
 
-def _hero(run: FinishedRun, players: _Players) -> Markup:
+def _make_hero(run: FinishedRun, players: _Players) -> Markup:
     best = run.best
     text = best.motion.text if best and best.motion else ""
     story = make_paragraphs(text) if text else note_missing("The motion report is missing.")
     strip = embed_filmstrip(players.hero_clip, run.frame_dt) if players.hero_clip else None
-    side = div("side", tag("h2", "What happened"), story, tag("h2", "At a glance"), _glance(run))
+    side = div("side", tag("h2", "What happened"), story, tag("h2", "At a glance"), _make_glance(run))
     return tag("section", div("hero-grid", div("clip", players.hero()), side), strip, class_="hero")
 
 
-def _glance(run: FinishedRun) -> Markup:
+def _make_glance(run: FinishedRun) -> Markup:
     manifest, best, scene = run.manifest, run.best, run.best_scene
     record = best.simulation if best else None
     score = best.judgement.score if best and best.judgement else None
@@ -200,7 +200,7 @@ def _glance(run: FinishedRun) -> Markup:
     )
 
 
-def _words(run: FinishedRun) -> Markup:
+def _make_words(run: FinishedRun) -> Markup:
     lead = "What the semantic agent understood, word by word, and the force field that it compiled."
     if run.semantic is None:
         body = [note_missing("semantic.json is missing: what was understood is not known.")]
@@ -232,7 +232,7 @@ def _make_rounds(run: FinishedRun, players: _Players) -> Markup:
     return make_section("rounds", SECTIONS["rounds"], coarse, chips, *cards, lead=lead)
 
 
-def _measurements(run: FinishedRun) -> Markup:
+def _make_measurements(run: FinishedRun) -> Markup:
     best = run.best
     if best is None:
         return make_section(
@@ -258,7 +258,7 @@ def _measurements(run: FinishedRun) -> Markup:
     )
 
 
-def _scene(run: FinishedRun) -> Markup:
+def _make_scene(run: FinishedRun) -> Markup:
     scene = run.best_scene
     if scene is None:
         return make_section(
@@ -270,12 +270,12 @@ def _scene(run: FinishedRun) -> Markup:
     )
 
 
-def _cost(run: FinishedRun) -> Markup:
+def _make_cost(run: FinishedRun) -> Markup:
     body = make_cost_facts(run.manifest) if run.manifest else note_missing("manifest.json is missing.")
     return make_section("cost", SECTIONS["cost"], body)
 
 
-def _again(run: FinishedRun) -> Markup:
+def _make_reproduction(run: FinishedRun) -> Markup:
     manifest = run.manifest
     if manifest is None:
         return make_section("again", SECTIONS["again"], note_missing("manifest.json is missing."))
@@ -287,7 +287,7 @@ def _again(run: FinishedRun) -> Markup:
     )
 
 
-def _policy(script: str) -> str:
+def _make_policy(script: str) -> str:
     """Lets the browser refuse any other source, and any script but the page's own."""
     digest = base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
     return (
@@ -296,5 +296,5 @@ def _policy(script: str) -> str:
     )
 
 
-def _asset(name: str) -> str:
+def _read_asset(name: str) -> str:
     return resources.files("physagent_jax.report").joinpath("assets", name).read_text(encoding="utf-8")

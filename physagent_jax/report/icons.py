@@ -33,12 +33,12 @@ def draw_action_icon(
     seen = [sign * value for value in find_components(vector, table)]
     tip = _project(seen)
     if kind is ActionType.SCALE:
-        drawing = _double_arrow(tip, inwards=reversed_)
+        drawing = _draw_double_arrow(tip, inwards=reversed_)
     elif kind is ActionType.TORQUE:
-        drawing = _turn(seen, tip)
+        drawing = _draw_turn(seen, tip)
     else:
-        drawing = [_arrow((-0.8 * tip[0], -0.8 * tip[1]), tip, burst=kind is ActionType.IMPULSE)]
-    return tag("svg", _axes(), *drawing, viewBox="-26 -26 52 52", class_="compass", aria_hidden="true")
+        drawing = [_draw_arrow((-0.8 * tip[0], -0.8 * tip[1]), tip, burst=kind is ActionType.IMPULSE)]
+    return tag("svg", _draw_axes(), *drawing, viewBox="-26 -26 52 52", class_="compass", aria_hidden="true")
 
 
 def _project(seen: Sequence[float]) -> tuple[float, float]:
@@ -46,29 +46,29 @@ def _project(seen: Sequence[float]) -> tuple[float, float]:
     return RADIUS * (right + OBLIQUE[0] * toward), RADIUS * (-up + OBLIQUE[1] * toward)
 
 
-def _axes() -> Markup:
+def _draw_axes() -> Markup:
     lines = []
     for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
         x, y = _project(axis)
-        lines.append(_line((-x, -y), (x, y)))
+        lines.append(_draw_line((-x, -y), (x, y)))
     return tag("g", *lines, class_="faint")
 
 
-def _arrow(start: tuple[float, float], tip: tuple[float, float], *, burst: bool = False) -> Markup:
-    return tag("g", _line(start, tip), _head(start, tip), *([_burst(start)] if burst else []))
+def _draw_arrow(start: tuple[float, float], tip: tuple[float, float], *, burst: bool = False) -> Markup:
+    return tag("g", _draw_line(start, tip), _draw_head(start, tip), *([_draw_burst(start)] if burst else []))
 
 
-def _double_arrow(tip: tuple[float, float], *, inwards: bool) -> list[Markup]:
+def _draw_double_arrow(tip: tuple[float, float], *, inwards: bool) -> list[Markup]:
     arrows = []
     for sign in (1.0, -1.0):
         inner, outer = (sign * 0.18 * tip[0], sign * 0.18 * tip[1]), (sign * tip[0], sign * tip[1])
-        arrows.append(_arrow(outer, inner) if inwards else _arrow(inner, outer))
+        arrows.append(_draw_arrow(outer, inner) if inwards else _draw_arrow(inner, outer))
     return arrows
 
 
-def _turn(axis: Sequence[float], tip: tuple[float, float]) -> list[Markup]:
+def _draw_turn(axis: Sequence[float], tip: tuple[float, float]) -> list[Markup]:
     """Three quarters of the circle that a right-hand turn about ``axis`` follows, and the axis."""
-    first = _perpendicular(axis)
+    first = _find_perpendicular(axis)
     second = _cross(axis, first)
     points = []
     for step in range(25):
@@ -79,10 +79,10 @@ def _turn(axis: Sequence[float], tip: tuple[float, float]) -> list[Markup]:
     rod = tag(
         "line", class_="rod", x1=f"{-tip[0]:.1f}", y1=f"{-tip[1]:.1f}", x2=f"{tip[0]:.1f}", y2=f"{tip[1]:.1f}"
     )
-    return [rod, tag("path", d=path), _head(points[-3], points[-1])]
+    return [rod, tag("path", d=path), _draw_head(points[-3], points[-1])]
 
 
-def _perpendicular(axis: Sequence[float]) -> tuple[float, float, float]:
+def _find_perpendicular(axis: Sequence[float]) -> tuple[float, float, float]:
     smallest = min(range(3), key=lambda i: abs(axis[i]))
     helper = tuple(1.0 if i == smallest else 0.0 for i in range(3))
     x, y, z = _cross(axis, helper)
@@ -94,11 +94,11 @@ def _cross(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-def _line(start: tuple[float, float], end: tuple[float, float]) -> Markup:
+def _draw_line(start: tuple[float, float], end: tuple[float, float]) -> Markup:
     return tag("line", x1=f"{start[0]:.1f}", y1=f"{start[1]:.1f}", x2=f"{end[0]:.1f}", y2=f"{end[1]:.1f}")
 
 
-def _head(start: tuple[float, float], tip: tuple[float, float], size: float = 8.0) -> Markup:
+def _draw_head(start: tuple[float, float], tip: tuple[float, float], size: float = 8.0) -> Markup:
     angle = math.atan2(tip[1] - start[1], tip[0] - start[0])
     corners = [tip]
     for side in (2.6, -2.6):
@@ -106,5 +106,5 @@ def _head(start: tuple[float, float], tip: tuple[float, float], size: float = 8.
     return tag("polygon", points=" ".join(f"{x:.1f},{y:.1f}" for x, y in corners))
 
 
-def _burst(at: tuple[float, float]) -> Markup:
+def _draw_burst(at: tuple[float, float]) -> Markup:
     return tag("circle", cx=f"{at[0]:.1f}", cy=f"{at[1]:.1f}", r=3.2)

@@ -83,11 +83,11 @@ def make_fold(title: Child, *children: Child, open_: bool = False) -> Markup:
 def make_json_fold(title: str, model: BaseModel) -> Markup:
     """A schema object as JSON behind a fold, short lists on one line."""
     text = json.dumps(model.model_dump(mode="json", exclude_none=True), indent=2, ensure_ascii=False)
-    text = re.sub(r"\[\n([^\[\]{}]*?)\n\s*\]", _on_one_line, text)
+    text = re.sub(r"\[\n([^\[\]{}]*?)\n\s*\]", _put_on_one_line, text)
     return tag("details", tag("summary", title), tag("pre", tag("code", text)), class_="json")
 
 
-def _on_one_line(match: re.Match[str]) -> str:
+def _put_on_one_line(match: re.Match[str]) -> str:
     return "[" + re.sub(r"\n\s*", " ", match[1].strip()) + "]"
 
 

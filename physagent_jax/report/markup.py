@@ -38,7 +38,7 @@ def tag(name: str, /, *children: Child, **attributes: object) -> Markup:
     Attribute names: a trailing underscore is dropped (``class_``), inner ones become hyphens
     (``data_frame``). None and False leave an attribute out, True writes it bare.
     """
-    head = "".join(_attribute(key, value) for key, value in attributes.items())
+    head = "".join(_format_attribute(key, value) for key, value in attributes.items())
     if name in VOID_ELEMENTS:
         return Markup(f"<{name}{head}>")
     return Markup(f"<{name}{head}>{join(*children)}</{name}>")
@@ -54,7 +54,7 @@ def span(class_: str, /, *children: Child, **attributes: object) -> Markup:
     return tag("span", *children, class_=class_, **attributes)
 
 
-def _attribute(key: str, value: object) -> str:
+def _format_attribute(key: str, value: object) -> str:
     if value is None or value is False:
         return ""
     name = key.rstrip("_").replace("_", "-")

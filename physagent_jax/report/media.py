@@ -62,7 +62,7 @@ def load_clip(path: Path | None) -> Clip | None:
     def choose(frame_count: int) -> list[int]:
         nonlocal count
         count = frame_count
-        return _spread(frame_count)
+        return _space_frames(frame_count)
 
     try:
         frames = read_video(path, choose)
@@ -102,7 +102,7 @@ def embed_player(
     return tag(
         "video",
         src=source,
-        poster=_jpeg(clip.frames[len(clip.frames) // 2]),
+        poster=_encode_jpeg(clip.frames[len(clip.frames) // 2]),
         width=width,
         height=height,
         controls=True,
@@ -122,19 +122,19 @@ def embed_filmstrip(clip: Clip, frame_dt: float | None) -> Markup | None:
     if clip.frames is None:
         return None
     cells = []
-    for index, frame in zip(_spread(clip.frame_count), clip.frames):
+    for index, frame in zip(_space_frames(clip.frame_count), clip.frames):
         time = "" if frame_dt is None else f", {format_fixed(index * frame_dt)} s"
-        picture = tag("img", src=_jpeg(frame, STRIP_HEIGHT), alt=f"frame {index}")
+        picture = tag("img", src=_encode_jpeg(frame, STRIP_HEIGHT), alt=f"frame {index}")
         cells.append(tag("figure", picture, tag("figcaption", f"{index}{time}")))
     return div("filmstrip", join(cells))
 
 
-def _spread(count: int) -> list[int]:
+def _space_frames(count: int) -> list[int]:
     """Frames evenly through a clip of ``count``, the first and the last among them."""
     return sorted({round(i * (count - 1) / (STRIP_FRAMES - 1)) for i in range(STRIP_FRAMES)})
 
 
-def _jpeg(picture: np.ndarray, height: int | None = None) -> str:
+def _encode_jpeg(picture: np.ndarray, height: int | None = None) -> str:
     if height is not None and picture.shape[0] > height:
         # Whole-number steps: plain averaging is enough for a thumbnail.
         step = max(1, picture.shape[0] // height)

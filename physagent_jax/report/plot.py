@@ -90,16 +90,16 @@ def place_ticks(low: float, high: float, step: float) -> list[float]:
 
 def draw(plot: Plot) -> Markup:
     """A plot as a ``figure`` with its legend."""
-    plot = _with_short_numbers(plot)
-    frame = _Frame(*_y_range(plot), max(1, plot.last_frame))
+    plot = _shorten_numbers(plot)
+    frame = _Frame(*_choose_range(plot), max(1, plot.last_frame))
     picture = tag(
         "svg",
-        _bands(plot, frame),
-        _grid(frame),
-        _axes(frame),
-        _level(plot, frame),
-        [_mark(at, why, frame) for at, why in plot.marks.items()],
-        [_curve(series, frame) for series in plot.series],
+        _draw_bands(plot, frame),
+        _draw_grid(frame),
+        _draw_axes(frame),
+        _draw_level(plot, frame),
+        [_draw_mark(at, why, frame) for at, why in plot.marks.items()],
+        [_draw_curve(series, frame) for series in plot.series],
         tag("line", class_="cursor", x1=frame.left, x2=frame.left, y1=TOP, y2=HEIGHT - BOTTOM),
         viewBox=f"0 0 {WIDTH} {HEIGHT}",
         role="img",
@@ -109,7 +109,7 @@ def draw(plot: Plot) -> Markup:
     return tag(
         "figure",
         caption,
-        _legend(plot, frame.decimals + 1),
+        _make_legend(plot, frame.decimals + 1),
         picture,
         class_="plot",
         data_clip=plot.clip,
@@ -149,7 +149,7 @@ class _Frame:
         return round(HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * share, 1)
 
 
-def _y_range(plot: Plot) -> tuple[float, float]:
+def _choose_range(plot: Plot) -> tuple[float, float]:
     values = [y for series in plot.series for y in series.values if y is not None]
     if plot.level is not None:
         values.append(plot.level[0])
@@ -163,9 +163,9 @@ def _y_range(plot: Plot) -> tuple[float, float]:
     return (0.0, max(top, span_)) if low >= 0 > bottom else (bottom, top)
 
 
-def _with_short_numbers(plot: Plot) -> Plot:
+def _shorten_numbers(plot: Plot) -> Plot:
     """The plot in a unit with a power of ten, if its numbers would need many digits otherwise."""
-    largest = max(map(abs, _y_range(plot)))
+    largest = max(map(abs, _choose_range(plot)))
     power = math.floor(math.log10(largest))
     if _SHORT[0] <= largest < _SHORT[1]:
         return plot
@@ -182,7 +182,7 @@ def _with_short_numbers(plot: Plot) -> Plot:
     )
 
 
-def _grid(frame: _Frame) -> Markup:
+def _draw_grid(frame: _Frame) -> Markup:
     lines = [
         tag("line", x1=frame.left, x2=WIDTH - RIGHT, y1=frame.y(t), y2=frame.y(t))
         for t in place_ticks(frame.low, frame.high, frame.step)
@@ -190,7 +190,7 @@ def _grid(frame: _Frame) -> Markup:
     return tag("g", *lines, class_="grid")
 
 
-def _axes(frame: _Frame) -> Markup:
+def _draw_axes(frame: _Frame) -> Markup:
     vertical = [
         tag("text", format_fixed(t, frame.decimals), x=frame.left - 7, y=frame.y(t) + 4, text_anchor="end")
         for t in place_ticks(frame.low, frame.high, frame.step)
@@ -204,7 +204,7 @@ def _axes(frame: _Frame) -> Markup:
     return tag("g", base, *vertical, *horizontal, name, class_="ticks")
 
 
-def _bands(plot: Plot, frame: _Frame) -> Markup:
+def _draw_bands(plot: Plot, frame: _Frame) -> Markup:
     shapes = []
     for first, last in plot.bands:
         left, right = frame.x(max(0, first)), frame.x(min(frame.last, last))
@@ -215,14 +215,14 @@ def _bands(plot: Plot, frame: _Frame) -> Markup:
     return tag("g", *shapes, class_="bands")
 
 
-def _level(plot: Plot, frame: _Frame) -> Markup | None:
+def _draw_level(plot: Plot, frame: _Frame) -> Markup | None:
     if plot.level is None:
         return None
     y = frame.y(plot.level[0])
     return tag("line", class_="level", x1=frame.left, x2=WIDTH - RIGHT, y1=y, y2=y)
 
 
-def _mark(at: int, why: str, frame: _Frame) -> Markup:
+def _draw_mark(at: int, why: str, frame: _Frame) -> Markup:
     x = frame.x(at)
     return tag(
         "g",
@@ -233,7 +233,7 @@ def _mark(at: int, why: str, frame: _Frame) -> Markup:
     )
 
 
-def _curve(series: Series, frame: _Frame) -> Markup:
+def _draw_curve(series: Series, frame: _Frame) -> Markup:
     name = f"c{series.color}"
     if series.shape == "points":
         dots = [tag("circle", cx=frame.x(x), cy=frame.y(y), r=4) for x, y in series.points if y is not None]
@@ -251,11 +251,13 @@ def _curve(series: Series, frame: _Frame) -> Markup:
     return tag("path", d="".join(commands), class_=f"curve {name}{' dashed' if series.dashed else ''}")
 
 
-def _legend(plot: Plot, decimals: int) -> Markup:
+def _make_legend(plot: Plot, decimals: int) -> Markup:
     entries = []
     for _, twins in itertools.groupby(plot.series, key=lambda series: series.color):
         # What is seen and what is true stay together when the legend wraps.
-        entries.append(span("pair", *[_legend_entry(series, plot.last_frame, decimals) for series in twins]))
+        entries.append(
+            span("pair", *[_make_legend_entry(series, plot.last_frame, decimals) for series in twins])
+        )
     if plot.level is not None:
         entries.append(span("key", span("swatch level"), f"{plot.level[1]} {format_number(plot.level[0])}"))
     if plot.bands:
@@ -265,7 +267,7 @@ def _legend(plot: Plot, decimals: int) -> Markup:
     return div("legend", join(entries))
 
 
-def _legend_entry(series: Series, last: int, decimals: int) -> Markup:
+def _make_legend_entry(series: Series, last: int, decimals: int) -> Markup:
     style = "dot" if series.shape == "points" else "dashed" if series.dashed else "line"
     values = None
     if series.shape != "points":

@@ -39,7 +39,7 @@ MARKS = {True: ("pass", "\u2713 pass"), False: ("failed", "\u2717 fail"), None: 
 
 def make_overview(rounds: Sequence[FinishedRound], best: FinishedRound | None) -> Markup:
     """The rounds as linked chips in order."""
-    chips = [_chip(round_, is_best=round_ is best) for round_ in rounds]
+    chips = [_make_chip(round_, is_best=round_ is best) for round_ in rounds]
     return tag("nav", *chips, class_="rounds", aria_label="Rounds")
 
 
@@ -93,22 +93,22 @@ def make_round_card(
     """
     setting = read_setting(round_.scene)
     parts = [
-        _head(round_, is_best),
-        div("split", div("clip", video), _forces(round_, previous, setting)),
-        _taken_over(round_),
-        _overlay(round_),
+        _make_head(round_, is_best),
+        div("split", div("clip", video), _show_forces(round_, previous, setting)),
+        _describe_reuse(round_),
+        _show_overlay(round_),
         _judgement(round_.judgement),
-        _rewrite(round_.rewrite, round_.number + 1),
+        _show_rewrite(round_.rewrite, round_.number + 1),
         show_agent_traces(
             {"planner": round_.planner_trace, "executor": round_.executor_trace}, round_.failed_calls
         ),
-        _perception(round_.motion),
-        _plots(round_) if with_plots else None,
+        _show_perception(round_.motion),
+        _show_plots(round_) if with_plots else None,
     ]
     return tag("article", *parts, class_="round", id=round_.clip)
 
 
-def _chip(round_: FinishedRound, *, is_best: bool) -> Markup:
+def _make_chip(round_: FinishedRound, *, is_best: bool) -> Markup:
     judgement = round_.judgement
     score = "not judged"
     if judgement:
@@ -124,7 +124,7 @@ def _chip(round_: FinishedRound, *, is_best: bool) -> Markup:
     )
 
 
-def _head(round_: FinishedRound, is_best: bool) -> Markup:
+def _make_head(round_: FinishedRound, is_best: bool) -> Markup:
     judgement = round_.judgement
     score = None
     if judgement and judgement.score is not None:
@@ -134,20 +134,20 @@ def _head(round_: FinishedRound, is_best: bool) -> Markup:
     return tag("header", title, make_badge(judgement.verdict if judgement else None), star, score)
 
 
-def _forces(round_: FinishedRound, previous: FinishedRound | None, setting: Setting) -> Markup:
+def _show_forces(round_: FinishedRound, previous: FinishedRound | None, setting: Setting) -> Markup:
     if round_.force_field is None:
         return note_missing("The force field of this round is missing.")
     return make_force_cards(round_.force_field, setting, previous=previous.force_field if previous else None)
 
 
-def _taken_over(round_: FinishedRound) -> Markup | None:
+def _describe_reuse(round_: FinishedRound) -> Markup | None:
     if not round_.reused_frames:
         return None
     text = f"Taken over instead of simulated: {describe_reused_frames(round_.reused_frames)}."
     return tag("p", text, class_="quiet")
 
 
-def _overlay(round_: FinishedRound) -> Markup | None:
+def _show_overlay(round_: FinishedRound) -> Markup | None:
     if round_.overlay is None:
         return None
     caption = tag("figcaption", "What perception followed: the object\u2019s mask and the tracked points.")
@@ -196,7 +196,7 @@ def _check(check: Check) -> list[Child]:
     ]
 
 
-def _rewrite(rewrite: Rewrite | None, next_round: int) -> Markup | None:
+def _show_rewrite(rewrite: Rewrite | None, next_round: int) -> Markup | None:
     if rewrite is None:
         return None
     rules = None
@@ -210,20 +210,20 @@ def _rewrite(rewrite: Rewrite | None, next_round: int) -> Markup | None:
     return div("callout executor", title, changes, rules)
 
 
-def _perception(report: MotionReport | None) -> Markup:
+def _show_perception(report: MotionReport | None) -> Markup:
     if report is None:
         return note_missing("The motion report of this round is missing.")
     return make_fold(
         "What perception measured",
         make_paragraphs(report.text),
-        _windows(report.windows),
-        div("columns", _course(report), _quality(report)),
+        _make_window_table(report.windows),
+        div("columns", _list_course(report), _list_quality(report)),
         make_list("What weakened a measurement", report.quality.notes),
         make_json_fold("Motion report as JSON", report),
     )
 
 
-def _windows(windows: Sequence[WindowMotion]) -> Markup:
+def _make_window_table(windows: Sequence[WindowMotion]) -> Markup:
     head = ["frames", "net displacement", "path", "farthest", "turn", "stretch", "volume", "not observable"]
     rows = []
     for w in windows:
@@ -249,24 +249,24 @@ def _windows(windows: Sequence[WindowMotion]) -> Markup:
     return join(make_table(head, rows, class_="dense"), note)
 
 
-def _course(report: MotionReport) -> Markup:
+def _list_course(report: MotionReport) -> Markup:
     onset, settle = report.onset_frame, report.settle_frame
     rows = [
         ("first visible motion", "none seen" if onset is None else f"frame {onset}"),
         ("at rest again", "not within the clip" if settle is None else f"frame {settle}"),
-        ("oscillation", _oscillation(report.oscillation)),
+        ("oscillation", _describe_oscillation(report.oscillation)),
     ]
     return make_facts(rows)
 
 
-def _oscillation(swing: Oscillation | None) -> str:
+def _describe_oscillation(swing: Oscillation | None) -> str:
     if swing is None:
         return "none"
     size = f"{format_number(swing.frequency_hz)} Hz, amplitude {format_number(swing.amplitude)} body lengths"
     return f"{size} along {format_vector(swing.direction)}, {format_plural(swing.reversals, 'reversal')}"
 
 
-def _quality(report: MotionReport) -> Markup:
+def _list_quality(report: MotionReport) -> Markup:
     quality = report.quality
     leaves = quality.leaves_frame
     rows = [
@@ -279,7 +279,7 @@ def _quality(report: MotionReport) -> Markup:
     return make_facts(rows)
 
 
-def _plots(round_: FinishedRound) -> Markup | None:
+def _show_plots(round_: FinishedRound) -> Markup | None:
     charts = [draw_motion_charts(round_), draw_physics_charts(round_)]
     if not any(charts):
         return None

@@ -51,9 +51,9 @@ def make_words_section(prompt: str, reply: SemanticReply, setting: Setting) -> l
     highlights = find_highlights(prompt, reply.evidence, reply.not_understood)
     marked = {row for highlight in highlights for row in highlight.rows}
     return [
-        tag("p", _marked_prompt(prompt, highlights), class_="prompt"),
-        _topic_legend({highlight.topic for highlight in highlights}),
-        _evidence_table(reply.evidence, marked),
+        tag("p", _mark_prompt(prompt, highlights), class_="prompt"),
+        _make_topic_legend({highlight.topic for highlight in highlights}),
+        _make_evidence_table(reply.evidence, marked),
         div(
             "listings",
             make_list(
@@ -81,13 +81,13 @@ def find_highlights(
     placed: list[Highlight] = []
     for words, topic, row in sorted(topics, key=lambda entry: -len(entry[0])):
         rows = () if row is None else (row,)
-        spans = _occurrences(prompt, words)
-        free = [s for s in spans if not any(_overlap(s, (h.start, h.end)) for h in placed)]
+        spans = _find_occurrences(prompt, words)
+        free = [s for s in spans if not any(_do_overlap(s, (h.start, h.end)) for h in placed)]
         if free:
             placed.append(Highlight(*free[0], topic, rows))
             continue
         for index, old in enumerate(placed):
-            if any(_overlap(s, (old.start, old.end)) for s in spans):
+            if any(_do_overlap(s, (old.start, old.end)) for s in spans):
                 placed[index] = dataclasses.replace(old, rows=old.rows + rows)
                 break
     return sorted(placed, key=lambda highlight: highlight.start)
@@ -109,7 +109,7 @@ def describe_expectation(expected: ExpectedMotion, setting: Setting) -> Markup:
     return join(tag("strong", head[0].upper() + head[1:]), f": {details}", quote)
 
 
-def _occurrences(prompt: str, words: str) -> list[tuple[int, int]]:
+def _find_occurrences(prompt: str, words: str) -> list[tuple[int, int]]:
     """Character ranges of ``words`` in ``prompt``, whole words first, whatever the case and spacing."""
     pieces = [re.escape(piece) for piece in words.split()]
     if not pieces:
@@ -122,20 +122,20 @@ def _occurrences(prompt: str, words: str) -> list[tuple[int, int]]:
     return []
 
 
-def _overlap(a: tuple[int, int], b: tuple[int, int]) -> bool:
+def _do_overlap(a: tuple[int, int], b: tuple[int, int]) -> bool:
     return a[0] < b[1] and b[0] < a[1]
 
 
-def _marked_prompt(prompt: str, highlights: Sequence[Highlight]) -> Markup:
+def _mark_prompt(prompt: str, highlights: Sequence[Highlight]) -> Markup:
     parts, position = [], 0
     for highlight in highlights:
         parts.append(prompt[position : highlight.start])
-        parts.append(_mark(prompt[highlight.start : highlight.end], highlight))
+        parts.append(_mark_words(prompt[highlight.start : highlight.end], highlight))
         position = highlight.end
     return join(*parts, prompt[position:])
 
 
-def _mark(text: str, highlight: Highlight) -> Markup:
+def _mark_words(text: str, highlight: Highlight) -> Markup:
     if not highlight.rows:
         return tag("mark", text, class_=f"topic {highlight.topic}", title="not understood: led to nothing")
     numbers = ",".join(str(row + 1) for row in highlight.rows)
@@ -143,14 +143,14 @@ def _mark(text: str, highlight: Highlight) -> Markup:
     return tag("a", *inner, class_=f"topic {highlight.topic}", href=f"#evidence-{highlight.rows[0]}")
 
 
-def _topic_legend(topics: set[str]) -> Markup | None:
+def _make_topic_legend(topics: set[str]) -> Markup | None:
     if not topics:
         return None
     keys = [span(f"topic {name}", title) for name, title in TOPIC_NAMES.items() if name in topics]
     return div("topics", join(*keys))
 
 
-def _evidence_table(evidence: Sequence[Evidence], marked: set[int]) -> Markup:
+def _make_evidence_table(evidence: Sequence[Evidence], marked: set[int]) -> Markup:
     if not evidence:
         return tag("p", "The agent gave no evidence for its choices.", class_="quiet")
     rows, ids = [], []
@@ -158,12 +158,12 @@ def _evidence_table(evidence: Sequence[Evidence], marked: set[int]) -> Markup:
         words = span(f"topic {find_topic(item.field)}", item.words or "\u2014")
         if index not in marked:
             words = join(words, span("quiet", " (not literally in the sentence)"))
-        rows.append([str(index + 1), words, _place(item.field), item.value, item.why])
+        rows.append([str(index + 1), words, _link_field(item.field), item.value, item.why])
         ids.append(f"evidence-{index}")
     return make_table(["", "words", "led to", "value", "because"], rows, ids=ids, class_="evidence")
 
 
-def _place(field: str) -> Markup:
+def _link_field(field: str) -> Markup:
     """The value's place, linked to its card if it has one."""
     match = re.match(r"(actions|constraints)\[(\d+)\]", field)
     code = tag("code", field)
