@@ -14,10 +14,10 @@ stderr = Console(stderr=True, highlight=False, soft_wrap=True)
 
 def warn(message: object) -> None:
     """One line about something that the user should know."""
-    stderr.print(f"[yellow]warning:[/] {_plain(message)}")
+    stderr.print(f"[yellow]warning:[/] {_escape(message)}")
 
 
-def _plain(message: object) -> str:
+def _escape(message: object) -> str:
     """Text without rich's markup."""
     return str(message).replace("[", r"\[")
 
@@ -64,7 +64,7 @@ class ConsoleObserver(Observer):
         """Prints the stage; its frames, if any, get a bar. Raises as `FrameBar`."""
         self.close()
         stopping.check()
-        stderr.print(f"[dim]·[/] {_plain(text)}")
+        stderr.print(f"[dim]·[/] {_escape(text)}")
         self._bar = FrameBar(text)
 
     def frame(self, done: int, total: int) -> None:
@@ -75,11 +75,11 @@ class ConsoleObserver(Observer):
     def understood(self, reply: SemanticReply) -> None:
         """Prints what was assumed, and the words that led to nothing, while the run can still be stopped."""
         for note in reply.notes:
-            stderr.print(f"  assumed: {_plain(note)}")
+            stderr.print(f"  assumed: {_escape(note)}")
         if reply.not_understood:
-            stderr.print(f"  [yellow]not understood:[/] {_plain(', '.join(reply.not_understood))}")
+            stderr.print(f"  [yellow]not understood:[/] {_escape(', '.join(reply.not_understood))}")
         for doubt in reply.unsure:
-            stderr.print(f"  [yellow]unsure:[/] {_plain(doubt)}")
+            stderr.print(f"  [yellow]unsure:[/] {_escape(doubt)}")
 
     def judged(self, index: int, judgement: Judgement) -> None:
         """Prints the planner's verdict and its suggestion."""
@@ -98,7 +98,7 @@ class ConsoleObserver(Observer):
             f"[{colour}]{'✓' if good else '✗'}[/] {which}: [{colour}]{judgement.verdict.value}[/]{score}"
         )
         if judgement.suggestion:
-            stderr.print(f"  {_plain(judgement.suggestion)}")
+            stderr.print(f"  {_escape(judgement.suggestion)}")
 
     def close(self) -> None:
         """Removes a bar that is still on the screen."""

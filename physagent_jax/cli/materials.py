@@ -31,7 +31,7 @@ class Materials:
 
         chosen = list(LIBRARY.values()) if self.name is None else [find_material(self.name)]
         if self.json_line:
-            entries = [_as_json(each) for each in chosen]
+            entries = [_describe_as_json(each) for each in chosen]
             print(json.dumps(entries if self.name is None else entries[0], indent=2))
         elif self.name is None:
             _print_table(chosen)
@@ -40,7 +40,7 @@ class Materials:
         return 0
 
 
-def _cost(material) -> tuple[float, int]:
+def _estimate_cost(material) -> tuple[float, int]:
     from physagent_jax.scene.materials import count_substeps, stable_step
     from physagent_jax.scene.presets import PRESETS, PresetName
 
@@ -48,8 +48,8 @@ def _cost(material) -> tuple[float, int]:
     return stable_step(material, dx), count_substeps(material, dx, CLIP_SECONDS)
 
 
-def _as_json(each) -> dict:
-    step, many = _cost(each.material)
+def _describe_as_json(each) -> dict:
+    step, many = _estimate_cost(each.material)
     return {
         "name": each.name,
         "aliases": each.aliases,
@@ -80,7 +80,7 @@ def _print_table(entries) -> None:
         facts = {
             name: describe_property(value, unit) for name, value, unit in describe_material(each.material)
         }
-        step, many = _cost(each.material)
+        step, many = _estimate_cost(each.material)
         stiff = facts.get("bulk modulus") or facts.get("Young\u2019s modulus", "")
         model = spell_out(each.material.model.value)
         table.add_row(
@@ -104,7 +104,7 @@ def _print_details(each) -> None:
     from physagent_jax.report.formats import format_count, format_quantity, spell_out
     from physagent_jax.scene.materials import describe_material
 
-    step, many = _cost(each.material)
+    step, many = _estimate_cost(each.material)
     rows = [("model", spell_out(each.material.model.value))]
     rows += [(name, describe_property(value, unit)) for name, value, unit in describe_material(each.material)]
     rows += [("stable step", f"{format_quantity(step, 's')} at the fast preset's grid spacing")]

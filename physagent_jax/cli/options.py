@@ -66,14 +66,14 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
     if missing:
         raise UserError(f"{' and '.join(missing)} must be given", do="Give them, or --spec file.json")
     _check_pairs(options)
-    values = {field: _plain(options[_attribute(option)]) for field, option in OPTIONS.items()}
+    values = {field: _simplify(options[_name_attribute(option)]) for field, option in OPTIONS.items()}
     values["overrides.height"] = values["overrides.width"]
     values["camera.follow"] = options["follow"] or None
     video_size = parse_size(values.pop("save.video_size"))
     if (box := options["anchor_box"]) is not None:
         values["anchor.point"], values["anchor.half_size"] = box[:3], box[3:]
     try:
-        tree = _nested(values)
+        tree = _nest(values)
         tree["save"]["video_size"] = video_size  # None too says something here
         return RunSpec.model_validate(tree)
     except ValidationError as error:
@@ -111,7 +111,7 @@ def read_whole_spec(path: Path, changed: Iterable[str]) -> RunSpec:
     """
     from physagent_jax.run.spec import read_spec
 
-    given = [_option(name) for name in changed if name not in _BESIDE]
+    given = [_name_option(name) for name in changed if name not in _BESIDE]
     if given:
         raise UserError(
             "`--spec` says all of the run, and so do other options",
@@ -158,7 +158,7 @@ def _check_pairs(options: Mapping[str, Any]) -> None:
             raise UserError(f"`--anchor {kind}` needs a {kind}", do=f"Pass {option} {example}")
 
 
-def _nested(values: dict[str, Any]) -> dict[str, Any]:
+def _nest(values: dict[str, Any]) -> dict[str, Any]:
     """Values by dotted names as a tree; what is None is left out, for the spec's own default."""
     tree: dict[str, Any] = {}
     for name, value in values.items():
@@ -172,14 +172,14 @@ def _nested(values: dict[str, Any]) -> dict[str, Any]:
     return tree
 
 
-def _plain(value: Any) -> Any:
+def _simplify(value: Any) -> Any:
     """A path as text, all else as it is."""
     return str(value) if hasattr(value, "__fspath__") else value
 
 
-def _attribute(option: str) -> str:
+def _name_attribute(option: str) -> str:
     return option.removeprefix("--").replace("-", "_")
 
 
-def _option(attribute: str) -> str:
+def _name_option(attribute: str) -> str:
     return "--" + attribute.replace("_", "-")

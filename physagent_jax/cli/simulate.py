@@ -58,7 +58,7 @@ class Simulate:
         config, notes = read_scene(self.scene, self.object)
         for text in notes:
             warn(text)
-        config, video_size = self._adjusted(config), parse_size(self.video_size)
+        config, video_size = self._adjust(config), parse_size(self.video_size)
         bar = FrameBar("simulating and rendering")
         try:
             record, stages = replay_scene(
@@ -91,7 +91,7 @@ class Simulate:
             print(f"video: {self.out / (PLAIN_VIDEO if video_size is None else VIDEO)}")
         return 0
 
-    def _adjusted(self, config):
+    def _adjust(self, config):
         """The scene with what the options ask for."""
         if self.force_substep and config.timing.substep_dt == "auto":
             raise UserError(

@@ -25,7 +25,7 @@ def accept_any_character() -> None:
 
     A terminal in plain ASCII gets stand-ins: `x` for a cross, `^3` for a cube, an escape for what has none.
     """
-    codecs.register_error(_HANDLER, _stand_in)
+    codecs.register_error(_HANDLER, _replace_lacking)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors=_HANDLER)
@@ -55,14 +55,14 @@ def check_arguments(arguments: Sequence[str]) -> None:
             ) from None
 
 
-def _stand_in(error: UnicodeError) -> tuple[str, int]:
+def _replace_lacking(error: UnicodeError) -> tuple[str, int]:
     if not isinstance(error, UnicodeEncodeError):
         raise error
     lacking = error.object[error.start : error.end]
-    return "".join(map(_ascii, lacking)), error.end
+    return "".join(map(_spell_in_ascii, lacking)), error.end
 
 
-def _ascii(character: str) -> str:
+def _spell_in_ascii(character: str) -> str:
     if character in _STAND_INS:
         return _STAND_INS[character]
     if unicodedata.name(character, "").startswith("BOX DRAWINGS"):

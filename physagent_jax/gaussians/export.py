@@ -23,7 +23,7 @@ def splats_to_cloud(splats: Splats) -> GaussianCloud:
     Args:
         splats: Gaussians in world space.
     """
-    splats = jax.tree.map(operator.itemgetter(slice(_drawn(splats.opacities))), splats)
+    splats = jax.tree.map(operator.itemgetter(slice(_count_drawn(splats.opacities))), splats)
     quats, scales = decompose_covariances(splats.covariances)
     return GaussianCloud(
         means=splats.means,
@@ -34,6 +34,6 @@ def splats_to_cloud(splats: Splats) -> GaussianCloud:
     )
 
 
-def _drawn(opacities: jax.Array) -> int:
+def _count_drawn(opacities: jax.Array) -> int:
     """How many Gaussians there are up to the last one that can be seen."""
     return int(np.flatnonzero(np.asarray(opacities)).max(initial=-1)) + 1

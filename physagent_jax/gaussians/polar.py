@@ -34,8 +34,8 @@ def polar_rotation(F: jax.Array) -> jax.Array:
     size = jnp.sqrt(jnp.sum(F * F, axis=(1, 2), keepdims=True))
     tiny = jnp.finfo(F.dtype).tiny
     M = F / jnp.maximum(size, tiny)  # unit Frobenius norm: the polynomial's coefficients are of order one
-    K = _davenport(M)
-    w, x, y, z = _dominant_eigenvector(K, _largest_eigenvalue(M))
+    K = _build_davenport(M)
+    w, x, y, z = _find_dominant_eigenvector(K, _find_largest_eigenvalue(M))
     rows = (
         (w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)),
         (2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)),
@@ -76,7 +76,7 @@ def _solve_damped(A: jax.Array, a: jax.Array) -> jax.Array:
     return jnp.einsum("nij,nj->ni", adjugate, a, precision="highest") * inverse[:, None]
 
 
-def _davenport(M: jax.Array) -> tuple[tuple[jax.Array, ...], ...]:
+def _build_davenport(M: jax.Array) -> tuple[tuple[jax.Array, ...], ...]:
     """The symmetric 4x4 matrices K with q^T K q = tr(R(q)^T M), as scalars."""
     m = [[M[:, i, j] for j in range(3)] for i in range(3)]
     p, q, r = m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]
@@ -89,7 +89,7 @@ def _davenport(M: jax.Array) -> tuple[tuple[jax.Array, ...], ...]:
     )
 
 
-def _largest_eigenvalue(M: jax.Array) -> jax.Array:
+def _find_largest_eigenvalue(M: jax.Array) -> jax.Array:
     """Largest eigenvalue of Davenport's K for M of unit norm, shape (n,).
 
     It equals s1 + s2 + sign(det M) s3 in singular values, and K has the characteristic polynomial
@@ -109,7 +109,7 @@ def _largest_eigenvalue(M: jax.Array) -> jax.Array:
     return jax.lax.fori_loop(0, _NEWTON_STEPS, newton, upper_bound)
 
 
-def _dominant_eigenvector(
+def _find_dominant_eigenvector(
     K: tuple[tuple[jax.Array, ...], ...], eigenvalue: jax.Array
 ) -> tuple[jax.Array, ...]:
     """Unit eigenvector of K: the largest column of the adjugate of K - eigenvalue I, as scalars."""

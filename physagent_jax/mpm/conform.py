@@ -29,7 +29,7 @@ def conform(model: Model, state: State) -> tuple[Model, State]:
     Raises:
         UserError: Something is no number, or of a shape that does not fit.
     """
-    x = _numbers("state.x", state.x)
+    x = _convert_numbers("state.x", state.x)
     dtype = jax.dtypes.canonicalize_dtype(x.dtype)
     if dtype.name not in PRECISIONS:
         raise UserError("positions must be in single or double precision", got=f"state.x of {dtype}")
@@ -38,7 +38,7 @@ def conform(model: Model, state: State) -> tuple[Model, State]:
 
     def real(name: str, shape: tuple[int, ...]) -> Any:
         part, field = (model, name[6:]) if name.startswith("model.") else (state, name[6:])
-        return _array(name, getattr(part, field), dtype, shape)
+        return _conform_array(name, getattr(part, field), dtype, shape)
 
     matrices = (count, 3, 3)
     state = dataclasses.replace(
@@ -48,28 +48,28 @@ def conform(model: Model, state: State) -> tuple[Model, State]:
         C=real("state.C", matrices),
         F=real("state.F", matrices),
         time=real("state.time", ()),
-        stopped=_array("state.stopped", state.stopped, np.dtype(np.int32), ()),
+        stopped=_conform_array("state.stopped", state.stopped, np.dtype(np.int32), ()),
         history=tuple(
-            _per_particle("state.history", past, material.count, dtype)
+            _conform_per_particle("state.history", past, material.count, dtype)
             for past, material in zip(state.history, model.materials)
         )
         if len(state.history) == len(model.materials)
         else state.history,  # `step` says what is wrong with it
     )
     model = model.replace(
-        grid=_grid(model.grid),
+        grid=_conform_grid(model.grid),
         dt=real("model.dt", ()),
         gravity=None if model.gravity is None else real("model.gravity", (3,)),
         mass=real("model.mass", (count,)),
         volume=real("model.volume", (count,)),
         viscosity=None if model.viscosity is None else real("model.viscosity", (count,)),
         materials=tuple(
-            _per_particle(type(material).__name__, material, material.count, dtype)
+            _conform_per_particle(type(material).__name__, material, material.count, dtype)
             for material in model.materials
         ),
-        forces=_floating(model.forces, dtype),
-        boundaries=_floating(model.boundaries, dtype),
-        constraints=_floating(model.constraints, dtype),
+        forces=_conform_real(model.forces, dtype),
+        boundaries=_conform_real(model.boundaries, dtype),
+        constraints=_conform_real(model.constraints, dtype),
     )
     return model, state
 
@@ -95,11 +95,11 @@ def as_field(value: Any, like: jax.Array, what: str) -> jax.Array:
 
 
 def _check_sizes(model: Model, state: State) -> None:
-    sizes = {name: _length(getattr(state, name)) for name in ("x", "v", "C", "F")}
-    sizes |= {"mass": _length(model.mass), "volume": _length(model.volume)}
-    sizes["materials"] = sum(_count(material) for material in model.materials)
+    sizes = {name: _find_length(getattr(state, name)) for name in ("x", "v", "C", "F")}
+    sizes |= {"mass": _find_length(model.mass), "volume": _find_length(model.volume)}
+    sizes["materials"] = sum(_count_particles(material) for material in model.materials)
     if model.viscosity is not None:
-        sizes["viscosity"] = _length(model.viscosity)
+        sizes["viscosity"] = _find_length(model.viscosity)
     if len(set(sizes.values())) > 1:
         raise UserError(
             "`model` and `state` must speak of the same number of particles",
@@ -107,12 +107,12 @@ def _check_sizes(model: Model, state: State) -> None:
         )
 
 
-def _length(value: Any) -> int | None:
+def _find_length(value: Any) -> int | None:
     shape = np.shape(value)
     return shape[0] if shape else None
 
 
-def _count(material: Any) -> int:
+def _count_particles(material: Any) -> int:
     try:
         return int(material.count)
     except (IndexError, AttributeError, TypeError) as error:
@@ -121,7 +121,7 @@ def _count(material: Any) -> int:
         ) from error
 
 
-def _grid(grid: Grid) -> Grid:
+def _conform_grid(grid: Grid) -> Grid:
     """A grid that a stencil has room in.
 
     Raises:
@@ -133,11 +133,11 @@ def _grid(grid: Grid) -> Grid:
             got=f"shape={grid.shape}, dx={grid.dx}, cells={grid.cells}",
         )
     return dataclasses.replace(
-        grid, origin=_array("model.grid.origin", grid.origin, np.dtype(np.int32), (3,))
+        grid, origin=_conform_array("model.grid.origin", grid.origin, np.dtype(np.int32), (3,))
     )
 
 
-def _numbers(name: str, value: Any) -> Any:
+def _convert_numbers(name: str, value: Any) -> Any:
     """``value`` as an array of real numbers.
 
     Raises:
@@ -153,8 +153,8 @@ def _numbers(name: str, value: Any) -> Any:
     return value
 
 
-def _array(name: str, value: Any, dtype: np.dtype, shape: tuple[int, ...]) -> Any:
-    value = _numbers(name, value)
+def _conform_array(name: str, value: Any, dtype: np.dtype, shape: tuple[int, ...]) -> Any:
+    value = _convert_numbers(name, value)
     if value.shape != shape:
         raise UserError(f"`{name}` must have the shape {shape}", got=value.shape)
     if np.issubdtype(dtype, np.integer) and jnp.issubdtype(value.dtype, jnp.floating):
@@ -169,13 +169,13 @@ def _cast(value: Any, dtype: np.dtype) -> Any:
     return value.astype(dtype) if isinstance(value, Tracer) else to_device(value, dtype)
 
 
-def _per_particle(name: str, part: _Part, count: int, dtype: np.dtype) -> _Part:
+def _conform_per_particle(name: str, part: _Part, count: int, dtype: np.dtype) -> _Part:
     """A material, or what it remembers, with arrays of one number per particle, or one for all."""
 
     def convert(path, leaf):
         if isinstance(leaf, float | int) or jnp.issubdtype(getattr(leaf, "dtype", float), jnp.bool_):
             return leaf
-        leaf = _numbers(name + jax.tree_util.keystr(path), leaf)
+        leaf = _convert_numbers(name + jax.tree_util.keystr(path), leaf)
         if leaf.ndim == 1 and len(leaf) != count:
             raise UserError(
                 f"`{name}{jax.tree_util.keystr(path)}` must have one number per particle of its block, {count}",
@@ -186,7 +186,7 @@ def _per_particle(name: str, part: _Part, count: int, dtype: np.dtype) -> _Part:
     return jax.tree_util.tree_map_with_path(convert, part)
 
 
-def _floating(parts: _Part, dtype: np.dtype) -> _Part:
+def _conform_real(parts: _Part, dtype: np.dtype) -> _Part:
     """Forces, boundaries or constraints; what they hold beside real numbers, such as indices, is their own affair."""
 
     def convert(leaf):

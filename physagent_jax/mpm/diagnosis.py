@@ -46,11 +46,11 @@ def find_breach(model: Model, after: State, health: Health, fixed: bool) -> Brea
         health: Of its substeps.
         fixed: Whether the substep is forced, whatever the stable bound.
     """
-    fault, reason = _fault(model, after, health, fixed)
+    fault, reason = _find_fault(model, after, health, fixed)
     return None if fault is None else Breach(fault, f"{reason} at dt = {float(model.dt):.3g} s")
 
 
-def _fault(model: Model, after: State, health: Health, fixed: bool) -> tuple[Fault | None, str]:
+def _find_fault(model: Model, after: State, health: Health, fixed: bool) -> tuple[Fault | None, str]:
     min_J = float(health.min_J)
     if not bool(health.finite):
         return Fault.STEP, f"a value is not finite (the least det F is {min_J:.3g})"
@@ -91,7 +91,7 @@ def explain_failure(
     what = f"frame {index} cannot be simulated: {'; '.join(breach.words for breach in breaches)}"
     if breaches[-1].fault is not Fault.CRUSHED:
         return UserError(what, do="Use a stiffer material, a weaker force, or a finer grid")
-    load, stiffness = _load(model, state)
+    load, stiffness = _measure_load(model, state)
     return UserError(
         f"{what}: what acts on the matter is a pressure of some {load:.2g} Pa, and what is most stiff in it has a "
         f"modulus of {stiffness:.2g} Pa (3 lam + 2 mu)",
@@ -104,7 +104,7 @@ def explain_failure(
     )
 
 
-def _load(model: Model, state: State) -> tuple[float, float]:
+def _measure_load(model: Model, state: State) -> tuple[float, float]:
     """Pressure of inertia, rho (|a| L + |v|^2), over the body's length L, and the greatest stiffness at rest [Pa]."""
     x, v = (
         np.asarray(state.x, float),

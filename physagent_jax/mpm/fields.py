@@ -41,7 +41,7 @@ def find_owner(part: Any, path: tuple) -> str | None:
     """
     for key in path:
         if isinstance(key, jax.tree_util.GetAttrKey):
-            per = _metadata(part, key.name).get("per")
+            per = _find_metadata(part, key.name).get("per")
             if per is not None:
                 return per
             part = getattr(part, key.name)
@@ -56,20 +56,20 @@ def find_owner(part: Any, path: tuple) -> str | None:
 
 def find_fields(part: Any, **mark: Any) -> list[str]:
     """The names of a dataclass's own fields whose metadata has all of ``mark``."""
-    return [field.name for field in _fields(part) if mark.items() <= dict(field.metadata).items()]
+    return [field.name for field in _list_fields(part) if mark.items() <= dict(field.metadata).items()]
 
 
 def iterate_windows(part: Any) -> Iterator[tuple[Any, Any]]:
     """Start and end [s] of every window of ``part`` and of the dataclasses in its fields."""
     for start, end in zip(find_fields(part, **START), find_fields(part, **END)):
         yield getattr(part, start), getattr(part, end)
-    for field in _fields(part):
+    for field in _list_fields(part):
         yield from iterate_windows(getattr(part, field.name))
 
 
-def _fields(part: Any) -> tuple[dataclasses.Field, ...]:
+def _list_fields(part: Any) -> tuple[dataclasses.Field, ...]:
     return dataclasses.fields(part) if dataclasses.is_dataclass(part) else ()
 
 
-def _metadata(part: Any, name: str) -> Mapping[str, Any]:
-    return next((field.metadata for field in _fields(part) if field.name == name), {})
+def _find_metadata(part: Any, name: str) -> Mapping[str, Any]:
+    return next((field.metadata for field in _list_fields(part) if field.name == name), {})

@@ -73,20 +73,20 @@ def measure_exchange(model: Model, before: State, trace: StepTrace, after: State
         weightless = dataclasses.replace(after_forces, v=after_forces.v - model.dt * model.gravity)
     impulse = trace.node_mass[..., None] * (trace.velocity - trace.free_velocity)
     grid_work = (impulse * trace.velocity).sum()
-    constraint_work = _work(model, begun, gathered, after_forces, trace.after_constraints)
+    constraint_work = _measure_work(model, begun, gathered, after_forces, trace.after_constraints)
     projection_work = kinetic_energy(model, after) - kinetic_energy(model, gathered)
     boundary_impulse = (
         impulse.sum((0, 1, 2))
-        + _momentum_change(model, after_forces, trace.after_constraints)
-        + _momentum_change(model, gathered, after)
+        + _measure_momentum_change(model, after_forces, trace.after_constraints)
+        + _measure_momentum_change(model, gathered, after)
     )
     return Exchange(
-        force_work=_work(model, begun, gathered, begun, weightless),
+        force_work=_measure_work(model, begun, gathered, begun, weightless),
         boundary_work=constraint_work + grid_work + projection_work,
-        plastic_dissipation=_plastic(model, before, trace),
-        viscous_dissipation=_viscous(model, before, trace),
+        plastic_dissipation=_measure_plastic(model, before, trace),
+        viscous_dissipation=_measure_viscous(model, before, trace),
         numerical_loss=jnp.zeros((), before.x.dtype),
-        force_impulse=_momentum_change(model, before, after_forces),
+        force_impulse=_measure_momentum_change(model, before, after_forces),
         boundary_impulse=boundary_impulse,
     )
 
@@ -98,7 +98,7 @@ def balance(model: Model, start: State, end: State, total: Exchange) -> Exchange
     return dataclasses.replace(total, numerical_loss=loss)
 
 
-def _work(model: Model, begun: State, gathered: State, one: State, other: State) -> jax.Array:
+def _measure_work(model: Model, begun: State, gathered: State, one: State, other: State) -> jax.Array:
     """Of the impulses that take ``one`` to ``other``, in a step from ``begun`` to ``gathered``; C included."""
     v = (other.v - one.v) * 0.5 * (begun.v + gathered.v)
     C = (other.C - one.C) * 0.5 * (begun.C + gathered.C)
@@ -107,11 +107,11 @@ def _work(model: Model, begun: State, gathered: State, one: State, other: State)
     )
 
 
-def _momentum_change(model: Model, one: State, other: State) -> jax.Array:
+def _measure_momentum_change(model: Model, one: State, other: State) -> jax.Array:
     return sum_devices((model.mass[:, None] * (other.v - one.v)).sum(0), model.axis)
 
 
-def _plastic(model: Model, before: State, trace: StepTrace) -> jax.Array:
+def _measure_plastic(model: Model, before: State, trace: StepTrace) -> jax.Array:
     """Mean stress of the step times the plastic strain, and the energy that the changed history sets free.
 
     Not the energy that the return mapping takes off the trial state: nobody has put in the part of that which is
@@ -133,7 +133,7 @@ def _plastic(model: Model, before: State, trace: StepTrace) -> jax.Array:
     return sum_devices((model.volume * dissipated).sum(), model.axis)
 
 
-def _viscous(model: Model, before: State, trace: StepTrace) -> jax.Array:
+def _measure_viscous(model: Model, before: State, trace: StepTrace) -> jax.Array:
     if model.viscosity is None:
         return jnp.zeros((), before.x.dtype)
     end = trace.gathered

@@ -67,7 +67,7 @@ def rollout_sharded(
     mesh = Mesh(np.asarray(jax.devices() if devices is None else devices), (AXIS,))
     layout = ParticleLayout(tuple(material.count for material in model.materials), mesh.size)
     split = layout.split(model, state)
-    sharded = jax.device_put(split, _at(lambda spec: NamedSharding(mesh, spec), find_specs(split)))
+    sharded = jax.device_put(split, _map_specs(lambda spec: NamedSharding(mesh, spec), find_specs(split)))
     return _run(*sharded, layout, mesh, frame_count, substeps)
 
 
@@ -76,7 +76,7 @@ def _run(
     model: Model, state: State, layout: ParticleLayout, mesh: Mesh, frame_count: int, substeps: int
 ) -> tuple[State, State]:
     inward = find_specs((model, state))
-    outward = inward[1], _at(lambda spec: PartitionSpec(None, *spec), inward[1])
+    outward = inward[1], _map_specs(lambda spec: PartitionSpec(None, *spec), inward[1])
     run = partial(rollout, frame_count=frame_count, substeps=substeps)
     # Unchecked: JAX 0.10 otherwise refuses derivatives that evaluate linear maps at constants, as in `linalg.spectral`.
     split = jax.shard_map(run, mesh=mesh, in_specs=inward, out_specs=outward, check_vma=False)
@@ -93,7 +93,7 @@ def find_specs(split: tuple[Model, State]) -> tuple[Any, Any]:
     return jax.tree.map_with_path(spec, split)
 
 
-def _at(function, specs):
+def _map_specs(function, specs):
     return jax.tree.map(function, specs, is_leaf=lambda part: isinstance(part, PartitionSpec))
 
 
@@ -113,12 +113,12 @@ class ParticleLayout:
     def order(self) -> np.ndarray:
         """Particle in each place, device after device, shape (places,)."""
         starts = np.cumsum((0, *self.counts))
-        return self._join([start + self._block(count) for start, count in zip(starts, self.counts)])
+        return self._join([start + self._fill_block(count) for start, count in zip(starts, self.counts)])
 
     @cached_property
     def real(self) -> np.ndarray:
         """Whether it is that particle itself and not a twin, shape (places,)."""
-        return self._join([np.arange(len(self._block(count))) < count for count in self.counts])
+        return self._join([np.arange(len(self._fill_block(count))) < count for count in self.counts])
 
     def split(self, model: Model, state: State) -> tuple[Model, State]:
         """Both with their particles in their places, `Model.axis` set.
@@ -126,7 +126,7 @@ class ParticleLayout:
         Raises:
             UserError: The model cannot be split.
         """
-        constraints = tuple(self._constraint(constraint) for constraint in model.constraints)
+        constraints = tuple(self._split_constraint(constraint) for constraint in model.constraints)
         model, state = self._split(model.replace(constraints=()), state)
         return model.replace(constraints=constraints), state
 
@@ -141,7 +141,7 @@ class ParticleLayout:
         )
         return dataclasses.replace(state, history=history, **arrays)
 
-    def _block(self, count: int) -> np.ndarray:
+    def _fill_block(self, count: int) -> np.ndarray:
         """Particle of a material in each of the places of its block, shape (devices * share,)."""
         share = -(-count // self.devices)
         return np.minimum(np.arange(self.devices * share), count - 1)
@@ -156,20 +156,20 @@ class ParticleLayout:
             mass=mass,
             volume=volume,
             viscosity=None if model.viscosity is None else model.viscosity[self.order],
-            materials=tuple(self._material(*both) for both in zip(model.materials, self.counts)),
-            forces=self._forces(model.forces),
+            materials=tuple(self._split_material(*both) for both in zip(model.materials, self.counts)),
+            forces=self._split_forces(model.forces),
             kernels="reference",
             axis=AXIS,
         )
         arrays = {name: getattr(state, name)[self.order] for name in ("x", "v", "C", "F")}
         history = tuple(
-            past if isinstance(past, tuple) else past[self._block(count)]
+            past if isinstance(past, tuple) else past[self._fill_block(count)]
             for past, count in zip(state.history, self.counts)
         )
         return model, dataclasses.replace(state, history=history, **arrays)
 
-    def _material(self, material: Any, count: int) -> Any:
-        places = self._block(count)
+    def _split_material(self, material: Any, count: int) -> Any:
+        places = self._fill_block(count)
         share = len(places) // self.devices
         counted = find_fields(material, **COUNT)
         if counted:
@@ -188,7 +188,7 @@ class ParticleLayout:
             )
         return jax.tree.unflatten(structure, split)
 
-    def _forces(self, forces: tuple[Any, ...]) -> tuple[Any, ...]:
+    def _split_forces(self, forces: tuple[Any, ...]) -> tuple[Any, ...]:
         def split(path, leaf):
             if find_owner(forces, path) == "particle":
                 return leaf[self.order]
@@ -202,7 +202,7 @@ class ParticleLayout:
 
         return jax.tree.map_with_path(split, forces)
 
-    def _constraint(self, constraint: Any) -> Any:
+    def _split_constraint(self, constraint: Any) -> Any:
         """``constraint`` with the held places of each device, in terms of that device's particles.
 
         Devices with fewer than others fill up with a place beyond the last: what is written there is dropped.

@@ -58,7 +58,7 @@ def update_order(order: np.ndarray | None, model: Model, state: State) -> np.nda
     ):
         return order
     x = np.asarray(state.x)
-    pairs = _sampled_pairs(order, len(x))
+    pairs = _sample_pairs(order, len(x))
     rows = np.floor(x[pairs][..., :2] / model.grid.dx)
     if np.mean(np.abs(rows[0] - rows[1]).max(-1) > 1) <= MIXED:
         return order
@@ -66,7 +66,7 @@ def update_order(order: np.ndarray | None, model: Model, state: State) -> np.nda
     return cell_order(x, model.grid.dx, np.repeat(np.arange(len(counts)), counts))
 
 
-def _sampled_pairs(order: np.ndarray | None, count: int) -> np.ndarray:
+def _sample_pairs(order: np.ndarray | None, count: int) -> np.ndarray:
     """Some particles, and those that come next in memory, shape (2, m)."""
     first = np.arange(0, count - 1, _SAMPLED)
     places = np.stack([first, first + 1])

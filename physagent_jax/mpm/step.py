@@ -219,12 +219,12 @@ def grid_velocity(model: Model, nodes: jax.Array) -> jax.Array:
     divides by the mass squared, which in float32 underflows.
     """
     mass = nodes[..., 3:]
-    lightest = jax.lax.stop_gradient(_lightest(model))
+    lightest = jax.lax.stop_gradient(_find_least_mass(model))
     occupied = mass > jnp.finfo(mass.dtype).eps ** 1.5 * lightest
     return jnp.where(occupied, nodes[..., :3] / jnp.where(occupied, mass, 1.0), 0.0)
 
 
-def _lightest(model: Model) -> jax.Array:
+def _find_least_mass(model: Model) -> jax.Array:
     """Least mass of a particle [kg]."""
     if model.axis is None:
         return model.mass.min()

@@ -40,7 +40,7 @@ GRADIENT_LIMIT = 0.3  # of |grad v| dt: det(I + dt grad v) > 0 needs < 1
 
 def stable_dt(model: Model, state: State) -> jax.Array:
     """The closed-form bound dt_c [s] at the current deformation, least over the particles; inf if nothing is stiff."""
-    return _stable_dt(_of_any_window(model), state)
+    return _stable_dt(_drop_window_shape(model), state)
 
 
 @jax.jit
@@ -56,7 +56,7 @@ def _stable_dt(model: Model, state: State) -> jax.Array:
 
 def kinematic_dt(model: Model, state: State, horizon: jax.Array) -> jax.Array:
     """The advection and velocity-gradient limits [s], with the speed that forces can add within ``horizon`` [s]."""
-    return _kinematic_dt(_of_any_window(model), state, horizon)
+    return _kinematic_dt(_drop_window_shape(model), state, horizon)
 
 
 @jax.jit
@@ -71,7 +71,7 @@ def _kinematic_dt(model: Model, state: State, horizon: jax.Array) -> jax.Array:
     )
 
 
-def _of_any_window(model: Model) -> Model:
+def _drop_window_shape(model: Model) -> Model:
     """The model without its window's shape, on which no bound depends: a larger one need not be compiled for."""
     return model.replace(grid=dataclasses.replace(model.grid, shape=(0, 0, 0)))
 

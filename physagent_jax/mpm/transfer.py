@@ -72,8 +72,8 @@ def scatter_momentum(
     Returns:
         Momentum and mass at the nodes, shape (nx, ny, nz, 4).
     """
-    w = _outer(s.weights)
-    slopes = [] if impulse is None else [_outer(_sloped(s, axis)) for axis in range(3)]
+    w = _multiply_weights(s.weights)
+    slopes = [] if impulse is None else [_multiply_weights(_replace_by_slopes(s, axis)) for axis in range(3)]
     components = []
     for d in range(3):
         q = (
@@ -157,7 +157,7 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> Moved:
 
 def scatter_mass(s: Stencil, grid: Grid, mass: jax.Array) -> jax.Array:
     """Scatters ``mass`` [kg], shape (n,), alone; returns shape (nx, ny, nz)."""
-    values = _outer(s.weights) * mass[:, None, None, None]
+    values = _multiply_weights(s.weights) * mass[:, None, None, None]
     return _scatter(s.base, values[..., None], grid.shape)[..., 0]
 
 
@@ -189,16 +189,18 @@ def velocity_gradient(s: Stencil, grid: Grid, velocity: jax.Array) -> jax.Array:
     """Gathers grad v = sum v_i (grad w_i)^T [1/s], shape (n, 3, 3); the classical form's, where MLS takes C."""
     del grid
     v = _gather(s.base, velocity)
-    columns = [(v * _outer(_sloped(s, axis))[..., None]).sum((1, 2, 3)) for axis in range(3)]
+    columns = [
+        (v * _multiply_weights(_replace_by_slopes(s, axis))[..., None]).sum((1, 2, 3)) for axis in range(3)
+    ]
     return jnp.stack(columns, axis=-1)
 
 
-def _sloped(s: Stencil, axis: int) -> jax.Array:
+def _replace_by_slopes(s: Stencil, axis: int) -> jax.Array:
     """The weights with those of one axis replaced by their slopes."""
     return s.weights.at[:, axis].set(s.slopes[:, axis])
 
 
-def _outer(weights: jax.Array) -> jax.Array:
+def _multiply_weights(weights: jax.Array) -> jax.Array:
     """Tensor-product weights, shape (n, 3, 3, 3)."""
     return weights[:, 0, :, None, None] * weights[:, 1, None, :, None] * weights[:, 2, None, None, :]
 

@@ -43,13 +43,13 @@ def fit_window(grid: Grid, low: np.ndarray, high: np.ndarray, reach: float) -> G
     if np.all(origin <= first) and np.all(last < origin + np.asarray(grid.shape)):
         return grid
     needed = last - first + 1
-    shape = _sides(needed, grid.shape, nodes)
+    shape = _choose_sides(needed, grid.shape, nodes)
     slack = np.asarray(shape) - needed
     origin = np.clip(first - slack // 2, 0, nodes - np.asarray(shape))
     return dataclasses.replace(grid, origin=to_device(origin, np.int32), shape=shape)
 
 
-def _sides(needed: np.ndarray, have: tuple[int, int, int], most: int) -> tuple[int, int, int]:
+def _choose_sides(needed: np.ndarray, have: tuple[int, int, int], most: int) -> tuple[int, int, int]:
     """At least what is needed and what there is, but no more than ``most``."""
     if np.all(needed <= have):
         return have

@@ -46,17 +46,17 @@ def write_video(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> P
     path = Path(path)
     pictures = iter(frames)
     first = next(pictures, np.empty((0, 0, 0)))
-    size = _checked(np.asarray(first)[None]).shape[1:]
+    size = _check_frames(np.asarray(first)[None]).shape[1:]
     with (
         replace_file(path) as temporary,
         av.open(str(temporary), "w", options={"movflags": "+faststart"}) as file,
     ):
-        stream = _h264_stream(file, size[1] + size[1] % 2, size[0] + size[0] % 2, fps)
+        stream = _add_h264_stream(file, size[1] + size[1] % 2, size[0] + size[0] % 2, fps)
         for picture in itertools.chain([first], pictures):
-            if _checked(np.asarray(picture)[None]).shape[1:] != size:
+            if _check_frames(np.asarray(picture)[None]).shape[1:] != size:
                 raise ValueError(f"`frames` must be of one size (got {size} and {np.shape(picture)})")
             padded = np.pad(picture, ((0, size[0] % 2), (0, size[1] % 2), (0, 0)), mode="edge")
-            file.mux(stream.encode(_to_yuv(padded)))
+            file.mux(stream.encode(_convert_to_yuv(padded)))
         file.mux(stream.encode(None))
     return path
 
@@ -103,7 +103,7 @@ def write_frames(folder: str | Path, frames: np.ndarray) -> list[Path]:
         ValueError: The frames are not uint8 RGB.
     """
     folder = Path(folder)
-    paths = [folder / name for name in make_frame_names("", len(_checked(frames)))]
+    paths = [folder / name for name in make_frame_names("", len(_check_frames(frames)))]
     for path, picture in zip(paths, frames, strict=True):
         write_picture(path, picture)
     return paths
@@ -124,7 +124,7 @@ def encode_png(picture: np.ndarray) -> bytes:
     return iio.imwrite("<bytes>", picture, extension=".png")
 
 
-def _checked(frames: np.ndarray) -> np.ndarray:
+def _check_frames(frames: np.ndarray) -> np.ndarray:
     frames = np.asarray(frames)
     if frames.ndim != 4 or frames.shape[-1] != 3 or frames.dtype != np.uint8 or frames.size == 0:
         raise ValueError(
@@ -133,7 +133,7 @@ def _checked(frames: np.ndarray) -> np.ndarray:
     return frames
 
 
-def _h264_stream(file: OutputContainer, width: int, height: int, fps: float):
+def _add_h264_stream(file: OutputContainer, width: int, height: int, fps: float):
     stream = file.add_stream("libx264", rate=Fraction(fps).limit_denominator(1001), options=QUALITY)
     stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
     # Untagged files are shown with BT.601 or BT.709 by taste of the player: colours would shift.
@@ -143,7 +143,7 @@ def _h264_stream(file: OutputContainer, width: int, height: int, fps: float):
     return stream
 
 
-def _to_yuv(picture: np.ndarray) -> av.VideoFrame:
+def _convert_to_yuv(picture: np.ndarray) -> av.VideoFrame:
     return av.VideoFrame.from_ndarray(picture, format="rgb24").reformat(
         format="yuv420p", dst_colorspace=Colorspace.ITU709, dst_color_range=ColorRange.MPEG
     )

@@ -62,7 +62,7 @@ def project(splats: Splats, camera: Camera) -> Projected:
         splats: Gaussians in world space.
         camera: Pinhole camera.
     """
-    splats, finite = _without_nans(splats)
+    splats, finite = _drop_nans(splats)
     dtype = splats.means.dtype
     view, K = jnp.asarray(camera.viewmat, dtype), jnp.asarray(camera.K, dtype)
     W = view[:3, :3]
@@ -85,12 +85,12 @@ def project(splats: Splats, camera: Camera) -> Projected:
         conics=conics,
         depths=depths,
         opacities=jnp.where(visible, splats.opacities, 0.0),
-        colors=_colors(splats, view),
+        colors=_evaluate_colors(splats, view),
         extents=jax.lax.stop_gradient(jnp.where(visible[:, None], extents, -1.0)),
     )
 
 
-def _without_nans(splats: Splats) -> tuple[Splats, jax.Array]:
+def _drop_nans(splats: Splats) -> tuple[Splats, jax.Array]:
     """Splats with zeros for what is not finite, and which ones are. Shape (n,).
 
     Without this, products with a weight of zero would carry a NaN into pixels and gradients.
@@ -138,7 +138,7 @@ def _project_covariances(covariances, W, K, x_over_z, y_over_z, z, camera):
     return a, b, c
 
 
-def _colors(splats: Splats, view: jax.Array) -> jax.Array:
+def _evaluate_colors(splats: Splats, view: jax.Array) -> jax.Array:
     """Colours seen by the camera: the view direction is rotated back to the captured frame, not the SH."""
     if splats.sh.shape[1] == 1:
         directions = jnp.zeros_like(splats.means)  # a constant colour, no direction needed

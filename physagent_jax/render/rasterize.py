@@ -52,7 +52,7 @@ def blend(
         ],
         axis=-1,
     )
-    kernel = _kernels_for(layout, packed.dtype) if native else None
+    kernel = _find_kernels(layout, packed.dtype) if native else None
     blended: Any = _blend(
         layout, kernel, packed, lists.gaussians, lists.starts
     )  # `custom_vjp` hides the type
@@ -60,20 +60,20 @@ def blend(
     return layout.to_image(features), layout.to_image(transmittance)
 
 
-def _kernels_for(layout: TileLayout, dtype) -> Any:
+def _find_kernels(layout: TileLayout, dtype) -> Any:
     """The module of the CPU kernels; None if they are not made for this."""
     module = kernels.load_cpu_kernels()
     return module if module.fits(layout, dtype) else None
 
 
-def _alpha(row: jax.Array, x: jax.Array, y: jax.Array) -> jax.Array:
+def _evaluate_alpha(row: jax.Array, x: jax.Array, y: jax.Array) -> jax.Array:
     """Alpha o exp(-q / 2) before any limit, of one Gaussian per lane, shape (lanes, pixels)."""
     mean_x, mean_y, a, b, c, opacity = (row[:, i, None] for i in range(6))
     dx, dy = x - mean_x, y - mean_y
     return opacity * jnp.exp(-0.5 * (a * dx * dx + c * dy * dy) - b * dx * dy)
 
 
-def _list_bounds(starts: jax.Array, tile: jax.Array) -> tuple[jax.Array, jax.Array]:
+def _find_list(starts: jax.Array, tile: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Start and length of the tiles' lists; ids past the last tile have empty lists."""
     begin = starts.at[tile].get(mode="clip")
     return begin, starts.at[tile + 1].get(mode="clip") - begin
@@ -94,7 +94,7 @@ def _blend_forward(
 
     def group(tile):
         x, y, inside = layout.pixels(tile, packed.dtype)
-        begin, length = _list_bounds(starts, tile)
+        begin, length = _find_list(starts, tile)
 
         def unfinished(state):
             i, T, _ = state
@@ -103,7 +103,7 @@ def _blend_forward(
         def step(offset, state):
             i, T, C = state
             row = packed[gaussians.at[begin + i + offset].get(mode="clip")]
-            alpha = _alpha(row, x, y)
+            alpha = _evaluate_alpha(row, x, y)
             blended = (alpha >= ALPHA_MIN) & (T > TRANSMITTANCE_STOP) & (i + offset < length)[:, None]
             alpha = jnp.where(blended, jnp.minimum(alpha, ALPHA_MAX), 0.0)
             return i, T * (1 - alpha), C + (T * alpha)[None] * row[:, 6:].T[:, :, None]
@@ -145,7 +145,7 @@ def _blend_bwd(layout: TileLayout, kernel: Any, residuals, cotangents):
         tile, g, gT, C, T_final, steps = inputs
         g = jnp.moveaxis(g, -1, 0)
         x, y, inside = layout.pixels(tile, packed.dtype)
-        begin, length = _list_bounds(starts, tile)
+        begin, length = _find_list(starts, tile)
         total = jnp.sum(jnp.moveaxis(C, -1, 0) * g, axis=0) + T_final * gT
 
         def chunk(n, state):
@@ -158,7 +158,7 @@ def _blend_bwd(layout: TileLayout, kernel: Any, residuals, cotangents):
             def step(k, state):
                 T, prefix, dexponents, weights = state
                 row = rows[k]
-                raw = _alpha(row, x, y)
+                raw = _evaluate_alpha(row, x, y)
                 blended = (raw >= ALPHA_MIN) & (T > TRANSMITTANCE_STOP) & listed[k][:, None]
                 alpha = jnp.where(blended, jnp.minimum(raw, ALPHA_MAX), 0.0)
                 weight = T * alpha

@@ -62,7 +62,7 @@ def render(
         UserError: The Gaussians overlap so many tiles that the image does not fit into memory, or ``kernels`` are not
             to be had.
     """
-    key = _key(splats, camera)
+    key = _make_key(splats, camera)
     capacity = capacities.get(key) or choose_pair_capacity(splats, camera)
     rendering, total = rasterize(splats, camera, background, capacity=capacity, kernels=kernels)
     if int(total) > capacity:  # not what is noted by now: another thread may have noted more since
@@ -89,7 +89,7 @@ def render_all(
 
     cameras = [camera] * len(frames) if isinstance(camera, Camera) else list(camera)
     views = list(zip(frames, cameras, strict=True))
-    alone = [view for view in views[:1] if _key(*view) not in capacities]
+    alone = [view for view in views[:1] if _make_key(*view) not in capacities]
     done = [one(*view) for view in alone]  # so that what has to be compiled is compiled once
     with ThreadPoolExecutor(choose_batch_size()) as pool:
         return done + list(pool.map(lambda view: one(*view), views[len(done) :]))
@@ -113,7 +113,7 @@ def choose_pair_capacity(splats: Splats, camera: Camera) -> int:
     Raises:
         UserError: The Gaussians overlap so many tiles that the image does not fit into memory.
     """
-    return round_up(int(_count(_project(splats, camera), camera.width, camera.height)))
+    return round_up(int(_count_pairs(_project(splats, camera), camera.width, camera.height)))
 
 
 def rasterize(
@@ -149,16 +149,16 @@ def rasterize(
         lanes = 1 if find_platform() == "cpu" else tiles
     layout = TileLayout(camera.width, camera.height, tile_size, lanes)
     projected = _project(splats, camera)
-    background = _in_precision(background, splats.means.dtype)
+    background = _cast(background, splats.means.dtype)
     return draw(projected, background, capacity, layout, use_cpu(kernels))
 
 
 def _project(splats: Splats, camera: Camera) -> Projected:
     """`project` as the program that `choose_pair_capacity` and `rasterize` share."""
-    return project(splats, jax.tree.map(lambda array: _in_precision(array, splats.means.dtype), camera))
+    return project(splats, jax.tree.map(lambda array: _cast(array, splats.means.dtype), camera))
 
 
-def _in_precision(array, dtype) -> np.ndarray | jax.Array:
+def _cast(array, dtype) -> np.ndarray | jax.Array:
     """``array`` in the one precision of a picture: cameras come as float64 from NumPy."""
     return array.astype(dtype) if isinstance(array, jax.Array) else np.asarray(array, dtype)
 
@@ -181,11 +181,11 @@ def draw(
 
 
 @functools.partial(jax.jit, static_argnums=(1, 2))
-def _count(projected: Projected, width: int, height: int) -> jax.Array:
+def _count_pairs(projected: Projected, width: int, height: int) -> jax.Array:
     return count_pairs(find_tile_rectangles(projected, width, height, TILE_SIZE))
 
 
-def _key(splats: Splats, camera: Camera) -> tuple[int, int, int]:
+def _make_key(splats: Splats, camera: Camera) -> tuple[int, int, int]:
     return splats.means.shape[0], camera.width, camera.height
 
 

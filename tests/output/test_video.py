@@ -68,7 +68,7 @@ def test_unwritable_place_is_a_user_error_and_leaves_nothing(tmp_path):
 def test_a_failed_write_keeps_the_old_file(tmp_path, monkeypatch):
     path = write_video(tmp_path / "clip.mp4", colour_bars(4, 16, 16), 25)
     before = path.read_bytes()
-    monkeypatch.setattr("physagent_jax.output.video._to_yuv", lambda picture: 1 / 0)
+    monkeypatch.setattr("physagent_jax.output.video._convert_to_yuv", lambda picture: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         write_video(path, colour_bars(4, 16, 16), 25)
     assert path.read_bytes() == before

@@ -80,7 +80,7 @@ def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) ->
     with np.errstate(over="ignore"):  # an overflow is found by the check just below
         scales = np.exp(log_scales)
         opacities = 1.0 / (1.0 + np.exp(-logits))
-    finite = _usable(path, means=means, scales=scales, quats=quats, sh=sh, logits=logits)
+    finite = _find_usable(path, means=means, scales=scales, quats=quats, sh=sh, logits=logits)
     keep = finite & (opacities >= opacity_threshold)
     if not keep.any():
         raise UserError(
@@ -88,11 +88,11 @@ def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) ->
             got=f"{opacities[finite].max():.3g} at most",
             do="Lower the threshold",
         )
-    kept = (means[keep], _unit_quats(path, quats[keep]), scales[keep], opacities[keep], sh[keep])
+    kept = (means[keep], _normalise_quats(path, quats[keep]), scales[keep], opacities[keep], sh[keep])
     return GaussianCloud(*(to_device(values, np.float32) for values in kept))
 
 
-def _usable(path: Path, *, logits: np.ndarray, **values: np.ndarray) -> np.ndarray:
+def _find_usable(path: Path, *, logits: np.ndarray, **values: np.ndarray) -> np.ndarray:
     """Gaussians whose values are numbers that mean something, shape (n,); warns of the others.
 
     Raises:
@@ -190,7 +190,7 @@ def _check_properties(path: Path, vertex: PlyElement) -> list[str]:
     return rest_names
 
 
-def _unit_quats(path: Path, quats: np.ndarray) -> np.ndarray:
+def _normalise_quats(path: Path, quats: np.ndarray) -> np.ndarray:
     """Normalised quaternions; those of norm zero become the identity."""
     largest = np.abs(quats).max(axis=1, keepdims=True)
     quats = quats / np.where(largest > 0, largest, 1.0)  # whose squares neither overflow nor vanish

@@ -88,18 +88,18 @@ def read_ply_header(path: str | Path) -> PlyHeader:
     shown = shorten(path)
     with open_regular(path, most=MOST_BYTES) as file:
         size = os.fstat(file.fileno()).st_size
-        header = _parsed(file.read(_HEADER_BYTES), shown)
+        header = _parse(file.read(_HEADER_BYTES), shown)
         left = size - header.size
         for element in header.elements:
             left -= _check_rows(element, header, file, left, shown)
     return header
 
 
-def _parsed(data: bytes, shown: str) -> PlyHeader:
+def _parse(data: bytes, shown: str) -> PlyHeader:
     end = data.find(b"end_header")
     newline = data.find(b"\n", end)
     if not data.startswith(b"ply") or end < 0 or newline < 0:
-        raise _no_ply(shown, "no PLY header, from `ply` to `end_header`")
+        raise _explain_no_ply(shown, "no PLY header, from `ply` to `end_header`")
     elements: list[Element] = []
     order = None
     # The lines of a header end like those of its author's machine.
@@ -108,29 +108,31 @@ def _parsed(data: bytes, shown: str) -> PlyHeader:
             case ["format", name, _]:
                 order = _ORDER.get(name)
             case ["element", name, count]:
-                elements.append(Element(name, _count(count, shown)))
+                elements.append(Element(name, _read_count(count, shown)))
             case ["property", "list", length, entry, name] if elements:
-                elements[-1].properties.append(Property(name, _type(entry, shown), _type(length, shown)))
+                elements[-1].properties.append(
+                    Property(name, _read_type(entry, shown), _read_type(length, shown))
+                )
             case ["property", kind, name] if elements:
-                elements[-1].properties.append(Property(name, _type(kind, shown)))
+                elements[-1].properties.append(Property(name, _read_type(kind, shown)))
             case [] | ["comment" | "obj_info", *_]:
                 pass
             case _:
-                raise _no_ply(shown, f"the line {shorten(line, 60)!r}")
+                raise _explain_no_ply(shown, f"the line {shorten(line, 60)!r}")
     if order is None:
-        raise _no_ply(shown, "an unknown format")
+        raise _explain_no_ply(shown, "an unknown format")
     return PlyHeader(tuple(elements), order, newline + 1)
 
 
-def _count(text: str, shown: str) -> int:
+def _read_count(text: str, shown: str) -> int:
     if len(text) > 20 or not text.lstrip("-").isascii() or not text.lstrip("-").isdecimal():
-        raise _no_ply(shown, f"a count of {shorten(text, 40)!r}")
+        raise _explain_no_ply(shown, f"a count of {shorten(text, 40)!r}")
     return int(text)
 
 
-def _type(name: str, shown: str) -> str:
+def _read_type(name: str, shown: str) -> str:
     if name not in _TYPES:
-        raise _no_ply(shown, f"a property of type {shorten(name, 40)!r}")
+        raise _explain_no_ply(shown, f"a property of type {shorten(name, 40)!r}")
     return _TYPES[name]
 
 
@@ -147,14 +149,14 @@ def _check_rows(element: Element, header: PlyHeader, file: BinaryIO, left: int, 
     if all(prop.length_dtype is None for prop in columns):
         return element.count * each
     mapped = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-    return _list_bytes(element, header.order, memoryview(mapped)[len(mapped) - left :], shown)
+    return _count_list_bytes(element, header.order, memoryview(mapped)[len(mapped) - left :], shown)
 
 
-def _list_bytes(element: Element, order: str, data: memoryview, shown: str) -> int:
+def _count_list_bytes(element: Element, order: str, data: memoryview, shown: str) -> int:
     """Bytes of an element with lists; rows of one and the same length, as in most files, are checked at once."""
     if element.count == 0:
         return 0
-    used = _row_bytes(element, order, data, 0, shown)
+    used = _count_row_bytes(element, order, data, 0, shown)
     if used * element.count <= len(data):
         rows = np.frombuffer(data, np.uint8, used * element.count).reshape(element.count, used)
         at = 0
@@ -163,7 +165,7 @@ def _list_bytes(element: Element, order: str, data: memoryview, shown: str) -> i
                 width = np.dtype(prop.length_dtype).itemsize
                 if (rows[:, at : at + width] != rows[0, at : at + width]).any():
                     break
-                length = _length(prop, order, data, at)
+                length = _read_length(prop, order, data, at)
                 at += width + length * np.dtype(prop.dtype).itemsize
             else:
                 at += np.dtype(prop.dtype).itemsize
@@ -171,17 +173,17 @@ def _list_bytes(element: Element, order: str, data: memoryview, shown: str) -> i
             return used * element.count
     at = 0
     for _ in range(element.count):
-        at += _row_bytes(element, order, data, at, shown)
+        at += _count_row_bytes(element, order, data, at, shown)
     return at
 
 
-def _row_bytes(element: Element, order: str, data: memoryview, start: int, shown: str) -> int:
+def _count_row_bytes(element: Element, order: str, data: memoryview, start: int, shown: str) -> int:
     at = start
     for prop in element.properties:
         if prop.length_dtype is not None:
             width = np.dtype(prop.length_dtype).itemsize
             check_counts(shown, f"lengths of `{prop.name}`", 1, width, len(data) - at)
-            length = _length(prop, order, data, at)
+            length = _read_length(prop, order, data, at)
             each = np.dtype(prop.dtype).itemsize
             check_counts(shown, f"entries of `{prop.name}`", length, each, len(data) - at - width)
             at += width + length * each
@@ -191,7 +193,7 @@ def _row_bytes(element: Element, order: str, data: memoryview, start: int, shown
     return at - start
 
 
-def _length(prop: Property, order: str, data: memoryview, at: int) -> int:
+def _read_length(prop: Property, order: str, data: memoryview, at: int) -> int:
     assert prop.length_dtype is not None
     if prop.length_dtype.startswith("f"):
         return -1  # a list of half an entry makes no sense
@@ -200,5 +202,5 @@ def _length(prop: Property, order: str, data: memoryview, at: int) -> int:
     return int.from_bytes(data[at : at + size], "little" if order == "<" else "big", signed=signed)
 
 
-def _no_ply(shown: str, reason: str) -> UserError:
+def _explain_no_ply(shown: str, reason: str) -> UserError:
     return UserError(f"{shown} is not a readable PLY file", got=reason, do="Give a 3DGS .ply file or a mesh")

@@ -45,35 +45,37 @@ class Box(Boundary):
         """Velocities after contact with the box."""
         point = displace(self.point, self.velocity, self.start, time)
         active = is_active(self.start, self.end, time)
-        offsets = _offsets(grid, velocity.dtype, point)
+        offsets = _measure_offsets(grid, velocity.dtype, point)
         beyond = [jnp.abs(offset) - self.half_size[axis] for axis, offset in enumerate(offsets)]
         if not self.container:
-            inside = is_touching(_largest(beyond), grid.dx) & active
-            normal = _nearest_face(offsets, beyond)
+            inside = is_touching(_join_faces(beyond), grid.dx) & active
+            normal = _find_nearest_face(offsets, beyond)
             return collide(velocity, inside, normal, self.contact, self.friction, self.velocity)
         for axis, (offset, distance) in enumerate(zip(offsets, beyond)):
-            wall = jnp.zeros((*offset.shape, 3), velocity.dtype).at[..., axis].set(-_sign(offset))
+            wall = jnp.zeros((*offset.shape, 3), velocity.dtype).at[..., axis].set(-_take_sign(offset))
             inside = jnp.broadcast_to(is_touching(-distance, grid.dx) & active, velocity.shape[:-1])
             velocity = collide(velocity, inside, wall, self.contact, self.friction, self.velocity)
         return velocity
 
 
-def _offsets(grid, dtype, point: jax.Array) -> list[jax.Array]:
+def _measure_offsets(grid, dtype, point: jax.Array) -> list[jax.Array]:
     return [x - point[axis] for axis, x in enumerate(grid.node_positions(dtype))]
 
 
-def _largest(beyond: list[jax.Array]) -> jax.Array:
+def _join_faces(beyond: list[jax.Array]) -> jax.Array:
     """Signed distance in the maximum norm: exact inside and on the faces, and of the right sign outside."""
     return jnp.maximum(jnp.maximum(beyond[0], beyond[1]), beyond[2])
 
 
-def _nearest_face(offsets: list[jax.Array], beyond: list[jax.Array]) -> jax.Array:
+def _find_nearest_face(offsets: list[jax.Array], beyond: list[jax.Array]) -> jax.Array:
     first = (beyond[0] >= beyond[1]) & (beyond[0] >= beyond[2])
     second = ~first & (beyond[1] >= beyond[2])
     faces = first, second, ~first & ~second
-    return jnp.stack([jnp.where(face, _sign(offset), 0.0) for face, offset in zip(faces, offsets)], axis=-1)
+    return jnp.stack(
+        [jnp.where(face, _take_sign(offset), 0.0) for face, offset in zip(faces, offsets)], axis=-1
+    )
 
 
-def _sign(offset: jax.Array) -> jax.Array:
+def _take_sign(offset: jax.Array) -> jax.Array:
     """+1 or -1: the box's own centre planes belong to the upper half."""
     return jnp.where(offset >= 0, jnp.ones_like(offset), -jnp.ones_like(offset))

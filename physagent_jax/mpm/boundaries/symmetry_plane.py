@@ -35,9 +35,9 @@ class SymmetryPlane(Boundary):
 
     def fold(self, nodes: jax.Array, grid: Grid) -> jax.Array:
         """Momentum and mass with the image's added, shape (nx, ny, nz, 4)."""
-        layer = self._layer(grid)
+        layer = self._count_layers(grid)
         # Not every window reaches behind the plane; what would come round its other end is not an image.
-        behind = jnp.where(layer == -1, nodes, 0) * self._flip(nodes.dtype, 4)
+        behind = jnp.where(layer == -1, nodes, 0) * self._make_flip(nodes.dtype, 4)
         image = jnp.roll(behind, 2 * self.side, self.axis)
         nodes = jnp.where(layer == -1, 0, nodes + image)
         return nodes.at[..., self.axis].set(jnp.where(layer[..., 0] == 0, 0, nodes[..., self.axis]))
@@ -45,14 +45,14 @@ class SymmetryPlane(Boundary):
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """No normal velocity on the plane, mirrored velocities behind it."""
         del time
-        layer = self._layer(grid)
-        image = jnp.roll(velocity * self._flip(velocity.dtype, 3), -2 * self.side, self.axis)
+        layer = self._count_layers(grid)
+        image = jnp.roll(velocity * self._make_flip(velocity.dtype, 3), -2 * self.side, self.axis)
         velocity = jnp.where(layer == -1, image, velocity)
         return velocity.at[..., self.axis].set(jnp.where(layer[..., 0] == 0, 0, velocity[..., self.axis]))
 
-    def _layer(self, grid) -> jax.Array:
+    def _count_layers(self, grid) -> jax.Array:
         """Layers before the plane (0 on it, negative behind it), broadcastable to nodes and components."""
         return self.side * (grid.node_indices()[self.axis] - self.node)[..., None]
 
-    def _flip(self, dtype, components: int) -> jax.Array:
+    def _make_flip(self, dtype, components: int) -> jax.Array:
         return jnp.ones(components, dtype).at[self.axis].set(-1)

@@ -60,17 +60,17 @@ class RigidMotion:
         """
         whole = sum_devices(mass.sum(), axis)
         share = mass / jnp.where(whole > 0, whole, 1)
-        center = _mean(share, x, axis)
+        center = _average(share, x, axis)
         r = x - center
         # In units of dx^2 the inertia is of order one: in single precision its determinant cannot underflow.
         outer = sum_devices((share[:, None, None] / dx**2 * r[:, :, None] * r[:, None, :]).sum(0), axis)
         own = 0.0 if C is None else 0.5
         inertia = (outer[0, 0] + outer[1, 1] + outer[2, 2] + own) * jnp.eye(3, dtype=x.dtype) - outer
-        spin = _mean(share, cross(r, v), axis) / dx**2
+        spin = _average(share, cross(r, v), axis) / dx**2
         if C is not None:
             axial = [C[:, 2, 1] - C[:, 1, 2], C[:, 0, 2] - C[:, 2, 0], C[:, 1, 0] - C[:, 0, 1]]
-            spin = spin + _mean(share, jnp.stack(axial, axis=-1), axis) / 4
-        return RigidMotion(share, r, center, _mean(share, v, axis), spin, inertia, dx)
+            spin = spin + _average(share, jnp.stack(axial, axis=-1), axis) / 4
+        return RigidMotion(share, r, center, _average(share, v, axis), spin, inertia, dx)
 
     def angular_velocity(self, turn: jax.Array | None = None) -> jax.Array:
         """The angular velocity [rad/s] that has this spin, after the body has turned by ``turn`` (3, 3)."""
@@ -118,7 +118,7 @@ class RigidBody(Constraint):
 
     def before_p2g(self, model: Model, state: State) -> State:
         """Replaces v and C by the rigid field of equal momenta."""
-        motion = self._motion(model, state)
+        motion = self._measure_motion(model, state)
         return self._set_motion(state, motion, motion.velocity, motion.angular_velocity())
 
     def on_grid(
@@ -132,7 +132,7 @@ class RigidBody(Constraint):
     ) -> jax.Array:
         """Makes the nodes more than half of whose mass is the body's move rigidly."""
         grid, p = model.grid, self.particles
-        share = scatter_mass(jax.tree.map(lambda part: part[p], s), grid, self._mass(model))
+        share = scatter_mass(jax.tree.map(lambda part: part[p], s), grid, self._gather_mass(model))
         owned = (sum_devices(share, model.axis) > 0.5 * node_mass).ravel()
         nodes = jnp.stack(jnp.broadcast_arrays(*grid.node_positions(free.dtype)), axis=-1)
         mass = jnp.where(owned, node_mass.ravel(), 0)
@@ -148,7 +148,7 @@ class RigidBody(Constraint):
     def after_g2p(self, model: Model, before: State, after: State) -> State:
         """Moves the body as a whole, with the momenta that its particles gathered."""
         p, dt = self.particles, model.dt
-        motion = self._motion(model, dataclasses.replace(after, x=before.x))
+        motion = self._measure_motion(model, dataclasses.replace(after, x=before.x))
         halfway = rotation_matrix(0.5 * dt * motion.angular_velocity())
         vector = dt * motion.angular_velocity(halfway)
         turn, r = rotation_matrix(vector), rotate(motion.r, vector)
@@ -158,11 +158,11 @@ class RigidBody(Constraint):
         turned = dataclasses.replace(motion, r=r)
         return self._set_motion(moved, turned, motion.velocity, motion.angular_velocity(turn))
 
-    def _motion(self, model: Model, state: State) -> RigidMotion:
+    def _measure_motion(self, model: Model, state: State) -> RigidMotion:
         p, dx = self.particles, model.grid.dx
-        return RigidMotion.of(self._mass(model), state.x[p], state.v[p], dx, state.C[p], model.axis)
+        return RigidMotion.of(self._gather_mass(model), state.x[p], state.v[p], dx, state.C[p], model.axis)
 
-    def _mass(self, model: Model) -> jax.Array:
+    def _gather_mass(self, model: Model) -> jax.Array:
         """[kg], shape (k,); zero where an index stands for no particle."""
         return model.mass.at[self.particles].get(mode="fill", fill_value=0)
 
@@ -194,8 +194,8 @@ def _project_on_boundaries(
         for boundary in model.boundaries:
             wanted = boundary.apply(wanted, model.grid, time)
         change = jnp.where(share[:, None] > 0, wanted.reshape(-1, 3) - field, 0)
-        along_v = _mean(share, change)
-        along_w = motion.apply_inverse_inertia(_mean(share, cross(motion.r, change)) / motion.dx**2)
+        along_v = _average(share, change)
+        along_w = motion.apply_inverse_inertia(_average(share, cross(motion.r, change)) / motion.dx**2)
         along = motion.field(along_v, along_w)
         touched = (change != 0).any(-1)
         gain, cost = (share * (change * along).sum(-1)).sum(), (share * touched * (along**2).sum(-1)).sum()
@@ -205,5 +205,5 @@ def _project_on_boundaries(
     return jax.lax.scan(descend, (velocity, angular_velocity), None, length=CONTACT_ITERATIONS)[0]
 
 
-def _mean(share: jax.Array, values: jax.Array, axis: str | None = None) -> jax.Array:
+def _average(share: jax.Array, values: jax.Array, axis: str | None = None) -> jax.Array:
     return sum_devices((share[:, None] * values).sum(0), axis)

@@ -55,7 +55,7 @@ def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, dv, dt, *, neo_hoo
         vmap_method="sequential",
         output_layouts=(_BY_NUMBER, None),
     )
-    scalars = _scalars(x.dtype, dt, grid.dx, form == "gradient", neo_hookean)
+    scalars = _stack_scalars(x.dtype, dt, grid.dx, form == "gradient", neo_hookean)
     return call(x, v, C, tau, mu, lam, mass, volume, dv, grid.origin, scalars)[0]
 
 
@@ -84,7 +84,7 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.
         input_output_aliases={k: k for k in range(4)},
     )
     walls = (wall * grid.dx, (grid.cells - wall) * grid.dx)
-    scalars = _scalars(x.dtype, dt, grid.dx, form == "gradient", *walls)
+    scalars = _stack_scalars(x.dtype, dt, grid.dx, form == "gradient", *walls)
     x, v, C, F, health, _ = call(x, v, C, F, velocity, grid.origin, scalars)
     least_J, most_J, least_increment, speed, nonfinite, outside, beyond = health.T
     return transfer.Moved(
@@ -111,7 +111,7 @@ def _check(kernel: str, grid: Grid, operands: dict[str, jax.Array], shapes: dict
     ffi.check_operands(kernel, operands, shapes, operands["x"].dtype, origin="int32")
 
 
-def _scalars(dtype, *numbers) -> jax.Array:
+def _stack_scalars(dtype, *numbers) -> jax.Array:
     return jnp.stack([jnp.asarray(number, dtype) for number in numbers])
 
 
@@ -120,14 +120,14 @@ def _pull_p2g(form, grid, operands, cotangent, *, neo_hookean: bool):
     x, v, C, tau, mu, lam, mass, volume, dv, dt = operands
     shares = thread_count() * SHARES_PER_THREAD
     results = tuple(jax.ShapeDtypeStruct(like.shape, x.dtype) for like in operands[:8])
-    results += (jax.ShapeDtypeStruct((shares, TOTALS), x.dtype), _padded_grid(grid, x.dtype))
+    results += (jax.ShapeDtypeStruct((shares, TOTALS), x.dtype), _describe_padded_grid(grid, x.dtype))
     call = jax.ffi.ffi_call(
         register_handler("p2g_adjoint", x.dtype.name),
         results,
         vmap_method="sequential",
         input_layouts=(*(None,) * 10, _BY_NUMBER, None),
     )
-    scalars = _scalars(x.dtype, dt, grid.dx, neo_hookean)
+    scalars = _stack_scalars(x.dtype, dt, grid.dx, neo_hookean)
     *bars, totals, _ = call(x, v, C, tau, mu, lam, mass, volume, dv, grid.origin, cotangent, scalars)
     total = totals.sum(0)
     return (*bars, total[:3], total[3])
@@ -174,7 +174,7 @@ def _g2p_backward(form, wall, residuals, cotangent):
         return (None, *jax.vjp(partial(transfer.g2p, form, wall, grid), *operands)[1](cotangent))
     x, v, C, F, velocity, dt = operands
     parts = thread_count()
-    padded = _padded_grid(grid, x.dtype)
+    padded = _describe_padded_grid(grid, x.dtype)
     results = tuple(
         jax.ShapeDtypeStruct(shape, x.dtype) for shape in (x.shape, F.shape, (*grid.shape, NUMBERS))
     )
@@ -187,12 +187,12 @@ def _g2p_backward(form, wall, residuals, cotangent):
         output_layouts=(None, None, _BY_NUMBER, None, None, None),
     )
     bars = cotangent.x, cotangent.v, cotangent.C, cotangent.F  # what `Health` holds has no derivative
-    scalars = _scalars(x.dtype, dt, grid.dx)
+    scalars = _stack_scalars(x.dtype, dt, grid.dx)
     by_x, by_F, nodes, _, totals, _ = call(x, F, velocity, grid.origin, *bars, scalars)
     return (None, by_x, jnp.zeros_like(v), jnp.zeros_like(C), by_F, nodes[..., :3], totals[:, 3].sum())
 
 
-def _padded_grid(grid: Grid, dtype) -> jax.ShapeDtypeStruct:
+def _describe_padded_grid(grid: Grid, dtype) -> jax.ShapeDtypeStruct:
     """Room for all numbers of a grid's nodes and `PADDING`."""
     return jax.ShapeDtypeStruct((NUMBERS * math.prod(grid.shape) + PADDING,), dtype)
 

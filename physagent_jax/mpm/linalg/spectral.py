@@ -64,15 +64,15 @@ def spectral(function: Callable[[jax.Array, Any], Principal], F: jax.Array, para
         `Principal` with (n, 3, 3) matrices for ``two_point``, ``change`` and ``spatial``.
     """
     if F.size and use_cpu():
-        return _by_kernels(function, F, parameters)
+        return _run_kernels(function, F, parameters)
     U, s, V = svd(F)
-    return _in_frames(_rows(function)(s, parameters), F, U, V)
+    return _set_in_frames(_take_rows(function)(s, parameters), F, U, V)
 
 
 @spectral.defjvp
 def _spectral_jvp(function, primals, tangents):
     (F, parameters), (dF, dparameters) = primals, tangents
-    function = _rows(function)
+    function = _take_rows(function)
     U, s, V = svd(F)
     A = matmul(matmul(transpose(U), dF), V)
     ds = jnp.stack([A[..., i, i] for i in range(3)], -1)
@@ -92,7 +92,7 @@ def _spectral_jvp(function, primals, tangents):
     two_point, change = (turned(field, _two_point_tangent, V) for field in ("two_point", "change"))
     spatial = turned("spatial", _spatial_tangent, U)
     tangents = Principal(two_point, None if change is None else dF + change, spatial, changes.scalar)
-    return _in_frames(values, F, U, V), tangents
+    return _set_in_frames(values, F, U, V), tangents
 
 
 def isotropic(function: Callable[[jax.Array, Any], jax.Array], F: jax.Array, parameters: Any) -> jax.Array:
@@ -123,7 +123,7 @@ def _singular_values_jvp(primals, tangents):
     return s, (U * matmul(dF, V)).sum(-2)
 
 
-def _rows(function):
+def _take_rows(function):
     """``function`` from and to a row for each particle, shape (n, 3)."""
 
     def row(diagonal):
@@ -136,7 +136,7 @@ def _rows(function):
     return by_rows
 
 
-def _in_frames(values: Principal, F: jax.Array, U: jax.Array, V: jax.Array) -> Principal:
+def _set_in_frames(values: Principal, F: jax.Array, U: jax.Array, V: jax.Array) -> Principal:
     def between(diagonal, right):
         return None if diagonal is None else matmul(U * diagonal[..., None, :], transpose(right))
 
@@ -145,7 +145,7 @@ def _in_frames(values: Principal, F: jax.Array, U: jax.Array, V: jax.Array) -> P
     return Principal(between(values.two_point, V), change, between(values.spatial, U), values.scalar)
 
 
-def _by_kernels(function, F: jax.Array, parameters: Any) -> Principal:
+def _run_kernels(function, F: jax.Array, parameters: Any) -> Principal:
     """`spectral` where there are kernels, to which the frames are not matrices."""
     count, kernel = F.shape[0], kernels.load_cpu_kernels()
     s, basis = kernel.decompose(F, SWEEPS[F.dtype.itemsize])
@@ -163,16 +163,19 @@ def _by_kernels(function, F: jax.Array, parameters: Any) -> Principal:
 def _two_point_tangent(s, g, dg, jacobian, A):
     """U^T dG V of the module's docstring, shape (..., 3, 3)."""
     pairs = _Pairs(s, jacobian)
-    a, b = pairs.over_difference(_first(g) - _second(g)), pairs.over_sum(_first(g) + _second(g))
+    a, b = (
+        pairs.over_difference(_take_first(g) - _take_second(g)),
+        pairs.over_sum(_take_first(g) + _take_second(g)),
+    )
     even, odd = (a + b) / 2, (a - b) / 2
-    upper, lower = _upper(A), _upper(transpose(A))
+    upper, lower = _take_upper(A), _take_upper(transpose(A))
     return _assemble(dg, even * upper + odd * lower, even * lower + odd * upper)
 
 
 def _spatial_tangent(s, t, dt, jacobian, A):
     """U^T dtau U of the module's docstring, shape (..., 3, 3)."""
-    c = _Pairs(s, jacobian).over_square_difference(_first(t) - _second(t))
-    off_diagonal = c * (_second(s) * _upper(A) + _first(s) * _upper(transpose(A)))
+    c = _Pairs(s, jacobian).over_square_difference(_take_first(t) - _take_second(t))
+    off_diagonal = c * (_take_second(s) * _take_upper(A) + _take_first(s) * _take_upper(transpose(A)))
     return _assemble(dt, off_diagonal, off_diagonal)
 
 
@@ -184,19 +187,22 @@ class _Pairs:
     """
 
     def __init__(self, s, jacobian):
-        self.difference, self.sum = _first(s) - _second(s), _first(s) + _second(s)
-        near = jnp.finfo(s.dtype).eps ** (1 / 3) * (jnp.abs(_first(s)) + jnp.abs(_second(s)))
+        self.difference, self.sum = _take_first(s) - _take_second(s), _take_first(s) + _take_second(s)
+        near = jnp.finfo(s.dtype).eps ** (1 / 3) * (jnp.abs(_take_first(s)) + jnp.abs(_take_second(s)))
         self.equal = jnp.abs(self.difference) <= near
         self.opposite = jnp.abs(self.sum) <= near
         self.safe_difference = jnp.where(self.equal, 1, self.difference)
         self.safe_sum = jnp.where(self.opposite, 1, self.sum)
         diagonal = jnp.stack([jacobian[..., i, i] for i in range(3)], -1)
-        self.own_i, self.own_j = _first(diagonal), _second(diagonal)  # d_i g_i, d_j g_j
-        self.cross_ij, self.cross_ji = _upper(jacobian), _upper(transpose(jacobian))  # d_j g_i, d_i g_j
+        self.own_i, self.own_j = _take_first(diagonal), _take_second(diagonal)  # d_i g_i, d_j g_j
+        self.cross_ij, self.cross_ji = (
+            _take_upper(jacobian),
+            _take_upper(transpose(jacobian)),
+        )  # d_j g_i, d_i g_j
 
     def over_difference(self, numerator):
         """(g_i - g_j) / (s_i - s_j)."""
-        return jnp.where(self.equal, self._at_equal(), numerator / self.safe_difference)
+        return jnp.where(self.equal, self._take_limit(), numerator / self.safe_difference)
 
     def over_sum(self, numerator):
         """(g_i + g_j) / (s_i + s_j)."""
@@ -208,24 +214,24 @@ class _Pairs:
         at_opposite = (self.own_i - self.cross_ji + self.cross_ij - self.own_j) / 2
         apart = numerator / (self.safe_difference * self.safe_sum)
         value = jnp.where(self.opposite, at_opposite / self.safe_difference, apart)
-        value = jnp.where(self.equal, self._at_equal() / self.safe_sum, value)
+        value = jnp.where(self.equal, self._take_limit() / self.safe_sum, value)
         return jnp.where(self.equal & self.opposite, 0, value)
 
-    def _at_equal(self):
+    def _take_limit(self):
         return (self.own_i - self.cross_ij + self.own_j - self.cross_ji) / 2
 
 
-def _first(v):
+def _take_first(v):
     """Entry i of each pair (i, j) = (0, 1), (0, 2), (1, 2)."""
     return jnp.stack([v[..., 0], v[..., 0], v[..., 1]], -1)
 
 
-def _second(v):
+def _take_second(v):
     """Entry j of each pair."""
     return jnp.stack([v[..., 1], v[..., 2], v[..., 2]], -1)
 
 
-def _upper(a):
+def _take_upper(a):
     """Entry (i, j) of each pair."""
     return jnp.stack([a[..., 0, 1], a[..., 0, 2], a[..., 1, 2]], -1)
 

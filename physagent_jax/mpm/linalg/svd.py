@@ -30,7 +30,7 @@ def svd(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     """
     if F.size and use_cpu():
         return kernels.load_cpu_kernels().svd(F, SWEEPS[F.dtype.itemsize])
-    return _jacobi(F)
+    return _sweep_jacobi(F)
 
 
 @svd.defjvp
@@ -43,7 +43,7 @@ def _svd_jvp(primals, tangents):
 
 
 @jax.jit  # so that code outside a jit does not run it operation by operation
-def _jacobi(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+def _sweep_jacobi(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     largest = jnp.abs(F).max((-1, -2))
     scale = jnp.where(largest == 0, 1, largest)
     scaled = jnp.moveaxis(F / scale[..., None, None], (-2, -1), (0, 1))
@@ -52,8 +52,12 @@ def _jacobi(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     both = jnp.concatenate([scaled, unit])
     columns = tuple(both[:, j] for j in range(3))
     columns = jax.lax.fori_loop(0, SWEEPS[F.dtype.itemsize], _sweep, columns)
-    U, s = _left_factor(*(column[:3] for column in columns))
-    return _matrix(U), jnp.stack(s, -1) * scale[..., None], _matrix(tuple(column[3:] for column in columns))
+    U, s = _find_left_factor(*(column[:3] for column in columns))
+    return (
+        _join_columns(U),
+        jnp.stack(s, -1) * scale[..., None],
+        _join_columns(tuple(column[3:] for column in columns)),
+    )
 
 
 def _sweep(_: int, columns: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
@@ -61,12 +65,12 @@ def _sweep(_: int, columns: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
     rotated = list(columns)
     for p, q in ((0, 1), (0, 2), (1, 2)):
         a, b = rotated[p], rotated[q]
-        c, s = _rotation(a[:3], b[:3])
+        c, s = _find_rotation(a[:3], b[:3])
         rotated[p], rotated[q] = c * a - s * b, s * a + c * b
     return tuple(rotated)
 
 
-def _rotation(a: jax.Array, b: jax.Array) -> tuple[jax.Array, jax.Array]:
+def _find_rotation(a: jax.Array, b: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Cosine and sine of the angle that makes vectors a and b orthogonal, the longer one the first.
 
     It is the smaller angle, at most 45 degrees, where a is the longer; else that less a right angle, which
@@ -83,23 +87,23 @@ def _rotation(a: jax.Array, b: jax.Array) -> tuple[jax.Array, jax.Array]:
     return jnp.where(exchange, s, c), jnp.where(exchange, -c, s)
 
 
-def _left_factor(a1: jax.Array, a2: jax.Array, a3: jax.Array):
+def _find_left_factor(a1: jax.Array, a2: jax.Array, a3: jax.Array):
     """U and s from orthogonal a_j = s_j u_j; for zero columns U gets directions that complete a rotation."""
     x_axis = jnp.zeros_like(a1).at[0].set(1)
-    u1 = _normalised(a1, _dot(a1, a1), x_axis)
-    u2 = _normalised(a2 - _dot(u1, a2) * u1, _dot(a2, a2), _perpendicular(u1))
+    u1 = _normalise(a1, _dot(a1, a1), x_axis)
+    u2 = _normalise(a2 - _dot(u1, a2) * u1, _dot(a2, a2), _find_perpendicular(u1))
     u3 = _cross(u1, u2)
     return (u1, u2, u3), (jnp.sqrt(_dot(a1, a1)), jnp.sqrt(_dot(a2, a2)), _dot(u3, a3))
 
 
-def _normalised(a: jax.Array, full: jax.Array, fallback: jax.Array) -> jax.Array:
+def _normalise(a: jax.Array, full: jax.Array, fallback: jax.Array) -> jax.Array:
     """The direction of a; the fallback for zero and for round-off, less than half of |original|^2 = ``full``."""
     square = _dot(a, a)
     negligible = (square <= jnp.finfo(square.dtype).tiny) | (square < 0.5 * full)
     return jnp.where(negligible, fallback, a / jnp.sqrt(jnp.where(negligible, 1, square)))
 
 
-def _perpendicular(u: jax.Array) -> jax.Array:
+def _find_perpendicular(u: jax.Array) -> jax.Array:
     """A unit vector at right angles to the unit vector u (Duff et al. 2017, JCGT 6(1))."""
     x, y, z = u
     sign = jnp.where(z < 0, -1, 1).astype(z.dtype)
@@ -115,5 +119,5 @@ def _cross(a: jax.Array, b: jax.Array) -> jax.Array:
     return jnp.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
-def _matrix(columns: tuple[jax.Array, ...]) -> jax.Array:
+def _join_columns(columns: tuple[jax.Array, ...]) -> jax.Array:
     return jnp.moveaxis(jnp.stack(columns, -1), 0, -2)

@@ -42,12 +42,12 @@ class Fluid:
 
     def pressure(self, J: jax.Array) -> jax.Array:
         """p(J) [Pa], shape (n,)."""
-        J = self._compressed(J)
+        J = self._cut_expansion(J)
         return self.bulk_modulus / self.exponent * (J**-self.exponent - 1)
 
     def energy(self, F: jax.Array, history: History = ()) -> jax.Array:
         """Energy of compression per rest volume [J/m^3], shape (n,)."""
-        J, gamma = self._compressed(determinant(F)), self.exponent
+        J, gamma = self._cut_expansion(determinant(F)), self.exponent
         expansion = -jnp.log(J) if gamma == 1 else (J ** (1 - gamma) - 1) / (gamma - 1)
         return self.bulk_modulus / gamma * (expansion + J - 1)
 
@@ -61,7 +61,7 @@ class Fluid:
 
         What has torn off weighs in with J = 1 too, because it may meet the rest in the coming steps.
         """
-        J, gamma = self._compressed(determinant(F)), self.exponent
+        J, gamma = self._cut_expansion(determinant(F)), self.exponent
         return 3 * self.bulk_modulus * jnp.maximum(((gamma - 1) * J ** (1 - gamma) + J) / gamma, 1)
 
     def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
@@ -75,6 +75,6 @@ class Fluid:
             J = jnp.minimum(J, TORN)
         return jnp.cbrt(J)[:, None, None] * jnp.eye(3, dtype=F.dtype), history
 
-    def _compressed(self, J: jax.Array) -> jax.Array:
+    def _cut_expansion(self, J: jax.Array) -> jax.Array:
         """J, without the expansion if there is no tension."""
         return J if self.tension else jnp.where(J < 1, J, 1)

@@ -35,9 +35,11 @@ def blend(layout: TileLayout, limits, packed, gaussians, starts) -> tuple[jax.Ar
         jax.ShapeDtypeStruct((layout.tiles, PIXELS), jnp.float32),
     )
     call = jax.ffi.ffi_call(register_handler("blend"), results, vmap_method="sequential")
-    reach = _reach(packed, limits[0])
+    reach = _find_reach(packed, limits[0])
     _check("blend", layout, dict(packed=packed, reach=reach, gaussians=gaussians, starts=starts))
-    features, transmittance = call(packed, reach, gaussians, starts, _sizes(layout), _array(limits))
+    features, transmittance = call(
+        packed, reach, gaussians, starts, _pack_sizes(layout), _pack_limits(limits)
+    )
     return features.swapaxes(1, 2)[:, None], transmittance[:, None]
 
 
@@ -51,7 +53,7 @@ def blend_backward(
         jax.ShapeDtypeStruct((parts, 3, PIXELS), jnp.float32),
     )
     call = jax.ffi.ffi_call(register_handler("blend_backward"), results, vmap_method="sequential")
-    lists = dict(packed=packed, reach=_reach(packed, limits[0]), gaussians=gaussians, starts=starts)
+    lists = dict(packed=packed, reach=_find_reach(packed, limits[0]), gaussians=gaussians, starts=starts)
     images = dict(
         g=g[:, 0].swapaxes(1, 2),
         g_transmittance=g_transmittance[:, 0],
@@ -60,7 +62,7 @@ def blend_backward(
         inside=layout.pixels(jnp.asarray(layout.tile_ids()[:, 0]), jnp.float32)[2].astype(jnp.float32),
     )
     _check("blend_backward", layout, lists | images)
-    gradient, _ = call(*lists.values(), _sizes(layout), _array(limits), *images.values())
+    gradient, _ = call(*lists.values(), _pack_sizes(layout), _pack_limits(limits), *images.values())
     return gradient.sum(0)
 
 
@@ -74,7 +76,7 @@ def _check(kernel: str, layout: TileLayout, operands: dict[str, jax.Array]) -> N
     ffi.check_operands(kernel, operands, shapes, "float32", gaussians="int32", starts="int32")
 
 
-def _reach(packed: jax.Array, least_alpha: float) -> jax.Array:
+def _find_reach(packed: jax.Array, least_alpha: float) -> jax.Array:
     """Square of the distance in y beyond which no pixel reaches the least alpha, shape (n,); infinite if in doubt.
 
     Over x the exponent is greatest at dx = -b dy / a, where it is -(c - b^2 / a) dy^2 / 2.
@@ -86,11 +88,11 @@ def _reach(packed: jax.Array, least_alpha: float) -> jax.Array:
     return jnp.where(good, (1 + _SLACK) * room / jnp.where(good, steepness, 1), jnp.inf)
 
 
-def _sizes(layout: TileLayout) -> np.ndarray:
+def _pack_sizes(layout: TileLayout) -> np.ndarray:
     return np.asarray([layout.columns, layout.width, layout.height, thread_count()], np.int32)
 
 
-def _array(limits) -> np.ndarray:
+def _pack_limits(limits) -> np.ndarray:
     """The limits as the kernels compare with them: alpha is to be greater than the number before the least."""
     least, *others = np.asarray(limits, np.float32)
     return np.asarray([np.nextafter(least, np.float32(0)), *others], np.float32)

@@ -32,7 +32,7 @@ def decompose(F: jax.Array, sweeps: int) -> tuple[jax.Array, jax.Array]:
 
     Where there are fewer than a kernel takes at a time, zeros are added.
     """
-    matrices = _batch(F)
+    matrices = _pad_to_batch(F)
     count = matrices.shape[0]
     ffi.check_operands("decompose", {"F": matrices}, {"F": (count, 3, 3)}, F.dtype)
     results = (
@@ -55,7 +55,7 @@ def compose(
         change: Shape (3, n).
         spatial: Shape (3, n).
     """
-    count, matrices = F.shape[0], _batch(F)
+    count, matrices = F.shape[0], _pad_to_batch(F)
     nothing = jnp.zeros((3, 0), F.dtype)
 
     def padded(diagonal):
@@ -81,6 +81,6 @@ def compose(
     return new_F[:count], tau[:count]
 
 
-def _batch(F: jax.Array) -> jax.Array:
+def _pad_to_batch(F: jax.Array) -> jax.Array:
     """The matrices, and zeros so that they are at least as many as the kernels take at a time."""
     return jnp.pad(F, ((0, max(0, BATCH - F.shape[0])), (0, 0), (0, 0)))

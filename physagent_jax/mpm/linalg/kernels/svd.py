@@ -76,7 +76,7 @@ def decompose_pairs(F, sweeps, s, basis, first, last):
         # Two batches at a time: a rotation is a chain of roots and quotients, and the second fills its pauses.
         one, other = 2 * pair, min(2 * pair + 1, batches - 1)
         start = batch_start(one, count), batch_start(other, count)
-        (u, v), (s0, s1, s2), (x, y) = _factors(F, (9 * start[0], 9 * start[1]), sweeps)
+        (u, v), (s0, s1, s2), (x, y) = _factorise(F, (9 * start[0], 9 * start[1]), sweeps)
         _put(values, start, 0, s0)
         _put(values, start, count, s1)
         _put(values, start, 2 * count, s2)
@@ -122,7 +122,7 @@ def compose_batches(basis, change, spatial, F, tau, first, last):
         w = _cross(u, v)
         if moves:
             done = number * BATCH - start
-            a, b, c = _scaled(g, start, count, done, u, v, w)
+            a, b, c = _scale_columns(g, start, count, done, u, v, w)
             x, y = _get_column(frames, o + 6 * BATCH), _get_column(frames, o + 9 * BATCH)
             z = _cross(x, y)
             for k in range(3):
@@ -132,7 +132,7 @@ def compose_batches(basis, change, spatial, F, tau, first, last):
                     moved = extract(a, i) * xk + extract(b, i) * yk + extract(c, i) * zk
                     store_strided(F, at + 3 * i, 9, load_strided(F, at + 3 * i, 9) + moved)
         if stresses:
-            a, b, c = _scaled(t, start, count, 0, u, v, w)
+            a, b, c = _scale_columns(t, start, count, 0, u, v, w)
             for i in range(3):
                 ai, bi, ci = extract(a, i), extract(b, i), extract(c, i)
                 for k in range(i, 3):
@@ -168,7 +168,7 @@ def _get_column(array, o):
 
 
 @njit(**INLINE)
-def _scaled(diagonal, start, count, done, u, v, w):
+def _scale_columns(diagonal, start, count, done, u, v, w):
     """Columns u, v, w, each times its entry of ``diagonal``, which counts as zero in the first ``done`` lanes."""
     lane, _ = split(iota(diagonal[0]))
     first, zero = splat_like(cast_like(done, diagonal[0]), lane), splat_like(cast_like(0, diagonal[0]), lane)
@@ -183,7 +183,7 @@ def _scaled(diagonal, start, count, done, u, v, w):
 
 
 @njit(**INLINE)
-def _factors(F, o, sweeps):
+def _factorise(F, o, sweeps):
     """Two columns of U, singular values, two columns of V: of the batches that start at ``F[o[0]]`` and ``F[o[1]]``."""
     zero = splat_like(cast_like(0, F[0]), _collect(F, o, 0))
     one, half, tiny = (
@@ -192,28 +192,28 @@ def _factors(F, o, sweeps):
         splat_like(smallest_normal(F[0]), zero),
     )
     last_place = splat_like(roundoff(F[0]) + roundoff(F[0]), zero)
-    a, b, c = _column(F, o, 0), _column(F, o, 1), _column(F, o, 2)
-    scale = _largest(_largest(_largest(zero, a), b), c)
+    a, b, c = _load_column(F, o, 0), _load_column(F, o, 1), _load_column(F, o, 2)
+    scale = _find_largest(_find_largest(_find_largest(zero, a), b), c)
     scale = select_greater(scale, zero, scale, one) + (scale - scale)  # not finite where F is not
-    a, b, c = _over(a, scale), _over(b, scale), _over(c, scale)
+    a, b, c = _divide(a, scale), _divide(b, scale), _divide(c, scale)
     x, y, z = (one, zero, zero), (zero, one, zero), (zero, zero, one)
     for sweep in range(sweeps):
-        if sweep >= _LEAST_SWEEPS and _settled(a, b, c, last_place):
+        if sweep >= _LEAST_SWEEPS and _is_settled(a, b, c, last_place):
             break
-        a, b, x, y = _orthogonal(a, b, x, y, zero, one)
-        a, c, x, z = _orthogonal(a, c, x, z, zero, one)
-        b, c, y, z = _orthogonal(b, c, y, z, zero, one)
+        a, b, x, y = _rotate_pair(a, b, x, y, zero, one)
+        a, c, x, z = _rotate_pair(a, c, x, z, zero, one)
+        b, c, y, z = _rotate_pair(b, c, y, z, zero, one)
     # U and s from orthogonal columns; for zero columns U gets directions that complete a rotation.
     aa, bb = _dot(a, a), _dot(b, b)
-    u = _direction(a, aa, (one, zero, zero), tiny, half)
+    u = _find_direction(a, aa, (one, zero, zero), tiny, half)
     along = _dot(u, b)
     rest = (b[0] - along * u[0], b[1] - along * u[1], b[2] - along * u[2])
-    v = _direction(rest, bb, _perpendicular(u, zero, one), tiny, half)
+    v = _find_direction(rest, bb, _find_perpendicular(u, zero, one), tiny, half)
     return (u, v), (sqrt(aa) * scale, sqrt(bb) * scale, _dot(_cross(u, v), c) * scale), (x, y)
 
 
 @njit(**INLINE)
-def _settled(a, b, c, tolerance):
+def _is_settled(a, b, c, tolerance):
     """Whether the columns are at right angles, the longest first, in all lanes: another sweep would gain nothing."""
     aa, bb, cc = sqrt(_dot(a, a)), sqrt(_dot(b, b)), sqrt(_dot(c, c))
     askew = any_greater(fabs(_dot(a, b)), tolerance * aa * bb)
@@ -228,12 +228,12 @@ def _collect(F, o, offset):
 
 
 @njit(**INLINE)
-def _column(F, o, k):
+def _load_column(F, o, k):
     return _collect(F, o, k), _collect(F, o, k + 3), _collect(F, o, k + 6)
 
 
 @njit(**INLINE)
-def _largest(so_far, column):
+def _find_largest(so_far, column):
     for k in range(3):
         size = fabs(column[k])
         so_far = select_greater(so_far, size, so_far, size)
@@ -241,7 +241,7 @@ def _largest(so_far, column):
 
 
 @njit(**INLINE)
-def _over(column, scale):
+def _divide(column, scale):
     return column[0] / scale, column[1] / scale, column[2] / scale
 
 
@@ -256,13 +256,13 @@ def _cross(u, v):
 
 
 @njit(**INLINE)
-def _mixed(c, a, s, b):
+def _mix(c, a, s, b):
     """c a + s b."""
     return c * a[0] + s * b[0], c * a[1] + s * b[1], c * a[2] + s * b[2]
 
 
 @njit(**INLINE)
-def _orthogonal(a, b, x, y, zero, one):
+def _rotate_pair(a, b, x, y, zero, one):
     """Turns columns a and b of F V to a right angle, the longer one first, and columns x and y of V with them."""
     difference, product = _dot(b, b) - _dot(a, a), _dot(a, b)
     twice = select_greater(difference, zero, product + product, zero - product - product)
@@ -276,11 +276,11 @@ def _orthogonal(a, b, x, y, zero, one):
     c = select_greater(difference, zero, sine, cosine)
     s = select_greater(difference, zero, zero - cosine, sine)
     minus = zero - s
-    return _mixed(c, a, minus, b), _mixed(s, a, c, b), _mixed(c, x, minus, y), _mixed(s, x, c, y)
+    return _mix(c, a, minus, b), _mix(s, a, c, b), _mix(c, x, minus, y), _mix(s, x, c, y)
 
 
 @njit(**INLINE)
-def _direction(a, full, fallback, tiny, half):
+def _find_direction(a, full, fallback, tiny, half):
     """The direction of a; the fallback for zero and for round-off, less than half of |original|^2 = ``full``."""
     square = _dot(a, a)
     least = full * half
@@ -295,7 +295,7 @@ def _direction(a, full, fallback, tiny, half):
 
 
 @njit(**INLINE)
-def _perpendicular(u, zero, one):
+def _find_perpendicular(u, zero, one):
     """A unit vector at right angles to the unit vector u (Duff et al. 2017, JCGT 6(1))."""
     sign = select_greater(zero, u[2], zero - one, one)
     k = (zero - one) / (sign + u[2])
