@@ -118,10 +118,9 @@ def test_what_makes_no_sense_is_refused(options, words, robot):
 
 
 def test_a_spec_file_is_a_run(tmp_path, robot_path):
-    from physagent_jax.run.spec import dump_spec
 
     path = tmp_path / "spec.json"
-    path.write_text(dump_spec(small(robot_path, frames=3, particles=300, resolution=32, rounds=1)))
+    path.write_text(small(robot_path, frames=3, particles=300, resolution=32, rounds=1).model_dump_json())
     begun = time.time()
     run = pa.synthesize(path, tmp_path / "run")
     assert run.report is not None and run.report.stat().st_mtime >= begun - 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -324,8 +323,3 @@ def read_spec(path: str | Path) -> RunSpec:
         raise format_validation_error(
             error, str(path), RunSpec, do="`physagent schema run` prints the schema"
         ) from None
-
-
-def dump_spec(spec: RunSpec) -> str:
-    """The spec as JSON text."""
-    return json.dumps(spec.model_dump(mode="json"), indent=2, ensure_ascii=False) + "\n"

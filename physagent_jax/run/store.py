@@ -29,7 +29,6 @@ PROBE = "probe"  # folder of the coarse rounds
 REPORT = "report.html"  # the run's, whoever writes it
 VIDEO = "video.mp4"  # for people: on a stage, with a camera of its own
 PLAIN_VIDEO = "perception.mp4"  # the pictures that perception gets
-_LAST_FILE = "judgement.json"  # written last, so a round that has it is complete
 
 
 class RunStore:
@@ -185,13 +184,6 @@ class RunStore:
     def round_folder(self, index: int) -> Path:
         """Folder of a round, counted from 0."""
         return self.path / "iterations" / str(index)
-
-    def count_completed_rounds(self) -> int:
-        """How many rounds, from the first on, are complete."""
-        count = 0
-        while (self.round_folder(count) / _LAST_FILE).is_file():
-            count += 1
-        return count
 
     def write(self, name: str, value: BaseModel) -> None:
         """Writes a schema as JSON, atomically; ``name`` is relative to the run folder."""

@@ -42,11 +42,6 @@ class Particles:
         """Number of particles."""
         return len(self.x)
 
-    @property
-    def filled_count(self) -> int:
-        """Number of particles that are no Gaussian's centre."""
-        return int((self.gaussian_index < 0).sum())
-
 
 def fill(cloud: GaussianCloud, config: Filling, *, dx: float) -> Particles:
     """Makes particles of the Gaussians' centres and fills what they enclose.

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from physagent_jax.cli import main
 from physagent_jax.core.errors import UserError
 from physagent_jax.run.resolve import resolve
-from physagent_jax.run.spec import RunSpec, dump_spec, read_spec
+from physagent_jax.run.spec import RunSpec, read_spec
 from tests.run.specs import small
 
 # Other than each field's default, and allowed.
@@ -70,7 +70,7 @@ def test_a_spec_survives_its_file(suffix, tmp_path, robot_path):
     for field, value in OTHERS.items():
         spec = changed(spec, field, value)
     path = tmp_path / f"spec.{suffix}"
-    path.write_text(dump_spec(spec) if suffix == "json" else yaml.safe_dump(plain(spec)))
+    path.write_text(spec.model_dump_json() if suffix == "json" else yaml.safe_dump(plain(spec)))
     assert read_spec(path) == spec
 
 
@@ -135,7 +135,7 @@ def test_a_run_keeps_its_prompt_and_where_the_mask_is(prompted, tmp_path):
     kept = run.spec.located(run.base_dir)
     assert kept.perception.prompt.mask_path == str(tmp_path.resolve() / "mask.npy")
     assert tmp_path.resolve() / "mask.npy" in run.files
-    assert resolve(RunSpec.model_validate_json(dump_spec(kept)), "/").inputs == run.inputs
+    assert resolve(RunSpec.model_validate_json(kept.model_dump_json()), "/").inputs == run.inputs
 
 
 @pytest.mark.parametrize(
@@ -201,7 +201,7 @@ def test_a_bad_file_is_refused_in_one_line(text, fragment, tmp_path, capsys):
 
 def test_a_spec_and_options_exclude_each_other(tmp_path, capsys, robot_path):
     path = tmp_path / "spec.json"
-    path.write_text(dump_spec(small(robot_path)))
+    path.write_text(small(robot_path).model_dump_json())
     assert main(["run", "--spec", str(path), "--out", str(tmp_path / "run"), "--frames", "5"]) == 2
     assert "--frames" in capsys.readouterr().err
     assert main(["run", "--out", str(tmp_path / "run"), "--prompt", "push it"]) == 2

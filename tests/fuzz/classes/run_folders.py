@@ -57,7 +57,7 @@ def _opened(folder: Path):
     with RunStore.open(folder / RUN, manifest) as store:
         models = {name: _models()[name.rsplit("/", 1)[-1]] for name in _good() if name.endswith(".json")}
         read = [store.read(name, model) for name, model in models.items()]
-        return store.count_completed_rounds(), store.manifest, read
+        return store.manifest, read
 
 
 @functools.cache
