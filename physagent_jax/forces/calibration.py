@@ -46,17 +46,14 @@ HELD_TIME = 0.7
 """[s] T for what is held somewhere, whatever the clip's length: it cannot leave the picture and has to be bent, which a
 field of four tenths of gravity does to a plant of 1 m (2 L / T^2)."""
 
-# --- what a viewer expects of strength 1 (`agents.rules.tolerances`) -----------------------------------------
-
-EXPECTED_STRAIN = 0.3
-"""[1] that a stretch or squeeze should show: twice the linear strain. What M = 1 gives lies inside the range, at its
-lower half; a correction aims here."""
+# --- what M = 1 usually shows of what is held; a quantity in the sentence sets M in proportion ------------------------
+# What viewers expect does not follow from these numbers: see `agents.rules.tolerances`.
 
 EXPECTED_HELD_SHIFT = 0.2
-"""[L] by which the centre of something held should move when it is pushed."""
+"""[L] by which the centre of something held moves when it is pushed."""
 
 EXPECTED_HELD_TURN = 25.0
-"""[degrees] by which something held should turn: it twists and springs back."""
+"""[degrees] by which something held turns: it twists and springs back."""
 
 EXPECTED_SWAY = 0.1
 """[L] to either side when something sways."""
