@@ -28,40 +28,51 @@ class RuleExecutor(ExecutorAgent):
 
         It goes out from the round that came nearest, not from the last: a change that made things worse is dropped.
         The mildest remedies come first; if they lead to a force field that was tried before, the next ones are
-        taken. If none is left, the last field is returned unchanged and ``changes`` says so.
+        taken, and then those of the round that came second. If none is left, the last field is returned unchanged and
+        ``changes`` says so.
         """
         rounds = [*context.rounds, failed]
-        best = find_best(rounds)
         tried = [each.force_field for each in rounds]
-        unmet = _failed(best.judgement, len(context.expectations), best.report)
         limits: list[str] = []
-        for depth in range(_DEEPEST if unmet else 0):
-            changes = _mend(context, best, rounds, unmet, depth)
-            if not changes:
-                continue
-            field, repairs = apply_hard_rules(changes[-1].force_field, context.brief, context.expectations)
-            if field in tried:
-                limits += [change.why for change in changes if "cannot be made" in change.why]
-                continue
-            return Reply(_explain(field, changes, repairs, best, failed))
-        why = "every remedy has been tried" if unmet else "no check failed that a force field could mend"
+        hopeful = False
+        for base in rank(rounds):
+            unmet = _failed(base.judgement, len(context.expectations), base.report)
+            hopeful = hopeful or bool(unmet)
+            for depth in range(_DEEPEST if unmet else 0):
+                changes = _mend(context, base, rounds, unmet, depth)
+                if not changes:
+                    continue
+                field, repairs = apply_hard_rules(
+                    changes[-1].force_field, context.brief, context.expectations
+                )
+                if field in tried:
+                    limits += [change.why for change in changes if "cannot be made" in change.why]
+                    continue
+                return Reply(_explain(field, changes, repairs, base, rounds))
+        why = "every remedy has been tried" if hopeful else "no check failed that a force field could mend"
         said = (f"Nothing left to try: {why}.", *dict.fromkeys(limits))
         return Reply(Rewrite(force_field=failed.force_field, changes=said))
 
 
-def find_best(rounds: Sequence[Round]) -> Round:
-    """The round with the highest score, the latest of equals; the last where a planner gives no scores."""
+def rank(rounds: Sequence[Round]) -> list[Round]:
+    """Rounds by falling score, the later of equals first; the last alone where a planner gives no scores."""
     if any(each.judgement.score is None for each in rounds):
-        return rounds[-1]
-    return max(reversed(rounds), key=lambda each: each.judgement.score or 0.0)
+        return [rounds[-1]]
+    return sorted(reversed(rounds), key=lambda each: -(each.judgement.score or 0.0))
 
 
 def _explain(
-    field: ForceField, changes: list[Change], repairs: Sequence[Repair], best: Round, failed: Round
+    field: ForceField,
+    changes: list[Change],
+    repairs: Sequence[Repair],
+    base: Round,
+    rounds: Sequence[Round],
 ) -> Rewrite:
-    back = (
-        () if best is failed else ("The last change made it no better: this goes out from the best round.",)
-    )
+    back = ()
+    if base is not rounds[-1]:
+        number = next(i for i, each in enumerate(rounds, 1) if each is base)
+        best = "the best round" if base is rank(rounds)[0] else f"round {number}"
+        back = (f"The last change made it no better: this goes out from {best}.",)
     rules = [*(change.rule for change in changes if change.rule), *(repair.rule for repair in repairs)]
     reasons = [*back, *(change.why for change in changes), *(f"Hard rule: {r.why}." for r in repairs)]
     return Rewrite(force_field=field, changes=tuple(reasons), rules_applied=tuple(dict.fromkeys(rules)))
@@ -83,15 +94,15 @@ def _failed(judgement: Judgement, count: int, report: MotionReport) -> dict[int,
 
 
 def _mend(
-    context: AgentContext, best: Round, rounds: Sequence[Round], failed: dict[int, list[Check]], depth: int
+    context: AgentContext, base: Round, rounds: Sequence[Round], failed: dict[int, list[Check]], depth: int
 ) -> list[Change]:
     """One remedy per failed expectation, each on the result of the one before; ``depth`` skips the mildest."""
     changes: list[Change] = []
-    field = best.force_field
+    field = base.force_field
     for index, checks in failed.items():
-        earlier = tuple(_list_gains(index, [each for each in rounds if each is not best]))
+        earlier = tuple(_list_gains(index, [each for each in rounds if each is not base]))
         expectations = context.expectations
-        case = Case(expectations[index], expectations, checks, field, best.report, context.brief, earlier)
+        case = Case(expectations[index], expectations, checks, field, base.report, context.brief, earlier)
         options = [change for change in list_remedies(case) if change.force_field != field]
         if not options:
             continue

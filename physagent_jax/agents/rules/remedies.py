@@ -23,7 +23,7 @@ from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import clamp, cosine, norm, scale
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVEL
-from physagent_jax.forces.schema import Action, ActionType
+from physagent_jax.forces.schema import Action, ActionType, ForceField
 
 _PUSH_BACK = 1.6  # how much harder to try if the motion is contrary although the force is right
 _GENTLER = 0.6  # the factor where too much came of it and nothing says by how much
@@ -102,7 +102,7 @@ def _amount(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     if check is None and spoilt is None:
         return
     gain = _find_gain(case, causes) if check is not None else _overdone(case)
-    if spoilt is not None and gain > 1:
+    if case.failed("integrity") or (spoilt is not None and gain > 1):
         yield from _other_kind(case, causes, gain)
     yield from _stronger(case, causes, gain) if gain > 1 else _weaker(case, causes, gain)
 
@@ -137,7 +137,7 @@ def _find_gain(case: Case, causes: Sequence[Cause]) -> float:
     return gain
 
 
-def _get_same_effort(case: Case, causes: Sequence[Cause], field) -> float | None:
+def _get_same_effort(case: Case, causes: Sequence[Cause], field: ForceField) -> float | None:
     """The effort of the same entries in another force field; None if it does not have them."""
     wanted = [_identify(cause) for cause in causes]
     found = [cause for cause in list_causes(field) if _identify(cause) in wanted]
@@ -215,18 +215,23 @@ def _switch_type(case: Case) -> Iterator[Change]:
         field = edits.replace_items(case.force_field, wrong, [*new[:1], *[None] * (len(wrong) - 1)])
         field = field.model_copy(update={"actions": (*field.actions, *new[1:])})
         yield Change(
-            field,
+            _choose_kind(case, field),
             f"{edits.format_names(wrong)} ({wrong[0].type.value}) cannot make it {case.expectation.kind.value}: "
             f"replaced by {new[0].action_type.value}.",
             "known_skills",
         )
 
 
+def _choose_kind(case: Case, field: ForceField) -> ForceField:
+    """What is new is carried out by the kind that the sentence calls for, as at first."""
+    return kinds.choose_kinds(field, [case.expectation], case.brief).force_field
+
+
 def _add(case: Case) -> Change:
     new = edits.make_actions(case)
     field = case.force_field.model_copy(update={"actions": (*case.force_field.actions, *new)})
     return Change(
-        field,
+        _choose_kind(case, field),
         f"Nothing made it {case.expectation.kind.value}: {new[0].action_type.value} is added.",
         "sentence_direction",
     )
