@@ -72,6 +72,8 @@ def test_what_is_no_quantity(words):
         ("compress it by 30 percent", "squeeze", "factor", 0.7),
         ("lengthen it by half", "stretch", "factor", 1.5),
         ("make it twice as tall", "stretch", "factor", 2),
+        ("make it 30% shorter", "squeeze", "factor", 0.7),
+        ("stretch it 1.5 times", "stretch", "factor", 1.5),
         ("push it half a body length to the left", "move", "lengths", 0.5),
         ("push it 2 meters to the left", "move", "metres", 2),
     ],
@@ -139,7 +141,7 @@ def test_told_times_are_the_causes_own(prompt, window):
     ("prompt", "seconds"),
     [
         ("push it left", 2.0), ("push it left, then up, then right", 3 * STEP),
-        ("wait two seconds, then push it left", 2 * STEP),
+        ("wait two seconds, then push it left", 2 + STEP),
         ("bend left, then let go", 2 * STEP), ("push it left for 3 seconds", 3.0),
         ("after 3 seconds push it left", 3 + 2.0),
         ("sway eight times", 6.0), ("push it left for 99 seconds", LONGEST),
@@ -189,6 +191,7 @@ def test_named_ends_are_parts():
         ("in space, push it left", "none"), ("no gravity: push it left", "none"),
         ("push the floating robot left", "none"),
         ("held in the air, the robot spins", "none"), ("gravity pulls it down", "down"), ("push it left", None),
+        ("gravity stops", "none"),
     ],
 )  # fmt: skip
 def test_gravity_is_told(prompt, gravity):
@@ -255,6 +258,17 @@ def test_strokes_of_their_own():
     assert (a.magnitude, b.magnitude) == (1.0, 1.4)
 
 
+def test_the_other_way():
+    """What goes the other way goes opposite to what went before."""
+    turns = [e for e in read("spin it, stop, spin it the other way", ground()).expectations if e.direction]
+    assert turns[0].direction == (0, 0, 1) and turns[1].direction == (0, 0, -1)
+
+
+def test_counted_blows_with_an_adjective():
+    """The number stands before its adjective."""
+    assert first("the robot makes two small jumps").repeats == 2
+
+
 def test_a_wind_that_turns_is_no_torque():
     """It blows one way, then the other."""
     reply = read("the wind turns from left to right", plant())
@@ -270,7 +284,9 @@ def test_a_wind_that_turns_is_no_torque():
         "two robots collide", "push it to the left at 3 m/s", "the third branch bends down",
         "push the robot in a zigzag",
         "the robot pushes the ball to the left", "stretch it to half its length", "push it left melodiously",
-        "rotate it by 3 metres", "push the robot the way a child would",
+        "rotate it by 3 metres", "push the robot the way a child would", "bend everything above the pot to the left",
+        "gravity acts sideways to the left", "push the robot off the table", "push it the other way",
+        "the stem stays still while the head moves left",
     ],
 )  # fmt: skip
 def test_what_is_beyond_the_grammar_is_said(prompt):

@@ -7,6 +7,7 @@ from typing import Literal
 
 from physagent_jax.agents.rules.language.events import Event
 from physagent_jax.agents.rules.language.schedule import Window
+from physagent_jax.agents.rules.language.verbs import Effect
 from physagent_jax.agents.schema import (
     Amount,
     Evidence,
@@ -123,7 +124,7 @@ class ForceFieldBuilder:
     def _find_duration(self, event: Event) -> Amount | None:
         """How long the cause lasts, if the sentence says so in seconds or frames."""
         told = event.when.length
-        if told is None or told.unit == "clip":
+        if told is None or told.unit == "clip" or event.effect is Effect.STILL:
             return None
         frames = told.to_frames(self.brief.frame_count, self.brief.frame_dt)
         return Amount(value=round(frames * self.brief.frame_dt, 6), unit="seconds")

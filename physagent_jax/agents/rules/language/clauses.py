@@ -23,6 +23,7 @@ _WHERE = (
     MentionKind.PLACE,
     MentionKind.EXCLUDED,
     MentionKind.REPEAT,
+    MentionKind.REVERSAL,
 )
 _NEGATABLE = (
     *_WHERE,

@@ -40,6 +40,11 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
     for index, slot in enumerate(slots):
         builder.room = slots[index + 1].window[1] if index + 1 < len(slots) else builder.last
         after = [event for later in slots[index + 1 : index + 2] for event in later.events]
+        stops = [e for e in slot.events if e.effect is Effect.STILL]
+        if stops and len(stops) < len(slot.events):
+            builder.unsure.append(
+                f"What '{stops[0].words}' keeps still while the rest moves is not understood."
+            )
         for event in slot.events:
             for note in event.notes:
                 builder.add_note(note)
@@ -388,8 +393,11 @@ def _roll(
         event, ActionType.TRANSLATION, event.direction, event.strength, window, after, builder
     )
     _add_steady(event, ActionType.TORQUE, axis, event.strength, window, after, builder)
-    builder.add_expectation(event, MotionKind.MOVE, event.direction, acted)
-    builder.add_expectation(event, MotionKind.ROTATE, axis, acted)
+    turns = event.amount is not None and event.amount.unit == "degrees"
+    builder.add_expectation(
+        event, MotionKind.MOVE, event.direction, acted, amount=None if turns else event.amount
+    )
+    builder.add_expectation(event, MotionKind.ROTATE, axis, acted, amount=event.amount if turns else None)
 
 
 def _fall(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from physagent_jax.agents.rules.language.clauses import Clause
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
-from physagent_jax.agents.rules.language.modifiers import PARTS
+from physagent_jax.agents.rules.language.modifiers import LOCATIONS, PARTS
 from physagent_jax.agents.rules.language.verbs import CAUSES
 from physagent_jax.agents.schema import SceneBrief
 
@@ -89,11 +89,35 @@ def find_doubts(
             and _is_acted_on(mentions, index)
         ):
             doubts.append(f"'{mention.words}' is another thing, and there is only one object here.")
+        elif mention.phrase in LOCATIONS and _next_telling(mentions, index) is MentionKind.PLACE:
+            doubts.append(f"Where '{mention.words}' that part is, is not known.")
+        elif mention.phrase in ("table", "shelf", "cliff") and "off" in (
+            before,
+            _phrase(mentions, index - 2),
+        ):
+            doubts.append(f"There is no {mention.words} here.")
+        elif mention.phrase == "gravity" and mention.value == "down" and _turns_aside(mentions, index):
+            doubts.append("Gravity acts downwards, upwards or not at all here.")
         elif mention.form in ("second", "third", "fourth", "fifth", "last") and following is not None:
             if following.kind is MentionKind.PLACE or following.phrase in UNPLACED_PARTS | frozenset(PARTS):
                 doubts.append(f"Which part '{mention.form} {following.words}' is, is not known.")
     doubts += [f"What '{m.words}' counts is not understood." for m in _loose_quantities(mentions, clauses)]
     return list(dict.fromkeys(doubts))
+
+
+def _next_telling(mentions: list[Mention], index: int) -> MentionKind | None:
+    """The kind of the next mention that is no article."""
+    return next((m.kind for m in mentions[index + 1 :] if m.kind is not MentionKind.FUNCTION), None)
+
+
+def _turns_aside(mentions: list[Mention], index: int) -> bool:
+    """Whether what follows gravity, before any verb, is a direction to a side."""
+    for mention in mentions[index + 1 :]:
+        if mention.kind in (MentionKind.VERB, MentionKind.JOIN):
+            return False
+        if mention.kind in (MentionKind.DIRECTION, MentionKind.PLANE):
+            return mention.value not in (("down",), ("up",))
+    return False
 
 
 def _loose_quantities(mentions: list[Mention], clauses: list[Clause]) -> list[Mention]:

@@ -140,6 +140,14 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
     elif target.names and not clause.select(MentionKind.DIRECTION, MentionKind.FROM):
         verb = replace(verb, effect=Effect.SCALE)
         direction = normalise(_sum_directions(target.names, brief))
+    if clause.select(MentionKind.REVERSAL):
+        if before is not None and before.direction is not None and before.effect is verb.effect:
+            direction, notes = scale(before.direction, -1.0), []
+            direction_source = replace(direction_source, why="the other way than before")
+        else:
+            doubts.append(
+                f"What '{clause.select(MentionKind.REVERSAL)[0].words}' is opposed to is not understood."
+            )
     whole_part, region_doubts = _resolve_part(clause, verb, place, brief)
     region, part, excludes = whole_part
     doubts += region_doubts

@@ -40,6 +40,7 @@ class MentionKind(enum.Enum):
     EXCEPT = enum.auto()  # None: what is not meant is not understood
     TIME = enum.auto()  # TimeSpan
     QUANTITY = enum.auto()  # Quantity
+    REVERSAL = enum.auto()  # None: the other way
     ORDINAL = enum.auto()  # int: "the second time"
     SOLID = enum.auto()  # Solid
     GRAVITY = enum.auto()  # str: where to
@@ -89,6 +90,7 @@ def _build_lexicon() -> dict[str, list[tuple[tuple[str, ...], MentionKind, objec
         (MentionKind.INTENSITY, m.INTENSITIES),
         (MentionKind.DEGREE, m.DEGREES),
         (MentionKind.JOIN, m.JOINS),
+        (MentionKind.REVERSAL, dict.fromkeys(m.REVERSALS)),
         (MentionKind.EXCEPT, dict.fromkeys(m.EXCEPTIONS)),
         (MentionKind.TIME, {phrase: parse_moment(phrase) for phrase in m.MOMENTS}),
         (MentionKind.NOT, dict.fromkeys(m.NEGATIONS)),
@@ -249,7 +251,8 @@ class MentionParser:
             repeat = m.Repeat(int(min(max(counted[0], 1), 1000)))
             return self._make_mention(MentionKind.REPEAT, repeat, "times", list(range(at, counted[1] + 1)))
         if counted and counted[0] > 1 and counted[1] < len(self.tokens):
-            thing = self.tokens[counted[1]]  # "three gusts", "two kicks"
+            behind = counted[1] + (self._get_text(counted[1]) in m.INTENSITIES)
+            thing = self.tokens[min(behind, len(self.tokens) - 1)]  # "three gusts", "two small jumps"
             if thing.text.endswith("s") and (thing.lemma in v.VERBS or thing.text in v.CAUSES):
                 repeat = m.Repeat(int(min(counted[0], 1000)))
                 return self._make_mention(MentionKind.REPEAT, repeat, "times", list(range(at, counted[1])))

@@ -245,7 +245,8 @@ GRAVITY: dict[str, str] = _spread(
         "from a great height, free fall": "down",
         "weightless, weightlessly, weightlessness, zero gravity, in space, outer space, in zero g, "
         "in mid air, in midair, held in the air, hold ~ in the air, floating in the air, gravity off, "
-        "gravity is off, gravity is switched off, gravity is turned off, turn off gravity, "
+        "gravity stops, gravity vanishes, gravity disappears, gravity ceases, gravity is off, "
+        "gravity is switched off, gravity is turned off, turn off gravity, "
         "switch off gravity": "none",
         "gravity is reversed, gravity reversed, reversed gravity, reverse gravity, reverse the gravity, "
         "gravity is inverted, inverted gravity, gravity is upside down, gravity upside down, "
@@ -253,6 +254,18 @@ GRAVITY: dict[str, str] = _spread(
         "gravity acts upwards, gravity is flipped, negative gravity, "
         "turn gravity upside down, turn the gravity upside down, "
         "flip gravity, flip the gravity, invert gravity, invert the gravity": "up",
+    }
+)
+# As before, but the other way.
+REVERSALS = frozenset(
+    {
+        "the other way",
+        "the other way around",
+        "the other way round",
+        "the opposite way",
+        "the other direction",
+        "the opposite direction",
+        "in reverse",
     }
 )
 OPPOSITE_GRAVITY = {"down": "none", "none": "down", "up": "down"}
@@ -381,7 +394,19 @@ FUNCTION_WORDS = frozenset(
     ).split()
 )
 FUNCTION_PHRASES = frozenset(
-    {"not only", "end up", "ends up", "kind of", "sort of", "as if", "as though", "lots of", "each other"}
+    {
+        "in the air",
+        "through the air",
+        "not only",
+        "end up",
+        "ends up",
+        "kind of",
+        "sort of",
+        "as if",
+        "as though",
+        "lots of",
+        "each other",
+    }
 )
 # Words for whoever acts; with "a" or "an" in front they are not parts of the object.
 AGENT_NOUNS = frozenset("hand hands finger fingers fist foot arm leg head hammer stick ball".split())

@@ -89,6 +89,10 @@ _TEENS = {
 }
 _PARTS = {"half": 0.5, "third": 1 / 3, "thirds": 1 / 3, "quarter": 0.25, "quarters": 0.25}
 _OWNERS = frozenset({"its", "the", "their", "his", "her", "own", "original", "normal", "current", "body"})
+_COMPARED = frozenset(
+    {"longer", "taller", "higher", "wider", "broader", "bigger", "larger", "shorter", "flatter", "thinner"}
+    | {"narrower", "smaller", "slimmer"}
+)
 _WHOLE = frozenset({"full", "complete", "whole", "entire"})
 
 
@@ -193,7 +197,10 @@ def _match_unit(
         while _get(tokens, at) == "of":
             at += 1
         found, dimension = _match_dimension(tokens, at)
-        return Quantity(value, "share", dimension, relative and not dimension), found if dimension else behind
+        compared = _get(tokens, behind) in _COMPARED  # "30 percent shorter"
+        return Quantity(value, "share", dimension, (relative and not dimension) or compared), (
+            found if dimension else behind
+        )
     if unit == "as" and _get(tokens, behind) in ADJECTIVES:
         dimension = ADJECTIVES[_get(tokens, behind)]
         behind += 2 if _get(tokens, behind + 1) == "as" else 1
@@ -201,6 +208,8 @@ def _match_unit(
     found, dimension = _match_dimension(tokens, at)
     if dimension and not bare and _get(tokens, at) in _OWNERS:
         return Quantity(value, "share", dimension), found
+    if times and value != round(value):
+        return Quantity(value, "share"), at  # "stretch it 1.5 times"
     if relative and part and _get(tokens, at) not in UNITS:
         return Quantity(value, "share", "", True), start
     return None

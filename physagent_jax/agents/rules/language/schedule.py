@@ -97,17 +97,11 @@ def _find_needs(slots: list[Slot], brief: SceneBrief, anchored: bool) -> None:
             usual = (
                 STEP if len(slots) > 1 or event.stays else min(brief.frame_dt * (brief.frame_count - 1), 2.0)
             )
-            seconds = max(seconds, usual, _STROKE * _count_strokes(event))
+            seconds = max(seconds, usual, _STROKE * (event.repeat.count or 1))
             effort = find_effort(event.amount, event.effect, brief)
             if effort is not None and not anchored:
                 seconds = max(find_span(effort, STEP, brief), STEP if len(slots) > 1 else 0.0)
         slot.need = slot.length if slot.length is not None else seconds / brief.frame_dt
-
-
-def _count_strokes(event: Event) -> int:
-    if event.effect is Effect.SWAY or event.repeat.alternate:
-        return event.repeat.count or event.verb.cycles
-    return event.repeat.count or 1
 
 
 def _find_end(slots: list[Slot], brief: SceneBrief) -> float:

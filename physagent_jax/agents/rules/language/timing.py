@@ -39,6 +39,8 @@ class TimeSpan:
 def match_time(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
     """The phrase of time that begins at ``tokens[at]`` and the index behind it, or None."""
     word = tokens[at].text
+    if word == "for" and (part := _parse_part_of_clip(tokens, at + 1)):
+        return part  # "for the first second"
     if word in ("for", "within", "lasting"):
         return _map_match(_parse_quantity(tokens, at + 1), lambda a: TimeSpan(length=a))
     if word in ("after", "at", "from", "between"):
@@ -49,6 +51,10 @@ def match_time(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
         )
     if word in ("during", "in", "over", "throughout"):
         return _parse_part_of_clip(tokens, at + 1)
+    if word not in ("a", "an") and (bare := _parse_quantity(tokens, at)) and bare[0].unit != "clip":
+        return (
+            None if _get_word(tokens, bare[1]) in ("later", "after") else (TimeSpan(length=bare[0]), bare[1])
+        )
     return None
 
 
