@@ -128,7 +128,8 @@ def test_a_turn_reaches_its_angle(degrees):
         ("push it left for half a second", (0, 12)), ("push it left for half a second, then stop", (0, 12)),
         ("push it left from t = 0.5 s to t = 1.5 s", (12, 38)), ("after one second, push it left", (25, 75)),
         ("push it left from 0.2s until 0.6s", (5, 15)), ("from second 1 to second 2 push it left", (25, 50)),
-        ("push it left for 800 ms", (0, 20)), ("push it left from t=1s on", (25, 75)),
+        ("push it left for 800 ms", (0, 20)),
+        ("push it left for one and a half seconds", (0, 38)), ("push it left from t=1s on", (25, 75)),
     ],
 )  # fmt: skip
 def test_told_times_are_the_causes_own(prompt, window):
@@ -286,7 +287,9 @@ def test_a_wind_that_turns_is_no_torque():
         "the robot pushes the ball to the left", "stretch it to half its length", "push it left melodiously",
         "rotate it by 3 metres", "push the robot the way a child would", "bend everything above the pot to the left",
         "gravity acts sideways to the left", "push the robot off the table", "push it the other way",
-        "the stem stays still while the head moves left",
+        "the stem stays still while the head moves left", "a wall stands to the left; throw it there",
+        "hold the top of the plant to the left", "it is squeezed and released twice",
+        "hit it from the left after half a second and from the right after one second",
     ],
 )  # fmt: skip
 def test_what_is_beyond_the_grammar_is_said(prompt):

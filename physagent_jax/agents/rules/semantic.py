@@ -111,6 +111,9 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     compile_slots(slots, builder)
     _state_gravity(mentions, builder)
     _expect_stillness(clauses, builder)
+    solids = [m for m in mentions if m.kind is MentionKind.SOLID]
+    if len(solids) > len(builder.obstacles):
+        builder.unsure.append(f"Where '{solids[-1].words}' is, is not understood.")
     for doubt in find_doubts(mentions, names, unknown, clauses):
         if doubt not in builder.unsure:
             builder.unsure.append(doubt)

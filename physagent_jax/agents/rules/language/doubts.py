@@ -6,10 +6,10 @@ acts) are no doubt.
 
 from __future__ import annotations
 
-from physagent_jax.agents.rules.language.clauses import Clause
+from physagent_jax.agents.rules.language.clauses import Clause, get_verb
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import LOCATIONS, PARTS
-from physagent_jax.agents.rules.language.verbs import CAUSES
+from physagent_jax.agents.rules.language.verbs import CAUSES, Effect
 from physagent_jax.agents.schema import SceneBrief
 
 DETERMINERS = frozenset({"the", "a", "an", "this", "that", "my", "your", "its", "his", "her", "their"})
@@ -101,6 +101,11 @@ def find_doubts(
         elif mention.form in ("second", "third", "fourth", "fifth", "last") and following is not None:
             if following.kind is MentionKind.PLACE or following.phrase in UNPLACED_PARTS | frozenset(PARTS):
                 doubts.append(f"Which part '{mention.form} {following.words}' is, is not known.")
+    for clause in clauses:
+        holds = clause.verb is not None and get_verb(clause.verb).effect is Effect.HOLD and not clause.negated
+        ways = [m for m in clause.select(MentionKind.DIRECTION) if holds and m.value != ("down",)]
+        if ways:
+            doubts.append(f"How it is held '{ways[0].words}' is not understood.")
     doubts += [f"What '{m.words}' counts is not understood." for m in _loose_quantities(mentions, clauses)]
     return list(dict.fromkeys(doubts))
 

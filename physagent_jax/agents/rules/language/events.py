@@ -120,7 +120,10 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
             direction = None
         elif verb.effect is Effect.SCALE and direction is None:
             direction = _sum_directions(("right",), brief)
-    if notes and before is not None and before.effect is verb.effect:
+    driven = (
+        verb.effect is Effect.TOPPLE and before is not None and before.effect in (Effect.PUSH, Effect.STRIKE)
+    )
+    if notes and before is not None and (before.effect is verb.effect or driven):
         direction, notes = before.direction, []  # "push it to the right, then push it harder"
         direction_source = replace(direction_source, why="no direction given: as before")
     if (
@@ -140,6 +143,11 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
     elif target.names and not clause.select(MentionKind.DIRECTION, MentionKind.FROM):
         verb = replace(verb, effect=Effect.SCALE)
         direction = normalise(_sum_directions(target.names, brief))
+    starts = [m for m in clause.select(MentionKind.TIME) if isinstance(m.value, TimeSpan) and m.value.start]
+    if len(starts) > 1:
+        doubts.append(f"Which of it happens when ({', '.join(m.words for m in starts)}) is not understood.")
+    if verb.effect in (Effect.RELEASE, Effect.STILL) and (repeat.count or 1) > 1:
+        doubts.append(f"What is repeated by '{words}' is not understood.")
     if clause.select(MentionKind.REVERSAL):
         if before is not None and before.direction is not None and before.effect is verb.effect:
             direction, notes = scale(before.direction, -1.0), []

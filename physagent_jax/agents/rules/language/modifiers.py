@@ -71,7 +71,8 @@ DIRECTIONS: dict[str, Names] = _spread(
         ),
         "down, downward, downwards, below, underneath, to the ground, to the floor, "
         "toward the ground, towards the ground, towards the floor, toward the floor, "
-        "into the ground, onto the ground, beneath": ("down",),
+        "into the ground, onto the ground, into the floor, onto the floor, against the floor, "
+        "against the ground, beneath": ("down",),
         "forward, forwards, toward us, towards us, toward me, towards me, at us, "
         "toward the camera, towards the camera, to the camera, at the camera, toward the viewer, "
         "towards the viewer, to the viewer, out of the screen, closer, out of the picture, "

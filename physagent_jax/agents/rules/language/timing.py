@@ -70,6 +70,8 @@ def parse_moment(phrase: str) -> TimeSpan:
 def parse_number(tokens: list[Token], at: int) -> tuple[float, int] | None:
     """A number in digits or words ("2", "three", "half a", "a couple of") and the index behind it."""
     word = _get_word(tokens, at)
+    if [_get_word(tokens, at + i) for i in (1, 2, 3)] == ["and", "a", "half"] and word in NUMBERS:
+        return NUMBERS[word] + 0.5, at + 4
     if word and word[0].isdigit() and word[0].isascii():
         return float(word), at + 1
     if word not in NUMBERS:
