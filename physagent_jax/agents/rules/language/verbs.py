@@ -169,7 +169,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     ),
     ("stand, sit, stay, remain, rest, lie", Verb(_D.STILL, generic=True)),
     (
-        "stop, halt, cease, freeze, wait, pause, stand still, stay still, remain still, "
+        "is calm, be calm, is quiet, stop, halt, cease, freeze, wait, pause, stand still, stay still, remain still, "
         "keep still, hold still, come to rest, come to a stop, come to a halt, settle, be still, "
         "is still, nothing happens, nothing moves, stay put, stay in place, remain in place, "
         "remain motionless, lie still, sit still, is motionless, is at rest, at rest, motionless, "
