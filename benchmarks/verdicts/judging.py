@@ -15,7 +15,7 @@ from benchmarks.verdicts.clip import Clip
 from benchmarks.verdicts.recording import find_file, record
 from benchmarks.verdicts.scenes import FRAME_DT
 from benchmarks.verdicts.things import THINGS
-from physagent_jax import perception
+from physagent_jax import metrics, perception
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.registry import make_agents
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, Judgement, SceneBrief, SemanticReply
@@ -105,30 +105,37 @@ def _verdict(clip: Clip, verdict: str) -> Row:
 def _look(
     clip: Clip, sight: Sight, windows: Sequence[tuple[int, int]], clips: Path, data: Path | None
 ) -> MotionReport:
-    if sight == "truth":
-        held = record(clip.thing, clip.motion, clips, data)
-        return report_true_motion(held.particles, frame_dt=FRAME_DT, camera=held.camera, windows=windows)
-    known = [find_file(clip.thing, clip.motion, clips, data).stem, clip.background, repr(windows)]
-    key = hashlib.sha256(" ".join([*known, hash_sight(data)]).encode()).hexdigest()[:16]
-    file = clips / "reports" / f"{key}.json"
+    words = [
+        find_file(clip.thing, clip.motion, clips, data).stem,
+        sight,
+        repr(windows),
+        hash_sight(sight, data),
+    ]
+    words += [clip.background] if sight == "pictures" else []
+    file = clips / "reports" / f"{hashlib.sha256(' '.join(words).encode()).hexdigest()[:16]}.json"
     if file.is_file():
         return MotionReport.model_validate_json(file.read_text())
     held = record(clip.thing, clip.motion, clips, data)
-    rgb, depth = compose(held, clip.background, data)
-    report = perceive(rgb, depth, held.camera, frame_dt=FRAME_DT, windows=windows).report
+    if sight == "truth":
+        report = report_true_motion(held.particles, frame_dt=FRAME_DT, camera=held.camera, windows=windows)
+    else:
+        rgb, depth = compose(held, clip.background, data)
+        report = perceive(rgb, depth, held.camera, frame_dt=FRAME_DT, windows=windows).report
     file.parent.mkdir(parents=True, exist_ok=True)
     write_text(file, report.model_dump_json())
     return report
 
 
 @cache
-def hash_sight(data: Path | None) -> str:
-    """Of the sources of what looks at the pictures: reports of other sources are not used."""
-    sources = sorted(Path(perception.__file__).parent.rglob("*.py"))
-    sources.append(Path(backgrounds.__file__))
-    text = b"".join(source.read_bytes() for source in sources)
-    photo = data is not None and (data / backgrounds.PHOTO).is_file()
-    return hashlib.sha256(text + bytes([photo])).hexdigest()
+def hash_sight(sight: Sight, data: Path | None) -> str:
+    """Of the sources of what makes a report: reports of other sources are not used."""
+    packages = (perception, metrics) if sight == "truth" else (perception,)
+    sources = [path for package in packages for path in Path(package.__file__).parent.rglob("*.py")]
+    text = b"".join(source.read_bytes() for source in sorted(sources))
+    if sight == "pictures":
+        photo = data is not None and (data / backgrounds.PHOTO).is_file()
+        text += Path(backgrounds.__file__).read_bytes() + bytes([photo])
+    return hashlib.sha256(text).hexdigest()
 
 
 def _describe_reading(reply: SemanticReply) -> list[str]:
