@@ -415,15 +415,20 @@ def _rest(thing: str) -> Iterator[Clip]:
 # --- what is held at its foot -----------------------------------------------------------------------------------
 
 
+_FIRM = {"board": 4.0, "bottle": 3.5}  # times the force that bends a plant, so that a viewer sees them bend
+
+
 def _held(thing: str) -> Iterator[Clip]:
+    firm = _FIRM.get(thing, 1.0)
+
     def held(words: str, *causes: m.Cause, seconds: float = 3.0, drag: float = 1.5) -> Motion:
         return Motion(words, causes, held=True, seconds=seconds, drag=drag)
 
     def bend(direction: m.Direction, end: float = 1.4, strength: float = 5.0) -> m.Cause:
-        return m.Push(direction, strength, 0.0, end)
+        return m.Push(direction, firm * strength, 0.0, end)
 
     def swing(direction: m.Direction, cycles: float, strength: float = 4.0) -> tuple[m.Cause, ...]:
-        return m.sway(direction, strength, cycles, 0.9)
+        return m.sway(direction, firm * strength, cycles, 0.9)
 
     still = held("nothing moves")
     left, right = (
@@ -472,7 +477,7 @@ def _held(thing: str) -> Iterator[Clip]:
     )
 
     def hit(direction: m.Direction) -> Motion:
-        blow = m.blow(direction, 3.5, 0.2, "top")
+        blow = m.blow(direction, 3.5 * firm**0.5, 0.2, "top")
         return held(f"the top is knocked {_WORDS[direction]}", *blow, drag=3.0, seconds=2.0)
 
     yield from _clips(

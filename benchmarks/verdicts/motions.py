@@ -210,6 +210,6 @@ def sway(
     return (Push(direction, strength, start, start + cycles / frequency, frequency=frequency),)
 
 
-def explode(start: float = 0.2, strength: float = 120.0) -> tuple[Cause, ...]:
+def explode(start: float = 0.2, strength: float = 400.0) -> tuple[Cause, ...]:
     """Torn to pieces that fly apart."""
     return (Burst(strength, start, start + 0.15),)
