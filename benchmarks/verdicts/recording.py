@@ -81,7 +81,8 @@ def _scene(name: str, motion: Motion, clips: Path, data: Path | None) -> tuple[S
 
 def hash_scene(scene: SceneConfig, motion: Motion) -> str:
     """What two clips have in common that look the same: not where the object's file lies, nor words."""
-    data = scene.model_dump(mode="json", exclude={"source": {"path"}, "prompt": True})
+    # Without what is as it is by default: a new field of scenes does not make all clips anew.
+    data = scene.model_dump(mode="json", exclude={"source": {"path"}, "prompt": True}, exclude_defaults=True)
     text = json.dumps([VERSION, motion.near, data], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
