@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.harness import Row, link, one_line, provenance, table
+from benchmarks.verdicts.catalogue import list_clips
 from benchmarks.verdicts.figures import ALLOWED, HALVES, SIGHTS, count_false, get_rows
 
 _HEAD = """# Verdicts as people give them
@@ -35,11 +36,24 @@ def document(result: dict, json_path: Path, target: Path) -> str:
     missing = sorted({name for part in result.values() for run in part["runs"] for name in run["left_out"]})
     if missing:
         text += f"\nLeft out in some run, because there was no file: {', '.join(missing)}.\n"
+    text += _coverage(result)
     text += table(_RATES, [line for sight in SIGHTS for line in _rates(result, sight)])
     for sight in SIGHTS:
         if rows := get_rows(result, sight):
             text += _section(sight, rows)
     return text
+
+
+def _coverage(result: dict) -> str:
+    """How much of the catalogue has been judged: a run may be stopped, or be told to judge what has been made."""
+    whole = {clip.name for clip in list_clips(None)}
+    counts = {sight: len(whole & {row["clip"] for row in get_rows(result, sight)}) for sight in SIGHTS}
+    texts = [
+        f"{count} with {'the truth' if sight == 'truth' else 'pictures'}" for sight, count in counts.items()
+    ]
+    return (
+        f"\nOf the {len(whole)} clips that need no folder of data, {' and '.join(texts)} have been judged.\n"
+    )
 
 
 def _rates(result: dict, sight: str) -> list[list[Any]]:
