@@ -46,7 +46,10 @@ def make_jobs(quick: bool) -> list[Job]:
     pairs = [(m, o) for m in MOTIONS for o in OBJECTS]
     if quick:
         pairs = [(m, OBJECTS[i % len(OBJECTS)]) for i, m in enumerate(QUICK)]
-    return [Job(f"{o}: {m}", partial(show, m, o)) for m, o in pairs]
+    mixed = sorted(
+        range(len(pairs)), key=lambda k: 29 * k % len(pairs)
+    )  # what is stopped early is a fair sample
+    return [Job(f"{o}: {m}", partial(show, m, o)) for m, o in (pairs[k] for k in mixed)]
 
 
 def show(motion: str, name: str) -> Iterable[Row]:

@@ -52,14 +52,15 @@ def _displacement(report: MotionReport, sight: Sight) -> Row:
 def _rotation(report: MotionReport, motion: Motion) -> Row:
     """At the last frame: of the rotation as a whole, of its angle, and of its axis [deg]."""
     true, seen = np.asarray(motion.turn(1.0)), report.rotation[-1] if report.rotation else None
-    row = {"in_plane": motion.in_plane, "rotation": None, "angle": None, "axis": None}
+    turns = bool(np.linalg.norm(true) >= SEEN_TURN)
+    row = {"in_plane": motion.in_plane, "turns": turns, "rotation": None, "angle": None, "axis": None}
     row |= {"rotation_stated": report.uncertainty.rotation, "axis_stated": report.uncertainty.axis}
     if seen is None:
         return row
     off = Rotation.from_rotvec(np.radians(seen)).inv() * Rotation.from_rotvec(np.radians(true))
     row["rotation"] = float(np.degrees(off.magnitude()))
     row["angle"] = float(abs(np.linalg.norm(seen) - np.linalg.norm(true)))
-    if np.linalg.norm(true) >= SEEN_TURN:
+    if turns:
         row["axis"] = _angle(np.asarray(seen), true)
     return row
 

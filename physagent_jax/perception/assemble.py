@@ -21,7 +21,7 @@ THINNEST = 0.03
 LOOSEST = 0.05
 """Parts that are this far off the best affine motion share no rotation or stretch [body lengths]."""
 MIDDLE_OFF, DEPTH_OFF = 0.02, 0.08
-"""How far a mask's middle is from the object's, across the view and, guessed from the rim, along it [body lengths]."""
+"""How far the middle in one picture is off, across the view and, guessed from the rim, along it [body lengths]."""
 INDEPENDENT_VIEWS = 4.0
 """Neighbouring frames err alike: so many of a clip's views count."""
 CUT = "the object is cut off by the picture's border"
@@ -68,7 +68,7 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
     edges = corners[:, 1] - corners[:, 0]
     size, center = float(edges[0].max()), lift.find_center(trusted[0], masks[0], camera)
     area, cut, out = masks.sum((1, 2)), *_leaving(masks)
-    center = _ride(path, masks, cut, center, size, camera)
+    center = _ride(path, trusted, masks, cut, center, size, camera)
     points = [lift.unproject_surface(d, camera)[::7] for d in trusted]
     loose = np.array([p is not None and p.residual > LOOSEST * size for p in path.poses])
     path = dataclasses.replace(path, poses=[None if bad else p for p, bad in zip(path.poses, loose)])
@@ -102,16 +102,17 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
 
 
 def _ride(
-    path: Path, masks: np.ndarray, cut: np.ndarray, guess: np.ndarray, size: float, camera: Camera
+    path: Path, trusted, masks: np.ndarray, cut: np.ndarray, guess: np.ndarray, size: float, camera: Camera
 ) -> np.ndarray:
-    """The point of frame 0 that stays in the middle of the mask as the object turns; world [m], shape (3,).
+    """The point of frame 0 that stays in the object's middle as the object turns; world [m], shape (3,).
 
     One view does not tell how far behind the surface the middle lies; with the wrong depth it would swing about the
-    right one in a turn. The middle of each frame's mask is a ray that the riding point should meet: two equations that
+    right one in a turn. The middle in each frame is a ray that the riding point should meet: two equations that
     are linear in the point. Without a turn they say nothing about depth, and the guess stands.
 
     Args:
         path: The poses; those of the first chain are used.
+        trusted: Trusted z-depth [m], nan elsewhere, shape (T, H, W).
         masks: The object, shape (T, H, W).
         cut: Whether the object is cut off by the border, shape (T,).
         guess: From frame 0 alone [m], shape (3,).
@@ -125,8 +126,7 @@ def _ride(
         return guess
     rows, values = [], []
     for t, pose in posed:
-        y, x = np.nonzero(masks[t])
-        u, v, _ = np.linalg.solve(K, [x.mean() + 0.5, y.mean() + 0.5, 1.0])
+        u, v, _ = np.linalg.solve(K, [*lift.find_middle_pixel(trusted[t], masks[t], camera), 1.0])
         across = np.stack([view[0] - u * view[2], view[1] - v * view[2]])
         rows.append(across[:, :3] @ pose.matrix)
         values.append(-(across[:, :3] @ pose.offset + across[:, 3]))

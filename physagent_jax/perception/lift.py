@@ -157,8 +157,31 @@ def measure_rim_depth(depth: np.ndarray, mask: np.ndarray) -> float:
     return float(np.clip(rim, front, back + 0.5 * (back - front)))
 
 
+def find_middle_pixel(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
+    """Where the object's middle appears: between the mask's mean and that of its visible surface [px], shape (2,).
+
+    The mask's mean counts by area in the picture, which is small where the surface is steep; the surface's mean counts
+    by true area but sees the front alone. They lie on opposite sides of the middle, 0.02 body lengths off.
+
+    Args:
+        depth: Trusted depth [m], nan elsewhere, shape (H, W).
+        mask: The object, shape (H, W).
+        camera: The camera.
+    """
+    y, x = np.nonzero(mask)
+    middle = np.array([x.mean() + 0.5, y.mean() + 0.5])
+    y, x = (i[::5] for i in np.nonzero(np.isfinite(depth)))
+    if len(x) == 0:
+        return middle
+    xy, z = np.stack([x + 0.5, y + 0.5], 1), depth[y, x].astype(float)
+    area = z**2 / np.maximum(measure_facing(depth, xy, camera), 0.3)
+    view = np.asarray(camera.viewmat, float)
+    seen = view[:3, :3] @ (area @ unproject(xy, z, camera) / area.sum()) + view[:3, 3]
+    return (middle + (np.asarray(camera.K, float) @ seen)[:2] / seen[2]) / 2
+
+
 def find_center(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
-    """The object's likely centre: middle of the mask, at the depth of its rim; world [m], shape (3,).
+    """The object's likely centre: its middle in the picture, at the depth of its rim; world [m], shape (3,).
 
     The mean of the visible surface lies too near. It would seem to travel when the object turns on the spot.
 
@@ -167,7 +190,4 @@ def find_center(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarr
         mask: The object, shape (H, W).
         camera: The camera.
     """
-    y, x = np.nonzero(mask)
-    return unproject(
-        np.array([x.mean() + 0.5, y.mean() + 0.5]), np.array(measure_rim_depth(depth, mask)), camera
-    )
+    return unproject(find_middle_pixel(depth, mask, camera), np.array(measure_rim_depth(depth, mask)), camera)

@@ -14,6 +14,10 @@ from physagent_jax.perception.schema import Oscillation, Uncertainty
 
 NINETY = 1.645
 """Half width of the interval that holds a normal variable in nine of ten cases [standard deviations]."""
+OFF_MIDDLE = 0.03
+"""How far across the view the middle may be misjudged, which a turn makes a shift [body lengths]."""
+HIDDEN = 0.07
+"""How far along the view, where a side is hidden [body lengths]."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -49,15 +53,16 @@ def estimate_uncertainty(
         frame_dt: Seconds per frame [s].
     """
     blur = 0.5 * hard.pixel + 0.3 * hard.noise
-    displacement = 0.008 + blur + 0.1 * np.sin(np.radians(min(hard.turn, 90.0))) + 0.02 * hard.travel
-    displacement += 0.5 * hard.residual
+    tilt = np.sin(np.radians(min(hard.turn, 90.0)))
     known = [v for v in turns if v is not None]
+    angle = max((float(np.linalg.norm(v)) for v in known), default=0.0)
+    displacement = 0.008 + blur + 0.015 * hard.travel + 0.3 * hard.residual
+    displacement += float(np.hypot(OFF_MIDDLE * 2 * np.sin(min(angle, np.pi) / 2), HIDDEN * tilt))
     if not known:
         return Uncertainty(displacement=displacement, frequency=_frequency(swing, frame_dt))
-    angle = float(np.degrees(max(np.linalg.norm(v) for v in known)))
-    rotation = 0.7 + np.degrees(2 * blur + 0.5 * hard.residual) + 0.1 * hard.turn + 0.5 * hard.links
-    axis = float(np.degrees(np.arctan2(rotation, angle)))
-    stretch = 0.02 + 2 * blur + hard.residual + 0.1 * np.sin(np.radians(min(hard.turn, 90.0)))
+    rotation = 0.7 + np.degrees(2 * blur + 0.5 * hard.residual) + 0.12 * hard.turn + 0.3 * hard.links
+    axis = float(np.degrees(np.arctan2(np.radians(rotation), angle)))
+    stretch = 0.02 + 2 * blur + hard.residual + 0.12 * tilt
     return Uncertainty(
         displacement=displacement,
         rotation=rotation,

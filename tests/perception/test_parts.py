@@ -101,6 +101,20 @@ def test_affine_fit_survives_outliers():
     assert found(np.zeros(3)) == pytest.approx((1, 2, 3), abs=0.01)
 
 
+def test_an_end_that_moves_by_itself_is_motion_and_no_outlier():
+    """A quarter that is squashed to half: the strain is that of least squares, with a few lost points or without."""
+    rng = np.random.default_rng(3)
+    a = rng.uniform(-0.5, 0.5, (400, 3)) * (0.5, 0.3, 1.0)
+    b = a.copy()
+    top = a[:, 2] > 0.2
+    b[top, 2] = 0.2 + 0.3 * (a[top, 2] - 0.2)
+    exact = np.polyfit(a[:, 2], b[:, 2], 1)[0]
+    assert exact < 0.87
+    assert fit.fit_affine(a, b).matrix[2, 2] == pytest.approx(exact, abs=0.015)
+    b[::25] += rng.normal(0, 0.4, (16, 3))
+    assert fit.fit_affine(a, b).matrix[2, 2] == pytest.approx(exact, abs=0.02)
+
+
 def test_a_flat_side_keeps_its_unseen_thickness():
     a = np.random.default_rng(2).uniform(-1, 1, (100, 3)) * (1, 0, 1)
     R = Rotation.from_rotvec((0, 0, 0.6)).as_matrix()
