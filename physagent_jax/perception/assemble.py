@@ -108,7 +108,7 @@ def _ride(
 
     One view does not tell how far behind the surface the middle lies; with the wrong depth it would swing about the
     right one in a turn. The middle in each frame is a ray that the riding point should meet: two equations that
-    are linear in the point. Without a turn they say nothing about depth, and the guess stands.
+    are linear in its depth. Without a turn they say nothing about it, and the guess stands.
 
     Args:
         path: The poses; those of the first chain are used.
@@ -130,11 +130,11 @@ def _ride(
         across = np.stack([view[0] - u * view[2], view[1] - v * view[2]])
         rows.append(across[:, :3] @ pose.matrix)
         values.append(-(across[:, :3] @ pose.offset + across[:, 3]))
-    weight = np.sqrt(INDEPENDENT_VIEWS / len(posed)) / (MIDDLE_OFF * size)
-    prior = view[:3, :3] / (size * np.array([[MIDDLE_OFF], [MIDDLE_OFF], [DEPTH_OFF]]))
-    A = np.concatenate([weight * np.concatenate(rows), prior])
-    b = np.concatenate([weight * np.concatenate(values), prior @ guess])
-    return np.linalg.lstsq(A, b, rcond=None)[0]
+    line = guess - camera.center
+    line = line / np.linalg.norm(line)
+    across, off = np.concatenate(rows) @ line, np.concatenate(values) - np.concatenate(rows) @ guess
+    trust = INDEPENDENT_VIEWS / len(posed) / MIDDLE_OFF**2
+    return guess + line * (trust * across @ off) / (trust * across @ across + 1 / DEPTH_OFF**2)
 
 
 def _centroids(path: Path, points: list[np.ndarray], cut: np.ndarray, center: np.ndarray) -> np.ndarray:

@@ -7,6 +7,9 @@ import numpy as np
 
 from physagent_jax.render.camera import Camera
 
+SURFACE_SHARE = 1 / 3
+"""How far the object's middle lies from the mask's mean towards that of the visible surface. On a robot, a plant and a
+loaf half was best (0.02 body lengths off at most, against 0.03); a thin stalk has surface but little mass."""
 _KERNEL = np.ones((3, 3), np.uint8)
 
 
@@ -177,7 +180,8 @@ def find_middle_pixel(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np
     area = z**2 / np.maximum(measure_facing(depth, xy, camera), 0.3)
     view = np.asarray(camera.viewmat, float)
     seen = view[:3, :3] @ (area @ unproject(xy, z, camera) / area.sum()) + view[:3, 3]
-    return (middle + (np.asarray(camera.K, float) @ seen)[:2] / seen[2]) / 2
+    surface = (np.asarray(camera.K, float) @ seen)[:2] / seen[2]
+    return middle + SURFACE_SHARE * (surface - middle)
 
 
 def find_center(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:

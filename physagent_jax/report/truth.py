@@ -59,6 +59,19 @@ def _rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]]:
             format_fixed(largest, DECIMALS),
             "body lengths",
         ]
+    yield from _stated_rows(report)
+
+
+def _stated_rows(report: MotionReport) -> Iterator[list[str]]:
+    """How far off perception says that it may be: the differences above should be smaller in nine of ten runs."""
+    stated = report.uncertainty
+    for name, value, unit in (
+        ("displacement", stated.displacement, "body lengths"),
+        ("rotation", stated.rotation, "degrees"),
+        ("stretch across the view", stated.stretch, "of frame 0"),
+    ):
+        if value is not None:
+            yield [f"Half width stated by perception: {name}", "", "", format_fixed(value, DECIMALS), unit]
 
 
 def _stretch_rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]]:

@@ -10,7 +10,7 @@ from html.parser import HTMLParser
 import pytest
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.perception.schema import MotionReport
+from physagent_jax.perception.schema import MotionReport, Uncertainty
 from physagent_jax.report.html import write_report
 from physagent_jax.simulation.record import SimulationRecord
 from tests.report.fake_run import FRAMES, PROMPT, build_run, store
@@ -299,6 +299,15 @@ def test_stretch_is_compared_with_the_truth(copy):
     turned = report.windows[0].model_copy(update={"rotation_degrees": 40.0})
     store(path, report.model_copy(update={"windows": (turned, *report.windows[1:])}))
     assert render(copy).text.count("not comparable after a turn") == 3
+
+
+def test_stated_half_widths_stand_beside_the_errors(copy):
+    path = copy / "iterations/2/motion_report.json"
+    report = MotionReport.model_validate_json(path.read_text())
+    store(path, report.model_copy(update={"uncertainty": Uncertainty(displacement=0.031)}))
+    text = render(copy).text
+    assert "Half width stated by perception: displacement 0.031 body lengths" in text
+    assert "stated by perception: rotation" not in text, "what is not known is not stated"
 
 
 def test_rollouts_without_truth(copy):
