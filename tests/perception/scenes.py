@@ -79,12 +79,14 @@ def plant(seed: int = 1) -> Shape:
     rng = np.random.default_rng(seed)
     height, angle = rng.uniform(-0.5, 0.4, 12_000), rng.uniform(0, 2 * np.pi, 12_000)
     stalk = np.stack([0.04 * np.cos(angle), 0.04 * np.sin(angle), height], 1)
-    balls = [
-        _sphere(12_000) * r + c
-        for r, c in ((0.16, (0.12, 0, 0.3)), (0.15, (-0.14, 0.05, 0.1)), (0.12, (0.08, -0.05, -0.1)))
-    ]
-    surface = np.concatenate([stalk, *balls])
-    return Shape(surface, texture(surface, seed), surface[::10])
+    radii = (0.16, 0.15, 0.12)
+    centers = ((0.12, 0, 0.3), (-0.14, 0.05, 0.1), (0.08, -0.05, -0.1))
+    parts = [stalk, *(_sphere(12_000) * r + c for r, c in zip(radii, centers))]
+    areas = np.array([2 * np.pi * 0.04 * 0.9, *(4 * np.pi * r**2 for r in radii)])
+    counts = (4800 * areas / areas.sum()).astype(int)  # particles are as dense on the stalk as on the balls
+    volume = [p[np.linspace(0, len(p) - 1, n).astype(int)] for p, n in zip(parts, counts)]
+    surface = np.concatenate(parts)
+    return Shape(surface, texture(surface, seed), np.concatenate(volume))
 
 
 def film(
