@@ -19,8 +19,12 @@ from physagent_jax.scene.config import (
     SceneConfig,
     Source,
 )
+from physagent_jax.scene.config.material import MaterialModel
 from physagent_jax.scene.presets import Preset
 from physagent_jax.scene.world import FREE, World, build_boundaries, find_gravity
+
+SEEN_SAG = 1e-3  # rho g L / E below which an object is as straight as without weight
+CAN_STAND = (MaterialModel.NEO_HOOKEAN, MaterialModel.FIXED_COROTATED, MaterialModel.HENCKY)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -85,6 +89,7 @@ def fuse(
         ),
         gravity=find_gravity(world),
         always_gravity=world.gravity != "none",
+        start="equilibrium" if stands(template, drop=drop) else "unstressed",
         boundaries=build_boundaries(world, body, template.anchor, drop=drop, friction=template.friction),
         anchor=template.anchor,
         force_field=force_field,
@@ -100,6 +105,17 @@ def fuse(
     if keep is not None and shows_points(points, keep, config.rendering):
         camera = keep
     return config.model_copy(update=dict(camera=camera))
+
+
+def stands(template: SceneTemplate, *, drop: bool) -> bool:
+    """Whether the object rests under its own weight when the clip begins, and so much of it that it would be seen.
+
+    What is lifted to be dropped bears nothing yet; a strain of `SEEN_SAG` is not seen.
+    """
+    world, anchor, material = template.world, template.anchor, template.material
+    borne = anchor.kind != "none" or (world.ground and not drop)
+    sag = material.density * calibration.GRAVITY * template.source.extent / material.youngs_modulus
+    return world.gravity == "down" and borne and sag > SEEN_SAG and material.model in CAN_STAND
 
 
 def estimate_sweep(config: SceneConfig, body: Body) -> np.ndarray:

@@ -31,6 +31,7 @@ from physagent_jax.scene.camera import make_reference_camera
 from physagent_jax.scene.compile import buckets
 from physagent_jax.scene.compile.boundaries import compile_boundaries
 from physagent_jax.scene.compile.constraints import compile_constraints
+from physagent_jax.scene.compile.equilibrium import balance_weight
 from physagent_jax.scene.compile.forces import compile_forces, compile_skills
 from physagent_jax.scene.compile.materials import ParticleMaterials
 from physagent_jax.scene.compile.select import DTYPE
@@ -140,6 +141,9 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         damping_rate=config.transfer.damping_rate,
     )
     state = State.at_rest(to_device(rest), materials=model.materials)
+    balanced = balance_weight(model, state, still, config, body)
+    if balanced is not None:
+        state = dataclasses.replace(state, F=to_device(balanced.F, DTYPE))
     substeps = _substeps(config, model, state)
     model = model.replace(dt=to_device(config.timing.frame_dt / substeps, DTYPE))
     camera = make_reference_camera(config.camera, config.rendering, config.domain)

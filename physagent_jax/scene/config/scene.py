@@ -34,7 +34,9 @@ class SceneConfig(Strict):
         prompt: The sentence, for the record.
         preset: Name of the preset that gave the defaults, for the record.
         gravity: [m/s^2]; acts only if ``force_field.default_drop``, or ``always_gravity``.
-        always_gravity: Whether gravity acts regardless of the force field (imported scenes).
+        always_gravity: Whether gravity acts regardless of the force field.
+        start: "unstressed": the captured pose bears nothing yet, and sags where gravity acts; "equilibrium": it bears the
+            object's weight, as it did when it was captured (`scene.compile.equilibrium`).
         forces: Terms that act besides the force field; the agents neither see nor change them.
         ledger: Whether work, dissipation and impulses are recorded frame by frame (`mpm.ledger`).
         scaling: None = the closed forms of `forces.skills`, evaluated when the scene is compiled.
@@ -52,6 +54,7 @@ class SceneConfig(Strict):
     transfer: Transfer = Transfer()
     gravity: Acceleration = (0.0, 0.0, -9.8)
     always_gravity: bool = False
+    start: Literal["unstressed", "equilibrium"] = "unstressed"
     boundaries: Annotated[tuple[Boundary, ...], _FEW] = (DomainBox(),)
     constraints: Annotated[tuple[Constraint, ...], _FEW] = ()
     anchor: Anchor = Anchor()
