@@ -26,7 +26,7 @@ from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.body import Body, make_body, make_scene_body
 from physagent_jax.scene.compile import CompiledScene, compile_scene
 from physagent_jax.scene.cost import Limits
-from physagent_jax.scene.fuse import fuse
+from physagent_jax.scene.fuse import fuse, hold_if_toppling
 from physagent_jax.scene.scene_file import read_scene
 
 
@@ -136,13 +136,18 @@ def build_scene(
     run = resolve(_valid(**changed))
     for text in run.warnings:
         warnings.warn(text, UserWarning, stacklevel=2)
-    template = run.template
+    template, why = run.template, None
     if prompt:
         context = AgentContext(prompt, make_brief(template, frames_fixed=run.frames_fixed), describe_skills())
         reply = agents_of(run.spec).semantic.compile(context).value
         template, field = run.with_reply(reply), reply.force_field
+        if reply.world.gravity is None:
+            template, why = hold_if_toppling(template, loaded.body)
     else:
         field = _force_field(force_field)
+        template, why = hold_if_toppling(template, loaded.body)
+    if why is not None:
+        warnings.warn(why, UserWarning, stacklevel=2)
     return compile_scene(fuse(template, loaded.body, field), loaded.body, run.base_dir)
 
 

@@ -18,6 +18,7 @@ from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TURN
 _Fraction = Annotated[float, Field(ge=-1e6, le=1e6)]
 _Place = tuple[_Fraction, _Fraction, _Fraction]  # in bounding-box fractions
 _Frame = Annotated[float, Field(ge=0, le=1e5)]
+NotNegative = Annotated[float, Field(ge=0, le=1e9)]
 
 
 class ActionType(enum.StrEnum):
@@ -161,6 +162,28 @@ class ForceField(Strict):
     constraints: Annotated[tuple[VelocityConstraint, ...], Field(max_length=256)] = ()
 
 
+class Opposition(Strict):
+    """What works against a motion of the whole object, and is made up for (`forces.opposition`).
+
+    Attributes:
+        friction: Deceleration of what slides over the ground [m/s^2].
+        weight: Deceleration of what rises [m/s^2].
+        turning: Angular deceleration by friction of what spins about the vertical [rad/s^2].
+        tipping: Angular acceleration at which the weight holds it upright [rad/s^2].
+        damping_rate: Of velocities [1/s].
+        travel: Way that a blow with M = 1 goes [m].
+        time: In which it does where nothing stops it before [s].
+    """
+
+    friction: NotNegative = 0.0
+    weight: NotNegative = 0.0
+    turning: NotNegative = 0.0
+    tipping: NotNegative = 0.0
+    damping_rate: NotNegative = 0.0
+    travel: Positive
+    time: Positive
+
+
 class SkillScaling(Strict):
     """What a magnitude of 1 means in SI units; recorded in a scene, so that it replays exactly.
 
@@ -171,6 +194,8 @@ class SkillScaling(Strict):
         torque: Angular acceleration [rad/s^2].
         velocity: Of ``enforce_particle_translation`` and ``moving_plate`` [m/s].
         rotation: Of ``enforce_particle_rotation`` [rad/s]; by default a quarter turn in two seconds.
+        opposition: What works against the motion, which pushes, blows and turns of the whole object make up for;
+            None = nothing.
         reason: How they were found.
     """
 
@@ -180,6 +205,7 @@ class SkillScaling(Strict):
     torque: Positive
     velocity: Positive
     rotation: Positive = TURN / 2
+    opposition: Opposition | None = None
     reason: str = ""
 
 

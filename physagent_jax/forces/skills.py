@@ -33,6 +33,8 @@ of them that JAX differentiates. What is known is computed on the host in double
 
 from __future__ import annotations
 
+import math
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -43,6 +45,7 @@ from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error
 from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, STRAIN, STRETCH_RAMP, TRAVEL, TURN
+from physagent_jax.forces.opposition import describe_opposition, oppose_blow, oppose_push, oppose_turn
 from physagent_jax.forces.parameters import ActionParameters, Array, ForceFieldParameters, check_entries
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.schema import (
@@ -50,6 +53,7 @@ from physagent_jax.forces.schema import (
     ActionType,
     ConstraintType,
     ForceField,
+    Opposition,
     SkillScaling,
     VelocityConstraint,
 )
@@ -68,15 +72,24 @@ _TINY = float(np.finfo(np.float32).tiny)
 
 
 def make_closed_form_scaling(
-    *, extent: float, youngs_modulus: float, density: float, duration: float
+    *,
+    extent: float,
+    youngs_modulus: float,
+    density: float,
+    duration: float,
+    damping_rate: float = 0.0,
+    opposition: Opposition | None = None,
 ) -> SkillScaling:
-    """The k of the table above for a free object.
+    """The k of the table above for a free object; with damping, those that move it as far.
 
     Args:
         extent: Longest extent L [m].
         youngs_modulus: Mean E [Pa].
         density: Mean rho [kg/m^3].
-        duration: The clip's duration T [s].
+        duration: T [s].
+        damping_rate: Rate d at which velocities decay [1/s]: a push k then moves by k (d T - 1 + e^(-d T)) / d^2
+            instead of k T^2 / 2, a blow k by k (1 - e^(-d T)) / d instead of k T.
+        opposition: What else works against the motion.
 
     Raises:
         UserError: These values give accelerations beyond what float32 can compute with.
@@ -85,14 +98,22 @@ def make_closed_form_scaling(
         f"closed form for L = {extent:.3g} m, E = {youngs_modulus:.3g} Pa, "
         f"rho = {density:.3g} kg/m^3, T = {duration:.3g} s"
     )
+    coasting, pushed = duration, 0.5 * duration**2  # way of a blow and of a push with k = 1
+    if (decay := damping_rate * duration) > 1e-6:
+        coasting = -math.expm1(-decay) / damping_rate
+        pushed = (decay + math.expm1(-decay)) / damping_rate**2
+        reason += f", damping {damping_rate:.3g} /s"
+    if opposition is not None:
+        reason += f"; {describe_opposition(opposition)}"
     try:
         return SkillScaling(
-            translation=2 * TRAVEL * extent / duration**2,
+            translation=TRAVEL * extent / pushed,
             scale=4 * youngs_modulus * STRAIN / (density * extent),
-            impulse=TRAVEL * extent / duration,
-            torque=2 * TURN / duration**2,
+            impulse=TRAVEL * extent / coasting,
+            torque=TURN / pushed,
             velocity=PRESCRIBED_TRAVEL * extent / duration,
             rotation=TURN / duration,
+            opposition=opposition,
             reason=reason,
         )
     except ValidationError as error:
@@ -141,7 +162,9 @@ def compile_force_field(
         bound = _Bound(constraint, values, place, rest, volume, frame_dt, frame_count)
         match constraint.constraint_type:
             case ConstraintType.PARTICLE_IMPULSE:
-                forces.append(bound.change_velocity(scaling.impulse))
+                opposition = scaling.opposition if constraint.region is None else None
+                blow = oppose_blow(opposition, scaling.impulse, *bound.directed)
+                forces.append(bound.change_velocity(blow))
             case ConstraintType.PARTICLE_TRANSLATION:
                 k = scaling.velocity * (1.0 if constraint.region is None else bound.width())
                 constraints += bound.hold(bound.vector(k), bound.leaf(np.zeros(3)))
@@ -203,13 +226,16 @@ def _directed(k: float | Array, values: ActionParameters) -> Array:
 def _skill(action: Action, scaling: SkillScaling, bound: _Bound):
     axis, (start, end), weight = bound.leaf(bound.values.vector), bound.window, bound.weight
     magnitude = bound.values.magnitude
+    opposition = scaling.opposition if action.region is None else None
     match action.action_type:
         case ActionType.TRANSLATION:
-            return UniformAcceleration(bound.vector(scaling.translation), start, end, weight)
+            push = oppose_push(opposition, scaling.translation, *bound.directed)
+            return UniformAcceleration(bound.along(push), start, end, weight)
         case ActionType.IMPULSE:
-            return bound.apply_impulse(scaling.impulse)
+            return bound.apply_impulse(oppose_blow(opposition, scaling.impulse, *bound.directed))
         case ActionType.TORQUE:
-            return Torque(axis, bound.leaf(scaling.torque * magnitude), start, end, weight)
+            turn = oppose_turn(opposition, scaling.torque, *bound.directed)
+            return Torque(axis, bound.leaf(turn), start, end, weight)
         case ActionType.SCALE:
             strength = bound.leaf(scaling.scale * magnitude / bound.stress_concentration())
             return Stretch(axis, strength, start, end, STRETCH_RAMP * (end - start), weight)
@@ -255,6 +281,15 @@ class _Bound:
         """``value`` as an array of the particles' dtype."""
         return value.astype(self._dtype) if _is_traced(value) else to_device(value, self._dtype)
 
+    @property
+    def directed(self) -> tuple[Array, Array]:
+        """Magnitude and vector."""
+        return self.values.magnitude, self.values.vector
+
+    def along(self, size: float | Array) -> jax.Array:
+        """``size`` times the vector, shape (3,)."""
+        return self.leaf(size * self.values.vector)
+
     def vector(self, k: float | Array) -> jax.Array:
         """k M v, shape (3,)."""
         return self.leaf(_directed(k, self.values))
@@ -291,15 +326,15 @@ class _Bound:
         largest = max(map(stress, sections)) if xp is np else jax.lax.map(stress, sections).max()
         return xp.maximum(1.0, largest / (0.5 * extent))
 
-    def apply_impulse(self, k: float) -> UniformAcceleration:
-        """The velocity change k M v, spread evenly over the window."""
+    def apply_impulse(self, speed: float | Array) -> UniformAcceleration:
+        """The velocity change ``speed`` [m/s] along the vector, spread evenly over the window."""
         start, end = self.window
-        return UniformAcceleration(self.vector(k) / (end - start), start, end, self.weight)
+        return UniformAcceleration(self.along(speed) / (end - start), start, end, self.weight)
 
-    def change_velocity(self, k: float) -> VelocityChange:
-        """The velocity change k M v at the window's start."""
+    def change_velocity(self, speed: float | Array) -> VelocityChange:
+        """The velocity change ``speed`` [m/s] along the vector at the window's start."""
         start = self.leaf((self.values.window[0] + AFTER) * self._frame_dt)
-        return VelocityChange(self.vector(k), start, start, self.weight)
+        return VelocityChange(self.along(speed), start, start, self.weight)
 
     def width(self) -> Array:
         """The object's extent along the vector, over its longest [1]."""

@@ -46,7 +46,7 @@ from physagent_jax.scene.coarse import coarsen
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import CameraConfig, SceneConfig
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
-from physagent_jax.scene.fuse import SceneTemplate, fuse
+from physagent_jax.scene.fuse import SceneTemplate, fuse, hold_if_toppling
 from physagent_jax.simulation.ahead import compile_ahead
 from physagent_jax.simulation.recording import RestartCache
 from physagent_jax.simulation.simulate import simulate_scene
@@ -136,7 +136,7 @@ def run_loop(
         loop.observer.understood(reply)
         try:
             body = loop.load_object()
-            template = loop.apply_reply(reply)
+            template = loop.apply_reply(reply, body)
             config = fuse(template, body, reply.force_field)
             check_cost(estimate_cost(config, body, run.spec.save.video_size), limits or Limits())
         except UserError as error:
@@ -251,9 +251,15 @@ class _Loop:
         self._warnings = tuple(dict.fromkeys(str(warning.message) for warning in caught))
         return body
 
-    def apply_reply(self, reply: SemanticReply) -> SceneTemplate:
-        """The scene template with what the sentence says about holding, the world and the clip's length."""
+    def apply_reply(self, reply: SemanticReply, body: Body) -> SceneTemplate:
+        """The scene template with what the sentence says about holding, the world and the clip's length.
+
+        An object that cannot stand as it was captured is held, unless the sentence wants gravity.
+        """
         self._template = self._run.with_reply(reply)
+        if reply.world.gravity is None:
+            self._template, why = hold_if_toppling(self._template, body)
+            self._warnings += () if why is None else (why,)
         return self._template
 
     def probe(self, template: SceneTemplate, body: Body, reply: SemanticReply) -> ForceField:
@@ -304,9 +310,11 @@ class _Loop:
 
     def attempt(self, series: _Series, index: int, force_field: ForceField, context: AgentContext) -> Attempt:
         """Simulates ``force_field``, looks at the pictures, judges them, and leaves the round's files."""
-        with self._watch("prepare"):
+        with self._watch("prepare"), warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", UserWarning)
             config = fuse(series.template, series.body, force_field, keep=series.camera)
             scene = compile_scene(config, series.body, self._run.base_dir)
+        self._warnings = tuple(dict.fromkeys((*self._warnings, *(str(each.message) for each in caught))))
         name = f"{series.name} {index + 1}"
         self.observer.stage(f"{name}: simulating and rendering")
         recording = simulate_scene(

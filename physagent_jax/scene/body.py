@@ -13,6 +13,7 @@ from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
 from physagent_jax.scene.load import load_object
+from physagent_jax.scene.pieces import explain_loose, join_pieces
 from physagent_jax.scene.placement import Placement, place
 
 FEWEST_PER_CELL = 3
@@ -64,6 +65,10 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     """
     cloud, placement = place(load_object(source, base_dir), source, domain)
     particles = fill(cloud, filling, dx=domain.dx)
+    if filling.join:
+        particles, loose = join_pieces(particles, domain.dx)
+        if (seen := explain_loose(loose)) is not None:
+            warnings.warn(seen, stacklevel=2)
     _warn_if_sparse(particles, domain.dx)
     return Body(cloud, placement, particles, bind(cloud.means, particles.x))
 

@@ -21,9 +21,17 @@ from physagent_jax.scene.config import (
 )
 from physagent_jax.scene.config.material import MaterialModel
 from physagent_jax.scene.presets import Preset
-from physagent_jax.scene.world import FREE, World, build_boundaries, find_gravity
+from physagent_jax.scene.world import (
+    FREE,
+    World,
+    build_boundaries,
+    explain_toppling,
+    find_gravity,
+    find_opposition,
+)
 
 SEEN_SAG = 1e-3  # rho g L / E below which an object is as straight as without weight
+FLOWS = (MaterialModel.FLUID, MaterialModel.DRUCKER_PRAGER, MaterialModel.SNOW)
 CAN_STAND = (MaterialModel.NEO_HOOKEAN, MaterialModel.FIXED_COROTATED, MaterialModel.HENCKY)
 
 
@@ -69,13 +77,29 @@ def fuse(
         keep: The camera of an earlier round, which stays if it shows where the object will be.
     """
     preset, material = template.preset, template.material
+    world, drop = template.world, force_field.default_drop
+    held, damping_rate = (
+        template.anchor.kind != "none",
+        max(preset.transfer.damping_rate, template.damping_rate),
+    )
+    time = calibration.find_reference_time(held, preset.timing.duration)
+    damped = 0.0 if held else damping_rate  # what is held bends, however slowly
     scaling = make_closed_form_scaling(
         extent=body.extent,
         youngs_modulus=material.youngs_modulus,
         density=material.density,
-        duration=calibration.find_reference_time(template.anchor.kind != "none", preset.timing.duration),
+        duration=time,
+        damping_rate=damped,
+        opposition=find_opposition(
+            world,
+            body,
+            template.anchor,
+            damping_rate=damped,
+            time=time,
+            drop=drop,
+            friction=template.friction,
+        ),
     )
-    world, drop = template.world, force_field.default_drop
     config = SceneConfig(
         prompt=template.prompt,
         preset=template.preset_name,
@@ -84,9 +108,7 @@ def fuse(
         material=material,
         domain=preset.domain,
         timing=preset.timing,
-        transfer=preset.transfer.model_copy(
-            update=dict(damping_rate=max(preset.transfer.damping_rate, template.damping_rate))
-        ),
+        transfer=preset.transfer.model_copy(update=dict(damping_rate=damping_rate)),
         gravity=find_gravity(world),
         always_gravity=world.gravity != "none",
         start="equilibrium" if stands(template, drop=drop) else "unstressed",
@@ -105,6 +127,16 @@ def fuse(
     if keep is not None and shows_points(points, keep, config.rendering):
         camera = keep
     return config.model_copy(update=dict(camera=camera))
+
+
+def hold_if_toppling(template: SceneTemplate, body: Body) -> tuple[SceneTemplate, str | None]:
+    """The template without gravity and ground where the object could not stand there, and why."""
+    flows = template.material.model in FLOWS
+    why = explain_toppling(template.world, body, template.anchor, flows=flows)
+    if why is None:
+        return template, None
+    world = dataclasses.replace(template.world, gravity="none", ground=False)
+    return dataclasses.replace(template, world=world), why
 
 
 def stands(template: SceneTemplate, *, drop: bool) -> bool:

@@ -35,14 +35,14 @@ PRESETS = {
     # follows the object, so only about 32 to 48 cells a side are computed.
     PresetName.FAST: Preset(
         Domain(size=4.0, cells=96),
-        Filling(max_particles=20_000),
+        Filling(max_particles=20_000, join=True),
         Timing(frame_count=50, frame_dt=0.04, substep_dt="auto"),
         Transfer(),
         Rendering(width=480, height=360),
     ),
     PresetName.PAPER: Preset(
-        Domain(size=2.0, cells=100),
-        Filling(max_particles=200_000),
+        Domain(size=4.0, cells=200),  # the paper's cells, and room to go somewhere
+        Filling(max_particles=200_000, join=True),
         Timing(frame_count=50, frame_dt=0.04, substep_dt=_PAPER_SUBSTEP),
         Transfer(rpic_damping=0.5, damping_rate=-math.log(_PAPER_DAMPING) / _PAPER_SUBSTEP),
         Rendering(width=512, height=512),

@@ -7,13 +7,17 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from physagent_jax.forces import calibration
+from physagent_jax.forces.schema import Opposition
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.config import Anchor, Boundary, Box, DomainBox, HalfSpace, Surface
 
 LOWEST_FLOOR = 0.15  # [m]; a floor keeps clear of the domain's own wall
 STRAYS = 5e-4  # of the particles: so few below all others do not hold an object up
+SOLE = 0.03  # [L] of height in which an object's feet are
+TOPPLES = 0.0  # [L] of overhang from which on an object does not stand
 BLOCK_SIZE = 0.5  # [L] side of a block that a sentence names
 
 
@@ -92,6 +96,67 @@ def find_foot(body: Body) -> float:
     """Height of the object's lowest particles but for `STRAYS` of them [m]."""
     height = np.sort(body.particles.x[:, 2])
     return float(height[int(STRAYS * len(height))])
+
+
+def find_footprint(body: Body) -> np.ndarray:
+    """Where the object's lowest `SOLE` are, seen from above [m], shape (m, 2)."""
+    x = np.asarray(body.particles.x, float)
+    return x[x[:, 2] <= find_foot(body) + SOLE * body.extent, :2]
+
+
+def find_overhang(body: Body) -> float:
+    """How far the mass centre is beyond the edge of what the object stands on [L]; negative = it stands."""
+    feet = find_footprint(body)
+    centre = np.average(body.particles.x[:, :2], axis=0, weights=body.particles.volume)
+    try:
+        hull = ConvexHull(feet)
+    except (QhullError, ValueError):  # a point or an edge
+        return float(np.linalg.norm(feet.mean(0) - centre)) / body.extent
+    return float((hull.equations[:, :2] @ centre + hull.equations[:, 2]).max()) / body.extent
+
+
+def explain_toppling(world: World, body: Body, anchor: Anchor, *, flows: bool) -> str | None:
+    """Why the object would fall over as it stands, in words; None if it stands, is held, or flows anyway."""
+    if world.gravity != "down" or not world.ground or anchor.kind != "none" or flows:
+        return None
+    overhang = find_overhang(body)
+    if overhang <= TOPPLES:
+        return None
+    return (
+        f"the object's mass centre is {overhang:.2f} of its length beyond what it stands on: it would fall over at "
+        "once, so it is held in the air as it was captured, without gravity, until something drops it"
+    )
+
+
+def find_opposition(
+    world: World, body: Body, anchor: Anchor, *, drop: bool, friction: float, damping_rate: float, time: float
+) -> Opposition | None:
+    """What works against motions of the whole object, in closed form; None where it is free or held.
+
+    A spin over the ground is slowed by mu g r / R^2, with r the feet's mean distance from the axis through the mass
+    centre and R the radius of gyration; an object stands upright with g b / R^2, b how far inside its foot the mass
+    centre is.
+    """
+    if world.gravity != "down" or anchor.kind != "none":
+        return None
+    values = dict(weight=calibration.GRAVITY)
+    if world.ground and not drop:
+        x, volume = np.asarray(body.particles.x, float), np.asarray(body.particles.volume, float)
+        arm = x - np.average(x, axis=0, weights=volume)
+        about_vertical = np.average((arm[:, :2] ** 2).sum(1), weights=volume)
+        about_side = np.average((arm**2).sum(1) - 0.5 * (arm[:, :2] ** 2).sum(1), weights=volume)
+        feet = find_footprint(body) - np.average(x[:, :2], axis=0, weights=volume)
+        slowing = friction * calibration.GRAVITY
+        values |= dict(
+            friction=slowing,
+            turning=slowing * np.linalg.norm(feet, axis=1).mean() / max(about_vertical, 1e-12),
+            tipping=calibration.GRAVITY
+            * max(0.0, -find_overhang(body))
+            * body.extent
+            / max(about_side, 1e-12),
+        )
+    travel = calibration.TRAVEL * body.extent
+    return Opposition(**values, damping_rate=damping_rate, travel=travel, time=time)
 
 
 def make_obstacle(obstacle: Obstacle, body: Body, friction: float) -> HalfSpace | Box:

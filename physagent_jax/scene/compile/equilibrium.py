@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
+from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
@@ -150,7 +151,7 @@ class _Balance:
 
     def solve(self) -> Equilibrium:
         """Newton's method, shortened where F would turn inside out; the best of its iterates."""
-        u = np.zeros((self._gradient.shape[1], 3))
+        u = np.zeros((self._gradient.get_shape()[1], 3))
         pressed = self._ground.copy()  # nodes that the ground bears
         sliding = np.zeros_like(pressed)
         best: tuple[float, np.ndarray] | None = None
@@ -259,7 +260,7 @@ class _Balance:
 
 def _find_borne(weight: csr_matrix, support: np.ndarray) -> np.ndarray:
     """Nodes that particles join to one of ``support``, shape (nodes,)."""
-    count, nodes = weight.shape
+    count, nodes = weight.get_shape()
     joined = coo_matrix(weight)
     graph = coo_matrix(
         (np.ones(joined.nnz), (joined.row, count + joined.col)), shape=(count + nodes, count + nodes)
@@ -292,6 +293,6 @@ def _stencil(x: np.ndarray, dx: float, form: str) -> tuple[np.ndarray, np.ndarra
 
 def _lame(model: Model) -> tuple[np.ndarray, np.ndarray]:
     """Lame parameters of the particles [Pa], shapes (n,)."""
-    blocks = [(np.asarray(law.mu, np.float64), np.asarray(law.lam, np.float64)) for law in model.materials]
-    mu, lam = (np.concatenate(part) for part in zip(*blocks))
-    return mu, lam
+    blocks: list[Any] = list(model.materials)
+    mu, lam = (np.concatenate([getattr(law, name) for law in blocks]) for name in ("mu", "lam"))
+    return mu.astype(np.float64), lam.astype(np.float64)

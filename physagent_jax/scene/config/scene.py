@@ -35,8 +35,8 @@ class SceneConfig(Strict):
         preset: Name of the preset that gave the defaults, for the record.
         gravity: [m/s^2]; acts only if ``force_field.default_drop``, or ``always_gravity``.
         always_gravity: Whether gravity acts regardless of the force field.
-        start: "unstressed": the captured pose bears nothing yet, and sags where gravity acts; "equilibrium": it bears the
-            object's weight, as it did when it was captured (`scene.compile.equilibrium`).
+        start: "unstressed": the captured pose bears nothing yet, and sags where gravity acts; "equilibrium": it
+            bears the object's weight, as it did when it was captured (`scene.compile.equilibrium`).
         forces: Terms that act besides the force field; the agents neither see nor change them.
         ledger: Whether work, dissipation and impulses are recorded frame by frame (`mpm.ledger`).
         scaling: None = the closed forms of `forces.skills`, evaluated when the scene is compiled.

@@ -70,6 +70,7 @@ class Filling(Strict):
         smooth: Whether to smooth the density field before thresholding.
         volumes: "matter" = particles share the object's volume; "cells" = PhysGaussian's rule, the volume of the
             simulation cell over the particles in it, which overestimates (imported scenes).
+        join: Whether pieces that the capture left loose are joined to the rest (`scene.pieces`).
         seed: Seed of every random choice.
     """
 
@@ -84,4 +85,5 @@ class Filling(Strict):
     max_particles: int = Field(default=20_000, ge=8, le=100_000_000)
     smooth: bool = False
     volumes: Literal["matter", "cells"] = "matter"
+    join: bool = False
     seed: Seed = 0

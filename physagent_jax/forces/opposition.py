@@ -1,0 +1,79 @@
+"""What a push, a blow or a turn needs in addition where friction and weight work against it.
+
+The way s that M asks for is what counts: M = 1 means the same visible motion on the ground as in empty space. A push
+overcomes what opposes it and moves the object by what is left; when it ends, friction stops it. A blow gives the speed
+whose way is M s: with a deceleration c, v = sqrt(2 c M s), or v = M s / T + c T / 2 if it is still moving after T. So a
+throw rises by M s and comes down. Closed forms; what a part alone is given is not changed, since it moves against the
+rest of the object rather than over the ground.
+"""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+import numpy as np
+from jax.core import Tracer
+
+from physagent_jax.forces.schema import Opposition
+
+RISES = 0.3  # vertical share of a direction from which on the object leaves the ground: nothing rubs then
+_TINY = 1e-12
+
+
+def find_deceleration(opposition: Opposition, direction):
+    """Deceleration of what moves along ``direction``, unit vector, shape (3,) [m/s^2]."""
+    xp = _numpy_of(direction)
+    up = direction[2]
+    flat = xp.sqrt(xp.maximum(1 - up**2, 0.0))
+    return opposition.weight * xp.maximum(up, 0.0) + xp.where(up < RISES, opposition.friction * flat, 0.0)
+
+
+def oppose_push(opposition: Opposition | None, k: float, magnitude, direction):
+    """Acceleration along ``direction`` of a push of ``magnitude`` [m/s^2]; k M where nothing opposes it."""
+    if opposition is None:
+        return k * magnitude
+    xp = _numpy_of(magnitude)
+    sign = xp.sign(magnitude)
+    return k * magnitude + sign * find_deceleration(opposition, sign * direction)
+
+
+def oppose_blow(opposition: Opposition | None, k: float, magnitude, direction):
+    """Velocity change along ``direction`` of a blow of ``magnitude`` [m/s]; k M where nothing opposes it."""
+    if opposition is None:
+        return k * magnitude
+    xp = _numpy_of(magnitude)
+    sign, size = xp.sign(magnitude), xp.abs(magnitude)
+    c = xp.maximum(find_deceleration(opposition, sign * direction), _TINY)
+    way, time = size * opposition.travel, opposition.time
+    drag = 2 / 3 * opposition.damping_rate * way  # first order in the damping
+    stopped = xp.sqrt(2 * c * way) + drag
+    passing = k * size + 0.5 * c * time
+    return sign * xp.where(way < 0.5 * c * time**2, stopped, passing)
+
+
+def oppose_turn(opposition: Opposition | None, k: float, magnitude, axis):
+    """Angular acceleration about ``axis`` of a turn of ``magnitude`` [rad/s^2]; k M where nothing opposes it."""
+    if opposition is None:
+        return k * magnitude
+    xp = _numpy_of(magnitude)
+    upright = axis[2] ** 2
+    return k * magnitude + xp.sign(magnitude) * (
+        opposition.turning * upright + opposition.tipping * (1 - upright)
+    )
+
+
+def describe_opposition(opposition: Opposition) -> str:
+    """What is made up for, in words."""
+    parts = []
+    if opposition.friction:
+        parts.append(f"friction of {opposition.friction:.3g} m/s^2")
+    if opposition.weight:
+        parts.append(f"weight of {opposition.weight:.3g} m/s^2")
+    if opposition.turning:
+        parts.append(f"friction of a spin of {opposition.turning:.3g} rad/s^2")
+    if opposition.tipping:
+        parts.append(f"standing upright with {opposition.tipping:.3g} rad/s^2")
+    return "made up for in closed form: " + ", ".join(parts) if parts else "nothing opposes it"
+
+
+def _numpy_of(value):
+    return jnp if isinstance(value, Tracer) else np

@@ -1,0 +1,115 @@
+"""Parts that a capture left loose: found, and joined to the rest.
+
+A capture has no matter where nothing was seen: a hand may float beside its arm. Without gravity it stays behind as soon
+as the rest moves, with gravity it falls off. Pieces near the rest are joined to it by particles across the gap, as wide
+as where the two face each other; what is farther away is left, and reported.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from scipy import ndimage
+from scipy.spatial import KDTree
+
+from physagent_jax.scene.filling import Particles
+
+CELL = 0.75  # of the simulation's: particles in cells that touch feel each other through the grid
+NEAR = 0.12  # [L]: farther pieces are not joined
+FACING = 1.5  # cells beyond the least distance that count as facing the rest
+SPACING = 0.5  # cells between particles of a joint
+FEWEST = 3  # particles, below which a piece is dust
+MOST_PIECES = 256
+
+
+@dataclasses.dataclass(frozen=True)
+class LoosePiece:
+    """A piece that nothing joins to the rest.
+
+    Attributes:
+        share: Of the particles.
+        distance: From the rest [L].
+    """
+
+    share: float
+    distance: float
+
+
+def label_pieces(x: np.ndarray, dx: float) -> np.ndarray:
+    """Which piece each particle belongs to, the largest is 0, shape (n,); ``x`` [m], shape (n, 3)."""
+    cells = np.floor(x / (CELL * dx)).astype(np.int64)
+    cells -= cells.min(0)
+    filled = np.zeros(cells.max(0) + 1, bool)
+    filled[tuple(cells.T)] = True
+    found = np.empty(filled.shape, np.int32)
+    ndimage.label(filled, structure=np.ones((3, 3, 3)), output=found)
+    labels = found[tuple(cells.T)] - 1
+    rank = np.argsort(np.argsort(-np.bincount(labels), kind="stable"))
+    return np.asarray(rank)[labels]
+
+
+def join_pieces(particles: Particles, dx: float) -> tuple[Particles, tuple[LoosePiece, ...]]:
+    """The particles with joints between pieces, largest pieces first, and what stays loose.
+
+    Args:
+        particles: At rest.
+        dx: The simulation's grid spacing [m].
+    """
+    x = np.asarray(particles.x, np.float64)
+    labels = label_pieces(x, dx)
+    if not labels.any():
+        return particles, ()
+    extent = np.ptp(x, axis=0).max()
+    body, joints, loose = labels == 0, [], []
+    waiting = [(piece, labels == piece) for piece in range(1, min(labels.max(), MOST_PIECES) + 1)]
+    waiting = [(piece, mine) for piece, mine in waiting if mine.sum() >= FEWEST]
+    while waiting:
+        tree = KDTree(x[body])
+        found = [tree.query(x[mine]) for _, mine in waiting]
+        nearest = int(np.argmin([distance.min() for distance, _ in found]))
+        (_, mine), (distance, index) = waiting.pop(nearest), found[nearest]
+        if distance.min() > NEAR * extent:
+            loose.append(LoosePiece(float(mine.mean()), float(distance.min() / extent)))
+            continue
+        facing = distance <= distance.min() + FACING * dx
+        joints.append(_bridge(x[mine][facing], x[body][np.asarray(index)[facing]], SPACING * dx))
+        body = body | mine
+    if not joints:
+        return particles, tuple(loose)
+    added = _thin(np.concatenate(joints), x, SPACING * dx)
+    joined = Particles(
+        np.concatenate([particles.x, added.astype(np.float32)]),
+        np.concatenate([particles.volume, np.full(len(added), np.median(particles.volume), np.float32)]),
+        np.concatenate([particles.gaussian_index, np.full(len(added), -1, np.int32)]),
+    )
+    return joined, tuple(loose)
+
+
+def explain_loose(pieces: tuple[LoosePiece, ...]) -> str | None:
+    """What the user should know of them."""
+    seen = [piece for piece in pieces if piece.share >= 1e-3]
+    if not seen:
+        return None
+    words = ", ".join(f"{piece.share:.1%} at {piece.distance:.2f} L" for piece in seen[:4])
+    return (
+        f"{len(seen)} piece(s) of the object are joined to the rest by nothing ({words}): they fall or stay behind; "
+        "`source.crop` removes them"
+    )
+
+
+def _bridge(one: np.ndarray, other: np.ndarray, spacing: float) -> np.ndarray:
+    """Points on the lines between pairs of points, shape (m, 3)."""
+    count = max(2, int(np.ceil(np.linalg.norm(one - other, axis=1).max() / spacing)) + 1)
+    share = np.linspace(0, 1, count)[1:-1] if count > 2 else np.array([0.5])
+    return (one[:, None] + share[:, None] * (other - one)[:, None]).reshape(-1, 3)
+
+
+def _thin(points: np.ndarray, x: np.ndarray, spacing: float) -> np.ndarray:
+    """One of ``points`` per cell of ``spacing`` [m] in which nothing of ``x`` lies."""
+    low = np.minimum(points.min(0), x.min(0))
+    cells = np.floor((points - low) / spacing).astype(np.int64)
+    taken = {tuple(cell) for cell in np.unique(np.floor((x - low) / spacing).astype(np.int64), axis=0)}
+    _, first = np.unique(cells, axis=0, return_index=True)
+    kept = [index for index in np.sort(first) if tuple(cells[index]) not in taken]
+    return points[kept] if kept else points[np.sort(first)]
