@@ -263,7 +263,7 @@ class RunSpec(Strict):
     material: MaterialChoice = MaterialChoice()
     anchor: AnchorChoice = AnchorChoice()
     camera: CameraChoice = CameraChoice()
-    world: Literal["ground", "free"] = "free"
+    world: Literal["ground", "free"] = "ground"
     friction: Friction | None = None
     agents: AgentChoice = AgentChoice()
     perception: PerceptionChoice = PerceptionChoice()

@@ -16,7 +16,7 @@ from scipy.spatial import KDTree
 from physagent_jax.scene.filling import Particles
 
 CELL = 0.75  # of the simulation's: particles in cells that touch feel each other through the grid
-NEAR = 0.12  # [L]: farther pieces are not joined
+NEAR = 0.2  # [L]: farther pieces are not joined
 FACING = 1.5  # cells beyond the least distance that count as facing the rest
 SPACING = 0.5  # cells between particles of a joint
 FEWEST = 3  # particles, below which a piece is dust

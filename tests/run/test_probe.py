@@ -89,7 +89,9 @@ def test_the_fine_rounds_begin_with_the_best_coarse_one_also_after_a_stop(robot_
     assert video.stat().st_mtime_ns == stamp and all((k / "judgement.json").is_file() for k in coarse)
     assert [push_of(k).magnitude for k in coarse[1:]] == [1.0, 1.1]
     assert push_of(store.round_folder(0)) == push_of(coarse[1]) == push_of(out)
-    assert record_of(coarse[0]).particle_count == record_of(store.round_folder(0)).particle_count // 8
+    # An eighth of the particles, and the joints to the robot's hands, which come on top of the cap.
+    eighth = record_of(store.round_folder(0)).particle_count // 8
+    assert eighth <= record_of(coarse[0]).particle_count <= 1.25 * eighth
 
     manifest = store.manifest
     assert (manifest.iterations, manifest.verdict) == (1, "SUCCESS")

@@ -214,7 +214,7 @@ def test_a_placed_camera_is_left_alone(source, body):
 
 def test_the_paper_preset_has_the_papers_figures():
     paper = PRESETS[PresetName.PAPER]
-    assert (paper.domain.cells, paper.filling.max_particles) == (100, 200_000)
+    assert (paper.domain.dx, paper.filling.max_particles) == (0.02, 200_000)  # 100 cells on 2 m: here on 4 m
     assert (paper.timing.frame_count, paper.timing.frame_dt, paper.timing.substep_dt) == (50, 0.04, 2e-4)
     assert paper.transfer.rpic_damping == 0.5
     np.testing.assert_allclose(np.exp(-paper.transfer.damping_rate * 2e-4), 0.9995, rtol=1e-12)

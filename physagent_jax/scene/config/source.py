@@ -66,7 +66,7 @@ class Filling(Strict):
         exclude_direction: Direction (0..5 = +x, -x, +y, -y, +z, -z) not required to hit a wall; None = all six.
         ray_cast_direction: Direction (0..5) along which crossings are counted for parity.
         particles_per_cell: Particles placed per inside cell of the filling grid.
-        max_particles: Hard cap on all particles, surface and filled.
+        max_particles: Hard cap on all particles, surface and filled; joints between pieces come on top.
         smooth: Whether to smooth the density field before thresholding.
         volumes: "matter" = particles share the object's volume; "cells" = PhysGaussian's rule, the volume of the
             simulation cell over the particles in it, which overestimates (imported scenes).
