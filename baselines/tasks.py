@@ -194,6 +194,7 @@ def make_task(spec: TaskSpec, folder: Path, *, frame_count: int = 26, particles:
             force_field=force_field,
             material=dict(youngs_modulus=5e4, poissons_ratio=0.3, density=400.0),
             anchor="none",
+            world="free",
             frame_count=frame_count,
             width=320,
             height=240,

@@ -76,7 +76,7 @@ class SceneBrief(Strict):
     frame_count: int = Field(ge=1, le=10_000)
     frames_fixed: bool = False
     frame_dt: float = Field(ge=1e-6, le=100)
-    size: float = Field(default=1.0, gt=0)
+    size: float = Field(default=1.0, ge=1e-6, le=1e6)
     world: Literal["ground", "free"] = "free"
     directions: DirectionTable
 
