@@ -92,7 +92,7 @@ def build_scene(
     material: str | Mapping[str, Any] | None = None,
     anchor: str | Mapping[str, Any] = "auto",
     camera: Mapping[str, Any] | None = None,
-    world: str = "ground",
+    world: str = "free",
     friction: float | None = None,
     frame_count: int | None = None,
     width: int | None = None,

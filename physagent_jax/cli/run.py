@@ -67,7 +67,7 @@ class Run:
     """nu; default: the material's."""
     density: float | None = None
     """[kg/m^3]; default: the material's."""
-    world: Literal["ground", "free"] = "ground"
+    world: Literal["ground", "free"] = "free"
     """ground: it stands on the ground and gravity acts, unless the sentence says otherwise; free: it floats."""
     friction: float | None = None
     """Of the ground; default: that of a dry floor (0.4), and none in the free world."""

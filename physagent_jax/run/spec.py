@@ -263,7 +263,7 @@ class RunSpec(Strict):
     material: MaterialChoice = MaterialChoice()
     anchor: AnchorChoice = AnchorChoice()
     camera: CameraChoice = CameraChoice()
-    world: Literal["ground", "free"] = "ground"
+    world: Literal["ground", "free"] = "free"
     friction: Friction | None = None
     agents: AgentChoice = AgentChoice()
     perception: PerceptionChoice = PerceptionChoice()
