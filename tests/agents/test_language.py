@@ -288,6 +288,7 @@ def test_a_wind_that_turns_is_no_torque():
         "rotate it by 3 metres", "push the robot the way a child would", "bend everything above the pot to the left",
         "gravity acts sideways to the left", "push the robot off the table", "push it the other way",
         "the stem stays still while the head moves left", "a wall stands to the left; throw it there",
+        "pull its corners outwards", "kick it at the start and again at the end",
         "hold the top of the plant to the left", "it is squeezed and released twice",
         "hit it from the left after half a second and from the right after one second",
     ],

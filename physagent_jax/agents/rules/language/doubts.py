@@ -39,7 +39,10 @@ def list_unknown(
         if mention.kind is not MentionKind.UNKNOWN or word in unknown or word in names:
             continue
         before = _phrase(mentions, index - 1)
-        if _describes_part(mentions, index) or word in UNPLACED_PARTS:
+        owned = (
+            before in ("its", "his", "her", "their") or word.removesuffix("s") in PARTS
+        )  # "its corners", "the arms"
+        if _describes_part(mentions, index) or word in UNPLACED_PARTS or owned:
             unknown.append(word)
         elif word.isalpha() and (before in taken or not (named or taken) and before in DETERMINERS):
             taken.append(word)  # "the castle", "the sand castle"

@@ -143,7 +143,11 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
     elif target.names and not clause.select(MentionKind.DIRECTION, MentionKind.FROM):
         verb = replace(verb, effect=Effect.SCALE)
         direction = normalise(_sum_directions(target.names, brief))
-    starts = [m for m in clause.select(MentionKind.TIME) if isinstance(m.value, TimeSpan) and m.value.start]
+    starts = [
+        m
+        for m in clause.select(MentionKind.TIME)
+        if isinstance(m.value, TimeSpan) and (m.value.start or m.words.lower().startswith("at the "))
+    ]
     if len(starts) > 1:
         doubts.append(f"Which of it happens when ({', '.join(m.words for m in starts)}) is not understood.")
     if verb.effect in (Effect.RELEASE, Effect.STILL) and (repeat.count or 1) > 1:

@@ -186,7 +186,7 @@ class MentionParser:
         if found is None:
             return None
         quantity, behind = found
-        used = [index for index in range(at, behind) if index not in self._used]
+        used = [index for index in range(at, min(behind, len(self.tokens))) if index not in self._used]
         if quantity.dimension == "strength":
             return self._make_mention(MentionKind.COMPARATIVE, quantity.value, "as strong", used)
         return self._make_mention(MentionKind.QUANTITY, quantity, "quantity", used)
