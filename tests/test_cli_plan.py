@@ -47,6 +47,11 @@ def test_a_plan_in_words(robot_path, capsys):
     assert "clip: 30 frames, 1.16 s" in out
 
 
+def test_a_plan_tells_what_grips_and_turns(robot_path, capsys):
+    out = plan(capsys, robot_path, "twist the robot by 90 degrees")
+    assert out.count("keeps turning") == 2 and "then held until frame" in out
+
+
 @pytest.mark.parametrize("sentence", ["Schieb den Roboter nach links", "", "asdf qwer zxcv"])
 def test_what_a_run_refuses_a_plan_refuses(sentence, robot_path, capsys):
     """Exit code 2 and one line."""

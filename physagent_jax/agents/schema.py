@@ -65,6 +65,7 @@ class SceneBrief(Strict):
             (`SemanticReply.frame_count`).
         frame_dt: Seconds per frame [s].
         size: The object's longest side [m].
+        long_axis: World axis along which the object is clearly longest; None if it has none.
         world: "ground": gravity acts and the object stands on the ground, unless the sentence says otherwise; "free":
             it floats at rest in empty space.
         directions: The direction table.
@@ -77,6 +78,7 @@ class SceneBrief(Strict):
     frames_fixed: bool = False
     frame_dt: float = Field(ge=1e-6, le=100)
     size: float = Field(default=1.0, ge=1e-6, le=1e6)
+    long_axis: Numbers | None = None
     world: Literal["ground", "free"] = "free"
     directions: DirectionTable
 

@@ -80,6 +80,7 @@ def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:
     return {
         "targets": shown["expectations"],
         "actions": shown["force_field"]["actions"],
+        "constraints": shown["force_field"]["constraints"],
         "default_drop": reply.force_field.default_drop,
         "world": {"surroundings": brief.world, **shown["world"]},
         "anchor": {"held": brief.anchored, **shown["anchor"]},
@@ -94,6 +95,7 @@ def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:
 
 def describe_plan(reply: SemanticReply, brief: SceneBrief) -> list[str]:
     """The plan in lines of text."""
+    from physagent_jax.forces.schema import VelocityConstraint
     from physagent_jax.report.expectations import describe_motion, list_details
     from physagent_jax.report.force_cards import describe_effect
     from physagent_jax.report.formats import format_window
@@ -104,12 +106,14 @@ def describe_plan(reply: SemanticReply, brief: SceneBrief) -> list[str]:
         lines.append(f"  {describe_motion(each, table)}: {', '.join(list_details(each, table, frame_dt))}")
     lines.append("done by:")
     done = ["it is lifted a little and let fall"] * field.default_drop
-    for action in field.actions:
-        when = (
-            "the whole clip" if action.active_time is None else format_window(*action.active_time, frame_dt)
+    for item in (*field.actions, *field.constraints):
+        when = "the whole clip" if item.active_time is None else format_window(*item.active_time, frame_dt)
+        where = ", on a part of it" if item.region is not None else ""
+        until = item.held_until if isinstance(item, VelocityConstraint) else None
+        then = "" if until is None else f", then held until frame {until:g}"
+        done.append(
+            f"{describe_effect(item, table)}: magnitude {abs(item.magnitude):.3g}, {when}{where}{then}"
         )
-        where = ", on a part of it" if action.region is not None else ""
-        done.append(f"{describe_effect(action, table)}: magnitude {abs(action.magnitude):.3g}, {when}{where}")
     lines += [f"  {each}" for each in done or ["nothing"]]
     lines.append(f"surroundings: {_describe_world(reply, brief)}")
     lines.append(f"held: {brief.anchored or 'nowhere'}")

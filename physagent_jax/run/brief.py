@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from physagent_jax.agents.schema import DirectionTable, SceneBrief
+from physagent_jax.scene.broad_side import find_long_axis
 from physagent_jax.scene.camera import find_viewer_directions
 from physagent_jax.scene.fuse import SceneTemplate
 
@@ -23,6 +24,7 @@ def make_brief(template: SceneTemplate, *, frames_fixed: bool = False) -> SceneB
         frames_fixed=frames_fixed,
         frame_dt=timing.frame_dt,
         size=template.source.extent,
+        long_axis=find_long_axis(template.source, template.preset.domain),
         world="ground" if template.world.gravity == "down" and template.world.ground else "free",
         directions=DirectionTable(**find_viewer_directions(template.camera)),
     )

@@ -1,4 +1,4 @@
-"""From where an object's broad side is seen, for objects whose file or user does not say where to look from."""
+"""The shape of an object before it is simulated: from where its broad side is seen, along what it is longest."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from physagent_jax.core.strict import Vector
 from physagent_jax.scene.config import Domain, Source
 from physagent_jax.scene.load import load_object
 from physagent_jax.scene.placement import place
@@ -16,6 +17,7 @@ STEP = 15  # [degrees] between the directions that are tried
 GAIN = 1.1  # times as much as from the front must be seen from elsewhere; what is about as broad all around stays
 AS_GOOD = 0.985  # of the largest silhouette counts as the largest: of such, the direction nearest to the front is taken
 RICHER = 1.25  # times as varied the colours must be on the other side for that to be the face
+LONGER = 1.3  # times as long as along the other axes it must be along its long one
 TRIMMED = 0.005  # share of the points on each side that may be floaters
 FEWEST_CELLS, MOST_CELLS = 8, 48  # across the object, for counting its silhouette
 
@@ -32,16 +34,34 @@ def find_broad_side(source: Source, domain: Domain) -> float:
     Raises:
         UserError: The object cannot be used.
     """
-    return _find_cached(source.model_dump_json(), domain.model_dump_json())
+    return _measure_cached(source.model_dump_json(), domain.model_dump_json())[0]
+
+
+def find_long_axis(source: Source, domain: Domain) -> Vector | None:
+    """The world axis along which the object is clearly longest (unit vector); None if it has none.
+
+    Arguments and errors as of `find_broad_side`.
+    """
+    return _measure_cached(source.model_dump_json(), domain.model_dump_json())[1]
 
 
 @functools.lru_cache(maxsize=64)
-def _find_cached(source: str, domain: str) -> float:
+def _measure_cached(source: str, domain: str) -> tuple[float, Vector | None]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # they are heeded when the object is loaded in earnest
         parsed = Source.model_validate_json(source)
         cloud, _ = place(load_object(parsed, Path()), parsed, Domain.model_validate_json(domain))
-    return find_broad_azimuth(np.asarray(cloud.means, np.float64), np.asarray(cloud.sh[:, 0], np.float64))
+    points = np.asarray(cloud.means, np.float64)
+    return find_broad_azimuth(points, np.asarray(cloud.sh[:, 0], np.float64)), _find_long_axis(points)
+
+
+def _find_long_axis(points: np.ndarray) -> Vector | None:
+    extent = np.subtract(*np.quantile(points, [1 - TRIMMED, TRIMMED], axis=0))
+    shorter, longest = np.argsort(extent)[-2:]
+    if not extent[longest] >= LONGER * extent[shorter]:
+        return None
+    x, y, z = np.eye(3)[longest].tolist()
+    return x, y, z
 
 
 def find_broad_azimuth(points: np.ndarray, colours: np.ndarray) -> float:

@@ -15,12 +15,12 @@ SENTENCES = [
     (
         "the object is severely compressed, violently twisted, and then rebounds",
         "",
-        "scale up -1.3 0-16; torque up +1.6 16-32",
-        "squeeze up; rotate up released",
+        "scale up -1.3 0-16; torque up +1.6 16-32 on up; torque down +1.6 16-32 on down",
+        "squeeze up; rotate up released; rotate down released",
     ),
     ("drop the guitar", "", "drop", "fall"),
     ("stretch the jelly horizontally", "", "scale right +1 0-48", "stretch right"),
-    ("twist the loaf", "", "torque up +1 0-48", "rotate up"),
+    ("twist the loaf", "", "torque up +1 0-48 on up; torque down +1 0-48 on down", "rotate up; rotate down"),
     ("hit the cow hard from the right", "", "impulse left +1.3 0-1", "move left"),
     ("tear the bread apart", "", "scale right +1.6 0-48", "stretch right"),
     (
@@ -280,8 +280,9 @@ SENTENCES = [
     (
         "first push it left, then lift it, then twist it, finally let it go",
         "",
-        "translation left +1 0-6; translation right +1 6-12; translation up +1 12-24; torque up +1 24-36",
-        "move left; move up; rotate up released",
+        "translation left +1 0-6; translation right +1 6-12; translation up +1 12-24; "
+        "torque up +1 24-36 on up; torque down +1 24-36 on down",
+        "move left; move up; rotate up released; rotate down released",
     ),
     (
         "push the upper half to the left and the lower half to the right",
@@ -298,7 +299,12 @@ SENTENCES = [
     ),
     ("pull apart the dough slowly", "", "scale right +0.6 0-48", "stretch right"),
     ("the dough is pulled apart", "", "scale right +1 0-48", "stretch right"),
-    ("twist it half a turn", "", "torque up +1.6 0-24; torque down +1.6 24-48", "rotate up"),
+    (
+        "twist it half a turn",
+        "",
+        "torque up +1 0-48 on up; torque down +1 0-48 on down",
+        "rotate up; rotate down",
+    ),
     ("a kick from behind", "", "impulse toward +1 0-1", "move toward"),
     ("push from behind", "", "translation toward +1 0-48", "move toward"),
     ("push it forward harder and harder", "", "translation toward +1.6 0-48", "move toward"),
@@ -346,7 +352,7 @@ SENTENCES = [
     ("knock it over", "", "drop; torque toward +1 0-48", "rotate toward; fall"),
     ("it falls to the left", "", "drop; translation left +1 0-48", "fall; move left"),
     ("the robot is shot upwards in zero gravity", "", "impulse up +1.3 0-1", "move up"),
-    ("wring the towel", "", "torque up +1 0-48", "rotate up"),
+    ("wring the towel", "", "torque up +1 0-48 on up; torque down +1 0-48 on down", "rotate up; rotate down"),
     ("push the robot sideways", "", "translation right +1 0-48", "move right"),
     (
         "the robot moves to the right and then back to the left",
@@ -523,8 +529,9 @@ SENTENCES = [
     (
         "The vase is twisted by an invisible force, first to the left, then to the right.",
         "",
-        "torque down +1 0-12; torque up +1 12-24; torque up +1 24-48",
-        "rotate down; rotate up",
+        "torque down +1 0-24 on up; torque up +1 0-24 on down; "
+        "torque up +1 24-48 on up; torque down +1 24-48 on down",
+        "rotate down; rotate up; rotate up; rotate down",
     ),
     (
         "The robot is pulled upward by a string and swings back and forth",

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from physagent_jax.agents.rules.kinds import choose_kinds
 from physagent_jax.agents.rules.language.quantities import match_quantity
 from physagent_jax.agents.rules.language.schedule import LONGEST, STEP
 from physagent_jax.agents.rules.language.tokens import tokenise
@@ -11,7 +12,7 @@ from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces import calibration
-from physagent_jax.forces.schema import ActionType
+from physagent_jax.forces.schema import ActionType, ConstraintType
 from tests.agents.scenes import brief, read
 
 UP, LEFT, RIGHT = (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
@@ -65,7 +66,7 @@ def test_what_is_no_quantity(words):
     ("prompt", "kind", "unit", "value"),
     [
         ("rotate the robot by 90 degrees", "rotate", "degrees", 90),
-        ("twist it half a turn", "rotate", "degrees", 180),
+        ("spin it half a turn", "rotate", "degrees", 180),
         ("spin twice", "rotate", "degrees", 720),
         ("stretch it to twice its length", "stretch", "factor", 2),
         ("squash it to half its height", "squeeze", "factor", 0.5),
@@ -319,3 +320,39 @@ def test_mostly_unknown_words_are_refused(prompt):
     """A few words that happen to be known do not make it a sentence."""
     with pytest.raises(UserError, match="Most words"):
         read(prompt)
+
+
+def ends(prompt, scene):
+    """End, axis and quantity of each turn that is expected."""
+    turns = [e for e in read(prompt, scene).expectations if e.kind is MotionKind.ROTATE]
+    return [(turn.part, turn.direction, turn.amount and turn.amount.value) for turn in turns]
+
+
+def test_a_twist_turns_one_end_against_the_other():
+    """About the axis that is told, else about the long one; a quantity is the angle between the ends."""
+    assert ends("twist it", ground()) == [(UP, UP, None), ((0, 0, -1), (0, 0, -1), None)]
+    assert ends("wring it", ground(long_axis=RIGHT)) == [(RIGHT, RIGHT, None), (LEFT, LEFT, None)]
+    told = ends("twist it by 90 degrees about the vertical axis", ground(long_axis=RIGHT))
+    assert told == [(UP, UP, 45), ((0, 0, -1), (0, 0, -1), 45)]
+    reply = read("twist it by 90 degrees", ground())
+    assert len(reply.force_field.actions) == 2  # nothing drifts on, so that nothing is braked
+
+
+def test_a_twist_of_what_is_held_turns_its_free_end():
+    assert ends("twist it", plant()) == [(UP, UP, None)]
+    assert ends("twist the top", ground()) == [(UP, UP, None)]
+    assert ends("spin it", ground()) == [(None, UP, None)]
+
+
+@pytest.mark.parametrize("degrees", [60, 120])
+def test_a_twist_reaches_its_angle(degrees):
+    scene = ground()
+    reply = read(f"twist it by {degrees} degrees", scene)
+    clip = scene.model_copy(update={"frame_count": reply.frame_count or scene.frame_count})
+    constraints = choose_kinds(reply.force_field, reply.expectations, clip).force_field.constraints
+    assert [c.constraint_type for c in constraints] == [ConstraintType.PARTICLE_ROTATION] * 2
+    reference = calibration.find_reference_time(False, (clip.frame_count - 1) * clip.frame_dt)
+    for constraint in constraints:
+        first, last = constraint.active_time
+        turn = calibration.TURN / reference * abs(constraint.magnitude) * (last - first) * scene.frame_dt
+        assert math.degrees(turn) == pytest.approx(degrees / 2, rel=0.01)

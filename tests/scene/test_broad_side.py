@@ -5,6 +5,7 @@ import pytest
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.formats.ply import write_ply
+from physagent_jax.run.brief import make_brief
 from physagent_jax.run.resolve import resolve
 from physagent_jax.scene.broad_side import find_broad_azimuth
 from physagent_jax.scene.procedural import PROCEDURAL
@@ -82,6 +83,14 @@ def test_a_run_looks_at_the_broad_side_unless_it_is_told(board):
     board.with_name("board.card.json").write_text('{"azimuth_degrees": -20}')
     assert resolve(small(board)).template.camera.azimuth_degrees == -20
     assert resolve(told).template.camera.azimuth_degrees == 10
+
+
+def test_agents_are_told_along_what_an_object_is_clearly_longest(tmp_path):
+    axes = {}
+    for name, made in PROCEDURAL.items():
+        write_ply(tmp_path / f"{name}.ply", made(0))
+        axes[name] = make_brief(resolve(small(tmp_path / f"{name}.ply")).template).long_axis
+    assert axes["loaf"] == (1, 0, 0) and axes["jelly"] is None
 
 
 def test_a_file_that_cannot_be_read_is_refused_as_ever(tmp_path):

@@ -7,6 +7,7 @@ presses or hits. The table is `docs/skills.md`, with what each kind was measured
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -20,6 +21,7 @@ from physagent_jax.forces.calibration import (
     MAGNITUDE_MAX,
     MAGNITUDE_MIN,
     PRESCRIBED_TRAVEL,
+    TURN,
     find_reference_time,
 )
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, VelocityConstraint
@@ -221,10 +223,15 @@ def _turned(expectation: ExpectedMotion, cause: Cause, brief: SceneBrief) -> Vel
     last = float(brief.frame_count - 1)
     first, end = cause.item.active_time or (0.0, last)
     until = max(float(round(first + MOVING * (min(end, last) - first))), first + 1.0)
+    magnitude, amount = cause.item.magnitude, expectation.amount
+    if amount is not None and amount.unit == "degrees":
+        reference = find_reference_time(brief.anchored is not None, last * brief.frame_dt) / brief.frame_dt
+        needed = math.radians(amount.value) / TURN * reference / (until - first)
+        magnitude = math.copysign(clamp(needed, MAGNITUDE_MIN, MAGNITUDE_MAX), magnitude)
     return VelocityConstraint(
         constraint_type=ConstraintType.PARTICLE_ROTATION,
         vector=cause.item.vector,
-        magnitude=cause.item.magnitude,
+        magnitude=round(magnitude, 4),
         active_time=(first, until),
         held_until=min(end, last) if min(end, last) > until else None,
         region=make_end_region(expectation.part, GRIPPED_TURN),

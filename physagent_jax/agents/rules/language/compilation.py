@@ -18,7 +18,7 @@ from physagent_jax.agents.rules.language.amounts import (
     find_strain_magnitude,
 )
 from physagent_jax.agents.rules.language.builder import MAX_ACTIONS, ForceFieldBuilder
-from physagent_jax.agents.rules.language.events import Event, find_lean_axis
+from physagent_jax.agents.rules.language.events import Event, find_lean_axis, make_end_region
 from physagent_jax.agents.rules.language.schedule import Slot, Window, divide
 from physagent_jax.agents.rules.language.verbs import Effect
 from physagent_jax.agents.schema import MotionKind
@@ -359,6 +359,13 @@ def _turn(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, _before: list[Slot]
 ) -> None:
     assert event.direction is not None
+    if event.verb.wrings and event.part is None and event.region is None and not event.repeat.alternate:
+        ends = _split_ends(event, builder)
+        if len(ends) > 1:
+            _turn_against(ends, window, _is_released(event, window, after, builder), builder)
+            return
+        (event,) = ends
+    assert event.direction is not None
     if not event.repeat.alternate:
         acted = _add_steady(event, ActionType.TORQUE, event.direction, event.strength, window, after, builder)
         builder.add_expectation(
@@ -381,6 +388,39 @@ def _turn(
             part,
         )
     builder.add_expectation(event, MotionKind.ROTATE, event.direction, windows[0], repeats=count)
+
+
+def _turn_against(ends: list[Event], window: Window, released: bool, builder: ForceFieldBuilder) -> None:
+    """Opposed turns at the same time: the object as a whole stays where it is, and nothing has to be braked."""
+    for end in ends:
+        assert end.direction is not None
+        builder.add_action(end, ActionType.TORQUE, end.direction, end.strength, window)
+        builder.add_expectation(end, MotionKind.ROTATE, end.direction, window, released=released)
+
+
+def _split_ends(event: Event, builder: ForceFieldBuilder) -> list[Event]:
+    """A twist as a turn of one end and of the other against it, half each; of the free end where the other is held."""
+    assert event.direction is not None
+    up, down = builder.brief.directions.up, builder.brief.directions.down
+    if builder.anchored:
+        ends = [down if "top" in (builder.brief.anchored or "") else up]
+    else:
+        first = up if abs(dot(event.direction, up)) > 0.7 else event.direction
+        ends = [first, scale(first, -1.0)]
+        builder.add_note(f"'{event.words}': one end turns against the other.")
+    amount = event.amount
+    if amount is not None and amount.unit == "degrees":
+        amount = amount.model_copy(update={"value": amount.value / len(ends)})
+    return [
+        replace(
+            event,
+            part=end,
+            region=make_end_region(end, 0.5),
+            direction=scale(event.direction, -1.0 if index else 1.0),
+            amount=amount,
+        )
+        for index, end in enumerate(ends)
+    ]
 
 
 def _roll(

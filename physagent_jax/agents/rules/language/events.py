@@ -312,6 +312,8 @@ def _resolve_direction(
     if verb.effect is Effect.TURN and clause.select(MentionKind.SENSE, MentionKind.AXIS, MentionKind.PLANE):
         return *_resolve_turn_axis(clause, verb, phrase, brief, repeat), []
     told = clause.select(MentionKind.DIRECTION, MentionKind.FROM)
+    if verb.wrings and place is None and not told and brief.long_axis is not None:
+        return brief.long_axis, repeat, ValueSource("", "the object is longest along it"), []
     lines = clause.select(MentionKind.AXIS, MentionKind.PLANE)
     solids = [
         m.value for m in clause.select(MentionKind.SOLID) if isinstance(m.value, Solid) and m.value.kind
@@ -401,6 +403,8 @@ def _resolve_turn_axis(
         axis = _sum_directions(named[0][1], brief)
     elif views:
         axis = _sum_directions(_names(views)[0], brief)
+    elif verb.wrings and brief.long_axis is not None and not told:
+        axis = brief.long_axis
     else:
         axis = _sum_directions(
             ("toward",) if phrase in PICTURE_PLANE_TURNS else (verb.direction or "toward",), brief

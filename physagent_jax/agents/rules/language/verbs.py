@@ -51,6 +51,7 @@ class Verb:
         generic: Adds nothing to a more telling verb beside it: "a kick *sends* it *flying*",
             "squash it *flat*", "*stands* swaying".
         wind: A cause that pushes whatever verb it "does" ("the wind hits the plant").
+        wrings: A turn of one end against the other, unless the sentence names a part.
         holds: The end that a HOLD verb or adjective fixes unless the sentence names one.
     """
 
@@ -65,6 +66,7 @@ class Verb:
     brief: bool = False
     generic: bool = False
     wind: bool = False
+    wrings: bool = False
     holds: Literal["base", "top"] = "base"
 
 
@@ -127,9 +129,10 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     ("explode, burst, blow up, pop, erupt, detonate, blow ~ apart", Verb(_D.BURST, strength=MAGNITUDE_MAX)),
     # rotation
     (
-        "twist, spin, swirl, stir, wring, whirl, twirl, screw, turn around, turn ~ around",
+        "spin, swirl, stir, whirl, twirl, screw, turn around, turn ~ around",
         Verb(_D.TURN, direction="up"),
     ),
+    ("twist, wring", Verb(_D.TURN, direction="up", wrings=True)),
     ("turn, pivot", Verb(_D.TURN, direction="up")),
     ("rotate, revolve", Verb(_D.TURN, direction="up")),
     (
@@ -195,7 +198,8 @@ _CAUSE_ROWS: tuple[tuple[str, Verb], ...] = (
     ("earthquake, tremor", Verb(_D.SWAY, cycles=4, strength=1.3, abrupt=True)),
     ("compression, pressure", Verb(_D.SCALE, sign=-1, direction="up")),
     ("tension", Verb(_D.SCALE, direction="right")),
-    ("rotation, torsion, torque", Verb(_D.TURN, direction="up")),
+    ("rotation, torque", Verb(_D.TURN, direction="up")),
+    ("torsion", Verb(_D.TURN, direction="up", wrings=True)),
     ("vibration, vibrations, oscillation", Verb(_D.SWAY, cycles=4, abrupt=True)),
     ("force", Verb(_D.PUSH)),
 )
