@@ -19,6 +19,8 @@ SWALLOWED = {  # this world's gravity overcomes any blow upwards, and no rule ma
     "The object rises slowly, spins twice and falls to the ground.",
 }
 UNSEEN = {  # parts against each other: the report measures the whole object
+    "twist the loaf",
+    "wring the towel",
     "twist the top to the left and the bottom to the right",
     "push the upper half to the left and the lower half to the right",
     "push the left side to the right and the right side to the left",
