@@ -25,6 +25,7 @@ KINDS = {
     "loaf": "food",
     "robot": "robot",
 }
+LONG_AXES = {"loaf": (1.0, 0.0, 0.0), "guitar": (0.0, 0.0, 1.0)}  # the others have none to speak of
 SIZE = 1.6  # [m] so that metres are not lengths
 SLIGHT, STRONG = 0.7, 1.2  # strength up to and from which a motion is called so
 ALIKE = 0.97  # cosine of directions that are the same to a viewer
@@ -44,6 +45,7 @@ def make_scene(object_name: str) -> SceneBrief:
         frame_count=50,
         frame_dt=0.04,
         size=SIZE,
+        long_axis=LONG_AXES.get(object_name),
         world="ground",
         directions=table,
     )
