@@ -64,7 +64,9 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
         camera: The camera.
     """
     nothing = np.full((2, 3), np.nan)
-    corners = np.stack([lift.measure_box(d, m, camera) if m.any() else nothing for d, m in zip(depth, masks)])
+    corners = np.stack(
+        [lift.measure_box(*seen, camera) if seen[1].any() else nothing for seen in zip(depth, masks, trusted)]
+    )
     edges = corners[:, 1] - corners[:, 0]
     size, center = float(edges[0].max()), lift.find_center(trusted[0], masks[0], camera)
     area, cut, out = masks.sum((1, 2)), *_leaving(masks)
