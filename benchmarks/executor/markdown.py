@@ -19,9 +19,9 @@ def document(result: Mapping[str, Any], source: Path, target: Path) -> str:
             "# The executor, from wrong force fields",
             "",
             f"Made by `python -m benchmarks.executor` of [{source.name}]({link(source, target)}), whose rows may come "
-            "from several runs and revisions: those listed at the end. Small scenes (5,000 particles, 64 cells a side); "
-            "planner and executor read the particles' own motion, so that perception's errors play no part. A success "
-            "is what the offline planner calls one.",
+            "from several runs and revisions: those listed at the end. Small scenes (5,000 particles, 64 cells a "
+            "side); planner and executor read the particles' own motion, so that perception's errors play no part. "
+            "A success is what the offline planner calls one.",
             _starts(starts) if starts else "",
             _kinds(kinds) if kinds else "",
             "## Measured with",
