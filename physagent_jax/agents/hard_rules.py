@@ -130,7 +130,7 @@ def unit_vectors(entries: Entries, _context: Context) -> tuple[Entries, list[str
     for group in _GROUPS:
         kept = []
         for index, item in enumerate(entries[group]):
-            vector = _numbers(item.get("vector"), 3)
+            vector = _read_numbers(item.get("vector"), 3)
             unit = normalise(vector) if vector else None
             if vector is None or unit is None:
                 reasons.append(f"{group}[{index}].vector is no direction: the entry is dropped")
@@ -145,8 +145,8 @@ def unit_vectors(entries: Entries, _context: Context) -> tuple[Entries, list[str
 def magnitude_range(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
     """0.4 <= |M| <= 1.6 with the sign kept; something that is no number becomes 1."""
     reasons: list[str] = []
-    for group, index, item in _each(entries):
-        given = _numbers([item.get("magnitude", 1.0)], 1)
+    for group, index, item in _map_each(entries):
+        given = _read_numbers([item.get("magnitude", 1.0)], 1)
         value = given[0] if given else 1.0
         kept = math.copysign(clamp(abs(value), MAGNITUDE_MIN, MAGNITUDE_MAX), value)
         if not given or abs(kept - value) > 1e-9:
@@ -223,10 +223,10 @@ def window_in_clip(entries: Entries, context: Context) -> tuple[Entries, list[st
     """0 <= first < last <= last frame; a window that is no window becomes the whole clip."""
     reasons: list[str] = []
     end = float(context.brief.frame_count - 1)
-    for group, index, item in _each(entries):
+    for group, index, item in _map_each(entries):
         if item.get("active_time") is None:
             continue
-        window = _numbers(item["active_time"], 2)
+        window = _read_numbers(item["active_time"], 2)
         kept = None
         if window and end >= 1:
             first, last = clamp(min(window), 0.0, end), clamp(max(window), 0.0, end)
@@ -247,11 +247,11 @@ def held_until_in_clip(entries: Entries, context: Context) -> tuple[Entries, lis
     """What was brought somewhere is held until a frame after its window and inside the clip, or let go."""
     reasons: list[str] = []
     end = float(context.brief.frame_count - 1)
-    for group, index, item in _each(entries):
+    for group, index, item in _map_each(entries):
         if item.get("held_until") is None:
             item.pop("held_until", None)
             continue
-        given = _numbers([item.pop("held_until")], 1)
+        given = _read_numbers([item.pop("held_until")], 1)
         window = item.get("active_time")
         blow = item.get("constraint_type") == ConstraintType.PARTICLE_IMPULSE.value
         until = None if given is None or window is None or blow else min(given[0], end)
@@ -265,7 +265,7 @@ def held_until_in_clip(entries: Entries, context: Context) -> tuple[Entries, lis
 def known_regions(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
     """Regions must be well formed: what cannot be read as one is removed, and the whole object is used."""
     reasons: list[str] = []
-    for group, index, item in _each(entries):
+    for group, index, item in _map_each(entries):
         model = _GROUPS[group][2]
         try:
             model.model_validate(item)
@@ -281,7 +281,7 @@ def brief_impulse(entries: Entries, context: Context) -> tuple[Entries, list[str
     """An impulse is sudden: its window spans at most two frames."""
     reasons: list[str] = []
     end = float(context.brief.frame_count - 1)
-    for group, index, item in _each(entries):
+    for group, index, item in _map_each(entries):
         type_key = _GROUPS[group][0]
         if item[type_key] not in _IMPULSES or end < 1:
             continue
@@ -305,11 +305,13 @@ def directional_rigidity(entries: Entries, context: Context) -> tuple[Entries, l
     for expectation in context.expectations:
         if expectation.direction is not None:
             allowed += [expectation.direction, scale(expectation.direction, -1.0)]
-    for group, index, item in _each(entries):
+    for group, index, item in _map_each(entries):
         nearest = max(allowed, key=lambda v: cosine(v, tuple(item["vector"])))
         if cosine(nearest, tuple(item["vector"])) < _SAME_VECTOR:
             item["vector"] = list(nearest)
-            reasons.append(f"{group}[{index}].vector is no sum of base directions: moved to {_text(nearest)}")
+            reasons.append(
+                f"{group}[{index}].vector is no sum of base directions: moved to {_format(nearest)}"
+            )
     return entries, reasons
 
 
@@ -335,7 +337,7 @@ def sentence_direction(entries: Entries, context: Context) -> tuple[Entries, lis
                 change = "its sign is flipped"
             else:
                 item["vector"], item["magnitude"] = list(told), abs(item["magnitude"])
-                change = f"its vector becomes {_text(told)}"
+                change = f"its vector becomes {_format(told)}"
             reasons.append(f"{cause.name} goes against '{expectation.words}': {change}")
     return entries, reasons
 
@@ -363,7 +365,7 @@ def paired_translation(entries: Entries, context: Context) -> tuple[Entries, lis
         first = entries["constraints"][slabs[0].index]
         gone = {cause.index for cause in slabs[1:]}
         kept = [item for i, item in enumerate(entries["constraints"]) if i not in gone]
-        entries["constraints"] = [*kept, _mirrored(first)]
+        entries["constraints"] = [*kept, _mirror(first)]
         reasons.append(
             f"{slabs[0].name} is given its symmetrically opposed partner; {len(gone)} others are removed"
         )
@@ -378,7 +380,7 @@ def _is_pair(slabs: list) -> bool:
     return math.dist(speeds[0], scale(speeds[1], -1.0)) < 1e-6 and one.active_time == two.active_time
 
 
-def _mirrored(item: dict[str, Any]) -> dict[str, Any]:
+def _mirror(item: dict[str, Any]) -> dict[str, Any]:
     """The same constraint on the opposite side of the object's middle, moving the other way."""
     region = copy.deepcopy(item["region"])
     if region["kind"] == "half_space":
@@ -391,14 +393,14 @@ def _mirrored(item: dict[str, Any]) -> dict[str, Any]:
     return {**item, "region": region, "vector": [-c + 0.0 for c in item["vector"]]}
 
 
-def _each(entries: Entries):
+def _map_each(entries: Entries):
     """(group, index, item) of every entry."""
     for group in _GROUPS:
         for index, item in enumerate(entries[group]):
             yield group, index, item
 
 
-def _numbers(value: Any, count: int) -> tuple | None:
+def _read_numbers(value: Any, count: int) -> tuple | None:
     """``value`` as that many finite numbers, or None."""
     if not isinstance(value, (list, tuple)) or len(value) != count:
         return None
@@ -409,7 +411,7 @@ def _numbers(value: Any, count: int) -> tuple | None:
     return numbers if all(math.isfinite(v) and abs(v) < 1e12 for v in numbers) else None
 
 
-def _text(vector: Vector) -> str:
+def _format(vector: Vector) -> str:
     return "[" + ", ".join(f"{c:.3g}" for c in vector) + "]"
 
 

@@ -37,8 +37,8 @@ def find_room(cause: Cause, others: Sequence[Cause], last: float) -> tuple[float
         acting = [
             other for other in fellows if get_span(other, last)[0] <= instant < get_span(other, last)[1]
         ]
-        largest = max(largest, sum(max(_along(cause, other), 0.0) for other in acting))
-    return MAGNITUDE_MAX - largest, [other for other in fellows if _along(cause, other) > 0]
+        largest = max(largest, sum(max(_project(cause, other), 0.0) for other in acting))
+    return MAGNITUDE_MAX - largest, [other for other in fellows if _project(cause, other) > 0]
 
 
 def fits(room: float, magnitude: float) -> bool:
@@ -70,7 +70,7 @@ def get_span(cause: Cause, last: float) -> tuple[float, float]:
     return cause.item.active_time or (0.0, max(last, 1e-3))
 
 
-def _along(cause: Cause, other: Cause) -> float:
+def _project(cause: Cause, other: Cause) -> float:
     """The other's magnitude in the sense of ``cause``; an axis of a stretch has no sense of its own."""
     value = other.item.magnitude * (1.0 if cause.item.magnitude > 0 else -1.0)
     if cause.type is ActionType.SCALE:

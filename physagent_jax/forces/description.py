@@ -62,21 +62,21 @@ def describe_skills() -> SkillDescription:
             "the object's bounding box.",
             "`constraints` prescribe velocities instead of forces. Each has a `constraint_type`:",
             *constraints,
-            f"Fields of an action: {_fields(Action)}. Of a constraint: {_fields(VelocityConstraint)}. "
-            "Other keys are refused.",
-            f"An example: {_example()}",
+            f"Fields of an action: {_describe_fields(Action)}. "
+            f"Of a constraint: {_describe_fields(VelocityConstraint)}. Other keys are refused.",
+            f"An example: {_write_example()}",
         ]
     )
     return SkillDescription(text, ForceField.model_json_schema())
 
 
-def _fields(schema: type[Action] | type[VelocityConstraint]) -> str:
+def _describe_fields(schema: type[Action] | type[VelocityConstraint]) -> str:
     return ", ".join(
         f"`{name}`{'' if field.is_required() else ' (optional)'}"
         for name, field in schema.model_fields.items()
     )
 
 
-def _example() -> str:
+def _write_example() -> str:
     push = Action(action_type=ActionType.TRANSLATION, vector=(-1, 0, 0), magnitude=0.8, active_time=(0, 24))
     return json.dumps(ForceField(actions=(push,)).model_dump(mode="json", exclude_none=True))

@@ -95,7 +95,7 @@ class Envelope:
             case EnvelopeKind.CONSTANT:
                 return jnp.ones_like(length)
             case EnvelopeKind.RAMP:
-                return self._mean_of_ramp(begin, stop, length)
+                return self._average_ramp(begin, stop, length)
             case EnvelopeKind.PULSE:
                 # sin^2 = (1 - cos) / 2, and the mean of a cosine is that at the middle times a sinc.
                 period = self.end - self.start
@@ -104,7 +104,7 @@ class Envelope:
                 angle = 2 * math.pi * self.frequency * middle + self.phase
                 return jnp.sin(angle) * jnp.sinc(self.frequency * length)
 
-    def _mean_of_ramp(self, begin: jax.Array, stop: jax.Array, length: jax.Array) -> jax.Array:
+    def _average_ramp(self, begin: jax.Array, stop: jax.Array, length: jax.Array) -> jax.Array:
         """Exact: on each straight piece the mean is the value at the middle of the overlap."""
         sides = self.rise + self.fall
         share = self.rise / jnp.where(sides > 0, sides, 1.0)
@@ -121,13 +121,13 @@ class Envelope:
         falling, falling_middle = overlap(edge, self.end)
         integral = (
             flat
-            + rising * _ratio(rising_middle - self.start, self.rise)
-            + falling * _ratio(self.end - falling_middle, self.fall)
+            + rising * _divide_ramp(rising_middle - self.start, self.rise)
+            + falling * _divide_ramp(self.end - falling_middle, self.fall)
         )
-        return _ratio(integral, length)
+        return _divide_ramp(integral, length)
 
 
-def _ratio(numerator: jax.Array, denominator: Scalar) -> jax.Array:
+def _divide_ramp(numerator: jax.Array, denominator: Scalar) -> jax.Array:
     """The quotient, and 0 for a denominator of 0, with finite derivatives."""
     positive = jnp.asarray(denominator) > 0
     return jnp.where(positive, numerator / jnp.where(positive, denominator, 1.0), 0.0)

@@ -21,7 +21,7 @@ _TINY = 1e-12
 
 def find_deceleration(opposition: Opposition, direction):
     """Deceleration of what moves along ``direction``, unit vector, shape (3,) [m/s^2]."""
-    xp = _numpy_of(direction)
+    xp = _to_numpy(direction)
     up = direction[2]
     flat = xp.sqrt(xp.maximum(1 - up**2, 0.0))
     return opposition.weight * xp.maximum(up, 0.0) + xp.where(up < RISES, opposition.friction * flat, 0.0)
@@ -31,7 +31,7 @@ def oppose_push(opposition: Opposition | None, k: float, magnitude, direction):
     """Acceleration along ``direction`` of a push of ``magnitude`` [m/s^2]; k M where nothing opposes it."""
     if opposition is None:
         return k * magnitude
-    xp = _numpy_of(magnitude)
+    xp = _to_numpy(magnitude)
     sign = xp.sign(magnitude)
     return k * magnitude + sign * find_deceleration(opposition, sign * direction)
 
@@ -40,7 +40,7 @@ def oppose_blow(opposition: Opposition | None, k: float, magnitude, direction):
     """Velocity change along ``direction`` of a blow of ``magnitude`` [m/s]; k M where nothing opposes it."""
     if opposition is None:
         return k * magnitude
-    xp = _numpy_of(magnitude)
+    xp = _to_numpy(magnitude)
     sign, size = xp.sign(magnitude), xp.abs(magnitude)
     c = xp.maximum(find_deceleration(opposition, sign * direction), _TINY)
     way, time = size * opposition.travel, opposition.time
@@ -54,7 +54,7 @@ def oppose_turn(opposition: Opposition | None, k: float, magnitude, axis):
     """Angular acceleration about ``axis`` of a turn of ``magnitude`` [rad/s^2]; k M where nothing opposes it."""
     if opposition is None:
         return k * magnitude
-    xp = _numpy_of(magnitude)
+    xp = _to_numpy(magnitude)
     upright = axis[2] ** 2
     return k * magnitude + xp.sign(magnitude) * (
         opposition.turning * upright + opposition.tipping * (1 - upright)
@@ -75,5 +75,5 @@ def describe_opposition(opposition: Opposition) -> str:
     return "made up for in closed form: " + ", ".join(parts) if parts else "nothing opposes it"
 
 
-def _numpy_of(value):
+def _to_numpy(value):
     return jnp if isinstance(value, Tracer) else np

@@ -91,7 +91,7 @@ class ForceFieldParameters:
         return force_field.model_copy(
             update={
                 group: tuple(
-                    _entry(item, values, frame_count, f"{group}[{index}]")
+                    _make_entry(item, values, frame_count, f"{group}[{index}]")
                     for index, (item, values) in enumerate(
                         zip(getattr(force_field, group), getattr(self, group))
                     )
@@ -117,7 +117,7 @@ def check_entries(parameters: ForceFieldParameters, force_field: ForceField) -> 
             )
 
 
-def _entry(item, values: ActionParameters, frame_count: int, place: str):
+def _make_entry(item, values: ActionParameters, frame_count: int, place: str):
     vector, magnitude, window = (
         np.asarray(part, np.float64) for part in (values.vector, values.magnitude, values.window)
     )
@@ -134,12 +134,12 @@ def _entry(item, values: ActionParameters, frame_count: int, place: str):
         update={
             "vector": direction,
             "magnitude": float(np.copysign(size, magnitude)),
-            "active_time": _window(item, window, frame_count),
+            "active_time": _read_window(item, window, frame_count),
         }
     )
 
 
-def _window(
+def _read_window(
     item: Action | VelocityConstraint, window: np.ndarray, frame_count: int
 ) -> tuple[float, float] | None:
     end = float(frame_count - 1)

@@ -50,7 +50,7 @@ class BoxRegion(Strict):
     high: _Place
 
     @model_validator(mode="after")
-    def _ordered(self) -> BoxRegion:
+    def _check_order(self) -> BoxRegion:
         if any(h <= l for l, h in zip(self.low, self.high)):
             raise ValueError(f"`high` must exceed `low` on every axis (got low={self.low}, high={self.high})")
         return self
@@ -84,7 +84,7 @@ class _Timed(Strict):
 
     @field_validator("magnitude")
     @classmethod
-    def _range(cls, value: float) -> float:
+    def _check_range(cls, value: float) -> float:
         if not MAGNITUDE_MIN - 1e-9 <= abs(value) <= MAGNITUDE_MAX + 1e-9:
             raise ValueError(
                 f"|magnitude| must lie in [{MAGNITUDE_MIN}, {MAGNITUDE_MAX}] (got {value}); "
@@ -94,7 +94,7 @@ class _Timed(Strict):
 
     @field_validator("active_time")
     @classmethod
-    def _window(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
+    def _check_window(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
         if value is not None and not 0 <= value[0] < value[1]:
             raise ValueError(
                 f"`active_time` is [first, last] in frames with 0 <= first < last (got {list(value)})"
@@ -138,7 +138,7 @@ class VelocityConstraint(_Timed):
     held_until: _Frame | None = None
 
     @model_validator(mode="after")
-    def _held(self) -> VelocityConstraint:
+    def _check_held(self) -> VelocityConstraint:
         if self.held_until is None:
             return self
         if self.constraint_type is ConstraintType.PARTICLE_IMPULSE:

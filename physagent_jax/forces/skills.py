@@ -156,7 +156,7 @@ def compile_force_field(
     for index, (action, values) in enumerate(zip(field.actions, parameters.actions)):
         place = f"force_field.actions[{index}]"
         bound = _Bound(action, values, place, rest, volume, frame_dt, frame_count)
-        forces.append(_skill(action, scaling, bound))
+        forces.append(_get_skill(action, scaling, bound))
     for index, (constraint, values) in enumerate(zip(field.constraints, parameters.constraints)):
         place = f"force_field.constraints[{index}]"
         bound = _Bound(constraint, values, place, rest, volume, frame_dt, frame_count)
@@ -199,31 +199,31 @@ def compute_free_path(
         frames = np.maximum(0.0, np.minimum(begin + 1, last) - np.maximum(begin, first))
         match action.action_type:
             case ActionType.TRANSLATION:
-                gained += _directed(scaling.translation, values) * frame_dt * frames[:, None]
+                gained += _direct(scaling.translation, values) * frame_dt * frames[:, None]
             case ActionType.IMPULSE:
-                gained += _directed(scaling.impulse, values) * (frames / (last - first))[:, None]
+                gained += _direct(scaling.impulse, values) * (frames / (last - first))[:, None]
     for constraint in field.constraints:
         values = ActionParameters.of(constraint, frame_count)
         first, last = values.window
         match constraint.constraint_type:
             case ConstraintType.PARTICLE_IMPULSE:
                 at = np.floor(first) == begin
-                gained += _directed(scaling.impulse, values) * at[:, None]
+                gained += _direct(scaling.impulse, values) * at[:, None]
             case ConstraintType.PARTICLE_TRANSLATION if constraint.region is None:
                 speed = np.cumsum(gained, axis=0)
                 inside = (begin + 1 > first) & (begin < last)
-                speed[inside] = _directed(scaling.velocity, values)
+                speed[inside] = _direct(scaling.velocity, values)
                 gained = np.diff(speed, axis=0, prepend=0)
     steps = np.cumsum(gained, axis=0) * frame_dt
     return np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
 
 
-def _directed(k: float | Array, values: ActionParameters) -> Array:
+def _direct(k: float | Array, values: ActionParameters) -> Array:
     """K M v, shape (3,)."""
     return k * values.magnitude * values.vector
 
 
-def _skill(action: Action, scaling: SkillScaling, bound: _Bound):
+def _get_skill(action: Action, scaling: SkillScaling, bound: _Bound):
     axis, (start, end), weight = bound.leaf(bound.values.vector), bound.window, bound.weight
     magnitude = bound.values.magnitude
     opposition = scaling.opposition if action.region is None else None
@@ -260,7 +260,7 @@ class _Bound:
                 got=repr(timed.object),
                 do="Leave `object` out",
             )
-        self.values = values = jax.tree.map(_known, values)
+        self.values = values = jax.tree.map(_check_known, values)
         if not _is_traced(values.window) and values.window[0] >= frame_count - 1:
             raise UserError(
                 f"`{place}.active_time` begins after the clip's last frame {frame_count - 1}",
@@ -292,7 +292,7 @@ class _Bound:
 
     def vector(self, k: float | Array) -> jax.Array:
         """k M v, shape (3,)."""
-        return self.leaf(_directed(k, self.values))
+        return self.leaf(_direct(k, self.values))
 
     def stress_concentration(self) -> Array | float:
         """How much more a `scale` strains the weakest section than it strains a uniform bar's middle; at least 1.
@@ -374,6 +374,6 @@ def _is_traced(value) -> bool:
     return isinstance(value, Tracer)
 
 
-def _known(value) -> Array:
+def _check_known(value) -> Array:
     """``value`` in double precision on the host, unless it is traced."""
     return value if _is_traced(value) else np.asarray(value, np.float64)

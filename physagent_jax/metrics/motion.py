@@ -53,14 +53,14 @@ def measure_true_motion(positions: np.ndarray) -> TrueMotion:
     size = float(np.ptp(x[0], axis=0).max()) or 1.0
     spread = x.std(axis=1)
     rest = x[0] - x[0].mean(axis=0)
-    turns = unwrap([_rotation(rest, frame - frame.mean(axis=0)) for frame in x])
+    turns = unwrap([_fit_rotation(rest, frame - frame.mean(axis=0)) for frame in x])
     floor = 1e-6 * size
     return TrueMotion(
         object_size=size,
-        centroid=_vectors((x.mean(axis=1) - x[0].mean(axis=0)) / size),
+        centroid=_to_vectors((x.mean(axis=1) - x[0].mean(axis=0)) / size),
         rotation_degrees=tuple(float(np.degrees(np.linalg.norm(v))) for v in turns if v is not None),
         volume_ratio=tuple(np.prod((edges + floor) / (edges[0] + floor), axis=1).tolist()),
-        stretch=_vectors((spread + floor) / (spread[0] + floor)),
+        stretch=_to_vectors((spread + floor) / (spread[0] + floor)),
     )
 
 
@@ -97,24 +97,24 @@ def compare(report: MotionReport, truth: TrueMotion) -> dict[str, float | int | 
     volume = report.volume_ratio[-1]
     return {
         "centroid_error_last": centroid[-1],
-        "centroid_error_max": _largest(centroid),
+        "centroid_error_max": _find_largest(centroid),
         "rotation_error_last": rotation[-1],
-        "rotation_error_max": _largest(rotation),
+        "rotation_error_max": _find_largest(rotation),
         "volume_ratio_error_last": None if volume is None else abs(volume - truth.volume_ratio[-1]),
-        "stretch_error_last": _stretch_error(report, truth),
+        "stretch_error_last": _measure_stretch_error(report, truth),
         "size_ratio": scale,
         "frames_observed": sum(e is not None for e in centroid),
     }
 
 
-def _rotation(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def _fit_rotation(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Rotation in the least-squares linear map a -> b of centred particles, shape (3, 3)."""
     cov = a.T @ a
     cov += (1e-9 * np.trace(cov) + 1e-30) * np.eye(3)  # particles in a plane, on a line, or only one
     return polar(b.T @ a @ np.linalg.inv(cov))[0]
 
 
-def _stretch_error(report: MotionReport, truth: TrueMotion) -> float | None:
+def _measure_stretch_error(report: MotionReport, truth: TrueMotion) -> float | None:
     """Largest difference along the world axes; the tensor is set against the truth only without a turn."""
     whole = report.windows[0]
     if (
@@ -126,9 +126,9 @@ def _stretch_error(report: MotionReport, truth: TrueMotion) -> float | None:
     return float(np.abs(np.diag(np.asarray(whole.stretch)) - truth.stretch[-1]).max())
 
 
-def _largest(errors: list[float | None]) -> float | None:
+def _find_largest(errors: list[float | None]) -> float | None:
     return max((e for e in errors if e is not None), default=None)
 
 
-def _vectors(rows: np.ndarray) -> tuple[tuple[float, float, float], ...]:
+def _to_vectors(rows: np.ndarray) -> tuple[tuple[float, float, float], ...]:
     return tuple((float(a), float(b), float(c)) for a, b, c in rows)

@@ -74,33 +74,33 @@ def report_true_motion(
         depth_shown=np.ones(count, bool),
         reasons={topic: [""] * count for topic in ("centroid", "rotation", "box")},
     )
-    turn = _degrees(frames.rotation_from(0, count - 1))
+    turn = _to_degrees(frames.rotation_from(0, count - 1))
     report = MotionReport(
         frame_count=count,
         frame_dt=frame_dt,
         object_size=size,
-        object_center=_vector(center),
+        object_center=_to_vector(center),
         windows=tuple(measure_window(frames, *span) for span in list_spans(count, windows)),
-        centroid=_vectors(frames.centroid),
+        centroid=_to_vectors(frames.centroid),
         rotation_degrees=tuple(np.linalg.norm(turn, axis=1).tolist()),
         volume_ratio=tuple(frames.volume(t) for t in range(count)),
-        rotation=_vectors(turn),
-        stretch=tuple(_matrix(polar(pose.matrix)[1]) for pose in poses),
+        rotation=_to_vectors(turn),
+        stretch=tuple(_to_matrix(polar(pose.matrix)[1]) for pose in poses),
         box=tuple(
-            Box(low=_vector(a), high=_vector(b))
+            Box(low=_to_vector(a), high=_to_vector(b))
             for a, b in zip((low - center) / size, (high - center) / size)
         ),
         parts=_measure_ends(x, size),
         pieces=tuple(count_pieces(x, np.stack([pose.matrix for pose in poses]), size)),
         uncertainty=Uncertainty(displacement=0.0, rotation=0.0, axis=0.0, stretch=0.0, frequency=0.0),
         oscillation=timing.find_oscillation(frames.centroid, frame_dt, VISIBLE),
-        onset_frame=timing.find_onset(_distances(x, 0) / size, VISIBLE),
-        settle_frame=timing.find_settling(_distances(x, -1) / size, VISIBLE),
+        onset_frame=timing.find_onset(_measure_distances(x, 0) / size, VISIBLE),
+        settle_frame=timing.find_settling(_measure_distances(x, -1) / size, VISIBLE),
         quality=Quality(
             tracks_kept=1.0,
             fit_residual=max(pose.residual for pose in poses) / size,
             depth_noise=0.0,
-            mask_fraction=1.0 if camera is None else _share_of_picture(x[0], camera),
+            mask_fraction=1.0 if camera is None else _measure_share_of_picture(x[0], camera),
             leaves_frame=None if camera is None else _find_leaving(x, camera),
         ),
         text="",
@@ -140,17 +140,19 @@ def _measure_ends(x: np.ndarray, size: float) -> tuple[PartMotion, ...]:
         order = np.argsort(x[0, :, axis], kind="stable")
         for sign, chosen in ((1.0, order[-share:]), (-1.0, order[:share])):
             part = x[:, chosen]
-            turn = _degrees(unwrap([pose.rotation for pose in _fit(part)]))
+            turn = _to_degrees(unwrap([pose.rotation for pose in _fit(part)]))
             moved = (part.mean(axis=1) - part[0].mean(axis=0)) / size
             direction = np.zeros(3)
             direction[axis] = sign
             ends.append(
-                PartMotion(direction=_vector(direction), centroid=_vectors(moved), rotation=_vectors(turn))
+                PartMotion(
+                    direction=_to_vector(direction), centroid=_to_vectors(moved), rotation=_to_vectors(turn)
+                )
             )
     return tuple(ends)
 
 
-def _distances(x: np.ndarray, frame: int) -> np.ndarray:
+def _measure_distances(x: np.ndarray, frame: int) -> np.ndarray:
     """RMS distance of the particles from where they are in ``frame`` [m], shape (T,)."""
     return np.sqrt(np.mean(np.sum((x - x[frame]) ** 2, axis=2), axis=1))
 
@@ -173,7 +175,7 @@ def _find_leaving(x: np.ndarray, camera: Camera) -> int | None:
     return None
 
 
-def _share_of_picture(points: np.ndarray, camera: Camera) -> float:
+def _measure_share_of_picture(points: np.ndarray, camera: Camera) -> float:
     """Share of the pixels that the box around the projected points covers; the object itself covers less."""
     pixels, inside = _project(points, camera)
     if not inside.any():
@@ -181,19 +183,19 @@ def _share_of_picture(points: np.ndarray, camera: Camera) -> float:
     return float(np.prod(np.ptp(pixels[inside], axis=0)) / (camera.width * camera.height))
 
 
-def _degrees(vectors: Sequence[np.ndarray | None]) -> np.ndarray:
+def _to_degrees(vectors: Sequence[np.ndarray | None]) -> np.ndarray:
     return np.degrees(np.stack([v for v in vectors if v is not None]))
 
 
-def _vector(values: np.ndarray) -> tuple[float, float, float]:
+def _to_vector(values: np.ndarray) -> tuple[float, float, float]:
     x, y, z = map(float, values)
     return x, y, z
 
 
-def _matrix(rows: np.ndarray) -> Matrix:
-    a, b, c = map(_vector, rows)
+def _to_matrix(rows: np.ndarray) -> Matrix:
+    a, b, c = map(_to_vector, rows)
     return a, b, c
 
 
-def _vectors(rows: np.ndarray) -> tuple[tuple[float, float, float], ...]:
-    return tuple(map(_vector, rows))
+def _to_vectors(rows: np.ndarray) -> tuple[tuple[float, float, float], ...]:
+    return tuple(map(_to_vector, rows))

@@ -35,7 +35,7 @@ def touches_border(mask: np.ndarray) -> bool:
     return bool(mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any())
 
 
-def _leaving(masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _find_leaving(masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Frames in which the object is cut off by the border, and those in which it is mostly out; each (T,).
 
     Once mostly out, it stays out until its area is back: a splinter that is left inside is not the object.
@@ -50,7 +50,7 @@ def _leaving(masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def in_view(masks: np.ndarray) -> np.ndarray:
     """Frames in which enough of the object shows to follow it, shape (T,)."""
-    return masks.any((1, 2)) & ~_leaving(masks)[1]
+    return masks.any((1, 2)) & ~_find_leaving(masks)[1]
 
 
 def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarray, camera: Camera) -> Frames:
@@ -69,12 +69,12 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
     )
     edges = corners[:, 1] - corners[:, 0]
     size, center = float(edges[0].max()), lift.find_center(trusted[0], masks[0], camera)
-    area, cut, out = masks.sum((1, 2)), *_leaving(masks)
-    center = _ride(path, trusted, masks, cut, center, size, camera)
+    area, cut, out = masks.sum((1, 2)), *_find_leaving(masks)
+    center = _ride_along(path, trusted, masks, cut, center, size, camera)
     points = [lift.unproject_surface(d, camera)[::7] for d in trusted]
     loose = np.array([p is not None and p.residual > LOOSEST * size for p in path.poses])
     path = dataclasses.replace(path, poses=[None if bad else p for p, bad in zip(path.poses, loose)])
-    centroid = (_centroids(path, points, cut, center) - center) / size
+    centroid = (_find_centroids(path, points, cut, center) - center) / size
     centroid[out] = np.nan
     forward = camera.forward.astype(float)
 
@@ -103,7 +103,7 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
     )
 
 
-def _ride(
+def _ride_along(
     path: Path, trusted, masks: np.ndarray, cut: np.ndarray, guess: np.ndarray, size: float, camera: Camera
 ) -> np.ndarray:
     """The point of frame 0 that stays in the object's middle as the object turns; world [m], shape (3,).
@@ -139,7 +139,7 @@ def _ride(
     return guess + line * (trust * across @ off) / (trust * across @ across + 1 / DEPTH_OFF**2)
 
 
-def _centroids(path: Path, points: list[np.ndarray], cut: np.ndarray, center: np.ndarray) -> np.ndarray:
+def _find_centroids(path: Path, points: list[np.ndarray], cut: np.ndarray, center: np.ndarray) -> np.ndarray:
     """World position of the object's centre per frame [m], shape (T, 3); nan where it cannot be told.
 
     The centre rides on the fitted motion. Where no points could be followed, it moves by as much as the

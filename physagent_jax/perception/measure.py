@@ -81,7 +81,7 @@ def perceive(
     Raises:
         UserError: Shapes do not fit, or a window lies outside of the clip.
     """
-    rgb = _checked(rgb, depth, camera, windows)
+    rgb = _check_input(rgb, depth, camera, windows)
     backends = backends or make_backends()
     estimate = backends.depth.estimate(rgb, camera, depth)
     z = estimate.z
@@ -89,9 +89,9 @@ def perceive(
     masks = found.masks
     notes = [*estimate.notes, *([] if estimate.scale_known else [_NO_SCALE]), *found.notes]
     z = lift.fill_dropped(z, masks)
-    spans = _spans(len(rgb), windows)
+    spans = _find_spans(len(rgb), windows)
     if masks[0].sum() < LEAST_PIXELS:
-        return _nothing(rgb, masks, frame_dt, spans, notes)
+        return _report_nothing(rgb, masks, frame_dt, spans, notes)
     trusted, noise = zip(*(lift.keep_trusted_depth(d, m) for d, m in zip(z, masks)))
     trusted = np.stack(trusted)
     if estimate.uncertainty is not None:
@@ -112,7 +112,7 @@ def perceive(
         notes=(*notes, *frames.weaknesses(in_view(masks))),
     )
     pixel = float(np.nanmedian(trusted[0]) / np.asarray(camera.K)[0, 0]) / size
-    report = _report(
+    report = _make_report(
         frames,
         lift.unproject_surface(trusted[0], camera)[::17],
         frame_dt,
@@ -124,7 +124,7 @@ def perceive(
         pixel=pixel,
         noise=quality.depth_noise,
         residual=quality.fit_residual,
-        turn=_largest_tilt(frames, camera),
+        turn=_find_largest_tilt(frames, camera),
         links=path.links - 1,
         travel=float(np.nanmax(np.linalg.norm(frames.centroid, axis=1))),
     )
@@ -144,7 +144,7 @@ def perceive(
     )
 
 
-def _checked(rgb, depth, camera: Camera, windows) -> np.ndarray:
+def _check_input(rgb, depth, camera: Camera, windows) -> np.ndarray:
     rgb = np.asarray(rgb)
     if rgb.ndim != 4 or rgb.shape[-1] != 3 or rgb.dtype != np.uint8 or len(rgb) == 0:
         raise UserError(
@@ -166,7 +166,7 @@ def _checked(rgb, depth, camera: Camera, windows) -> np.ndarray:
     return rgb
 
 
-def _spans(count: int, windows) -> list[tuple[int, int]]:
+def _find_spans(count: int, windows) -> list[tuple[int, int]]:
     """Whole clip, its quarters (neighbours share a frame, so that displacements add up), windows asked for."""
     marks = [round(k * (count - 1) / 4) for k in range(5)]
     spans = [(0, count - 1), *zip(marks, marks[1:])]
@@ -183,10 +183,12 @@ def _segment(rgb: np.ndarray, z: np.ndarray, segmenter: Segmenter, prompt: Segme
     return segmenter.segment(rgb, prompt)
 
 
-def _report(frames: Frames, rest: np.ndarray, frame_dt, spans, quality, *, threshold: float) -> MotionReport:
+def _make_report(
+    frames: Frames, rest: np.ndarray, frame_dt, spans, quality, *, threshold: float
+) -> MotionReport:
     """The report without its text; ``rest`` are surface points of frame 0 [m], shape (n, 3)."""
     turn = frames.rotation_from(0, len(frames.centroid) - 1)
-    begun = timing.find_onset(_distances(frames, rest, 0), threshold)
+    begun = timing.find_onset(_measure_distances(frames, rest, 0), threshold)
     volume = [frames.volume(t) for t in range(len(turn))]
     return MotionReport(
         frame_count=len(turn),
@@ -198,17 +200,17 @@ def _report(frames: Frames, rest: np.ndarray, frame_dt, spans, quality, *, thres
         rotation_degrees=tuple(None if v is None else float(np.degrees(np.linalg.norm(v))) for v in turn),
         volume_ratio=tuple(v if np.isfinite(v) else None for v in volume),
         rotation=tuple(None if v is None else tuple(np.degrees(v).tolist()) for v in turn),
-        stretch=tuple(_as_matrix(frames.stretch_from(0, t)) for t in range(len(turn))),
-        box=_boxes(frames),
+        stretch=tuple(_to_matrix(frames.stretch_from(0, t)) for t in range(len(turn))),
+        box=_measure_boxes(frames),
         oscillation=timing.find_oscillation(frames.centroid, frame_dt, threshold + quality.fit_residual),
         onset_frame=begun,
-        settle_frame=timing.find_settling(_distances(frames, rest, -1), threshold),
+        settle_frame=timing.find_settling(_measure_distances(frames, rest, -1), threshold),
         quality=quality,
         text="",
     )
 
 
-def _boxes(frames: Frames) -> tuple[Box | None, ...]:
+def _measure_boxes(frames: Frames) -> tuple[Box | None, ...]:
     if frames.corners is None:
         return ()
     return tuple(
@@ -217,21 +219,21 @@ def _boxes(frames: Frames) -> tuple[Box | None, ...]:
     )
 
 
-def _as_matrix(S: np.ndarray | None) -> Matrix | None:
+def _to_matrix(S: np.ndarray | None) -> Matrix | None:
     if S is None:
         return None
     first, second, third = (tuple(row) for row in S.tolist())
     return first, second, third
 
 
-def _largest_tilt(frames: Frames, camera: Camera) -> float:
+def _find_largest_tilt(frames: Frames, camera: Camera) -> float:
     """Largest angle by which the object has turned out of the picture plane [deg]."""
     forward = camera.forward
     cosines = [forward @ p.rotation @ forward for p in frames.poses if p is not None]
     return float(np.degrees(np.arccos(np.clip(min(cosines, default=1.0), -1, 1))))
 
 
-def _distances(frames: Frames, rest: np.ndarray, frame: int) -> np.ndarray:
+def _measure_distances(frames: Frames, rest: np.ndarray, frame: int) -> np.ndarray:
     """How far the object is in each frame from where it is in ``frame`` [body lengths], shape (T,).
 
     RMS distance of its points, which also sees it turn or stretch on the spot. Without a common pose: the
@@ -248,7 +250,7 @@ def _distances(frames: Frames, rest: np.ndarray, frame: int) -> np.ndarray:
     return np.array([distance(t) for t in range(len(frames.poses))])
 
 
-def _nothing(rgb, masks, frame_dt, spans, notes) -> Perception:
+def _report_nothing(rgb, masks, frame_dt, spans, notes) -> Perception:
     """The report of a clip whose first frame shows no object."""
     count, why = len(rgb), f"{GONE} in frame 0"
     nan = np.full((count, 3), np.nan)

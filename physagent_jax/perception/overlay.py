@@ -36,12 +36,12 @@ def draw_overlay(
     Returns:
         New pictures, uint8, shape (len(frames), H, W, 3).
     """
-    colours = _colours(tracks, visible)
+    colours = _choose_colours(tracks, visible)
     chosen = range(len(rgb)) if frames is None else frames
-    return np.stack([_frame(rgb, masks, tracks, visible, colours, t, tail, most) for t in chosen])
+    return np.stack([_draw_frame(rgb, masks, tracks, visible, colours, t, tail, most) for t in chosen])
 
 
-def _frame(rgb, masks, tracks, visible, colours, t: int, tail: int, most: int) -> np.ndarray:
+def _draw_frame(rgb, masks, tracks, visible, colours, t: int, tail: int, most: int) -> np.ndarray:
     outside = ~masks[t][..., None]
     picture = np.where(outside, rgb[t] * 0.85 + 0.15 * 128, rgb[t]).astype(np.uint8)
     outline, _ = cv2.findContours(masks[t].astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
@@ -54,21 +54,31 @@ def _frame(rgb, masks, tracks, visible, colours, t: int, tail: int, most: int) -
         at = t - age
         for i in shown[visible[at, shown] & visible[at + 1, shown]]:
             cv2.line(
-                tails, _point(tracks[at, i]), _point(tracks[at + 1, i]), colours[i], 1, cv2.LINE_AA, _SHIFT
+                tails,
+                _to_pixel(tracks[at, i]),
+                _to_pixel(tracks[at + 1, i]),
+                colours[i],
+                1,
+                cv2.LINE_AA,
+                _SHIFT,
             )
     picture = cv2.addWeighted(tails, 0.85, picture, 0.15, 0)
     for i in shown:
-        cv2.circle(picture, _point(tracks[t, i]), int(2.2 * 2**_SHIFT), (20, 20, 30), -1, cv2.LINE_AA, _SHIFT)
-        cv2.circle(picture, _point(tracks[t, i]), int(1.5 * 2**_SHIFT), colours[i], -1, cv2.LINE_AA, _SHIFT)
+        cv2.circle(
+            picture, _to_pixel(tracks[t, i]), int(2.2 * 2**_SHIFT), (20, 20, 30), -1, cv2.LINE_AA, _SHIFT
+        )
+        cv2.circle(
+            picture, _to_pixel(tracks[t, i]), int(1.5 * 2**_SHIFT), colours[i], -1, cv2.LINE_AA, _SHIFT
+        )
     return picture
 
 
-def _point(xy: np.ndarray) -> tuple[int, int]:
+def _to_pixel(xy: np.ndarray) -> tuple[int, int]:
     x, y = np.round((xy - 0.5) * 2**_SHIFT).astype(int)
     return int(x), int(y)
 
 
-def _colours(tracks: np.ndarray, visible: np.ndarray) -> list[tuple[int, int, int]]:
+def _choose_colours(tracks: np.ndarray, visible: np.ndarray) -> list[tuple[int, int, int]]:
     """One colour per track, by the height at which it first appears, so that neighbours look alike."""
     if tracks.shape[1] == 0:
         return []

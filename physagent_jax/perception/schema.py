@@ -16,15 +16,15 @@ from physagent_jax.core.strict import Count, Numbers, Strict
 Matrix = tuple[Numbers, Numbers, Numbers]
 
 
-def _rounded(value):
+def _round(value):
     if isinstance(value, float):
         return round(value, 6)
     if isinstance(value, (list, tuple)):
-        return tuple(_rounded(v) for v in value)
+        return tuple(_round(v) for v in value)
     return value
 
 
-Number = Annotated[strict.Number, BeforeValidator(_rounded)]
+Number = Annotated[strict.Number, BeforeValidator(_round)]
 
 
 class WindowMotion(Strict):

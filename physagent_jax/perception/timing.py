@@ -65,7 +65,7 @@ def find_oscillation(centroid: np.ndarray, frame_dt: float, threshold: float) ->
     _, spread, axes = np.linalg.svd(path - trend - (path - trend).mean(0), full_matrices=False)
     for axis, width in zip(axes, spread):
         signal = path @ axis
-        turns = [t + _vertex(signal, t) for t in find_turning_points(signal, threshold)]
+        turns = [t + _find_vertex(signal, t) for t in find_turning_points(signal, threshold)]
         if len(turns) >= LEAST_REVERSALS and width > 0:
             period = 2 * (turns[-1] - turns[0]) / (len(turns) - 1)
             first = signal[int(round(turns[0]))] - signal[0]
@@ -78,7 +78,7 @@ def find_oscillation(centroid: np.ndarray, frame_dt: float, threshold: float) ->
     return None
 
 
-def _vertex(signal: np.ndarray, t: int) -> float:
+def _find_vertex(signal: np.ndarray, t: int) -> float:
     """How far the turning point is from frame t, within half a frame: a parabola through it and its neighbours."""
     if t in (0, len(signal) - 1):
         return 0.0

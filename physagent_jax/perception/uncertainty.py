@@ -59,7 +59,7 @@ def estimate_uncertainty(
     displacement = 0.008 + blur + 0.015 * hard.travel + 0.3 * hard.residual
     displacement += float(np.hypot(OFF_MIDDLE * 2 * np.sin(min(angle, np.pi) / 2), HIDDEN * tilt))
     if not known:
-        return Uncertainty(displacement=displacement, frequency=_frequency(swing, frame_dt))
+        return Uncertainty(displacement=displacement, frequency=_estimate_frequency(swing, frame_dt))
     rotation = 0.7 + np.degrees(2 * blur + 0.5 * hard.residual) + 0.12 * hard.turn + 0.3 * hard.links
     axis = float(np.degrees(np.arctan2(np.radians(rotation), angle)))
     stretch = 0.02 + 2 * blur + hard.residual + 0.12 * tilt
@@ -68,11 +68,11 @@ def estimate_uncertainty(
         rotation=rotation,
         axis=min(axis, 90.0),
         stretch=stretch,
-        frequency=_frequency(swing, frame_dt),
+        frequency=_estimate_frequency(swing, frame_dt),
     )
 
 
-def _frequency(swing: Oscillation | None, frame_dt: float) -> float | None:
+def _estimate_frequency(swing: Oscillation | None, frame_dt: float) -> float | None:
     """Turning points are known to a fifth of a frame; the mean time between them, the better the more there are."""
     if swing is None:
         return None

@@ -88,15 +88,17 @@ def measure_window(frames: Frames, first: int, last: int) -> WindowMotion:
     """Motion over frames first..last, relative to ``first``."""
     found, missing = {}, {}
     for measure, fields, topic in (
-        (_travel, ("displacement", "path_length"), "centroid"),
-        (_peak, ("peak_displacement", "peak_frame"), "centroid"),
+        (_measure_travel, ("displacement", "path_length"), "centroid"),
+        (_find_peak, ("peak_displacement", "peak_frame"), "centroid"),
         (_turn, ("rotation_axis", "rotation_degrees"), "rotation"),
-        (_stretch, ("stretch",), "rotation"),
-        (_volume, ("volume_ratio",), "box"),
+        (_measure_stretch, ("stretch",), "rotation"),
+        (_measure_volume, ("volume_ratio",), "box"),
     ):
         values = measure(frames, first, last) if last > first else None
         if values is None:
-            reason = "the window has one frame only" if last == first else _why(frames, topic, first, last)
+            reason = (
+                "the window has one frame only" if last == first else _explain(frames, topic, first, last)
+            )
             missing |= dict.fromkeys(fields, reason)
             values = (None,) * len(fields)
         found |= dict(zip(fields, values))
@@ -106,14 +108,14 @@ def measure_window(frames: Frames, first: int, last: int) -> WindowMotion:
     )
 
 
-def _why(frames: Frames, topic: str, first: int, last: int) -> str:
+def _explain(frames: Frames, topic: str, first: int, last: int) -> str:
     """The reason at the later end of the window, else at its start, else between."""
     why = frames.reasons[topic]
     between = next((why[t] for t in range(first, last + 1) if why[t]), "")
     return why[last] or why[first] or between or "the points were lost in between"
 
 
-def _travel(frames: Frames, first: int, last: int):
+def _measure_travel(frames: Frames, first: int, last: int):
     c = frames.centroid[first : last + 1]
     if not np.isfinite(c[[0, -1]]).all():
         return None
@@ -125,7 +127,7 @@ def _travel(frames: Frames, first: int, last: int):
     return tuple((c[-1] - c[0]).tolist()), float(length)
 
 
-def _peak(frames: Frames, first: int, last: int):
+def _find_peak(frames: Frames, first: int, last: int):
     away = frames.centroid[first : last + 1] - frames.centroid[first]
     if not np.isfinite(away[:, 0]).any():
         return None
@@ -142,11 +144,11 @@ def _turn(frames: Frames, first: int, last: int):
     return tuple(axis.tolist()), float(np.degrees(angle))
 
 
-def _stretch(frames: Frames, first: int, last: int):
+def _measure_stretch(frames: Frames, first: int, last: int):
     S = frames.stretch_from(first, last)
     return None if S is None else (tuple(map(tuple, S.tolist())),)
 
 
-def _volume(frames: Frames, first: int, last: int):
+def _measure_volume(frames: Frames, first: int, last: int):
     ratio = frames.volume(last, first)
     return (ratio,) if np.isfinite(ratio) else None

@@ -80,19 +80,19 @@ def name_world_axis(vector: Vectorlike) -> str:
 def describe_motion(report: MotionReport, words: ViewerWords) -> str:
     """The whole report as one paragraph."""
     whole, quarters, asked = report.windows[0], report.windows[1:5], report.windows[5:]
-    parts = [_whole(whole, words), _swing(report, words), _times(report, whole)]
+    parts = [_describe_whole(whole, words), _describe_swing(report, words), _format_times(report, whole)]
     if report.onset_frame is not None:
         parts.append(
-            "By quarters: " + "; ".join(_brief(w, words) for w in quarters if w.last > w.first) + "."
+            "By quarters: " + "; ".join(_summarise(w, words) for w in quarters if w.last > w.first) + "."
         )
-    parts += [f"Window asked for: {_brief(w, words)}." for w in asked]
+    parts += [f"Window asked for: {_summarise(w, words)}." for w in asked]
     parts += [f"Note: {note}" for note in report.quality.notes]
     return " ".join(p for p in parts if p)
 
 
-def _whole(w: WindowMotion, words: ViewerWords) -> str:
+def _describe_whole(w: WindowMotion, words: ViewerWords) -> str:
     """Net motion of the clip in the paper's manner (appendix B.1)."""
-    text = [f"At frame {w.last}, {_translation(w, words)} {_rotation(w, words)}."]
+    text = [f"At frame {w.last}, {_describe_translation(w, words)} {_describe_rotation(w, words)}."]
     if w.displacement is not None and w.peak_displacement is not None:
         peak, net = np.linalg.norm(w.peak_displacement), np.linalg.norm(w.displacement)
         if peak > max(1.2 * net, 0.03):
@@ -105,11 +105,11 @@ def _whole(w: WindowMotion, words: ViewerWords) -> str:
             f"While it was seen, it moved up to {np.linalg.norm(w.peak_displacement):.2f} body lengths "
             f"{words.where(w.peak_displacement)}, at frame {w.peak_frame}."
         )
-    text += [_stretch(w, words), _volume(w)]
+    text += [_describe_stretch(w, words), _describe_volume(w)]
     return " ".join(t for t in text if t)
 
 
-def _translation(w: WindowMotion, words: ViewerWords) -> str:
+def _describe_translation(w: WindowMotion, words: ViewerWords) -> str:
     if w.displacement is None:
         return f"the centroid is not observable ({w.unobservable.get('displacement', 'unknown')})"
     size = float(np.linalg.norm(w.displacement))
@@ -119,7 +119,7 @@ def _translation(w: WindowMotion, words: ViewerWords) -> str:
     return f"the centroid {verb} {size:.2f} body lengths {words.where(w.displacement)}"
 
 
-def _rotation(w: WindowMotion, words: ViewerWords) -> str:
+def _describe_rotation(w: WindowMotion, words: ViewerWords) -> str:
     if w.rotation_degrees is None or w.rotation_axis is None:
         return f"and its rotation is not observable ({w.unobservable.get('rotation_degrees', 'unknown')})"
     angle = w.rotation_degrees
@@ -129,7 +129,7 @@ def _rotation(w: WindowMotion, words: ViewerWords) -> str:
     return f"with {'minor ' if angle < PLAIN_TURN else 'a '}rotation ({angle:.0f} deg {sense})"
 
 
-def _factors(w: WindowMotion, words: ViewerWords) -> str:
+def _format_factors(w: WindowMotion, words: ViewerWords) -> str:
     """Stretch along the viewer's axes, where it differs from 1 by more than it may be wrong."""
     if w.stretch is None:
         return ""
@@ -142,12 +142,12 @@ def _factors(w: WindowMotion, words: ViewerWords) -> str:
     return ", ".join(told)
 
 
-def _stretch(w: WindowMotion, words: ViewerWords) -> str:
-    told = _factors(w, words)
+def _describe_stretch(w: WindowMotion, words: ViewerWords) -> str:
+    told = _format_factors(w, words)
     return f"Its shape is scaled {told}." if told else ""
 
 
-def _volume(w: WindowMotion) -> str:
+def _describe_volume(w: WindowMotion) -> str:
     if w.volume_ratio is None:
         reason = w.unobservable.get("volume_ratio", "unknown")
         return f"The bounding box volume is not observable ({reason})."
@@ -159,7 +159,7 @@ def _volume(w: WindowMotion) -> str:
     return f"The bounding box volume {verb} to {w.volume_ratio:.2f}x of the initial frame."
 
 
-def _swing(report: MotionReport, words: ViewerWords) -> str:
+def _describe_swing(report: MotionReport, words: ViewerWords) -> str:
     o = report.oscillation
     if o is None:
         return "The motion is not periodic."
@@ -169,7 +169,7 @@ def _swing(report: MotionReport, words: ViewerWords) -> str:
     )
 
 
-def _times(report: MotionReport, whole: WindowMotion) -> str:
+def _format_times(report: MotionReport, whole: WindowMotion) -> str:
     if report.onset_frame is None:
         return "Nothing moves visibly." if whole.displacement is not None else ""
     end = (
@@ -182,7 +182,7 @@ def _times(report: MotionReport, whole: WindowMotion) -> str:
     return f"It starts to move at frame {report.onset_frame} and {end}."
 
 
-def _brief(w: WindowMotion, words: ViewerWords) -> str:
+def _summarise(w: WindowMotion, words: ViewerWords) -> str:
     """One window in a clause."""
     span = f"frames {w.first}-{w.last}"
     if w.displacement is None:
@@ -193,7 +193,7 @@ def _brief(w: WindowMotion, words: ViewerWords) -> str:
     )
     if w.rotation_degrees is not None and w.rotation_axis is not None and w.rotation_degrees >= SLIGHT_TURN:
         text += f", rotating {w.rotation_degrees:.0f} deg {words.turn(w.rotation_axis)}"
-    if factors := _factors(w, words):
+    if factors := _format_factors(w, words):
         text += f", shape {factors}"
     turned = (w.rotation_degrees or 0) >= PLAIN_TURN
     if w.volume_ratio is not None and abs(w.volume_ratio - 1) >= 0.1 and not turned:

@@ -212,7 +212,7 @@ class _Loop:
             self._calls = AgentCalls(self._agents, refused.agents)
             return Reply(refused.reply, refused.trace)
         self.observer.stage("reading the sentence")
-        return self._ask(self._store, "", "semantic", "compile", self._context())
+        return self._ask(self._store, "", "semantic", "compile", self._make_context())
 
     def refuse(self, reading: Reply[SemanticReply], error: UserError) -> NoReturn:
         """Ends a run that has simulated nothing; what a model said of the sentence is kept, for it is paid for.
@@ -268,7 +268,7 @@ class _Loop:
         try:
             with self._watch.all_to("probe"), warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)  # as they were heeded for the object in earnest
-                series = self._coarse(template, body)
+                series = self._coarsen(template, body)
                 for attempt in self.rounds(series, reply.force_field, reply):
                     attempts.append(attempt)  # one by one: those before an error count
         except AgentError:
@@ -281,7 +281,7 @@ class _Loop:
         self.save_costs(probe_iterations=len(attempts), probe_best=best)
         return attempts[best].scene.force_field
 
-    def _coarse(self, template: SceneTemplate, body: Body) -> _Series:
+    def _coarsen(self, template: SceneTemplate, body: Body) -> _Series:
         with self._watch("prepare"):
             preset = coarsen(template.preset, body)
             coarse = dataclasses.replace(template, preset=preset)
@@ -294,7 +294,7 @@ class _Loop:
         attempts: list[Attempt] = []
         self._restart_cache = None
         for index in range(self._run.spec.rounds):
-            context = self._context(reply, [attempt.round for attempt in attempts])
+            context = self._make_context(reply, [attempt.round for attempt in attempts])
             attempt = self.recall(series, index) or self.attempt(series, index, force_field, context)
             attempts.append(attempt)
             series.judged(index, attempt.round.judgement)
@@ -341,7 +341,7 @@ class _Loop:
                 frame_dt=config.timing.frame_dt,
                 windows=windows,
                 backends=self._backends,
-                prompt=self._prompt(scene.camera),
+                prompt=self._make_segment_prompt(scene.camera),
             )
         key_frames = VideoKeyFrames(series.store.round_folder(index) / PLAIN_VIDEO)
         observation = Observation(force_field, seen.report, key_frames)
@@ -418,7 +418,7 @@ class _Loop:
         costs = dict(stages=Stages(**self._watch.seconds()), agents=tuple(self._calls.costs.values()))
         self._store.update(**costs, reused_frames=self._reused, **changes)
 
-    def _prompt(self, camera: Camera) -> SegmentPrompt | None:
+    def _make_segment_prompt(self, camera: Camera) -> SegmentPrompt | None:
         """Which object is meant, in the pictures of ``camera``; None if the spec leaves it open."""
         choice, preset = self._run.spec.perception.prompt, self._template.preset
         if choice is None:
@@ -427,9 +427,11 @@ class _Loop:
         mask = read_mask(choice, *size, preset.timing.frame_count, self._run.base_dir)
         return make_prompt(choice, camera.width, camera.height, mask)
 
-    def _context(self, reading: SemanticReply | None = None, rounds: Iterable[Round] = ()) -> AgentContext:
+    def _make_context(
+        self, reading: SemanticReply | None = None, rounds: Iterable[Round] = ()
+    ) -> AgentContext:
         """What an agent is told."""
-        return AgentContext(self._run.spec.prompt, self._brief(), self._skills, reading, tuple(rounds))
+        return AgentContext(self._run.spec.prompt, self._make_brief(), self._skills, reading, tuple(rounds))
 
-    def _brief(self) -> SceneBrief:
+    def _make_brief(self) -> SceneBrief:
         return make_brief(self._template, frames_fixed=self._run.frames_fixed)

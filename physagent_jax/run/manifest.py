@@ -128,7 +128,7 @@ class Manifest(Strict):
 
     @field_validator("files")
     @classmethod
-    def _inside(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+    def _list_inside(cls, value: tuple[str, ...]) -> tuple[str, ...]:
         for name in value:
             path = PurePosixPath(name)
             if path.is_absolute() or ".." in path.parts or not path.parts:

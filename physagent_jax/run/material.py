@@ -32,7 +32,7 @@ def resolve_material(
         pydantic.ValidationError: A value is out of range.
     """
     warnings: list[str] = []
-    material = _with_values(choice, _base(choice, kind, Path(base_dir), warnings))
+    material = _apply_values(choice, _choose_base(choice, kind, Path(base_dir), warnings))
     dx = preset.domain.dx
     duration = (preset.timing.frame_count - 1) * preset.timing.frame_dt
     hard = material
@@ -48,7 +48,7 @@ def resolve_material(
     return material, tuple(warnings)
 
 
-def _base(choice: MaterialChoice, kind: str, base_dir: Path, warnings: list[str]) -> Material:
+def _choose_base(choice: MaterialChoice, kind: str, base_dir: Path, warnings: list[str]) -> Material:
     if choice.physgm is not None:
         prediction = read_json(base_dir / choice.physgm, what="PhysGM's prediction")
         material, notes = import_physgm(prediction, warn_of_cost=False)
@@ -61,13 +61,13 @@ def _base(choice: MaterialChoice, kind: str, base_dir: Path, warnings: list[str]
         return find_material(choice.name).material
     except UserError as error:
         if choice.name in models:
-            return _of_model(MaterialModel(choice.name), choose_material(kind))
+            return _choose_of_model(MaterialModel(choice.name), choose_material(kind))
         model = find_nearest(choice.name, [m for m in models if m not in LIBRARY], count=1)
         hint = f"Or the constitutive model {model[0]}? " if model else ""
         raise UserError(f"`material.name`: {error.what}", got=error.got, do=f"{hint}{error.do}") from None
 
 
-def _of_model(model: MaterialModel, prior: Material) -> Material:
+def _choose_of_model(model: MaterialModel, prior: Material) -> Material:
     """A kind's values under another law."""
     try:
         return prior.changed(model=model, reason=f"{model} was chosen, the rest: {prior.reason}")
@@ -79,7 +79,7 @@ def _of_model(model: MaterialModel, prior: Material) -> Material:
         ) from None
 
 
-def _with_values(choice: MaterialChoice, material: Material) -> Material:
+def _apply_values(choice: MaterialChoice, material: Material) -> Material:
     """The material with the values that are chosen one by one."""
     values = {name: getattr(choice, name) for name in ("youngs_modulus", "poissons_ratio", "density")}
     given = {name: value for name, value in values.items() if value is not None}

@@ -90,7 +90,7 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
     card = load_card(path)
     try:
         preset = resolve_preset(spec)
-        source = _source(spec, card, path, sha256)
+        source = _make_source(spec, card, path, sha256)
         material, warnings = resolve_material(spec.material, source.kind, preset, base_dir=base_dir)
         template = SceneTemplate(
             prompt=spec.prompt,
@@ -99,9 +99,9 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
             source=source,
             material=material,
             anchor=resolve_anchor(spec.anchor, source.kind, base_dir=base_dir),
-            camera=_camera(spec.camera, card, source, preset.domain),
+            camera=_make_camera(spec.camera, card, source, preset.domain),
             world=WORLDS[spec.world],
-            friction=_friction(spec),
+            friction=_choose_friction(spec),
             damping_rate=choose_damping(source.kind),
             ledger=spec.ledger,
         )
@@ -117,7 +117,7 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
         rendering, timing = template.preset.rendering, template.preset.timing
         read_mask(spec.perception.prompt, rendering.width, rendering.height, timing.frame_count, base_dir)
     inputs = {what: hash_file(file) for what, file in spec.files(base_dir).items()}
-    inputs["settings"] = hash_settings([spec.identity(), _resolved_identity(template)])
+    inputs["settings"] = hash_settings([spec.identity(), _describe_identity(template)])
     return ResolvedRun(spec, base_dir, template, inputs, warnings)
 
 
@@ -181,13 +181,13 @@ def resolve_world(world: World, said: WorldRequest) -> World:
     return dataclasses.replace(world, gravity=gravity, ground=ground, obstacles=obstacles)
 
 
-def _friction(spec: RunSpec) -> float:
+def _choose_friction(spec: RunSpec) -> float:
     if spec.friction is not None:
         return spec.friction
     return FRICTION if spec.world == "ground" else 0.0
 
 
-def _source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str) -> Source:
+def _make_source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str) -> Source:
     name = card.name or path.stem.replace("_", " ")
     kind = card.kind or guess_kind(name)
     if spec.object.kind is not None:
@@ -203,7 +203,7 @@ def _source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str) -> Source:
     )
 
 
-def _camera(choice: CameraChoice, card: ObjectCard, source: Source, domain: Domain) -> CameraConfig:
+def _make_camera(choice: CameraChoice, card: ObjectCard, source: Source, domain: Domain) -> CameraConfig:
     given = [each for each in (choice.azimuth_degrees, card.azimuth_degrees) if each is not None]
     azimuth = given[0] if given else find_broad_side(source, domain)
     return CameraConfig(
@@ -211,7 +211,7 @@ def _camera(choice: CameraChoice, card: ObjectCard, source: Source, domain: Doma
     )
 
 
-def _resolved_identity(template: SceneTemplate) -> dict:
+def _describe_identity(template: SceneTemplate) -> dict:
     """What names and defaults stand for: a later version, or another card, may mean something else by them."""
     return {
         "preset": {name: getattr(template.preset, name).model_dump(mode="json") for name in _PRESET_PARTS},

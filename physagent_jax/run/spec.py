@@ -74,7 +74,7 @@ class MaterialChoice(Strict):
     density: float | None = None
 
     @model_validator(mode="after")
-    def _one_of(self) -> MaterialChoice:
+    def _check_one_of(self) -> MaterialChoice:
         if self.name is not None and self.physgm is not None:
             raise ValueError("`physgm` and `name` both say what the object is made of: give one of them")
         return self
@@ -95,7 +95,7 @@ class AnchorChoice(Strict):
     mask_path: FilePath | None = None
 
     @model_validator(mode="after")
-    def _complete(self) -> AnchorChoice:
+    def _check_complete(self) -> AnchorChoice:
         given = {"box": (self.point, self.half_size), "mask": (self.mask_path,)}
         for kind, values in given.items():
             if self.kind == kind and None in values:
@@ -133,7 +133,7 @@ class Implementation(Strict):
 
     @model_validator(mode="before")
     @classmethod
-    def _by_name_alone(cls, value: Any) -> Any:
+    def _read_name_alone(cls, value: Any) -> Any:
         return {"name": value} if isinstance(value, str) else value
 
 
@@ -145,7 +145,7 @@ class AgentChoice(Strict):
     executor: Implementation = Implementation(name="rules")
 
     @model_validator(mode="after")
-    def _known(self) -> AgentChoice:
+    def _check_known(self) -> AgentChoice:
         for registry, choice in (
             (agents.SEMANTIC, self.semantic),
             (agents.PLANNER, self.planner),
@@ -181,7 +181,7 @@ class PromptChoice(Strict):
     mask_path: FilePath | None = None
 
     @model_validator(mode="after")
-    def _says_one_thing(self) -> PromptChoice:
+    def _check_one_thing(self) -> PromptChoice:
         outlined = self.points is not None or self.box is not None
         if outlined == (self.mask_path is not None):
             raise ValueError("a prompt is points, a box, both, or a mask alone: give one of these")
@@ -206,7 +206,7 @@ class PerceptionChoice(Strict):
     prompt: PromptChoice | None = None
 
     @model_validator(mode="after")
-    def _known(self) -> PerceptionChoice:
+    def _check_known(self) -> PerceptionChoice:
         for registry, choice in (
             (backends.SEGMENTERS, self.segmenter),
             (backends.DEPTH_ESTIMATORS, self.depth),

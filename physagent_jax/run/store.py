@@ -82,7 +82,7 @@ class RunStore:
             if earlier.inputs == manifest.inputs and not (overwrite and earlier.complete):
                 return RunStore(path, earlier, lock)
             if not overwrite:
-                raise _another_run(path, earlier)
+                raise _make_other_run_error(path, earlier)
             _check_needed(path, earlier, needed)
             return RunStore(path, manifest, lock, replaced=earlier)
         except BaseException:
@@ -151,7 +151,7 @@ class RunStore:
     def update(self, **changes) -> None:
         """Changes the manifest and writes it."""
         self._manifest = self._manifest.model_copy(update=changes)
-        write_text(self.path / "manifest.json", _as_json(self._manifest))
+        write_text(self.path / "manifest.json", _dump_json(self._manifest))
 
     def claim(self, *names: str) -> None:
         """Lists files that are about to be written; ``names`` are relative to `path`.
@@ -187,7 +187,7 @@ class RunStore:
 
     def write(self, name: str, value: BaseModel) -> None:
         """Writes a schema as JSON, atomically; ``name`` is relative to the run folder."""
-        write_text(self.claimed(name), _as_json(value))
+        write_text(self.claimed(name), _dump_json(value))
 
     def read(self, name: str, schema: type[Schema]) -> Schema | None:
         """Reads a schema; None if this run has not written it.
@@ -231,7 +231,7 @@ def _give_way(path: Path, unfinished: Manifest) -> Manifest | None:
     return _recover(path)
 
 
-def _another_run(path: Path, earlier: Manifest) -> UserError:
+def _make_other_run_error(path: Path, earlier: Manifest) -> UserError:
     what = f"{path} holds another run ({earlier.prompt!r}, or other settings)"
     if previous.exists(path):
         replaced = _read(previous.find_manifest(path), Manifest)
@@ -255,7 +255,7 @@ def _check_needed(path: Path, earlier: Manifest, needed: Iterable[Path]) -> None
             )
 
 
-def _as_json(value: BaseModel) -> str:
+def _dump_json(value: BaseModel) -> str:
     return json.dumps(value.model_dump(mode="json"), indent=2, ensure_ascii=False) + "\n"
 
 

@@ -42,18 +42,20 @@ def select_anchored(
     if anchor.kind == "none":
         return np.zeros(len(x_rest), bool)
     if anchor.kind in ("base", "top"):
-        return _slab(x_rest[:, 2], anchor.fraction, top=anchor.kind == "top")
+        return _select_slab(x_rest[:, 2], anchor.fraction, top=anchor.kind == "top")
     if anchor.kind == "box":
-        return _box(np.asarray(anchor.point), np.asarray(anchor.half_size), x_rest)
-    return _mask(Path(base_dir, str(anchor.mask_path)), x_rest, np.asarray(gaussian_index), gaussian_count)
+        return _select_box(np.asarray(anchor.point), np.asarray(anchor.half_size), x_rest)
+    return _read_mask(
+        Path(base_dir, str(anchor.mask_path)), x_rest, np.asarray(gaussian_index), gaussian_count
+    )
 
 
-def _slab(height: np.ndarray, fraction: float, *, top: bool) -> np.ndarray:
+def _select_slab(height: np.ndarray, fraction: float, *, top: bool) -> np.ndarray:
     low, high = height.min(), height.max()
     return height >= high - fraction * (high - low) if top else height <= low + fraction * (high - low)
 
 
-def _box(point: np.ndarray, half_size: np.ndarray, x_rest: np.ndarray) -> np.ndarray:
+def _select_box(point: np.ndarray, half_size: np.ndarray, x_rest: np.ndarray) -> np.ndarray:
     inside = np.all(np.abs(x_rest - point) <= half_size, axis=1)
     if not inside.any():
         raise UserError(
@@ -65,7 +67,7 @@ def _box(point: np.ndarray, half_size: np.ndarray, x_rest: np.ndarray) -> np.nda
     return inside
 
 
-def _mask(path: Path, x_rest: np.ndarray, index: np.ndarray, gaussian_count: int | None) -> np.ndarray:
+def _read_mask(path: Path, x_rest: np.ndarray, index: np.ndarray, gaussian_count: int | None) -> np.ndarray:
     mask = read_npy(path, most=MASK_BYTES, what="the anchor mask")
     needed = int(index.max()) + 1 if gaussian_count is None else gaussian_count
     fits = mask.ndim == 1 and (len(mask) == needed if gaussian_count is not None else len(mask) >= needed)

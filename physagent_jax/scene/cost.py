@@ -105,16 +105,16 @@ def check_cost(cost: Cost, limits: Limits) -> None:
     minutes = cost.seconds / 60
     if minutes > limits.minutes:
         raise UserError(
-            f"this would take at least {_minutes(minutes)}, most of it for {cost.largest[0]}; "
-            f"the limit is {_minutes(limits.minutes)} a round",
-            do=f"Make it smaller or softer, or pass --max-minutes {_rounded_up(minutes)}",
+            f"this would take at least {_format_minutes(minutes)}, most of it for {cost.largest[0]}; "
+            f"the limit is {_format_minutes(limits.minutes)} a round",
+            do=f"Make it smaller or softer, or pass --max-minutes {_round_up(minutes)}",
         )
     available = MEMORY_SHARE * read_machine_memory() if limits.memory is None else limits.memory * 1e9
     if cost.memory > available:
         raise UserError(
             f"this would take at least {cost.memory / 1e9:.1f} GB of memory, most of it for {cost.largest[1]}; "
             f"the limit is {available / 1e9:.1f} GB",
-            do=f"Make it smaller, or pass --max-memory {_rounded_up(cost.memory / 1e9)}",
+            do=f"Make it smaller, or pass --max-memory {_round_up(cost.memory / 1e9)}",
         )
 
 
@@ -133,14 +133,14 @@ def read_machine_memory() -> float:
     return float(min(sizes, default=math.inf))
 
 
-def _minutes(value: float) -> str:
+def _format_minutes(value: float) -> str:
     if value < 120:
         return f"{value:.3g} minutes"
     hours = value / 60
     return f"{hours:.3g} hours" if hours < 72 else f"{hours / 24:.3g} days"
 
 
-def _rounded_up(value: float) -> str:
+def _round_up(value: float) -> str:
     """A number with two digits that is no less."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 1)
     return f"{math.ceil(value / unit) * unit:.12g}"

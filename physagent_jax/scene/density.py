@@ -64,7 +64,7 @@ def overlap_density(cloud: GaussianCloud, grid: CellGrid) -> np.ndarray:
     means = np.asarray(cloud.means, np.float64)
     opacities = np.asarray(cloud.opacities, np.float64)
     axes = Rotation.from_quat(np.asarray(cloud.quats, np.float64), scalar_first=True).as_matrix()
-    sigmas, radii = _clamped(np.asarray(cloud.scales, np.float64), axes, grid)
+    sigmas, radii = _clamp(np.asarray(cloud.scales, np.float64), axes, grid)
     whiten = axes / sigmas[:, None, :]  # d^T whiten = the offset in standard deviations
     base = grid.cells(means)
     density = np.zeros(np.prod(grid.shape))
@@ -87,7 +87,7 @@ def overlap_density(cloud: GaussianCloud, grid: CellGrid) -> np.ndarray:
     return density.reshape(grid.shape)
 
 
-def _clamped(scales: np.ndarray, axes: np.ndarray, grid: CellGrid) -> tuple[np.ndarray, np.ndarray]:
+def _clamp(scales: np.ndarray, axes: np.ndarray, grid: CellGrid) -> tuple[np.ndarray, np.ndarray]:
     """Standard deviations in bounds [m] and footprints in cells along the grid's axes, each shape (n, 3)."""
     low = THINNEST * grid.spacing
     high = max(WIDEST * max(grid.shape) * grid.spacing, low)
@@ -121,9 +121,9 @@ def find_interior(
         Bool, disjoint from ``wall``.
     """
     search = wall if search is None else search
-    ahead = [_wall_ahead(search, direction) for direction in range(6)]
+    ahead = [_find_wall_ahead(search, direction) for direction in range(6)]
     required = [a for direction, a in enumerate(ahead) if direction != exclude]
-    inside = ~search & _odd_ahead(search, cast) & np.logical_and.reduce(required)
+    inside = ~search & _find_odd_ahead(search, cast) & np.logical_and.reduce(required)
     inside |= search & ~wall & np.logical_and.reduce(ahead)  # thin matter with walls all around
     solid = np.asarray(ndimage.binary_fill_holes(wall | inside))
     for _ in range(2):
@@ -131,25 +131,25 @@ def find_interior(
     return solid & ~wall
 
 
-def _forward(cells: np.ndarray, direction: int) -> np.ndarray:
+def _march_forward(cells: np.ndarray, direction: int) -> np.ndarray:
     """View whose first axis runs along ``direction``."""
     moved = np.moveaxis(cells, direction // 2, 0)
     return moved if direction % 2 == 0 else moved[::-1]
 
 
-def _wall_ahead(wall: np.ndarray, direction: int) -> np.ndarray:
+def _find_wall_ahead(wall: np.ndarray, direction: int) -> np.ndarray:
     """Whether a wall lies strictly ahead of each cell."""
     ahead = np.zeros_like(wall)
-    backwards = _forward(wall, direction)[::-1]
-    _forward(ahead, direction)[::-1][1:] = np.logical_or.accumulate(backwards, axis=0)[:-1]
+    backwards = _march_forward(wall, direction)[::-1]
+    _march_forward(ahead, direction)[::-1][1:] = np.logical_or.accumulate(backwards, axis=0)[:-1]
     return ahead
 
 
-def _odd_ahead(wall: np.ndarray, direction: int) -> np.ndarray:
+def _find_odd_ahead(wall: np.ndarray, direction: int) -> np.ndarray:
     """Whether the number of walls entered from each cell onwards is odd."""
-    view = _forward(wall, direction)
+    view = _march_forward(wall, direction)
     entered = view.copy()
     entered[1:] &= ~view[:-1]
     odd = np.empty_like(wall)
-    _forward(odd, direction)[::-1] = np.logical_xor.accumulate(entered[::-1], axis=0)
+    _march_forward(odd, direction)[::-1] = np.logical_xor.accumulate(entered[::-1], axis=0)
     return odd

@@ -81,32 +81,32 @@ def fill(cloud: GaussianCloud, config: Filling, *, dx: float) -> Particles:
         UserError: There are no Gaussians, or centres that are not finite, or all coincide; or the grid is too large.
     """
     means = np.asarray(cloud.means, np.float64)
-    grid = CellGrid.around(means, _spacing(means, config, dx))
+    grid = CellGrid.around(means, _choose_spacing(means, config, dx))
     _check_cells(grid, config)
     cells = grid.cells(means)
-    wall, search = _walls(cloud, config, grid, cells)
+    wall, search = _find_walls(cloud, config, grid, cells)
     inside = np.zeros_like(wall)
     if config.enabled:
         inside = find_interior(
             wall, exclude=config.exclude_direction, cast=config.ray_cast_direction, search=search
         )
-    layer = _layers(wall | inside)
-    hollow, lack = _lacking(layer, cells, config)
+    layer = _make_layers(wall | inside)
+    hollow, lack = _find_lacking(layer, cells, config)
     lacking = int(lack.sum())
     room = config.max_particles - lacking  # for the surface
     surface = select_evenly(cells, max(room, int(SURFACE_SHARE * config.max_particles)))
-    kept = _even_counts(hollow, lack, config.max_particles - len(surface))
-    added = _stratified_points(grid, hollow, lack, kept, layer[tuple(hollow.T)] == INNER, config)
+    kept = _even_out(hollow, lack, config.max_particles - len(surface))
+    added = _place_stratified(grid, hollow, lack, kept, layer[tuple(hollow.T)] == INNER, config)
     x = np.concatenate([means[surface], added])
     index = np.concatenate([surface, np.full(len(added), -1)])
     if config.volumes == "cells":
-        volume = _cell_shares(x, dx)
+        volume = _compute_cell_shares(x, dx)
     else:
-        volume = _volumes(grid.cells(x), wall, layer, grid.spacing)
+        volume = _compute_volumes(grid.cells(x), wall, layer, grid.spacing)
     return Particles(x.astype(np.float32), volume.astype(np.float32), index.astype(np.int32))
 
 
-def _spacing(means: np.ndarray, config: Filling, dx: float) -> float:
+def _choose_spacing(means: np.ndarray, config: Filling, dx: float) -> float:
     """Side of a filling cell [m]."""
     if len(means) == 0 or not np.isfinite(means).all():
         got = f"{len(means)} Gaussians, {int(np.isfinite(means).all(axis=-1).sum())} of them finite"
@@ -134,7 +134,7 @@ def _check_cells(grid: CellGrid, config: Filling) -> None:
         )
 
 
-def _walls(cloud, config: Filling, grid: CellGrid, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _find_walls(cloud, config: Filling, grid: CellGrid, cells: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Cells that hold matter, and cells that stop a search ray."""
     density = overlap_density(cloud, grid)
     if config.smooth:
@@ -147,7 +147,7 @@ def _walls(cloud, config: Filling, grid: CellGrid, cells: np.ndarray) -> tuple[n
     return wall, search | wall
 
 
-def _layers(solid: np.ndarray) -> np.ndarray:
+def _make_layers(solid: np.ndarray) -> np.ndarray:
     """`OUTSIDE`, `OUTER` or `INNER` for each cell, uint8."""
     outside = ~solid
     diamond, cube = ndimage.generate_binary_structure(3, 1), np.ones((3, 3, 3), bool)
@@ -157,7 +157,7 @@ def _layers(solid: np.ndarray) -> np.ndarray:
     return np.where(solid, np.where(near, OUTER, INNER), OUTSIDE).astype(np.uint8)
 
 
-def _lacking(layer: np.ndarray, cells: np.ndarray, config: Filling) -> tuple[np.ndarray, np.ndarray]:
+def _find_lacking(layer: np.ndarray, cells: np.ndarray, config: Filling) -> tuple[np.ndarray, np.ndarray]:
     """Solid cells that hold fewer particles than wanted, shape (n, 3), and how many they lack, shape (n,).
 
     Args:
@@ -171,11 +171,11 @@ def _lacking(layer: np.ndarray, cells: np.ndarray, config: Filling) -> tuple[np.
     occupied, count = np.unique(np.ravel_multi_index(tuple(cells.T), layer.shape), return_counts=True)
     lack[occupied] = np.maximum(lack[occupied] - count, 0)
     where = np.flatnonzero(lack).astype(np.int32)
-    places = len(where) * _strata(config) ** 3
+    places = len(where) * _choose_strata(config) ** 3
     if places > MOST_PLACES:
         raise UserError(
             "filling the object takes too many places for particles",
-            got=f"{len(where):,} cells of {_strata(config) ** 3}, at most {MOST_PLACES:,} in all",
+            got=f"{len(where):,} cells of {_choose_strata(config) ** 3}, at most {MOST_PLACES:,} in all",
             do="Use fewer `filling.particles_per_cell` or `filling.cells`",
         )
     hollow = np.empty((len(where), 3), np.int16)
@@ -184,18 +184,18 @@ def _lacking(layer: np.ndarray, cells: np.ndarray, config: Filling) -> tuple[np.
     return hollow, lack[where]
 
 
-def _strata(config: Filling) -> int:
+def _choose_strata(config: Filling) -> int:
     """Along an edge of a cell."""
     return int(np.ceil(config.particles_per_cell ** (1 / 3) - 1e-9))
 
 
-def _stratified_points(grid: CellGrid, cells, lack, kept, inner, config: Filling) -> np.ndarray:
+def _place_stratified(grid: CellGrid, cells, lack, kept, inner, config: Filling) -> np.ndarray:
     """The first ``kept`` of the ``lack`` stratified positions in each of ``cells`` [m], shape (kept.sum(), 3).
 
     The rest are drawn too, and dropped: a point is where it is whatever the cap.
     """
     rng = np.random.default_rng(config.seed)
-    strata = _strata(config)
+    strata = _choose_strata(config)
     step = max(_AT_ONCE // strata**3, 1)
     parts = [slice(first, first + step) for first in range(0, len(cells), step)]
     corners = []
@@ -206,7 +206,7 @@ def _stratified_points(grid: CellGrid, cells, lack, kept, inner, config: Filling
     points = [np.zeros((0, 3))]
     for part, corner in zip(parts, corners):
         jitter = rng.uniform(-1, 1, (lack[part].sum(), 3))[
-            _ranks(lack[part]) < np.repeat(kept[part], lack[part])
+            _rank(lack[part]) < np.repeat(kept[part], lack[part])
         ]
         row = np.repeat(np.arange(len(lack[part])), kept[part])
         jitter *= np.where(inner[part][row], INSIDE_JITTER, WALL_JITTER)[:, None]
@@ -214,12 +214,12 @@ def _stratified_points(grid: CellGrid, cells, lack, kept, inner, config: Filling
     return np.concatenate(points)
 
 
-def _ranks(counts: np.ndarray) -> np.ndarray:
+def _rank(counts: np.ndarray) -> np.ndarray:
     """0, 1, ... within each group, for groups of ``counts`` in a row; shape (counts.sum(),)."""
     return np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
-def _even_counts(cells: np.ndarray, available: np.ndarray, count: int) -> np.ndarray:
+def _even_out(cells: np.ndarray, available: np.ndarray, count: int) -> np.ndarray:
     """How many of each cell's ``available`` points to keep, spread as by `select_evenly`; at most ``count`` in all."""
     if available.sum() <= count:
         return available
@@ -227,8 +227,8 @@ def _even_counts(cells: np.ndarray, available: np.ndarray, count: int) -> np.nda
     whole = int(np.searchsorted(layers, count, side="right"))
     kept = np.minimum(available, whole)
     last = np.flatnonzero(available > whole)
-    last = last[np.argsort(_morton(cells[last]), kind="stable")]
-    kept[_evenly(last, count - int(kept.sum()))] += 1
+    last = last[np.argsort(_encode_morton(cells[last]), kind="stable")]
+    kept[_choose_evenly(last, count - int(kept.sum()))] += 1
     return kept
 
 
@@ -244,23 +244,23 @@ def select_evenly(cells: np.ndarray, count: int) -> np.ndarray:
     """
     if count >= len(cells):
         return np.arange(len(cells))
-    code = _morton(cells)
+    code = _encode_morton(cells)
     order = np.argsort(code, kind="stable")
     sorted_code = code[order]
     starts = np.flatnonzero(np.concatenate([[True], sorted_code[1:] != sorted_code[:-1]]))
-    rank = _ranks(np.diff(np.append(starts, len(order))))
+    rank = _rank(np.diff(np.append(starts, len(order))))
     layers = np.cumsum(np.bincount(rank))
     whole = int(np.searchsorted(layers, count, side="right"))  # layers that fit
     kept = order[rank < whole]
-    return np.sort(np.concatenate([kept, _evenly(order[rank == whole], count - len(kept))]))
+    return np.sort(np.concatenate([kept, _choose_evenly(order[rank == whole], count - len(kept))]))
 
 
-def _evenly(values: np.ndarray, count: int) -> np.ndarray:
+def _choose_evenly(values: np.ndarray, count: int) -> np.ndarray:
     """``count`` of ``values``, at equal steps."""
     return values[(np.arange(count) * 2 + 1) * len(values) // max(2 * count, 1)]
 
 
-def _morton(cells: np.ndarray) -> np.ndarray:
+def _encode_morton(cells: np.ndarray) -> np.ndarray:
     """Interleaves the low ten bits of the indices, so that near codes are near cells; uint32, shape (n,)."""
     code = np.zeros(len(cells), np.uint32)
     for axis in range(3):
@@ -272,7 +272,7 @@ def _morton(cells: np.ndarray) -> np.ndarray:
     return code
 
 
-def _volumes(cells: np.ndarray, wall: np.ndarray, layer: np.ndarray, spacing: float) -> np.ndarray:
+def _compute_volumes(cells: np.ndarray, wall: np.ndarray, layer: np.ndarray, spacing: float) -> np.ndarray:
     """Volume of each particle [m^3], shape (n,).
 
     A solid cell is matter; of an outer wall cell half is, because the surface runs through it, on average midway.
@@ -283,7 +283,7 @@ def _volumes(cells: np.ndarray, wall: np.ndarray, layer: np.ndarray, spacing: fl
     total = half_cells.sum(dtype=np.int64)
     block = 1
     while True:
-        sums = _block_sums(half_cells, block)
+        sums = _sum_blocks(half_cells, block)
         key = np.ravel_multi_index(tuple((cells // block).T), sums.shape)
         occupied, where, count = np.unique(key, return_inverse=True, return_counts=True)
         held = sums.ravel()[occupied]
@@ -293,13 +293,13 @@ def _volumes(cells: np.ndarray, wall: np.ndarray, layer: np.ndarray, spacing: fl
         block *= 2
 
 
-def _cell_shares(x: np.ndarray, dx: float) -> np.ndarray:
+def _compute_cell_shares(x: np.ndarray, dx: float) -> np.ndarray:
     """PhysGaussian's volumes [m^3]: the simulation cell's over the number of particles in it, shape (n,)."""
     _, cell, count = np.unique(np.floor(x / dx), axis=0, return_inverse=True, return_counts=True)
     return dx**3 / count[cell.ravel()]
 
 
-def _block_sums(values: np.ndarray, block: int) -> np.ndarray:
+def _sum_blocks(values: np.ndarray, block: int) -> np.ndarray:
     """Sums of ``values`` over cubes of ``block`` cells along each side, from the low corner on."""
     if block == 1:
         return values

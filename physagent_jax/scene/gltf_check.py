@@ -52,10 +52,10 @@ def check_gltf(
     """
     tree = decode_json(data, place)
     try:
-        sizes = _buffers(tree, place, fetch, inside or [])
-        views = _views(tree, place, sizes)
-        _accessors(tree, place, views)
-        _nodes(tree, place)
+        sizes = _check_buffers(tree, place, fetch, inside or [])
+        views = _check_views(tree, place, sizes)
+        _check_accessors(tree, place, views)
+        _check_nodes(tree, place)
     # What is missing, of another type, or an index that points nowhere.
     except (KeyError, TypeError, IndexError, AttributeError, ValueError) as error:
         if isinstance(error, UserError):
@@ -64,7 +64,7 @@ def check_gltf(
         raise UserError(f"{place} is no valid glTF", got=reason[:80], do="Export it again") from None
 
 
-def _buffers(tree: Any, place: str, fetch: Callable[[str], bytes], inside: list[int]) -> list[int]:
+def _check_buffers(tree: Any, place: str, fetch: Callable[[str], bytes], inside: list[int]) -> list[int]:
     """What each buffer has [bytes]."""
     sizes = []
     for index, buffer in enumerate(tree.get("buffers", [])):
@@ -81,26 +81,26 @@ def _buffers(tree: Any, place: str, fetch: Callable[[str], bytes], inside: list[
     return sizes
 
 
-def _views(tree: Any, place: str, sizes: list[int]) -> list[tuple[int, int]]:
+def _check_views(tree: Any, place: str, sizes: list[int]) -> list[tuple[int, int]]:
     """Length and stride of each view of a buffer [bytes]; a stride of 0 = densely packed."""
     views = []
     for index, view in enumerate(tree.get("bufferViews", [])):
         start, length, stride = (
-            _whole(view, "byteOffset", 0),
-            _whole(view, "byteLength"),
-            _whole(view, "byteStride", 0),
+            _read_whole(view, "byteOffset", 0),
+            _read_whole(view, "byteLength"),
+            _read_whole(view, "byteStride", 0),
         )
-        left = sizes[_whole(view, "buffer")] - start
+        left = sizes[_read_whole(view, "buffer")] - start
         check_counts(f"{place}: bufferViews[{index}]", "bytes", length, 1, left)
         views.append((length, stride))
     return views
 
 
-def _accessors(tree: Any, place: str, views: list[tuple[int, int]]) -> None:
+def _check_accessors(tree: Any, place: str, views: list[tuple[int, int]]) -> None:
     for index, accessor in enumerate(tree.get("accessors", [])):
         where = f"{place}: accessors[{index}]"
         count, each = (
-            _whole(accessor, "count"),
+            _read_whole(accessor, "count"),
             _SHAPES[accessor["type"]] * _COMPONENTS[accessor["componentType"]],
         )
         if count == 0:
@@ -108,12 +108,12 @@ def _accessors(tree: Any, place: str, views: list[tuple[int, int]]) -> None:
         if "bufferView" not in accessor:  # all zero, or what an extension unpacks
             check_counts(where, "values", count, each, MOST_VERTICES)
             continue
-        length, stride = views[_whole(accessor, "bufferView")]
-        left = length - _whole(accessor, "byteOffset", 0)
+        length, stride = views[_read_whole(accessor, "bufferView")]
+        left = length - _read_whole(accessor, "byteOffset", 0)
         check_counts(where, "values", count, max(stride, each), left + max(stride - each, 0))
 
 
-def _nodes(tree: Any, place: str) -> None:
+def _check_nodes(tree: Any, place: str) -> None:
     """Nodes make trees, and all meshes where they stand together are not too many."""
     nodes, meshes, accessors = (tree.get(key, []) for key in ("nodes", "meshes", "accessors"))
     children = [child for node in nodes for child in node.get("children", [])]
@@ -123,7 +123,7 @@ def _nodes(tree: Any, place: str) -> None:
         sum(accessors[part["attributes"]["POSITION"]]["count"] for part in mesh["primitives"])
         for mesh in meshes
     ]
-    total = sum(vertices[_whole(node, "mesh")] for node in nodes if "mesh" in node)
+    total = sum(vertices[_read_whole(node, "mesh")] for node in nodes if "mesh" in node)
     if total > MOST_VERTICES:
         raise UserError(
             f"{place} has too many vertices",
@@ -132,7 +132,7 @@ def _nodes(tree: Any, place: str) -> None:
         )
 
 
-def _whole(data: Any, key: str, default: int | None = None) -> int:
+def _read_whole(data: Any, key: str, default: int | None = None) -> int:
     value = data[key] if default is None else data.get(key, default)
     if isinstance(value, bool) or not isinstance(value, int) or value < 0:
         raise ValueError(f"`{key}` is {value!r}, no count")

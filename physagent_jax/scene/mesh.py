@@ -54,19 +54,19 @@ def gaussians_from_mesh(
         shading = (bary[:, :, None] * corners).sum(axis=1)
         length = np.linalg.norm(shading, axis=1, keepdims=True)
         shading = np.where(length > 1e-6, shading / np.maximum(length, 1e-6), face_normals)
-    rgb = _colours(mesh, faces, bary)
+    rgb = _read_colours(mesh, faces, bary)
     if rgb is None:
-        rgb = _painted(points, shading, float(mesh.extents.max()), seed)
+        rgb = _paint(points, shading, float(mesh.extents.max()), seed)
     rgb = rgb * bake_light(shading @ find_up_rotation(up).T)[:, None]
     radius = DISC_RADIUS * np.sqrt(mesh.area / count)
     return make_surfels(points, face_normals, radius, rgb)
 
 
-def _colours(mesh: trimesh.Trimesh, faces: np.ndarray, bary: np.ndarray) -> np.ndarray | None:
+def _read_colours(mesh: trimesh.Trimesh, faces: np.ndarray, bary: np.ndarray) -> np.ndarray | None:
     """The mesh's own colours at the samples in [0, 1], shape (n, 3); None if it has none."""
     visual: Any = mesh.visual
     if visual.kind == "texture":
-        return _texture_colours(visual, mesh.faces[faces], bary)
+        return _read_texture_colours(visual, mesh.faces[faces], bary)
     if visual.kind == "vertex":
         corners = np.asarray(visual.vertex_colors)[mesh.faces[faces], :3]
         return (bary[:, :, None] * corners).sum(axis=1) / 255
@@ -75,7 +75,7 @@ def _colours(mesh: trimesh.Trimesh, faces: np.ndarray, bary: np.ndarray) -> np.n
     return None
 
 
-def _texture_colours(visual: Any, corners: np.ndarray, bary: np.ndarray) -> np.ndarray | None:
+def _read_texture_colours(visual: Any, corners: np.ndarray, bary: np.ndarray) -> np.ndarray | None:
     """Texture looked up at the samples; None if there is but the grey or white that loaders put in for want of one."""
     material = visual.material
     image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
@@ -91,7 +91,7 @@ def _texture_colours(visual: Any, corners: np.ndarray, bary: np.ndarray) -> np.n
     return pixels[row, column]
 
 
-def _painted(points: np.ndarray, normals: np.ndarray, size: float, seed: int) -> np.ndarray:
+def _paint(points: np.ndarray, normals: np.ndarray, size: float, seed: int) -> np.ndarray:
     """A pale coat with dark patches like a cow's, and fine grain; shape (n, 3)."""
     coat = np.asarray(_COATS[seed % len(_COATS)])
     patches = value_noise(points, 4.0 / size, seed + 1, octaves=2)

@@ -45,7 +45,7 @@ def read_mesh(path: str | Path) -> trimesh.Trimesh:
         raise explain_unknown_name(f"the kind of mesh of {shorten(path)}", suffix, (".ply", *MESH_SUFFIXES))
     data = read_bytes(path, most=MOST_BYTES, what="the mesh file")
     beside = _Beside(path)
-    data = _checked(data, path, suffix, beside)
+    data = _check(data, path, suffix, beside)
     try:
         with np.errstate(all="ignore"):  # what overflows is found by the check
             mesh = trimesh.load(
@@ -69,31 +69,31 @@ def read_mesh(path: str | Path) -> trimesh.Trimesh:
     return mesh
 
 
-def _checked(data: bytes, path: Path, suffix: str, beside: _Beside) -> bytes:
+def _check(data: bytes, path: Path, suffix: str, beside: _Beside) -> bytes:
     """The file's bytes, text in UTF-8, once its counts have been checked."""
     place = shorten(path)
     match suffix:
         case ".ply":
-            return data if read_ply_header(path).order else _as_utf8(data)
+            return data if read_ply_header(path).order else _decode_utf8(data)
         case ".glb":
             check_glb(data, place, beside.get)
         case ".gltf":
             check_gltf(data, place, beside.get)
         case ".stl":
-            return _checked_stl(data, place)
+            return _check_stl(data, place)
         case ".obj":
-            data = _as_utf8(data)
+            data = _decode_utf8(data)
             for pattern, what in ((_BAD_VERTEX, "three numbers"), (_BAD_FACE, "vertices counted from 1")):
                 if found := pattern.search(data):
                     line = repr(shorten(found.group().decode(), 60))
                     raise UserError(f"{place}: a line does not have {what}", got=line, do="Export it again")
             return data
         case ".off":
-            return _as_utf8(data)
+            return _decode_utf8(data)
     return data
 
 
-def _checked_stl(data: bytes, place: str) -> bytes:
+def _check_stl(data: bytes, place: str) -> bytes:
     """STL is binary if its size is what the count of faces says, else text."""
     count = struct.unpack("<I", data[80:84])[0] if len(data) >= 84 else -1
     if len(data) == 84 + 50 * count:
@@ -102,10 +102,10 @@ def _checked_stl(data: bytes, place: str) -> bytes:
         if count >= 0:
             check_counts(place, "faces", count, 50, len(data) - 84)
         raise UserError(f"cannot read {place}: it is no STL file", do="Export it again")
-    return _as_utf8(data)
+    return _decode_utf8(data)
 
 
-def _as_utf8(data: bytes) -> bytes:
+def _decode_utf8(data: bytes) -> bytes:
     """Text of old programs is in Latin-1, which differs in names and comments only."""
     try:
         data.decode("utf-8")
@@ -161,7 +161,7 @@ class _Beside(FilePathResolver):
                 continue
             try:
                 data = read_bytes(place, most=_MOST_TEXTURE, what="a file that the mesh names:")
-                return _as_utf8(data) if place.lower().endswith(".mtl") else data
+                return _decode_utf8(data) if place.lower().endswith(".mtl") else data
             except UserError as error:
                 reason = str(error)
         self.missing.append(reason)

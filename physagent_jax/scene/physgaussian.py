@@ -76,7 +76,7 @@ def import_physgaussian(
         raise UserError("a PhysGaussian scene is a JSON object", got=type(data).__name__, do="Check the file")
     reader = ConditionReader(data, "")
     try:
-        source = _source(reader, object_path)
+        source = _read_source(reader, object_path)
         material, notes = read_material(reader)
         substep_dt = reader.number("substep_dt", 1e-4)
         # First, since the rest is measured in cells and steps.
@@ -90,17 +90,17 @@ def import_physgaussian(
         config = SceneConfig(
             preset="physgaussian",
             source=source,
-            filling=_filling(reader, domain),
+            filling=_read_filling(reader, domain),
             material=material,
-            material_regions=_regions(reader),
+            material_regions=_read_regions(reader),
             domain=domain,
             timing=timing,
-            transfer=_transfer(reader, substep_dt),
-            gravity=_gravity(reader),
+            transfer=_read_transfer(reader, substep_dt),
+            gravity=_read_gravity(reader),
             always_gravity=True,
             boundaries=boundaries,
             constraints=constraints,
-            camera=_camera(reader, source, file_units_per_metre),
+            camera=_read_camera(reader, source, file_units_per_metre),
         )
     except ValidationError as error:
         raise format_validation_error(error, "PhysGaussian scene") from None
@@ -115,7 +115,7 @@ def import_physgaussian(
     return config, reader.warnings
 
 
-def _source(reader: ConditionReader, object_path: str) -> Source:
+def _read_source(reader: ConditionReader, object_path: str) -> Source:
     crop: Any = None if reader.data.get("sim_area") is None else reader.numbers("sim_area", 6)
     return Source(
         path=object_path,
@@ -128,7 +128,7 @@ def _source(reader: ConditionReader, object_path: str) -> Source:
     )
 
 
-def _regions(reader: ConditionReader) -> tuple[MaterialRegion, ...]:
+def _read_regions(reader: ConditionReader) -> tuple[MaterialRegion, ...]:
     """Boxes of other E, nu and density; the law and its other keys are the scene's."""
     return tuple(
         MaterialRegion(
@@ -138,7 +138,7 @@ def _regions(reader: ConditionReader) -> tuple[MaterialRegion, ...]:
     )
 
 
-def _filling(reader: ConditionReader, domain: Domain) -> Filling:
+def _read_filling(reader: ConditionReader, domain: Domain) -> Filling:
     """Filling; its cells are counted along the domain there and along the object here."""
     if reader.data.get("particle_filling") is None:
         return Filling(enabled=False, max_particles=2_000_000, volumes="cells")
@@ -166,7 +166,7 @@ def _filling(reader: ConditionReader, domain: Domain) -> Filling:
     )
 
 
-def _transfer(reader: ConditionReader, substep_dt: float) -> Transfer:
+def _read_transfer(reader: ConditionReader, substep_dt: float) -> Transfer:
     """Damping: a factor per substep there, a rate here; rpic_damping below -0.001 turns affine terms off."""
     rpic = reader.number("rpic_damping", 0.0)
     factor = reader.number("grid_v_damping_scale", 1.1)  # 1 or more means none
@@ -179,7 +179,7 @@ def _transfer(reader: ConditionReader, substep_dt: float) -> Transfer:
     )
 
 
-def _gravity(reader: ConditionReader) -> tuple[float, float, float]:
+def _read_gravity(reader: ConditionReader) -> tuple[float, float, float]:
     if isinstance(reader.data.get("g"), list | tuple):
         return reader.vector("g")
     scalar = reader.number("g", 9.8)
@@ -190,7 +190,7 @@ def _gravity(reader: ConditionReader) -> tuple[float, float, float]:
     return (0.0, 0.0, -abs(scalar))
 
 
-def _camera(reader: ConditionReader, source: Source, units_per_metre: float | None) -> CameraConfig:
+def _read_camera(reader: ConditionReader, source: Source, units_per_metre: float | None) -> CameraConfig:
     """The orbit camera. Its angles count from an axis that is built in the file's frame, hence the rotation."""
     target = reader.vector("mpm_space_viewpoint_center", CENTER)
     up = np.asarray(reader.vector("mpm_space_vertical_upward_axis", (0.0, 0.0, 1.0)))
@@ -217,13 +217,13 @@ def _camera(reader: ConditionReader, source: Source, units_per_metre: float | No
     turn = find_extra_rotation(source.rotation_degrees, source.rotation_axes)
     return CameraConfig(
         target=target,
-        azimuth_degrees=_our_azimuth(math.radians(azimuth), turn, up / norm),
+        azimuth_degrees=_convert_azimuth(math.radians(azimuth), turn, up / norm),
         elevation_degrees=min(max(elevation, -85.0), 85.0),
         distance=radius / units_per_metre,
     )
 
 
-def _our_azimuth(azimuth: float, turn: np.ndarray, up: np.ndarray) -> float:
+def _convert_azimuth(azimuth: float, turn: np.ndarray, up: np.ndarray) -> float:
     """Degrees from -y about +z of the direction that PhysGaussian's ``azimuth`` [rad] means."""
     vertical = turn.T @ up  # in the file's frame
     first = np.array([1.0, 1.0, 1.0])

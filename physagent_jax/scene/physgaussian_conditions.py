@@ -43,28 +43,28 @@ class ConditionReader:
 
     def number(self, key: str, default: object = _MISSING) -> float:
         """A finite number."""
-        return self._checked(key, self._get(key, default))
+        return self._check(key, self._get(key, default))
 
     def word(self, key: str, default: str) -> str:
         """A name."""
         value = self._get(key, default)
         if not isinstance(value, str):
-            raise self._wrong(key, "must be a name", value)
+            raise self._make_error(key, "must be a name", value)
         return value
 
     def integer(self, key: str, default: object = _MISSING) -> int:
         """A whole number."""
         value = self.number(key, default)
         if value != int(value):
-            raise self._wrong(key, "must be a whole number", value)
+            raise self._make_error(key, "must be a whole number", value)
         return int(value)
 
     def numbers(self, key: str, length: int | None, default: object = _MISSING) -> tuple[float, ...]:
         """A list of finite numbers; of any length if ``length`` is None."""
         value = self._get(key, default)
         if not isinstance(value, list | tuple) or (length is not None and len(value) != length):
-            raise self._wrong(key, f"must be a list of {length or 'any number of'} numbers", value)
-        return tuple(self._checked(key, item) for item in value)
+            raise self._make_error(key, f"must be a list of {length or 'any number of'} numbers", value)
+        return tuple(self._check(key, item) for item in value)
 
     def vector(self, key: str, default: object = _MISSING) -> Vector:
         """A list of three finite numbers."""
@@ -73,7 +73,7 @@ class ConditionReader:
 
     def part(self, key: str) -> ConditionReader:
         """An object."""
-        return self._sub(key, self.data[key])
+        return self._make_reader(key, self.data[key])
 
     def parts(self, key: str) -> list[ConditionReader]:
         """A list of objects; empty if the key is missing or null."""
@@ -81,8 +81,8 @@ class ConditionReader:
         if value is None:
             return []
         if not isinstance(value, list):
-            raise self._wrong(key, "must be a list", value)
-        return [self._sub(f"{key}[{i}]", item) for i, item in enumerate(value)]
+            raise self._make_error(key, "must be a list", value)
+        return [self._make_reader(f"{key}[{i}]", item) for i, item in enumerate(value)]
 
     def name(self, key: str) -> str:
         """The full path of a key."""
@@ -95,17 +95,17 @@ class ConditionReader:
             raise UserError(f"PhysGaussian scene: `{self.name(key)}` is missing", do="Add it")
         return default
 
-    def _checked(self, key: str, value: Any) -> float:
+    def _check(self, key: str, value: Any) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float) or not -LARGEST <= value <= LARGEST:
-            raise self._wrong(key, f"must be a finite number of at most {LARGEST:g}", value)
+            raise self._make_error(key, f"must be a finite number of at most {LARGEST:g}", value)
         return float(value)
 
-    def _sub(self, key: str, value: object) -> ConditionReader:
+    def _make_reader(self, key: str, value: object) -> ConditionReader:
         if not isinstance(value, dict):
-            raise self._wrong(key, "must be an object", value)
+            raise self._make_error(key, "must be an object", value)
         return ConditionReader(value, f"{self.name(key)}.", self.warnings)
 
-    def _wrong(self, key: str, rule: str, value: object) -> UserError:
+    def _make_error(self, key: str, rule: str, value: object) -> UserError:
         got = shorten(repr(value) if isinstance(value, int | float | str) else type(value).__name__, 60)
         return UserError(f"PhysGaussian scene: `{self.name(key)}` {rule}", got=got, do="Mend the file")
 
@@ -123,12 +123,12 @@ def read_conditions(reader: ConditionReader, substep_dt: float) -> tuple[tuple, 
     boundaries, constraints = [], []
     for part in reader.parts("boundary_conditions"):
         kind = part.word("type", "")
-        if _never(part):
+        if _is_never(part):
             reader.warn(f"`{part.name('end_time')}` is not after `start_time`: the condition is left out")
         elif kind in _BOUNDARIES:
             boundaries += _BOUNDARIES[kind](part)
         elif kind == "particle_impulse":
-            constraints.append(_impulse(part, substep_dt))
+            constraints.append(_read_impulse(part, substep_dt))
         elif kind in _CONSTRAINTS:
             constraints += _CONSTRAINTS[kind](part)
         elif find_nearest(kind, _KINDS):
@@ -138,15 +138,15 @@ def read_conditions(reader: ConditionReader, substep_dt: float) -> tuple[tuple, 
     return (*boundaries, DomainBox(padding=3)), tuple(constraints)
 
 
-def _never(part: ConditionReader) -> bool:
+def _is_never(part: ConditionReader) -> bool:
     return part.number("end_time", END) <= part.number("start_time", 0.0)
 
 
-def _window(part: ConditionReader) -> dict[str, Any]:
+def _read_window(part: ConditionReader) -> dict[str, Any]:
     return dict(start=part.number("start_time", 0.0), end=part.number("end_time", END))
 
 
-def _cuboid(part: ConditionReader) -> list:
+def _read_cuboid(part: ConditionReader) -> list:
     if part.number("reset", 0):
         part.warn(f"`{part.name('reset')}` is ignored: it zeroes the whole grid outside the window")
     return [
@@ -154,12 +154,12 @@ def _cuboid(part: ConditionReader) -> list:
             point=part.vector("point"),
             half_size=part.vector("size"),
             velocity=part.vector("velocity"),
-            **_window(part),
+            **_read_window(part),
         )
     ]
 
 
-def _surface_collider(part: ConditionReader) -> list:
+def _read_surface_collider(part: ConditionReader) -> list:
     surface = part.word("surface", "sticky")
     if surface == "cut":
         part.warn(f"`{part.name('surface')}` = 'cut' is left out: it is tied to one scene of PhysGaussian")
@@ -178,12 +178,12 @@ def _surface_collider(part: ConditionReader) -> list:
             normal=part.vector("normal"),
             surface=_SURFACES.get(surface, Surface.SEPARATE),
             friction=friction,
-            **_window(part),
+            **_read_window(part),
         )
     ]
 
 
-def _impulse(part: ConditionReader, substep_dt: float) -> ParticleImpulse:
+def _read_impulse(part: ConditionReader, substep_dt: float) -> ParticleImpulse:
     return ParticleImpulse(
         point=part.vector("point", (1.0, 1.0, 1.0)),
         half_size=part.vector("size", (1.0, 1.0, 1.0)),
@@ -193,18 +193,18 @@ def _impulse(part: ConditionReader, substep_dt: float) -> ParticleImpulse:
     )
 
 
-def _translation(part: ConditionReader) -> list:
+def _read_translation(part: ConditionReader) -> list:
     return [
         ParticleTranslation(
             point=part.vector("point"),
             half_size=part.vector("size"),
             velocity=part.vector("velocity"),
-            **_window(part),
+            **_read_window(part),
         )
     ]
 
 
-def _rotation(part: ConditionReader) -> list:
+def _read_rotation(part: ConditionReader) -> list:
     """PhysGaussian turns from its first horizontal axis h towards h x normal: left-handed about the normal."""
     half_height, radius = part.numbers("half_height_and_radius", 2)
     return [
@@ -215,12 +215,12 @@ def _rotation(part: ConditionReader) -> list:
             radius=radius,
             angular_velocity=-part.number("rotation_scale"),
             axial_velocity=part.number("translation_scale"),
-            **_window(part),
+            **_read_window(part),
         )
     ]
 
 
-def _release(part: ConditionReader) -> list:
+def _read_release(part: ConditionReader) -> list:
     """Layers held still and let go one after another; ``num_layers`` is honoured (PhysGaussian overwrites it).
 
     The sign of PhysGaussian's ``normal`` means nothing: positions are coordinates along its axis.
@@ -246,15 +246,19 @@ def _release(part: ConditionReader) -> list:
     x, y, z = (float(axis == axes[0]) for axis in range(3))
     return [
         ParticleRelease(
-            normal=(x, y, z), start_position=start, end_position=end, layers=layers, **_window(part)
+            normal=(x, y, z), start_position=start, end_position=end, layers=layers, **_read_window(part)
         )
     ]
 
 
-_BOUNDARIES = {"bounding_box": lambda part: [], "cuboid": _cuboid, "surface_collider": _surface_collider}
+_BOUNDARIES = {
+    "bounding_box": lambda part: [],
+    "cuboid": _read_cuboid,
+    "surface_collider": _read_surface_collider,
+}
 _CONSTRAINTS = {
-    "enforce_particle_translation": _translation,
-    "enforce_particle_velocity_rotation": _rotation,
-    "release_particles_sequentially": _release,
+    "enforce_particle_translation": _read_translation,
+    "enforce_particle_velocity_rotation": _read_rotation,
+    "release_particles_sequentially": _read_release,
 }
 _KINDS = (*_BOUNDARIES, *_CONSTRAINTS, "particle_impulse")

@@ -76,18 +76,18 @@ def read_material(reader: ConditionReader, part: ConditionReader | None = None) 
         youngs_modulus, nu = part.number("E"), part.number("nu")
         density = part.number("density", reader.number("density", 200.0))
     notes = [f"`material`: {_DIFFERENCES[name]}"] if name in _DIFFERENCES else []
-    law = _law(name, reader, youngs_modulus, nu, notes)
+    law = _read_law(name, reader, youngs_modulus, nu, notes)
     origin = f"PhysGaussian's `{name}`" if part is None else "PhysGaussian's `additional_material_params`"
     values = {"youngs_modulus": youngs_modulus, "poissons_ratio": nu, "density": density, "reason": origin}
     return Material.model_validate(values | law), notes
 
 
-def _law(name: str, reader: ConditionReader, youngs_modulus: float, nu: float, notes: list[str]) -> dict:
+def _read_law(name: str, reader: ConditionReader, youngs_modulus: float, nu: float, notes: list[str]) -> dict:
     """The model and its own parameters; E and nu may still be out of range."""
     mu = youngs_modulus / (2 * (1 + nu)) if nu > -1 else 0.0
     match name:
         case "metal":
-            return _metal(reader, mu, notes)
+            return _read_metal(reader, mu, notes)
         case "sand":
             return {
                 "model": MaterialModel.DRUCKER_PRAGER,
@@ -95,11 +95,11 @@ def _law(name: str, reader: ConditionReader, youngs_modulus: float, nu: float, n
                 "cohesion": 0.0,
             }
         case "foam":
-            return _foam(reader, notes)
+            return _read_foam(reader, notes)
         case "snow":
             return {"model": MaterialModel.SNOW}
         case "plasticine":
-            return _plasticine(reader, mu, notes)
+            return _read_plasticine(reader, mu, notes)
         case "fluid":
             bulk = youngs_modulus / (3 * (1 - 2 * nu)) if nu < 0.5 else 1.0
             bulk_modulus = _WATER_EXPONENT * reader.number("bulk_modulus", bulk)
@@ -108,36 +108,36 @@ def _law(name: str, reader: ConditionReader, youngs_modulus: float, nu: float, n
             return {"model": MaterialModel.FIXED_COROTATED}
 
 
-def _metal(reader: ConditionReader, mu: float, notes: list[str]) -> dict:
+def _read_metal(reader: ConditionReader, mu: float, notes: list[str]) -> dict:
     bound = reader.number("yield_stress", 0.0)
     if bound <= 0:
-        notes.append(_no_yield_stress("metal", "a liquid: it keeps no shear stress"))
+        notes.append(_find_no_yield_stress("metal", "a liquid: it keeps no shear stress"))
         return {"model": MaterialModel.FLUID, "tension": True}
     return {
         "model": MaterialModel.VON_MISES,
         "yield_stress": math.sqrt(1.5) * bound,
-        "hardening_modulus": 3 * mu * _hardening(reader),
+        "hardening_modulus": 3 * mu * _read_hardening(reader),
     }
 
 
-def _foam(reader: ConditionReader, notes: list[str]) -> dict:
+def _read_foam(reader: ConditionReader, notes: list[str]) -> dict:
     yield_stress = reader.number("yield_stress", 0.0)
     viscosity = reader.number("plastic_viscosity", 0.0)
     if yield_stress <= 0:
         notes.append(
-            _no_yield_stress("foam", "a liquid of half its plastic viscosity, as slow flow of it is")
+            _find_no_yield_stress("foam", "a liquid of half its plastic viscosity, as slow flow of it is")
         )
         # Slow steady flow: dev tau = plastic_viscosity d, and a liquid has 2 eta d.
         return {"model": MaterialModel.FLUID, "tension": True, "viscosity": 0.5 * viscosity}
     return {"model": MaterialModel.VISCOPLASTIC, "yield_stress": yield_stress, "plastic_viscosity": viscosity}
 
 
-def _plasticine(reader: ConditionReader, mu: float, notes: list[str]) -> dict:
+def _read_plasticine(reader: ConditionReader, mu: float, notes: list[str]) -> dict:
     bound = reader.number("yield_stress", 0.0)
     if bound <= 0:
-        notes.append(_no_yield_stress("plasticine", "elastic: its return mapping then does nothing"))
+        notes.append(_find_no_yield_stress("plasticine", "elastic: its return mapping then does nothing"))
         return {"model": MaterialModel.FIXED_COROTATED}
-    softening = 1.5 * reader.number("softening", 0.1) - 3 * mu * _hardening(reader)
+    softening = 1.5 * reader.number("softening", 0.1) - 3 * mu * _read_hardening(reader)
     law = {"yield_stress": math.sqrt(1.5) * bound}
     if softening >= 0:
         return law | {"model": MaterialModel.PLASTICINE, "softening_modulus": softening}
@@ -147,10 +147,10 @@ def _plasticine(reader: ConditionReader, mu: float, notes: list[str]) -> dict:
     return law | {"model": MaterialModel.VON_MISES, "hardening_modulus": -softening}
 
 
-def _hardening(reader: ConditionReader) -> float:
+def _read_hardening(reader: ConditionReader) -> float:
     """`xi`, which acts only if `hardening` is 1."""
     return reader.number("xi", 0.0) if reader.number("hardening", 0.0) == 1 else 0.0
 
 
-def _no_yield_stress(name: str, outcome: str) -> str:
+def _find_no_yield_stress(name: str, outcome: str) -> str:
     return f"`yield_stress` is missing or 0, with which PhysGaussian's {name} is {outcome}; so it is here"

@@ -72,15 +72,15 @@ def import_physgm(data: object, *, warn_of_cost: bool = True) -> tuple[Material,
         raise UserError("a PhysGM prediction is a JSON object", got=type(data).__name__, do="Check the file")
     warnings: list[str] = []
     if "E_mu" in data or "nu_mu" in data:
-        youngs_modulus = decode_youngs_modulus(_number(data, "E_mu"))
-        poissons_ratio = decode_poissons_ratio(_number(data, "nu_mu"))
+        youngs_modulus = decode_youngs_modulus(_read_number(data, "E_mu"))
+        poissons_ratio = decode_poissons_ratio(_read_number(data, "nu_mu"))
     else:
-        youngs_modulus, poissons_ratio = _number(data, "E"), _number(data, "nu")
+        youngs_modulus, poissons_ratio = _read_number(data, "E"), _read_number(data, "nu")
     if not (math.isfinite(youngs_modulus) and youngs_modulus > 0):
         raise UserError(
             "PhysGM prediction: E must be positive and finite", got=youngs_modulus, do="Mend the file"
         )
-    name = _class(data, warnings)
+    name = _read_class(data, warnings)
     nu = min(max(poissons_ratio, 0.0), LARGEST_NU)
     if nu != poissons_ratio:
         warnings.append(
@@ -95,11 +95,11 @@ def import_physgm(data: object, *, warn_of_cost: bool = True) -> tuple[Material,
         )
     except ValidationError as error:
         raise format_validation_error(error, "PhysGM prediction", do="Mend the file") from None
-    warnings += _too_soft(material) or (_too_stiff(material) if warn_of_cost else [])
+    warnings += _find_too_soft(material) or (_find_too_stiff(material) if warn_of_cost else [])
     return material, warnings
 
 
-def _too_soft(material: Material) -> list[str]:
+def _find_too_soft(material: Material) -> list[str]:
     weight = material.density * _GRAVITY * _LENGTH
     if material.youngs_modulus >= weight:
         return []
@@ -109,7 +109,7 @@ def _too_soft(material: Material) -> list[str]:
     ]
 
 
-def _too_stiff(material: Material) -> list[str]:
+def _find_too_stiff(material: Material) -> list[str]:
     many = count_substeps(material, PRESETS[PresetName.FAST].domain.dx, CLIP_SECONDS)
     if many <= EXPENSIVE:
         return []
@@ -119,7 +119,7 @@ def _too_stiff(material: Material) -> list[str]:
     ]
 
 
-def _class(data: dict, warnings: list[str]) -> str:
+def _read_class(data: dict, warnings: list[str]) -> str:
     if "material" not in data and "phys_logits" in data:
         logits = data["phys_logits"]
         if not isinstance(logits, list) or len(logits) != len(CLASSES) or not all(map(_is_finite, logits)):
@@ -142,7 +142,7 @@ def _class(data: dict, warnings: list[str]) -> str:
     return FALLBACK
 
 
-def _number(data: dict, key: str) -> float:
+def _read_number(data: dict, key: str) -> float:
     if key not in data:
         raise UserError(f"PhysGM prediction: `{key}` is missing", do="Pass PhysGM's predicted_phys.json")
     value = data[key]

@@ -77,7 +77,7 @@ def join_pieces(particles: Particles, dx: float) -> tuple[Particles, tuple[Loose
         body = body | mine
     if not joints:
         return particles, tuple(loose)
-    added = _thin(np.concatenate(joints), x, SPACING * dx)
+    added = _thin_out(np.concatenate(joints), x, SPACING * dx)
     joined = Particles(
         np.concatenate([particles.x, added.astype(np.float32)]),
         np.concatenate([particles.volume, np.full(len(added), np.median(particles.volume), np.float32)]),
@@ -105,7 +105,7 @@ def _bridge(one: np.ndarray, other: np.ndarray, spacing: float) -> np.ndarray:
     return (one[:, None] + share[:, None] * (other - one)[:, None]).reshape(-1, 3)
 
 
-def _thin(points: np.ndarray, x: np.ndarray, spacing: float) -> np.ndarray:
+def _thin_out(points: np.ndarray, x: np.ndarray, spacing: float) -> np.ndarray:
     """One of ``points`` per cell of ``spacing`` [m] in which nothing of ``x`` lies."""
     low = np.minimum(points.min(0), x.min(0))
     cells = np.floor((points - low) / spacing).astype(np.int64)

@@ -102,18 +102,18 @@ def place(cloud: GaussianCloud, source: Source, domain: Domain) -> tuple[Gaussia
 def find_up_rotation(up: SignedAxis) -> np.ndarray:
     """The shortest proper rotation that brings ``up`` onto +z, shape (3, 3); +x stays for z and y axes."""
     axis, degrees = _TO_PLUS_Z[up]
-    return _exact(Rotation.from_euler(axis, degrees, degrees=True))
+    return _find_exact(Rotation.from_euler(axis, degrees, degrees=True))
 
 
 def find_extra_rotation(degrees: tuple[float, ...], axes: tuple[int, ...]) -> np.ndarray:
     """Product of right-handed rotations about the fixed axes, the first applied first, shape (3, 3)."""
     matrix = np.eye(3)
     for angle, axis in zip(degrees, axes):
-        matrix = _exact(Rotation.from_euler("xyz"[axis], angle, degrees=True)) @ matrix
+        matrix = _find_exact(Rotation.from_euler("xyz"[axis], angle, degrees=True)) @ matrix
     return matrix
 
 
-def _exact(rotation: Rotation) -> np.ndarray:
+def _find_exact(rotation: Rotation) -> np.ndarray:
     """The matrix with rounding dust removed, so that quarter turns are exact permutations."""
     matrix = rotation.as_matrix()
     return np.where(np.abs(matrix - np.round(matrix)) < 1e-12, np.round(matrix), matrix)

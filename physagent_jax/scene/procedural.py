@@ -29,19 +29,20 @@ def make_plant(seed: int = 0, *, count: int = 8000) -> GaussianCloud:
     trunk = np.array([[0, 0, 0.24], [0.05, 0.02, 0.36], [-0.07, -0.02, 0.48], [0.0, 0.0, 0.66]])
     trunk[1:3, :2] *= rng.choice([-1, 1])
     patches = [
-        *_pot(seed),
-        Patch(make_tube(trunk, lambda v: 0.062 - 0.008 * v), _bark(seed), detail=1.3, shade=0.92),
+        *_make_pot(seed),
+        Patch(make_tube(trunk, lambda v: 0.062 - 0.008 * v), _paint_bark(seed), detail=1.3, shade=0.92),
     ]
-    branches = [_branch(trunk, k, rng) for k in range(9)]
+    branches = [_make_branch(trunk, k, rng) for k in range(9)]
     patches += [
-        Patch(make_tube(b, lambda v: 0.026 - 0.012 * v), _bark(seed), detail=1.3, shade=0.9) for b in branches
+        Patch(make_tube(b, lambda v: 0.026 - 0.012 * v), _paint_bark(seed), detail=1.3, shade=0.9)
+        for b in branches
     ]
     for b, branch in enumerate(branches):
-        patches += _foliage(branch, 8, rng, seed + 17 * b)
-    return _standing(build(patches, count, seed), height=1.0)
+        patches += _make_foliage(branch, 8, rng, seed + 17 * b)
+    return _stand_up(build(patches, count, seed), height=1.0)
 
 
-def _branch(trunk: np.ndarray, k: int, rng: np.random.Generator) -> np.ndarray:
+def _make_branch(trunk: np.ndarray, k: int, rng: np.random.Generator) -> np.ndarray:
     """A Bezier curve from the upper trunk outwards and up; the golden angle spreads them."""
     angle = 2.39996 * k + rng.uniform(-0.3, 0.3)
     out = np.array([np.cos(angle), np.sin(angle), 0.0])
@@ -58,7 +59,7 @@ def _branch(trunk: np.ndarray, k: int, rng: np.random.Generator) -> np.ndarray:
     )
 
 
-def _foliage(branch: np.ndarray, count: int, rng: np.random.Generator, seed: int) -> list[Patch]:
+def _make_foliage(branch: np.ndarray, count: int, rng: np.random.Generator, seed: int) -> list[Patch]:
     """Leaves around the outer half of a branch, spreading and drooping a little."""
     patches = []
     for k in range(count):
@@ -76,12 +77,12 @@ def _foliage(branch: np.ndarray, count: int, rng: np.random.Generator, seed: int
             roll=rng.uniform(-0.5, 0.5),
         )
         patches.append(
-            Patch(surface, _leaf_paint(rng, seed + k), two_sided=True, shade=rng.uniform(0.85, 1.12))
+            Patch(surface, _paint_leaf(rng, seed + k), two_sided=True, shade=rng.uniform(0.85, 1.12))
         )
     return patches
 
 
-def _leaf_paint(rng: np.random.Generator, seed: int):
+def _paint_leaf(rng: np.random.Generator, seed: int):
     green = np.array([0.24, 0.58, 0.16]) + rng.uniform(-1, 1) * np.array([0.10, 0.07, 0.02])
 
     def paint(points, u, v):
@@ -96,7 +97,7 @@ def _leaf_paint(rng: np.random.Generator, seed: int):
     return paint
 
 
-def _bark(seed: int):
+def _paint_bark(seed: int):
     def paint(points, u, v):
         rings = value_noise(points * [1.0, 1.0, 3.0], 14, seed + 3)
         grain = value_noise(points, 45, seed + 4)
@@ -106,7 +107,7 @@ def _bark(seed: int):
     return paint
 
 
-def _pot(seed: int) -> list[Patch]:
+def _make_pot(seed: int) -> list[Patch]:
     """Tapered body, rim, soil and foot; the wall below the soil is a closed vessel, so that it fills."""
 
     def clay(points, u, v):
@@ -141,7 +142,7 @@ def make_loaf(seed: int = 0, *, count: int = 6000) -> GaussianCloud:
     """A crusty loaf, 1 m long, slashed on top, with the crumb showing at the cut end."""
     half, cut = 0.5, 0.36  # half length; where the cut plane crosses the axis
     slant = -0.75  # of the cut over the loaf's width: a viewer in front sees the crumb
-    outline = _loaf_outline()
+    outline = _compute_loaf_outline()
 
     def crust(u, v):
         y, z = outline(u)
@@ -154,11 +155,11 @@ def make_loaf(seed: int = 0, *, count: int = 6000) -> GaussianCloud:
         y, z = outline(u)
         return np.stack([-cut - slant * y * (1 - v), -y * (1 - v), 0.15 + (z - 0.15) * (1 - v)], axis=1)
 
-    patches = [Patch(crust, _crust_paint(seed)), Patch(crumb, _crumb_paint(seed), detail=1.8)]
-    return _standing(build(patches, count, seed), length=1.0)
+    patches = [Patch(crust, _paint_crust(seed)), Patch(crumb, _paint_crumb(seed), detail=1.8)]
+    return _stand_up(build(patches, count, seed), length=1.0)
 
 
-def _loaf_outline():
+def _compute_loaf_outline():
     """The cross-section (y, z) [m] over turns, by arc length: a high arch on a flat, rounded sole."""
     angle = np.linspace(0, _TAU, 2001)
     sine = np.sin(angle)
@@ -168,7 +169,7 @@ def _loaf_outline():
     return lambda t: tuple(np.interp(t % 1.0 * length[-1], length, c) for c in (y, z))
 
 
-def _crust_paint(seed: int):
+def _paint_crust(seed: int):
     def paint(points, u, v):
         x, y, z = points.T
         bake = np.clip(z / 0.43, 0, 1) + 0.5 * (value_noise(points, 6, seed + 2) - 0.5)
@@ -190,7 +191,7 @@ def _crust_paint(seed: int):
     return paint
 
 
-def _crumb_paint(seed: int):
+def _paint_crumb(seed: int):
     def paint(points, u, v):
         rim = np.clip((0.09 - v) / 0.04, 0, 1)[:, None]  # v = 0 at the crust
         holes = np.clip((value_noise(points, 22, seed + 5, octaves=2) - 0.60) / 0.10, 0, 1)[:, None]
@@ -218,12 +219,12 @@ def make_jelly(seed: int = 0, *, count: int = 8000) -> GaussianCloud:
         lambda v: 0.56 + 0.14 * np.sin(0.5 * np.pi * v),
     )
     foot = make_lathe(fluted(lambda v: 0.475 * v + 1e-4, lambda v: 0.13 * v), lambda v: 0.0 * v)
-    paint = _jelly_paint(seed)
+    paint = _paint_jelly(seed)
     patches = [Patch(side, paint), Patch(dome, paint), Patch(foot, paint, shade=0.85, detail=0.6)]
-    return _standing(build(patches, count, seed, opacity=0.95, gloss=0.75), height=0.7)
+    return _stand_up(build(patches, count, seed, opacity=0.95, gloss=0.75), height=0.7)
 
 
-def _jelly_paint(seed: int):
+def _paint_jelly(seed: int):
     def paint(points, u, v):
         x, y, z = points.T
         depth = np.clip(z / 0.7, 0, 1)
@@ -241,7 +242,7 @@ def _jelly_paint(seed: int):
     return paint
 
 
-def _standing(
+def _stand_up(
     cloud: GaussianCloud, *, height: float | None = None, length: float | None = None
 ) -> GaussianCloud:
     """Shifts the lowest centre to z = 0 and scales to a height, or to a length along x [m]."""

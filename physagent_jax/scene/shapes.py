@@ -51,13 +51,13 @@ def build(
     """
     rng = np.random.default_rng(seed)
     u, v = (rng.uniform(size=4096) for _ in range(2))
-    areas = [_area_vectors(p.surface, u, v)[1].mean() * p.detail for p in patches]
-    parts = [_sampled(p, max(round(count * a / sum(areas)), 8), rng, gloss) for p, a in zip(patches, areas)]
+    areas = [_compute_area_vectors(p.surface, u, v)[1].mean() * p.detail for p in patches]
+    parts = [_sample(p, max(round(count * a / sum(areas)), 8), rng, gloss) for p, a in zip(patches, areas)]
     points, normals, radius, rgb = (np.concatenate(field) for field in zip(*parts))
     return make_surfels(points, normals, radius, rgb, opacity=opacity)
 
 
-def _area_vectors(surface: Surface, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _compute_area_vectors(surface: Surface, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Unit normals, shape (n, 3), and area elements [m^2], shape (n,), by central differences."""
     along_u = surface(u + _STEP, v) - surface(u - _STEP, v)
     along_v = surface(u, v + _STEP) - surface(u, v - _STEP)
@@ -66,9 +66,9 @@ def _area_vectors(surface: Surface, u: np.ndarray, v: np.ndarray) -> tuple[np.nd
     return cross / np.maximum(area, 1e-12)[:, None], area
 
 
-def _sampled(patch: Patch, count: int, rng: np.random.Generator, gloss: float):
+def _sample(patch: Patch, count: int, rng: np.random.Generator, gloss: float):
     u, v = (rng.uniform(_STEP, 1 - _STEP, _CANDIDATES * count) for _ in range(2))
-    area = _area_vectors(patch.surface, u, v)[1]
+    area = _compute_area_vectors(patch.surface, u, v)[1]
     # The top ``3 count`` of Gumbel-perturbed log weights: draws proportional to area, without replacement.
     keys = np.log(np.maximum(area, 1e-12)) + rng.gumbel(size=len(area))
     chosen = np.sort(np.argpartition(-keys, 3 * count)[: 3 * count])
@@ -76,14 +76,14 @@ def _sampled(patch: Patch, count: int, rng: np.random.Generator, gloss: float):
     keep = place_evenly(patch.surface(u, v), count)
     u, v = u[keep], v[keep]
     points = patch.surface(u, v)
-    normals = _area_vectors(patch.surface, u, v)[0]
+    normals = _compute_area_vectors(patch.surface, u, v)[0]
     light = patch.shade * bake_light(normals, two_sided=patch.two_sided)
-    rgb = patch.paint(points, u, v) * light[:, None] + gloss * _highlight(normals)[:, None]
+    rgb = patch.paint(points, u, v) * light[:, None] + gloss * _paint_highlight(normals)[:, None]
     radius = np.full(count, DISC_RADIUS * np.sqrt(area.mean() / count))
     return points, normals, radius, rgb
 
 
-def _highlight(normals: np.ndarray) -> np.ndarray:
+def _paint_highlight(normals: np.ndarray) -> np.ndarray:
     """Where a viewer in front sees the key light mirrored, shape (n,)."""
     halfway = np.array([-0.35, -0.75, 0.56])
     return np.maximum(normals @ (halfway / np.linalg.norm(halfway)), 0) ** 40

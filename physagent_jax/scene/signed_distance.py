@@ -85,7 +85,7 @@ def sample(
     """
     corners = triangles.reshape(-1, 3)
     least, greatest = corners.min(0), corners.max(0)
-    span = f"{_rounded(least)} to {_rounded(greatest)} m"
+    span = f"{_round(least)} to {_round(greatest)} m"
     first = np.floor(np.maximum(least, low) / spacing) - MARGIN  # floats: they may be beyond any integer
     last = np.ceil(np.minimum(greatest, high) / spacing) + MARGIN
     pieces = np.zeros((0, 3, 3))
@@ -100,7 +100,7 @@ def sample(
             do="Check its `scale` and `position`",
         )
     axes = [spacing * np.arange(a, b + 1) for a, b in zip(first, last)]
-    distance = _distance(axes, pieces, spacing, place)
+    distance = _measure_distance(axes, pieces, spacing, place)
     inside = winding_number(triangles, axes) != 0
     if not inside.any():
         warnings.warn(f"`{place}`: no grid node lies in the mesh, which stops nothing there", stacklevel=2)
@@ -138,7 +138,7 @@ def _check_cost(
             )
 
 
-def _rounded(point: np.ndarray) -> str:
+def _round(point: np.ndarray) -> str:
     return "[" + ", ".join(f"{c:.4g}" for c in point) + "]"
 
 
@@ -161,7 +161,7 @@ def winding_number(triangles: np.ndarray, axes: list[np.ndarray]) -> np.ndarray:
     sides = np.maximum(last - first + 1, 0)
     # crossings[i, j, k] = signed crossings of line (i, j) between samples k - 1 and k
     crossings = np.zeros((len(x), len(y), len(z) + 1), np.int32)
-    for part in _chunks(sides.prod(1)):
+    for part in _split_chunks(sides.prod(1)):
         _count_crossings(crossings, flat[part], triangles[part, :, 2], first[part], sides[part], z)
     above = crossings[..., ::-1].cumsum(-1)[..., ::-1]
     return above[..., 1:]
@@ -173,7 +173,7 @@ def _count_crossings(crossings, flat, heights, first, sides, z) -> None:
     within = np.arange(len(t)) - np.repeat(pairs.cumsum() - pairs, pairs)
     line = first[t] + np.stack([within // sides[t, 1], within % sides[t, 1]], axis=1)
     a, b, c = (flat[t, corner] - line for corner in range(3))
-    parts = np.stack([_area(b, c), _area(c, a), _area(a, b)], axis=1)
+    parts = np.stack([_compute_areas(b, c), _compute_areas(c, a), _compute_areas(a, b)], axis=1)
     hit = (parts > 0).all(1) | (parts < 0).all(1)
     t, line, parts = t[hit], line[hit], parts[hit]
     height = (parts * heights[t]).sum(1) / parts.sum(1)
@@ -181,11 +181,11 @@ def _count_crossings(crossings, flat, heights, first, sides, z) -> None:
     np.add.at(crossings, (line[:, 0], line[:, 1], k), np.where(parts[:, 0] > 0, 1, -1))
 
 
-def _area(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def _compute_areas(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
 
 
-def _distance(axes: list[np.ndarray], pieces: np.ndarray, spacing: float, place: str) -> np.ndarray:
+def _measure_distance(axes: list[np.ndarray], pieces: np.ndarray, spacing: float, place: str) -> np.ndarray:
     """Distances to small triangles at a grid's points [m], shape (a, b, c), exact where they are below `BAND`."""
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     shape, points = points.shape[:3], points.reshape(-1, 3)
@@ -194,7 +194,7 @@ def _distance(axes: list[np.ndarray], pieces: np.ndarray, spacing: float, place:
     tree = KDTree(centres)
     to_centre, nearest = map(np.asarray, tree.query(points, workers=-1))
     result = np.empty(len(points))
-    for part in _chunks(np.ones(len(points))):
+    for part in _split_chunks(np.ones(len(points))):
         result[part] = _to_triangles(points[part], pieces[nearest[part]])
     band = BAND * spacing + radius
     near = np.flatnonzero(to_centre <= band)
@@ -208,7 +208,7 @@ def _distance(axes: list[np.ndarray], pieces: np.ndarray, spacing: float, place:
             got=f"{len(pieces):,} pieces of surface, {pairs:,} distances",
             do="Simplify the mesh, or enlarge its `scale`",
         )
-    for part in _chunks(np.asarray(counts)):
+    for part in _split_chunks(np.asarray(counts)):
         at = near[part]
         lists = tree.query_ball_point(points[at], reach[part])
         lengths = np.array([len(l) for l in lists])
@@ -238,7 +238,7 @@ def _split(triangles: np.ndarray, longest: float, low: np.ndarray, high: np.ndar
     return np.concatenate(done)
 
 
-def _chunks(costs: np.ndarray) -> list[slice]:
+def _split_chunks(costs: np.ndarray) -> list[slice]:
     """Consecutive slices of about `_PAIRS` in cost each."""
     total = np.cumsum(costs)
     if len(total) == 0:

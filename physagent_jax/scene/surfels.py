@@ -33,14 +33,14 @@ def make_surfels(points, normals, radius, rgb, *, opacity: float = 0.98) -> Gaus
     sh = (np.clip(rgb, 0, 1) - 0.5) / SH_DC
     return GaussianCloud(
         means=to_device(points, np.float32),
-        quats=to_device(_quats_to(np.asarray(normals, np.float64)), np.float32),
+        quats=to_device(_find_rotations_to(np.asarray(normals, np.float64)), np.float32),
         scales=to_device(scales, np.float32),
         opacities=jnp.full((count,), opacity, jnp.float32),
         sh=to_device(sh[:, None, :], np.float32),
     )
 
 
-def _quats_to(normals: np.ndarray) -> np.ndarray:
+def _find_rotations_to(normals: np.ndarray) -> np.ndarray:
     """Shortest rotations from +z to the normals as quaternions wxyz, shape (n, 4)."""
     x, y, z = normals.T
     half = np.stack([1 + z, -y, x, np.zeros_like(x)], axis=1)  # (1 + e_z.n, e_z x n)

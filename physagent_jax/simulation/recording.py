@@ -80,7 +80,7 @@ class FrameStatistics:
     @staticmethod
     def of(scene: CompiledScene, frame: Frame, centre: np.ndarray) -> FrameStatistics:
         """A frame as it was simulated; angular momentum is about ``centre`` [m], shape (3,)."""
-        budget = _budget(scene.model, frame.state, centre)
+        budget = _find_budget(scene.model, frame.state, centre)
         return FrameStatistics(
             frame=dataclasses.replace(frame, state=None, exchange=None),  # type: ignore[arg-type]
             stopped=int(frame.state.stopped),
@@ -190,13 +190,13 @@ def _record(
         stopped_particles=statistics[-1].stopped,
         min_volume_ratio=tuple(f.min_J for f in frames),
         max_volume_ratio=tuple(f.max_J for f in frames),
-        ledger=_summed(exchanges) if exchanges else None,
+        ledger=_sum_ledgers(exchanges) if exchanges else None,
         truth=measure_true_motion(gaussians),
         **{name: tuple(values.tolist()) for name, values in series.items()},
     )
 
 
-def _summed(exchanges: list[Exchange]) -> Ledger:
+def _sum_ledgers(exchanges: list[Exchange]) -> Ledger:
     """Running totals, one entry per frame."""
     names = [field.name for field in dataclasses.fields(Exchange)]
     columns = {name: np.stack([np.asarray(getattr(e, name), float) for e in exchanges]) for name in names}
@@ -210,7 +210,7 @@ def find_rest_centre(scene: CompiledScene) -> np.ndarray:
 
 
 @jax.jit
-def _budget(model, state, centre):
+def _find_budget(model, state, centre):
     return dict(
         kinetic_energy=kinetic_energy(model, state),
         elastic_energy=elastic_energy(model, state),

@@ -41,13 +41,15 @@ def find_last_shared_frame(one: SceneConfig, other: SceneConfig) -> int | None:
         0 if only the rest pose is, frame_count - 1 if everything is; None if they differ in anything but what acts
         when (the object, its material, gravity, ...), or in the record that is asked for.
     """
-    if _all_else(one) != _all_else(other):
+    if _select_all_else(one) != _select_all_else(other):
         return None
     last = one.timing.frame_count - 1
-    instants = sorted({0.0, *_bounds(one), *_bounds(other)})
-    if _past(one, instants[-1]) == _past(other, instants[-1]):
+    instants = sorted({0.0, *_collect_bounds(one), *_collect_bounds(other)})
+    if _select_past(one, instants[-1]) == _select_past(other, instants[-1]):
         return last
-    agreed = max(instant for instant in instants if _past(one, instant) == _past(other, instant))
+    agreed = max(
+        instant for instant in instants if _select_past(one, instant) == _select_past(other, instant)
+    )
     return min(max(0, math.floor(agreed) - CLOCK_SLACK), last)
 
 
@@ -56,10 +58,10 @@ def find_restart_frames(config: SceneConfig) -> tuple[int, ...]:
 
     The remedies of an executor begin where something begins or ends, or cut a push short.
     """
-    instants = set(_bounds(config))
-    for timed in _items(config.force_field):
-        if _kind(timed) in _CAN_BE_CUT:
-            first, last = _window(timed, config)
+    instants = set(_collect_bounds(config))
+    for timed in _list_items(config.force_field):
+        if _get_kind(timed) in _CAN_BE_CUT:
+            first, last = _get_window(timed, config)
             instants |= set(range(math.floor(first) + STRIDE, math.ceil(last), STRIDE))
     frames = {math.floor(instant) - CLOCK_SLACK for instant in instants}
     return tuple(sorted(frame for frame in frames if 0 < frame < config.timing.frame_count - 2))
@@ -70,51 +72,55 @@ def is_clock_right(time: float, frame: int, frame_dt: float) -> bool:
     return abs(time - frame * frame_dt) < 0.25 * CLOCK_SLACK * frame_dt
 
 
-def _all_else(config: SceneConfig) -> SceneConfig:
+def _select_all_else(config: SceneConfig) -> SceneConfig:
     """The scene without what acts when."""
     gravity_only = ForceField(default_drop=config.force_field.default_drop)
     return config.model_copy(update=dict(force_field=gravity_only))
 
 
-def _past(config: SceneConfig, instant: float) -> tuple:
+def _select_past(config: SceneConfig, instant: float) -> tuple:
     """What of the force field can be noticed up to ``instant`` [frames], in its order: so sums round alike."""
     field = config.force_field
-    return _begun(field.actions, config, instant), _begun(field.constraints, config, instant)
+    return _select_begun(field.actions, config, instant), _select_begun(field.constraints, config, instant)
 
 
-def _begun(items: tuple[Timed, ...], config: SceneConfig, instant: float) -> tuple[Timed, ...]:
+def _select_begun(items: tuple[Timed, ...], config: SceneConfig, instant: float) -> tuple[Timed, ...]:
     begun = []
     for timed in items:
-        first, last = _window(timed, config)
+        first, last = _get_window(timed, config)
         if first >= instant:
             continue
         known: dict = {}
-        if (held := _held_until(timed)) is not None:
+        if (held := _find_held_until(timed)) is not None:
             known["held_until"] = min(held, instant) if instant > last else None
-        if _kind(timed) in _CAN_BE_CUT:
+        if _get_kind(timed) in _CAN_BE_CUT:
             last = min(last, instant)
         begun.append(timed.model_copy(update=dict(active_time=(first, last), **known)))
     return tuple(begun)
 
 
-def _bounds(config: SceneConfig) -> set[float]:
+def _collect_bounds(config: SceneConfig) -> set[float]:
     """Where windows open and close [frames]."""
-    bounds = {float(bound) for timed in _items(config.force_field) for bound in _window(timed, config)}
-    return bounds | {held for timed in _items(config.force_field) if (held := _held_until(timed)) is not None}
+    bounds = {
+        float(bound) for timed in _list_items(config.force_field) for bound in _get_window(timed, config)
+    }
+    return bounds | {
+        held for timed in _list_items(config.force_field) if (held := _find_held_until(timed)) is not None
+    }
 
 
-def _items(field: ForceField) -> tuple[Timed, ...]:
+def _list_items(field: ForceField) -> tuple[Timed, ...]:
     return (*field.actions, *field.constraints)
 
 
-def _held_until(timed: Timed) -> float | None:
+def _find_held_until(timed: Timed) -> float | None:
     return timed.held_until if isinstance(timed, VelocityConstraint) else None
 
 
-def _kind(timed: Timed) -> ActionType | ConstraintType:
+def _get_kind(timed: Timed) -> ActionType | ConstraintType:
     return timed.action_type if isinstance(timed, Action) else timed.constraint_type
 
 
-def _window(timed: Timed, config: SceneConfig) -> tuple[float, float]:
+def _get_window(timed: Timed, config: SceneConfig) -> tuple[float, float]:
     """As `forces.skills` has it [frames]."""
     return timed.active_time or (0, config.timing.frame_count - 1)

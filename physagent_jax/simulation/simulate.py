@@ -54,18 +54,18 @@ def simulate_scene(
     """
     watch = watch or Stopwatch()
     begin = find_shared_restart(scene, restart_cache)
-    outputs, statistics, restarts = _shared(restart_cache, begin)
+    outputs, statistics, restarts = _share_frames(restart_cache, begin)
     reused, total = len(outputs), scene.config.timing.frame_count
     if progress and reused:
         progress(reused, total)
     wanted, centre = find_restart_frames(scene.config), find_rest_centre(scene)
-    for batch in _batches(watch.timed("simulate", simulate_frames(scene, begin))):
+    for batch in _split_batches(watch.timed("simulate", simulate_frames(scene, begin))):
         with watch("render"):
-            outputs += _outputs(scene, batch)
+            outputs += _compute_outputs(scene, batch)
         with watch("simulate"):
             for frame in batch:
                 statistics.append(FrameStatistics.of(scene, frame, centre))
-                if frame.index in wanted and _worth_keeping(scene, frame, outputs, restarts):
+                if frame.index in wanted and _is_worth_keeping(scene, frame, outputs, restarts):
                     restarts[frame.index] = dataclasses.replace(frame, state=jax.device_get(frame.state))
         if progress:
             for frame in batch:
@@ -74,13 +74,13 @@ def simulate_scene(
     return Recording.of(scene, outputs, statistics, cache, reused)
 
 
-def _batches(frames: Iterator[Frame]) -> Iterator[list[Frame]]:
+def _split_batches(frames: Iterator[Frame]) -> Iterator[list[Frame]]:
     """As many frames as are rendered at the same time, again and again."""
     while batch := list(itertools.islice(frames, choose_batch_size())):
         yield batch
 
 
-def _outputs(scene: CompiledScene, batch: list[Frame]) -> list[FrameOutput]:
+def _compute_outputs(scene: CompiledScene, batch: list[Frame]) -> list[FrameOutput]:
     splats = [deform_splats(scene, frame) for frame in batch]
     background = scene.config.rendering.background
     rgb_frames = render_all(splats, scene.camera, background=background, kernels=scene.model.kernels)
@@ -100,7 +100,7 @@ def find_shared_restart(scene: CompiledScene, cache: RestartCache | None) -> Fra
     return dataclasses.replace(frame, state=jax.device_put(frame.state))
 
 
-def _shared(
+def _share_frames(
     cache: RestartCache | None, begin: Frame | None
 ) -> tuple[list[FrameOutput], list[FrameStatistics], dict[int, Frame]]:
     """What is known of the frames up to ``begin``."""
@@ -111,7 +111,7 @@ def _shared(
     return list(cache.outputs[:count]), list(cache.statistics[:count]), restarts
 
 
-def _worth_keeping(
+def _is_worth_keeping(
     scene: CompiledScene, frame: Frame, outputs: list[FrameOutput], restarts: dict[int, Frame]
 ) -> bool:
     """Whether a later scene may go on from ``frame``: memory allows it, and the clock is as `shared_frames` assumes."""

@@ -65,7 +65,7 @@ def trajectory(
     start, frame_count = scene.state, scene.config.timing.frame_count
     _, states = rollout(scene.model, start, frame_count=frame_count - 1, substeps=scene.substeps)
     return Trajectory(
-        *(_with_first(getattr(start, name), getattr(states, name)) for name in ("x", "F", "time"))
+        *(_prepend_first(getattr(start, name), getattr(states, name)) for name in ("x", "F", "time"))
     )
 
 
@@ -95,5 +95,5 @@ def find_static_substeps(scene: CompiledScene) -> int:
     return divide_frame(timing.frame_dt, SAFETY * bound)
 
 
-def _with_first(first: jax.Array, rest: jax.Array) -> jax.Array:
+def _prepend_first(first: jax.Array, rest: jax.Array) -> jax.Array:
     return jnp.concatenate([jnp.asarray(first, rest.dtype)[None], rest])

@@ -115,7 +115,7 @@ def get_effort(cause: Cause, last: float) -> float:
     return abs(cause.item.magnitude) * (end - first if travels(cause) else 1.0)
 
 
-def _scaled(cause: Cause, factor: float, last: float):
+def _scale(cause: Cause, factor: float, last: float):
     """The entry with ``factor`` times the effort, as far as the range goes."""
     size = clamp(abs(cause.item.magnitude) * factor, MAGNITUDE_MIN, MAGNITUDE_MAX)
     changes: dict = {"magnitude": round(math.copysign(size, cause.item.magnitude), 4)}
@@ -130,7 +130,7 @@ def _scaled(cause: Cause, factor: float, last: float):
 
 def scale_magnitudes(case: Case, causes: Sequence[Cause], factor: float) -> Change:
     """Multiplies the magnitudes, inside their range; what has a prescribed velocity also moves longer or shorter."""
-    items = [_scaled(cause, factor, case.last) for cause in causes]
+    items = [_scale(cause, factor, case.last) for cause in causes]
     field = replace_items(case.force_field, causes, items)
     sizes = ", ".join(f"{item.magnitude:g}" for item in items)
     why = f"The magnitude of {format_names(causes)} becomes {sizes} (asked for: x {factor:.2g})"
@@ -193,7 +193,7 @@ def counter(case: Case, causes: Sequence[Cause]) -> Change | None:
 
 def retime(case: Case, causes: Sequence[Cause]) -> Change | None:
     """Moves causes into the window in which the motion should be seen; None if that has no length."""
-    window = _window(case)
+    window = _get_window(case)
     if window is None:
         return None
     items = []
@@ -219,7 +219,7 @@ def is_blow(cause: Cause) -> bool:
 
 def is_mistimed(case: Case, cause: Cause) -> bool:
     """Whether an entry acts mostly outside of the window, or in less than a third of it."""
-    window = _window(case)
+    window = _get_window(case)
     if window is None or travels(cause):
         return False
     first, last = cause.item.active_time or (0.0, case.last)
@@ -232,10 +232,10 @@ def is_mistimed(case: Case, cause: Cause) -> bool:
 def make_actions(case: Case) -> list[Action]:
     """The actions that the fixed mapping gives for an expectation."""
     expectation, table = case.expectation, case.brief.directions
-    window = _window(case)
+    window = _get_window(case)
     magnitude = -expectation.strength if expectation.kind is MotionKind.SQUEEZE else expectation.strength
     if expectation.kind is MotionKind.SWAY:
-        return _alternating(case)
+        return _alternate(case)
     axes = [expectation.direction] if expectation.direction else [table.right, table.up, table.toward]
     if expectation.kind is MotionKind.FALL:
         axes = [table.down]
@@ -247,16 +247,16 @@ def make_actions(case: Case) -> list[Action]:
     return [Action(action_type=kind, vector=axis, magnitude=magnitude, active_time=window) for axis in axes]
 
 
-def _window(case: Case) -> tuple[float, float] | None:
+def _get_window(case: Case) -> tuple[float, float] | None:
     first, last = round_window(case.expectation, case.brief.frame_count)
     return (float(first), float(last)) if last > first else None
 
 
-def _alternating(case: Case, magnitude: float | None = None) -> list[Action]:
+def _alternate(case: Case, magnitude: float | None = None) -> list[Action]:
     """Pushes to and fro, half a period each, as often as expected."""
     expectation = case.expectation
     direction = expectation.direction or case.brief.directions.left
-    window = _window(case)
+    window = _get_window(case)
     if window is None:
         return [Action(action_type=ActionType.TRANSLATION, vector=direction, magnitude=expectation.strength)]
     count = max(1, min(expectation.repeats, int((window[1] - window[0]) / 4.0)))
@@ -275,7 +275,7 @@ def alternate(case: Case, causes: Sequence[Cause]) -> Change:
     """Replaces whatever acts by as many pushes to and fro as the sentence counts."""
     strength = max(abs(cause.item.magnitude) for cause in causes)
     field = replace_items(case.force_field, causes, [None] * len(causes))
-    field = field.model_copy(update={"actions": (*field.actions, *_alternating(case, strength))})
+    field = field.model_copy(update={"actions": (*field.actions, *_alternate(case, strength))})
     return Change(
         field, f"{format_names(causes)}: replaced by pushes to and fro, {case.expectation.repeats} times."
     )

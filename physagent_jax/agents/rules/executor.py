@@ -36,7 +36,7 @@ class RuleExecutor(ExecutorAgent):
         limits: list[str] = []
         hopeful = False
         for base in rank(rounds):
-            unmet = _failed(base.judgement, len(context.expectations), base.report)
+            unmet = _group_failed(base.judgement, len(context.expectations), base.report)
             hopeful = hopeful or bool(unmet)
             for depth in range(_DEEPEST if unmet else 0):
                 changes = _mend(context, base, rounds, unmet, depth)
@@ -78,7 +78,7 @@ def _explain(
     return Rewrite(force_field=field, changes=tuple(reasons), rules_applied=tuple(dict.fromkeys(rules)))
 
 
-def _failed(judgement: Judgement, count: int, report: MotionReport) -> dict[int, list[Check]]:
+def _group_failed(judgement: Judgement, count: int, report: MotionReport) -> dict[int, list[Check]]:
     """Failed checks by expectation, in the order of the sentence.
 
     What could not be seen because the object left the picture or broke up counts as far too much.

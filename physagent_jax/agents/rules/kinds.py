@@ -205,7 +205,7 @@ def _turn_ends(
         if not causes:
             return None
         pair.append((each, causes[0]))
-    ends = tuple(_turned(each, cause, brief) for each, cause in pair)
+    ends = tuple(_make_turn(each, cause, brief) for each, cause in pair)
     why = f"'{expectation.words}': its ends are turned against each other, each about its own middle."
     return _put(field, [cause for _, cause in pair], ends), why
 
@@ -218,7 +218,7 @@ def _is_turned_against(one: ExpectedMotion, other: ExpectedMotion) -> bool:
     return cosine(one.part, other.part) < _OPPOSED and cosine(one.direction, other.direction) < _OPPOSED
 
 
-def _turned(expectation: ExpectedMotion, cause: Cause, brief: SceneBrief) -> VelocityConstraint:
+def _make_turn(expectation: ExpectedMotion, cause: Cause, brief: SceneBrief) -> VelocityConstraint:
     assert expectation.part is not None
     last = float(brief.frame_count - 1)
     first, end = cause.item.active_time or (0.0, last)

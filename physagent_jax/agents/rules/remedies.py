@@ -39,7 +39,7 @@ def list_remedies(case: Case) -> Iterator[Change]:
     if case.expectation.kind is MotionKind.STILL:
         yield from _calm(case)
         return
-    if _lacks_gravity(case):
+    if _is_lacking_gravity(case):
         yield Change(
             case.force_field.model_copy(update={"default_drop": True}),
             "Gravity is switched on: it should fall.",
@@ -61,10 +61,10 @@ def list_remedies(case: Case) -> Iterator[Change]:
     slow = case.expectation.sudden and case.failed("order")
     if slow and any(c.type is ActionType.TRANSLATION for c in causes):
         yield _strike(case, causes)
-    yield from _amount(case, causes)
+    yield from _change_amount(case, causes)
 
 
-def _lacks_gravity(case: Case) -> bool:
+def _is_lacking_gravity(case: Case) -> bool:
     """Whether it should fall from the start, in a world where only `default_drop` lets things fall."""
     falls = case.expectation.kind is MotionKind.FALL and case.expectation.window[0] < 1
     return falls and not case.force_field.default_drop
@@ -74,7 +74,7 @@ def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     """Direction and window: as the sentence maps them; then against what is seen."""
     expectation = case.expectation
     if expectation.kind not in _NO_AIM:
-        astray = [c for c in causes if not agrees(c, expectation) or _points_beside(case, c)]
+        astray = [c for c in causes if not agrees(c, expectation) or _is_pointing_beside(case, c)]
         if len(astray) == len(causes):
             yield edits.point(case, astray)
     if expectation.kind is not MotionKind.FALL:
@@ -87,7 +87,7 @@ def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
             yield change
 
 
-def _points_beside(case: Case, cause: Cause) -> bool:
+def _is_pointing_beside(case: Case, cause: Cause) -> bool:
     """Whether it points noticeably beside where the sentence says, though not against it."""
     told = case.expectation.direction
     if told is None or case.expectation.kind in AXIAL:
@@ -95,19 +95,19 @@ def _points_beside(case: Case, cause: Cause) -> bool:
     return cosine(cause.direction, told) < edits.POINTED
 
 
-def _amount(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
+def _change_amount(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     """More or less of the same; if too little is asked together with too much, by another kind of skill."""
     check = case.failed("amount") or case.failed("direction")
     spoilt = case.failed("collateral") or case.failed("integrity")
     if check is None and spoilt is None:
         return
-    gain = _find_gain(case, causes) if check is not None else _overdone(case)
+    gain = _find_gain(case, causes) if check is not None else _measure_overdone(case)
     if case.failed("integrity") or (spoilt is not None and gain > 1):
-        yield from _other_kind(case, causes, gain)
-    yield from _stronger(case, causes, gain) if gain > 1 else _weaker(case, causes, gain)
+        yield from _try_other_kind(case, causes, gain)
+    yield from _strengthen(case, causes, gain) if gain > 1 else _weaken(case, causes, gain)
 
 
-def _overdone(case: Case) -> float:
+def _measure_overdone(case: Case) -> float:
     gains = [check.gain for check in case.checks if check.gain is not None and 0 < check.gain < 1]
     return clamp(min(gains, default=_GENTLER), 0.3, 0.85)
 
@@ -153,17 +153,17 @@ def _identify(cause: Cause) -> tuple:
     return cause.type, cause.item.vector, cause.item.magnitude > 0, cause.item.region, begin, end
 
 
-def _stronger(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
+def _strengthen(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
     """More of the same up to the limit, then for longer, then by the other kind of skill; nothing is stacked."""
     yield edits.scale_magnitudes(case, causes, gain)
     types = {cause.type for cause in causes}
     if types & {ActionType.TRANSLATION, ActionType.TORQUE} and case.expectation.kind is not MotionKind.SWAY:
         yield from edits.lengthen(case, causes, math.sqrt(gain))
-    yield from _other_kind(case, causes, gain)
+    yield from _try_other_kind(case, causes, gain)
     yield edits.scale_magnitudes(case, causes, MAGNITUDE_MAX / MAGNITUDE_MIN)
 
 
-def _other_kind(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
+def _try_other_kind(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
     """Velocity constraints in place of a body force that does not do it."""
     expectation, whole = case.expectation, not case.expectation.partial
     stretches = [c for c in causes if c.type is ActionType.SCALE and c.item.region is None]
@@ -185,7 +185,7 @@ def _other_kind(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Ch
         yield edits.enforce(case, pushes, gain)
 
 
-def _weaker(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
+def _weaken(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
     """Less of the same down to the limit, then for a shorter time; blows become brief pushes."""
     yield edits.scale_magnitudes(case, causes, gain)
     impulses = [c for c in causes if c.type is ActionType.IMPULSE]

@@ -83,28 +83,28 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
         UserError: Nothing in it, or too little of it, can be understood.
     """
     _check_text(prompt)
-    names = _object_words(brief)
+    names = _collect_object_words(brief)
     mentions = find_mentions(prompt, names)
     clauses = read_clauses(mentions)
-    gravity = _gravity(mentions)
+    gravity = _read_gravity(mentions)
     unknown, notes = list_unknown(mentions, names, brief)
     clauses = _assume_push(clauses, unknown)
     if is_mostly_unknown(mentions, unknown):
         raise UserError(
             "Most words of the prompt are not understood",
-            got=repr(_short(prompt)),
+            got=repr(_shorten(prompt)),
             do=f"Say in English what should happen to the {brief.object_name}, for example {EXAMPLES}",
         )
-    if gravity is None and not any(c.head for c in clauses) and not _anchor(clauses).kind:
+    if gravity is None and not any(c.head for c in clauses) and not _choose_anchor(clauses).kind:
         raise UserError(
             "The prompt names no motion that is understood",
-            got=repr(_short(prompt)),
+            got=repr(_shorten(prompt)),
             do=f"Say in English what should happen to the {brief.object_name}, for example {EXAMPLES}",
         )
-    anchor = _anchor(clauses)
+    anchor = _choose_anchor(clauses)
     anchored = anchor.kind in ("base", "top") or (brief.anchored is not None and anchor.kind != "none")
     builder = ForceFieldBuilder(brief, anchored, gravity, notes=notes)
-    events = _events(clauses, builder)
+    events = _read_events(clauses, builder)
     slots, frame_count, remarks = schedule(events, brief, anchored)
     builder.brief = brief.model_copy(update={"frame_count": frame_count})
     builder.notes += remarks
@@ -124,7 +124,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
         world=_describe_world(mentions, builder),
         frame_count=None if frame_count == brief.frame_count else frame_count,
         unsure=tuple(builder.unsure),
-        evidence=tuple([*builder.evidence, *_anchor_evidence(anchor)]),
+        evidence=tuple([*builder.evidence, *_collect_anchor_evidence(anchor)]),
         not_understood=tuple(unknown),
         notes=tuple(builder.notes),
     )
@@ -150,7 +150,7 @@ def _check_text(prompt: str) -> None:
         )
 
 
-def _object_words(brief: SceneBrief) -> frozenset[str]:
+def _collect_object_words(brief: SceneBrief) -> frozenset[str]:
     """The object's name and kind, singular and plural."""
     words = (
         "".join(c if c.isalnum() else " " for c in f"{brief.object_name} {brief.object_kind}").lower().split()
@@ -158,12 +158,12 @@ def _object_words(brief: SceneBrief) -> frozenset[str]:
     return frozenset(words) | {word + "s" for word in words}
 
 
-def _short(prompt: str) -> str:
+def _shorten(prompt: str) -> str:
     text = " ".join(prompt.split())
     return text if len(text) <= 80 else text[:77] + "..."
 
 
-def _gravity(mentions: list[Mention]) -> Gravity:
+def _read_gravity(mentions: list[Mention]) -> Gravity:
     """What the sentence says about gravity in so many words ("no gravity" is a NOT before the mention)."""
     found: Gravity = None
     for before, mention in zip([None, *mentions], mentions):
@@ -201,7 +201,7 @@ def _assume_push(clauses: list[Clause], unknown: list[str]) -> list[Clause]:
     return clauses
 
 
-def _events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Event]:
+def _read_events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Event]:
     """The events that happen, in order, with what the words around them change."""
     events: list[Event] = []
     for clause in clauses:
@@ -218,8 +218,8 @@ def _events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Event]:
         ways = [mention.value for mention in clause.select(MentionKind.DIRECTION)]
         if event.effect is Effect.FALL and builder.gravity is None and ("up",) in ways:
             builder.gravity = "up"  # "it falls upwards"
-        events.append(_under_gravity(event, clause, builder.gravity))
-    events = _releases(events, builder)
+        events.append(_put_under_gravity(event, clause, builder.gravity))
+    events = _find_releases(events, builder)
     moving = [e for e in events if e.effect not in (Effect.STILL, Effect.RELEASE)]
     if moving:  # "the robot standing on the ground is pushed": standing is not a wish for stillness
         tail = events[-1]
@@ -231,7 +231,7 @@ def _events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Event]:
     return events
 
 
-def _under_gravity(event: Event, clause: Clause, gravity: Gravity) -> Event:
+def _put_under_gravity(event: Event, clause: Clause, gravity: Gravity) -> Event:
     """What gravity pulls down falls; what floats in zero gravity is still."""
     told = bool(clause.select(MentionKind.DIRECTION, MentionKind.FROM))
     if (
@@ -246,7 +246,7 @@ def _under_gravity(event: Event, clause: Clause, gravity: Gravity) -> Event:
     return event
 
 
-def _releases(events: list[Event], builder: ForceFieldBuilder) -> list[Event]:
+def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Event]:
     """Letting go of something at rest lets it fall; letting go before a fall is part of the fall."""
     result: list[Event] = []
     for index, event in enumerate(events):
@@ -305,7 +305,7 @@ def _expect_stillness(clauses: list[Clause], builder: ForceFieldBuilder) -> None
     builder.expectations.append(ExpectedMotion(kind=MotionKind.STILL, window=window, words=words[:200]))
 
 
-def _anchor(clauses: list[Clause]) -> AnchorRequest:
+def _choose_anchor(clauses: list[Clause]) -> AnchorRequest:
     """What is held: an adjective ("rooted"), a verb ("hold the pot"), or an end that "does not move"."""
     for clause in clauses:
         for mention in clause.select(MentionKind.ANCHOR):
@@ -316,15 +316,15 @@ def _anchor(clauses: list[Clause]) -> AnchorRequest:
         words = " ".join(mention.words for mention in clause.mentions)
         if verb.effect is Effect.HOLD:
             return AnchorRequest(
-                kind="none" if clause.negated else _held_end(clause, verb.holds), words=words
+                kind="none" if clause.negated else _find_held_end(clause, verb.holds), words=words
             )
         still = verb.effect is Effect.STILL or (clause.negated and verb.effect is not Effect.STILL)
         if still and find_places(clause) and (clause is clauses[0] or clause.join is not Join.THEN):
-            return AnchorRequest(kind=_held_end(clause, None), words=words)
+            return AnchorRequest(kind=_find_held_end(clause, None), words=words)
     return AnchorRequest()
 
 
-def _held_end(clause: Clause, otherwise: End) -> End:
+def _find_held_end(clause: Clause, otherwise: End) -> End:
     """The end that a clause names: "base" or "top"; other parts cannot be held."""
     for place in find_places(clause):
         if "down" in place.names:
@@ -333,7 +333,7 @@ def _held_end(clause: Clause, otherwise: End) -> End:
     return otherwise
 
 
-def _anchor_evidence(anchor: AnchorRequest) -> list[Evidence]:
+def _collect_anchor_evidence(anchor: AnchorRequest) -> list[Evidence]:
     if anchor.kind is None:
         return []
     return [

@@ -42,13 +42,13 @@ class Attractor:
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
         del v, mass
-        arm, squared = self._arm(x)
+        arm, squared = self._find_arm(x)
         pull = self.strength * self.envelope.mean(time, dt) * squared ** (-0.5 * (self.power + 1))
         return confine(-pull[:, None] * arm, self.weight)
 
     def gradient(self, x, time, dt):
         """d acceleration / d x [1/s^2], shape (n, 3, 3)."""
-        arm, squared = self._arm(x)
+        arm, squared = self._find_arm(x)
         pull = self.strength * self.envelope.mean(time, dt) * squared ** (-0.5 * (self.power + 1))
         steepness = ((self.power + 1) / squared)[:, None, None]
         tangent = jnp.eye(3, dtype=x.dtype) - steepness * arm[:, :, None] * arm[:, None, :]
@@ -59,14 +59,14 @@ class Attractor:
 
         It is that of an envelope of 1, everywhere: neither the envelope nor the region enters.
         """
-        _, squared = self._arm(x)
+        _, squared = self._find_arm(x)
         # (r^q - 1) / q with q = 1 - power is log r at q = 0.
         logarithm = 0.5 * jnp.log(squared)
         q = jnp.asarray(1.0 - self.power, x.dtype)
         exponent = jnp.where(q == 0, 1.0, q)
         return self.strength * jnp.where(q == 0, logarithm, jnp.expm1(exponent * logarithm) / exponent)
 
-    def _arm(self, x: jax.Array) -> tuple[jax.Array, jax.Array]:
+    def _find_arm(self, x: jax.Array) -> tuple[jax.Array, jax.Array]:
         """d, shape (n, 3), and r^2, shape (n,)."""
         arm = x - self.point
         squared = (arm**2).sum(-1) + jnp.asarray(self.softening, x.dtype) ** 2

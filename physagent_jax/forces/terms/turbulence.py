@@ -78,10 +78,10 @@ class Turbulence:
             dtype: Of the modes.
         """
         rng = np.random.default_rng(seed)
-        heading = _unit(rng.standard_normal((modes, 3)))
+        heading = _normalise(rng.standard_normal((modes, 3)))
         # |k| from the energy spectrum k^4 exp(-k^2 / 2): the length of a normal vector in five dimensions.
         number = np.linalg.norm(rng.standard_normal((modes, 5)), axis=1)
-        polarisation = _unit(np.cross(heading, rng.standard_normal((modes, 3))))
+        polarisation = _normalise(np.cross(heading, rng.standard_normal((modes, 3))))
         return Turbulence(
             strength,
             length_scale,
@@ -97,25 +97,25 @@ class Turbulence:
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
         del v, mass
-        waves = jnp.cos(self._phase(x, time, dt))
-        field = self._amplitude(time, dt) * jnp.matmul(waves, self.polarisations, precision=_HIGHEST)
+        waves = jnp.cos(self._compute_phase(x, time, dt))
+        field = self._compute_amplitude(time, dt) * jnp.matmul(waves, self.polarisations, precision=_HIGHEST)
         return confine(field, self.weight)
 
     def gradient(self, x, time, dt):
         """d acceleration / d x [1/s^2], shape (n, 3, 3)."""
-        slopes = jnp.sin(self._phase(x, time, dt))
+        slopes = jnp.sin(self._compute_phase(x, time, dt))
         dyads = (self.polarisations[:, :, None] * self.wave_vectors[:, None, :]).reshape(-1, 9)
         tangent = jnp.matmul(slopes, dyads, precision=_HIGHEST).reshape(-1, 3, 3)
-        return confine(-self._amplitude(time, dt) / self.length_scale * tangent, self.weight)
+        return confine(-self._compute_amplitude(time, dt) / self.length_scale * tangent, self.weight)
 
-    def _phase(self, x: jax.Array, time: jax.Array, dt: jax.Array) -> jax.Array:
+    def _compute_phase(self, x: jax.Array, time: jax.Array, dt: jax.Array) -> jax.Array:
         """Of every mode at every particle [rad], shape (n, N)."""
         place = jnp.matmul(x / self.length_scale, self.wave_vectors.T, precision=_HIGHEST)
         return place + ((time + 0.5 * dt) / self.time_scale) * self.frequencies + self.phases
 
-    def _amplitude(self, time: jax.Array, dt: jax.Array) -> jax.Array:
+    def _compute_amplitude(self, time: jax.Array, dt: jax.Array) -> jax.Array:
         return self.strength * self.envelope.mean(time, dt) * (2 / len(self.phases)) ** 0.5
 
 
-def _unit(vectors: np.ndarray) -> np.ndarray:
+def _normalise(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)

@@ -52,14 +52,14 @@ class Vortex:
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
         del v, mass
-        across, squared, falloff = self._place(x, time, dt)
+        across, squared, falloff = self._locate(x, time, dt)
         turning = self.swirl * cross(jnp.broadcast_to(self.axis, across.shape), across) - self.inward * across
         field = turning / jnp.sqrt(squared)[:, None] + self.axial * self.axis
         return confine(falloff[:, None] * field, self.weight)
 
     def gradient(self, x, time, dt):
         """d acceleration / d x [1/s^2], shape (n, 3, 3)."""
-        across, squared, falloff = self._place(x, time, dt)
+        across, squared, falloff = self._locate(x, time, dt)
         projector = jnp.eye(3, dtype=x.dtype) - self.axis[:, None] * self.axis[None, :]
         turn = self.swirl * skew(self.axis) - self.inward * projector
         turning = (turn * across[:, None, :]).sum(-1)
@@ -69,7 +69,7 @@ class Vortex:
         tangent = turn / length[..., None] - slope[:, :, None] * (across / squared[:, None])[:, None, :]
         return confine(falloff[:, None, None] * tangent, self.weight)
 
-    def _place(self, x: jax.Array, time: jax.Array, dt: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    def _locate(self, x: jax.Array, time: jax.Array, dt: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
         """d, shape (n, 3), r^2, shape (n,), and (core / r)^power times the envelope, shape (n,)."""
         arm = x - self.point
         across = arm - (arm * self.axis).sum(-1, keepdims=True) * self.axis

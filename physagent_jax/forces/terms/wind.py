@@ -60,9 +60,9 @@ class Wind:
         del mass
         air = self.speed * self.envelope.mean_while_active(time, dt) * self.direction
         w = air - v
-        s = _length(w)
+        s = _measure_length(w)
         h = dt * self.envelope.active(time, dt)
-        p = h * _mean_decay(self.linear_drag * h)
+        p = h * _average_decay(self.linear_drag * h)
         share = p * (self.linear_drag + self.quadratic_drag * s) / (1 + self.quadratic_drag * s * p)
         field = (share / dt)[:, None] * w
         if self.center is not None and self.radius is not None:
@@ -93,14 +93,14 @@ def make_still_air(
     return Wind(anywhere, 0.0, linear_drag, quadratic_drag, envelope, weight=weight)
 
 
-def _length(w: jax.Array) -> jax.Array:
+def _measure_length(w: jax.Array) -> jax.Array:
     """|w|, shape (n,), with a zero derivative at w = 0."""
     squared = (w**2).sum(-1)
     moving = squared > 0
     return jnp.where(moving, jnp.sqrt(jnp.where(moving, squared, 1.0)), 0.0)
 
 
-def _mean_decay(z: Scalar) -> jax.Array:
+def _average_decay(z: Scalar) -> jax.Array:
     """(1 - exp(-z)) / z: the mean of exp(-t) over [0, z]; 1 at z = 0."""
     z = jnp.asarray(z)
     small = jnp.abs(z) < 0.03  # where the quotient's derivative would cancel

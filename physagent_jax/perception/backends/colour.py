@@ -48,12 +48,14 @@ class ColorSegmenter(Segmenter):
             guess = np.einsum("hwc,hwc->hw", difference, difference) > threshold**2
             if guess.any():
                 guess = (
-                    _matte(difference, guess) if spread < self.plain_spread else self._grabcut(frame, guess)
+                    _estimate_matte(difference, guess)
+                    if spread < self.plain_spread
+                    else self._run_grabcut(frame, guess)
                 )
             masks.append(remove_specks(guess))
         return Masks(np.stack(masks))
 
-    def _grabcut(self, frame: np.ndarray, guess: np.ndarray) -> np.ndarray:
+    def _run_grabcut(self, frame: np.ndarray, guess: np.ndarray) -> np.ndarray:
         """GrabCut on a reduced crop around ``guess``, with a sure rim of background."""
         x, y, w, h = cv2.boundingRect(guess.astype(np.uint8))
         x0, y0 = max(x - 8, 0), max(y - 8, 0)
@@ -85,7 +87,7 @@ def find_border_colour(frames: np.ndarray) -> tuple[np.ndarray, float]:
     return median, float(np.median(np.linalg.norm(border - median, axis=1)))
 
 
-def _matte(difference: np.ndarray, guess: np.ndarray) -> np.ndarray:
+def _estimate_matte(difference: np.ndarray, guess: np.ndarray) -> np.ndarray:
     """Keeps the pixels of ``guess`` whose coverage is above one half.
 
     Args:

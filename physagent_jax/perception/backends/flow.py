@@ -76,20 +76,20 @@ class FlowTracker(Tracker):
             if not (masks[t - 1].any() and masks[t].any()):
                 break
             current = cv2.cvtColor(frames[t], cv2.COLOR_RGB2GRAY)
-            moved, found = self._flow(previous, current, masks[t - 1], masks[t], tracks[t - 1])
+            moved, found = self._compute_flow(previous, current, masks[t - 1], masks[t], tracks[t - 1])
             found &= visible[t - 1]
-            anchored = self._anchor(first, current, masks[0], tracks[0], moved, found)
+            anchored = self._anchor_tracks(first, current, masks[0], tracks[0], moved, found)
             good = np.isfinite(anchored[:, 0])
             missed = np.where(good, 0, missed + 1)
             tracks[t] = np.where(good[:, None], anchored, moved)
-            visible[t] = (found | good) & (missed <= self.patience) & _inside(masks[t], tracks[t])
+            visible[t] = (found | good) & (missed <= self.patience) & _find_inside(masks[t], tracks[t])
             if visible[t].sum() < self.give_up * len(queries):
                 visible[t] = False
                 break
             previous = current
         return tracks, visible
 
-    def _flow(self, before, after, mask_before, mask_after, points):
+    def _compute_flow(self, before, after, mask_before, mask_after, points):
         """Moves ``points`` from frame to frame; returns them and whether the way back agrees."""
         (xa, ya, wa, ha), (xb, yb, wb, hb) = (
             cv2.boundingRect(m.astype(np.uint8)) for m in (mask_before, mask_after)
@@ -102,11 +102,11 @@ class FlowTracker(Tracker):
         self._dis.setFinestScale(int(np.clip(np.log2(max(w, h) / _FULL_SIZE), 0, 2)))
         forth, back = self._dis.calc(a, b, None), self._dis.calc(b, a, None)
         start = points - corner_a
-        moved = start + _lookup(forth, start)
-        error = np.linalg.norm(moved + _lookup(back, moved) - start, axis=1)
+        moved = start + _look_up(forth, start)
+        error = np.linalg.norm(moved + _look_up(back, moved) - start, axis=1)
         return moved + corner_b, error < self.round_trip + 0.05 * np.linalg.norm(moved - start, axis=1)
 
-    def _anchor(self, first, current, mask, queries, moved, found):
+    def _anchor_tracks(self, first, current, mask, queries, moved, found):
         """Positions in ``current`` found by comparison with ``first``; nan where that fails.
 
         Args:
@@ -140,8 +140,8 @@ class FlowTracker(Tracker):
         guess = ((moved - affine[:, 2]) @ np.linalg.inv(affine[:, :2]).T - corner - 0.5).astype(np.float32)
         guess[~found] = start[~found]  # lost points may come back where the affine map expects them
         here = _crop(first, corner, w, h)
-        end, ok, _ = _lucas_kanade(here, back, start, guess)
-        again, ok_back, _ = _lucas_kanade(back, here, end, start)
+        end, ok, _ = _run_lucas_kanade(here, back, start, guess)
+        again, ok_back, _ = _run_lucas_kanade(back, here, end, start)
         good = (ok & ok_back).ravel() > 0
         good &= np.linalg.norm(again - start, axis=1) < self.anchor_round_trip
         good &= np.linalg.norm(end - guess, axis=1) < 8
@@ -176,7 +176,7 @@ class FlowClip:
         return Tracks(xy, visible, visible.astype(float))
 
 
-def _lucas_kanade(a, b, points, guess):
+def _run_lucas_kanade(a, b, points, guess):
     return cv2.calcOpticalFlowPyrLK(
         a,
         b,
@@ -197,7 +197,7 @@ def _crop(image: np.ndarray, corner: np.ndarray, w: int, h: int) -> np.ndarray:
     )
 
 
-def _lookup(flow: np.ndarray, xy: np.ndarray) -> np.ndarray:
+def _look_up(flow: np.ndarray, xy: np.ndarray) -> np.ndarray:
     """Bilinear flow at positions (pixel centres at +0.5), shape (N, 2)."""
     at = (xy - 0.5).astype(np.float32)
     return cv2.remap(flow, at[:, None, 0], at[:, None, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)[
@@ -205,7 +205,7 @@ def _lookup(flow: np.ndarray, xy: np.ndarray) -> np.ndarray:
     ]
 
 
-def _inside(mask: np.ndarray, xy: np.ndarray) -> np.ndarray:
+def _find_inside(mask: np.ndarray, xy: np.ndarray) -> np.ndarray:
     """Whether positions lie on the mask, shape (N,)."""
     h, w = mask.shape
     x, y = np.floor(xy[:, 0]).astype(int), np.floor(xy[:, 1]).astype(int)

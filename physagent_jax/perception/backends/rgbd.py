@@ -51,33 +51,33 @@ class RgbdSegmenter(Segmenter):
                 do="Leave it out, or choose another segmenter",
             )
         if depth is None or not np.isfinite(depth).any():
-            return self._by_colour(frames, "There is no depth")
+            return self._segment_by_colour(frames, "There is no depth")
         inverse = 1 / depth
         background = find_background(inverse)
         if background.open:
-            return self._before_nothing(frames, np.isfinite(depth))
-        masks = np.stack([remove_specks(_stand_out(w, background)) for w in inverse])
-        masks = _without_furniture(masks)
+            return self._segment_before_nothing(frames, np.isfinite(depth))
+        masks = np.stack([remove_specks(_find_standing_out(w, background)) for w in inverse])
+        masks = _remove_furniture(masks)
         if masks[0].mean() < _LEAST_SHARE:
-            return self._by_colour(frames, "Nothing stands in front of the background")
+            return self._segment_by_colour(frames, "Nothing stands in front of the background")
         notes = ()
         if background.explained < _UNEXPLAINED:
             notes = ("The background is not flat: what is object and what background is partly a guess.",)
         return Masks(masks, notes)
 
-    def _before_nothing(self, frames: np.ndarray, seen: np.ndarray) -> Masks:
+    def _segment_before_nothing(self, frames: np.ndarray, seen: np.ndarray) -> Masks:
         """Masks where the camera sees no surface behind the object; ``seen`` is where it has depth, (T, H, W)."""
         solid = np.stack([remove_specks(_vote(s, np.ones_like(s))) for s in seen])
         if find_border_colour(frames)[1] >= self.colour.plain_spread:
             return Masks(solid)
         drawn = self.colour.segment(frames, None).masks
         overlap = (drawn & solid).sum() / max((drawn | solid).sum(), 1)
-        if overlap < _AGREE and not _touches_border(solid[0]):
+        if overlap < _AGREE and not _is_touching_border(solid[0]):
             note = "The object has the background's colour: its mask was taken from depth."
             return Masks(solid, (note,))
         return Masks(drawn)
 
-    def _by_colour(self, frames: np.ndarray, why: str) -> Masks:
+    def _segment_by_colour(self, frames: np.ndarray, why: str) -> Masks:
         """Colour's masks before a plain background, else none."""
         if find_border_colour(frames)[1] >= self.colour.plain_spread:
             note = f"{why}, and the background is too busy to tell the object by its colour."
@@ -87,7 +87,7 @@ class RgbdSegmenter(Segmenter):
         )
 
 
-def _stand_out(inverse: np.ndarray, background: Background) -> np.ndarray:
+def _find_standing_out(inverse: np.ndarray, background: Background) -> np.ndarray:
     """What is in front of the background in one frame; dropped pixels as most of their neighbours."""
     known = np.isfinite(inverse)
     filled = np.where(known, inverse, background.inverse).astype(np.float32)
@@ -106,7 +106,7 @@ def _vote(mask: np.ndarray, known: np.ndarray) -> np.ndarray:
     return (cv2.medianBlur(guessed.astype(np.uint8), 3) > 0) | (guessed & (share > 0.25))
 
 
-def _without_furniture(masks: np.ndarray) -> np.ndarray:
+def _remove_furniture(masks: np.ndarray) -> np.ndarray:
     """``masks`` without what stays at the border through the whole clip."""
     stays = (masks.mean(0) >= _STAYS).astype(np.uint8)
     count, labels = cv2.connectedComponents(stays, connectivity=8)
@@ -119,5 +119,5 @@ def _without_furniture(masks: np.ndarray) -> np.ndarray:
     return masks & ~still
 
 
-def _touches_border(mask: np.ndarray) -> bool:
+def _is_touching_border(mask: np.ndarray) -> bool:
     return bool(mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any())

@@ -29,37 +29,37 @@ def compile_boundaries(config: c.SceneConfig, base_dir: str | Path) -> tuple:
         UserError: A mesh cannot be read, is not closed, or is out of reach; the message names its field.
     """
     return tuple(
-        _compiled(boundary, config.domain, f"boundaries[{index}]", base_dir)
+        _compile_one(boundary, config.domain, f"boundaries[{index}]", base_dir)
         for index, boundary in enumerate(config.boundaries)
     )
 
 
-def _compiled(boundary: c.Boundary, domain: c.Domain, place: str, base_dir: str | Path):
+def _compile_one(boundary: c.Boundary, domain: c.Domain, place: str, base_dir: str | Path):
     match boundary:
         case c.DomainBox():
             return boundaries.DomainBox(boundary.padding)
         case c.HalfSpace():
             return boundaries.HalfSpace(
-                point=to_array(boundary.point), normal=to_array(boundary.normal), **_contact(boundary)
+                point=to_array(boundary.point), normal=to_array(boundary.normal), **_read_contact(boundary)
             )
         case c.Sphere():
             return boundaries.Sphere(
                 point=to_array(boundary.point),
                 radius=to_array(boundary.radius),
                 container=boundary.container,
-                **_contact(boundary),
+                **_read_contact(boundary),
             )
         case c.Box():
             return boundaries.Box(
                 point=to_array(boundary.point),
                 half_size=to_array(boundary.half_size),
                 container=boundary.container,
-                **_contact(boundary),
+                **_read_contact(boundary),
             )
         case c.Mesh():
-            values, origin = _sampled(boundary, domain, place, base_dir)
+            values, origin = _sample(boundary, domain, place, base_dir)
             return boundaries.SignedDistance(
-                values=to_array(values), origin=to_array(origin), spacing=domain.dx, **_contact(boundary)
+                values=to_array(values), origin=to_array(origin), spacing=domain.dx, **_read_contact(boundary)
             )
         case c.Cuboid():
             return boundaries.Cuboid(
@@ -71,7 +71,7 @@ def _compiled(boundary: c.Boundary, domain: c.Domain, place: str, base_dir: str 
             )
 
 
-def _contact(obstacle: c.HalfSpace | c.Sphere | c.Box | c.Mesh) -> dict[str, Any]:
+def _read_contact(obstacle: c.HalfSpace | c.Sphere | c.Box | c.Mesh) -> dict[str, Any]:
     return dict(
         friction=to_array(obstacle.friction),
         start=to_array(obstacle.start),
@@ -81,7 +81,7 @@ def _contact(obstacle: c.HalfSpace | c.Sphere | c.Box | c.Mesh) -> dict[str, Any
     )
 
 
-def _sampled(mesh: c.Mesh, domain: c.Domain, place: str, base_dir: str | Path):
+def _sample(mesh: c.Mesh, domain: c.Domain, place: str, base_dir: str | Path):
     """A mesh on a grid like the simulation's: all of it if it moves, else what lies in the domain."""
     path = Path(base_dir) / mesh.path
     try:

@@ -30,12 +30,12 @@ def compile_constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarra
                 forces.append(UniformAcceleration(to_array(change), *window, to_array(weight)))
             case c.ParticleTranslation():
                 inside = select_box(rest, constraint, place)
-                motions.append(_motion(inside, constraint, constraint.velocity, STILL, constraint.point))
+                motions.append(_make_motion(inside, constraint, constraint.velocity, STILL, constraint.point))
             case c.ParticleRotation():
                 axis = np.asarray(constraint.normal)
                 inside = select_cylinder(rest, constraint, place)
                 motions.append(
-                    _motion(
+                    _make_motion(
                         inside,
                         constraint,
                         constraint.axial_velocity * axis,
@@ -44,14 +44,14 @@ def compile_constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarra
                     )
                 )
             case c.ParticleRelease():
-                inside, times = _release_times(rest, constraint, place)
-                held = _motion(inside, constraint, STILL, STILL, STILL)
+                inside, times = _compute_release_times(rest, constraint, place)
+                held = _make_motion(inside, constraint, STILL, STILL, STILL)
                 ends = np.pad(times, (0, len(held.particles) - len(times)))
                 motions.append(dataclasses.replace(held, end=to_array(ends)))
     return tuple(forces), tuple(motions)
 
 
-def _motion(inside: np.ndarray, constraint, velocity, angular_velocity, center) -> PrescribedMotion:
+def _make_motion(inside: np.ndarray, constraint, velocity, angular_velocity, center) -> PrescribedMotion:
     return PrescribedMotion(
         particles=buckets.find_places(inside),
         velocity=to_array(velocity),
@@ -62,7 +62,9 @@ def _motion(inside: np.ndarray, constraint, velocity, angular_velocity, center) 
     )
 
 
-def _release_times(rest: np.ndarray, release: c.ParticleRelease, place: str) -> tuple[np.ndarray, np.ndarray]:
+def _compute_release_times(
+    rest: np.ndarray, release: c.ParticleRelease, place: str
+) -> tuple[np.ndarray, np.ndarray]:
     """Which particles are held, shape (n,), and until when each of them is [s].
 
     PhysGaussian holds nested boxes about ``end_position``, the i-th with a share 1 - i/layers of the full

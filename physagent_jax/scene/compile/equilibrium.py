@@ -112,7 +112,7 @@ class _Balance:
         self._volume = np.asarray(model.volume, np.float64)
         mass = np.asarray(model.mass, np.float64)
         dx, count = model.grid.dx, len(x)
-        nodes, weights, reach = _stencil(x, dx, model.stress_form)
+        nodes, weights, reach = _make_stencil(x, dx, model.stress_form)
         flat = (nodes[..., 0] * 2**20 + nodes[..., 1]) * 2**20 + nodes[..., 2]
         unique, inverse = np.unique(flat, return_inverse=True)
         inverse = inverse.reshape(count, -1)
@@ -144,7 +144,7 @@ class _Balance:
         borne = _find_borne(weight, fixed | ground)
         self._light = ((node_mass < LEAST_MASS * node_mass.mean()) | ~borne) & ~fixed
         self._fixed, self._ground = fixed, ground & ~fixed
-        self._mu, self._lam = _lame(model)
+        self._mu, self._lam = _compute_lame(model)
         self._tie = TIE * self._volume * (self._lam + 2 * self._mu) * 4 / dx**2
         self._tied, self._dx = (self._spread @ self._tie)[:, None], dx
         self._diagonal = self._find_diagonal()
@@ -158,12 +158,12 @@ class _Balance:
         for _ in range(ROUNDS):
             F = self._deform(u)
             out = (
-                self._stress_force(F) + self._tie_force(u) - self._load
+                self._compute_stress_force(F) + self._compute_tie_force(u) - self._load
             )  # what the ground or a hand would have to add
-            drag = self._drag(out, pressed)
+            drag = self._compute_drag(out, pressed)
             sliding = pressed & ~drag.all(-1)
-            rest, free = self._free(out, pressed, sliding)
-            error = self._norm(rest)
+            rest, free = self._find_free(out, pressed, sliding)
+            error = self._measure_norm(rest)
             if best is None or error < best[0]:
                 best = error, F
             lifted = pressed & (out[:, 2] < 0)
@@ -171,7 +171,7 @@ class _Balance:
             if error < GOOD_ENOUGH and not lifted.any():
                 break
             pressed = (pressed & ~lifted) | touching
-            rest, free = self._free(out, pressed, pressed & ~drag.all(-1))
+            rest, free = self._find_free(out, pressed, pressed & ~drag.all(-1))
             step = self._relax(-rest, free)
             strain = np.abs(self._gradient @ step).max()
             u = u + min(1.0, MOST_STRAIN / max(strain, 1e-12)) * step
@@ -179,12 +179,12 @@ class _Balance:
         error, F = best
         return Equilibrium(F.astype(np.float32), error, float(np.abs(F - np.eye(3)).max()))
 
-    def _drag(self, out, pressed) -> np.ndarray:
+    def _compute_drag(self, out, pressed) -> np.ndarray:
         """Which nodes the ground's friction can hold, as a column."""
         tangential = np.linalg.norm(out[:, :2], axis=1)
         return (pressed & (tangential <= self._friction * np.maximum(out[:, 2], 0)))[:, None]
 
-    def _free(self, out, pressed, sliding) -> tuple[np.ndarray, np.ndarray]:
+    def _find_free(self, out, pressed, sliding) -> tuple[np.ndarray, np.ndarray]:
         """Forces that nothing balances, and which components can move, shapes (nodes, 3)."""
         free = np.repeat(~(self._fixed | self._light)[:, None], 3, axis=1)
         free[pressed, 2] = False
@@ -201,20 +201,22 @@ class _Balance:
         H = (self._gradient @ u).reshape(count, 3, 3).transpose(0, 2, 1)  # H[p, a, b] = sum u_a g_b
         return np.eye(3) + H
 
-    def _stress_force(self, F) -> np.ndarray:
+    def _compute_stress_force(self, F) -> np.ndarray:
         state = dataclasses.replace(self._state, F=to_device(F, np.float32))
         tau = np.asarray(kirchhoff_stress(self._model, state), np.float64)
         return self._divergence @ (self._volume[:, None, None] * tau).reshape(-1, 3)
 
-    def _stiffness(self, u) -> np.ndarray:
+    def _apply_stiffness(self, u) -> np.ndarray:
         """Linear elasticity's forces at the nodes for displacements ``u`` [m]."""
         H = (self._gradient @ u).reshape(-1, 3, 3)
         trace = np.trace(H, axis1=1, axis2=2)
         tau = self._mu[:, None, None] * (H + H.transpose(0, 2, 1))
         tau[:, range(3), range(3)] += (self._lam * trace)[:, None]
-        return self._divergence @ (self._volume[:, None, None] * tau).reshape(-1, 3) + self._tie_force(u)
+        return self._divergence @ (self._volume[:, None, None] * tau).reshape(
+            -1, 3
+        ) + self._compute_tie_force(u)
 
-    def _tie_force(self, u) -> np.ndarray:
+    def _compute_tie_force(self, u) -> np.ndarray:
         """What ties nodes to the linear field of each particle over them, where strains do not see them move."""
         mean = self._tie[:, None] * (self._weight @ u)
         slope = (0.25 * self._dx**2 * np.repeat(self._tie, 3))[:, None] * (self._gradient @ u)
@@ -230,7 +232,7 @@ class _Balance:
             columns.append(squared @ weight.ravel())
         return np.maximum(np.stack(columns, axis=1) + self._tied, 1e-30)
 
-    def _norm(self, force) -> float:
+    def _measure_norm(self, force) -> float:
         """Root mean square acceleration by mass, over gravity."""
         heavy = ~(self._light | self._fixed)
         squared = (force[heavy] ** 2).sum(1) / self._mass[heavy]
@@ -242,11 +244,11 @@ class _Balance:
         z = r / self._diagonal
         p, rz, begun = z.copy(), (r * z).sum(), None
         for _ in range(INNER_ROUNDS):
-            error = self._norm(r)
+            error = self._measure_norm(r)
             begun = error if begun is None else begun
             if error <= INNER_SHARE * begun or rz <= 0:
                 break
-            answer = np.where(free, self._stiffness(p), 0.0)
+            answer = np.where(free, self._apply_stiffness(p), 0.0)
             curvature = (p * answer).sum()
             if curvature <= 0:
                 break
@@ -269,7 +271,7 @@ def _find_borne(weight: csr_matrix, support: np.ndarray) -> np.ndarray:
     return np.isin(labels, np.unique(labels[support]))
 
 
-def _stencil(x: np.ndarray, dx: float, form: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _make_stencil(x: np.ndarray, dx: float, form: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Nodes (n, 27, 3), weights (n, 27) and g_ip [1/m] (n, 27, 3) of particles at ``x``, as `mpm.transfer` has them."""
     scaled = x / dx
     low = np.floor(scaled - 0.5)
@@ -291,7 +293,7 @@ def _stencil(x: np.ndarray, dx: float, form: str) -> tuple[np.ndarray, np.ndarra
     return low[:, None].astype(np.int64) + grid, weight, reach
 
 
-def _lame(model: Model) -> tuple[np.ndarray, np.ndarray]:
+def _compute_lame(model: Model) -> tuple[np.ndarray, np.ndarray]:
     """Lame parameters of the particles [Pa], shapes (n,)."""
     blocks: list[Any] = list(model.materials)
     mu, lam = (np.concatenate([getattr(law, name) for law in blocks]) for name in ("mu", "lam"))

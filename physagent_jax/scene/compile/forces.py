@@ -52,11 +52,11 @@ def compile_force_terms(config: c.SceneConfig, rest: np.ndarray) -> tuple:
         weight = None
         if term.region is not None:
             weight = to_array(make_region_mask(term.region, rest, f"{place}.region"))
-        compiled.append(_term(term, _envelope(term.envelope), weight))
+        compiled.append(_compile_term(term, _compile_envelope(term.envelope), weight))
     return tuple(compiled)
 
 
-def _term(term: c.ForceTerm, envelope: Envelope, weight):
+def _compile_term(term: c.ForceTerm, envelope: Envelope, weight):
     match term:
         case c.Wind():
             return terms.Wind(
@@ -99,7 +99,7 @@ def _term(term: c.ForceTerm, envelope: Envelope, weight):
             return terms.UniformField(to_array(term.acceleration), envelope, weight)
 
 
-def _envelope(envelope: c.Envelope) -> Envelope:
+def _compile_envelope(envelope: c.Envelope) -> Envelope:
     values = envelope.model_dump(exclude={"kind"})
     return Envelope(EnvelopeKind(envelope.kind), **{name: to_array(value) for name, value in values.items()})
 

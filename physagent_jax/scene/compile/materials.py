@@ -78,15 +78,15 @@ class ParticleMaterials:
 
     def find_stationary(self) -> np.ndarray:
         """Particles that never move, shape (n,): a prescribed motion holds them."""
-        return self._of_model(c.MaterialModel.STATIONARY)[self.choice]
+        return self._select_model(c.MaterialModel.STATIONARY)[self.choice]
 
     def find_rigid_bodies(self) -> tuple[np.ndarray, ...]:
         """Particles of each rigid body, shape (n,) each: every rigid entry of ``choices`` is a body of its own."""
-        rigid = np.flatnonzero(self._of_model(c.MaterialModel.RIGID))
+        rigid = np.flatnonzero(self._select_model(c.MaterialModel.RIGID))
         masks = [self.choice == index for index in rigid]
         return tuple(mask for mask in masks if mask.any())
 
-    def _of_model(self, model: c.MaterialModel) -> np.ndarray:
+    def _select_model(self, model: c.MaterialModel) -> np.ndarray:
         return np.array([material.model is model for material in self.choices])
 
 

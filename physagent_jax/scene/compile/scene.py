@@ -70,7 +70,7 @@ class CompiledScene:
         Raises:
             UserError: They are not this force field's, or a known window lies outside the clip.
         """
-        rest, volume = _rest(self.body, self.order)
+        rest, volume = _find_rest(self.body, self.order)
         rest = rest.astype(self.state.x.dtype)
         skills, grips = compile_skills(self.config, self.body, rest, volume, parameters)
         bodies, model = self.find_rigid_bodies, self.model
@@ -108,7 +108,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     materials = ParticleMaterials.of(config, body)
     order = cell_order(body.particles.x, config.domain.dx, materials.model)
     order = buckets.add_copies(order, materials.model[order])
-    rest, volume = _rest(body, order)
+    rest, volume = _find_rest(body, order)
     materials, share = materials.permute(order), buckets.split_mass(order)
     whole = materials.density * body.particles.volume[order]  # mass of a particle with all its copies
     held = select_anchored(
@@ -144,20 +144,20 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     balanced = balance_weight(model, state, still, config, body)
     if balanced is not None:
         state = dataclasses.replace(state, F=to_device(balanced.F, DTYPE))
-    substeps = _substeps(config, model, state)
+    substeps = _count_substeps(config, model, state)
     model = model.replace(dt=to_device(config.timing.frame_dt / substeps, DTYPE))
     camera = make_reference_camera(config.camera, config.rendering, config.domain)
     anchored = int(held @ share + 0.5)
     return CompiledScene(config, body, model, state, substeps, camera, order, anchored, len(bodies))
 
 
-def _rest(body: Body, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _find_rest(body: Body, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rest positions [m], shape (n, 3), and rest volumes [m^3], shape (n,), of the model's particles."""
     particles = body.particles
     return particles.x[order].astype(DTYPE), buckets.split_mass(order) * particles.volume[order]
 
 
-def _substeps(config: c.SceneConfig, model: Model, state: State) -> int:
+def _count_substeps(config: c.SceneConfig, model: Model, state: State) -> int:
     """Steps per frame that are stable at the start, or as many as the scene asks for."""
     timing = config.timing
     bound = (

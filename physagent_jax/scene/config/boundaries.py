@@ -94,7 +94,7 @@ class Mesh(Obstacle):
     rotation_axes: RotationAxes = ()
 
     @model_validator(mode="after")
-    def _paired(self) -> Mesh:
+    def _check_paired(self) -> Mesh:
         if len(self.rotation_degrees) != len(self.rotation_axes):
             raise ValueError("`rotation_degrees` and `rotation_axes` must have equal length")
         return self

@@ -46,7 +46,7 @@ class Windowed(Strict):
     end: Time = FOREVER
 
     @model_validator(mode="after")
-    def _ordered(self):
+    def _check_order(self):
         if self.end <= self.start:
             raise ValueError(f"`end` must exceed `start` (got start={self.start}, end={self.end})")
         check_window(self.start, self.end - self.start)

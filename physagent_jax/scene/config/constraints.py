@@ -68,7 +68,7 @@ class ParticleImpulse(Strict):
     duration: Duration = 1e-4
 
     @model_validator(mode="after")
-    def _one(self) -> ParticleImpulse:
+    def _check_one(self) -> ParticleImpulse:
         if (self.delta_velocity is None) == (self.force is None):
             raise ValueError("give exactly one of `delta_velocity` and `force`")
         check_window(self.start, self.duration)
@@ -95,7 +95,7 @@ class ParticleRelease(Windowed):
     layers: int = Field(ge=1, le=10_000)
 
     @model_validator(mode="after")
-    def _apart(self) -> ParticleRelease:
+    def _check_apart(self) -> ParticleRelease:
         if self.start_position == self.end_position:
             raise ValueError("`start_position` and `end_position` must differ")
         return self
@@ -126,7 +126,7 @@ class Anchor(Strict):
     reason: str = ""
 
     @model_validator(mode="after")
-    def _complete(self) -> Anchor:
+    def _check_complete(self) -> Anchor:
         if self.kind == "box" and (self.point is None or self.half_size is None):
             raise ValueError('anchor kind "box" needs `point` and `half_size`')
         if self.kind == "mask" and self.mask_path is None:

@@ -30,13 +30,13 @@ _SHORTEST_RAMP = 1e-9  # [s]
 # --- time profiles: 0 outside [start, end) [s] ---------------------------------------------------------
 
 
-def _ramp(value: float) -> float:
+def _check_ramp(value: float) -> float:
     if 0 < value < _SHORTEST_RAMP:
         raise ValueError(f"a ramp lasts 0 s, or {_SHORTEST_RAMP:g} s and more")
     return value
 
 
-Ramp = Annotated[Time, AfterValidator(_ramp)]
+Ramp = Annotated[Time, AfterValidator(_check_ramp)]
 
 
 class ConstantEnvelope(Windowed):
@@ -53,7 +53,7 @@ class RampEnvelope(Windowed):
     fall: Ramp = 0.0
 
     @model_validator(mode="after")
-    def _fits(self) -> RampEnvelope:
+    def _check_fit(self) -> RampEnvelope:
         if self.fall > 0 and self.end >= FOREVER:
             raise ValueError("`fall` needs an `end` to fall to")
         if self.rise + self.fall > self.end - self.start + 1e-9:
@@ -70,7 +70,7 @@ class PulseEnvelope(Windowed):
     kind: Literal["pulse"] = "pulse"
 
     @model_validator(mode="after")
-    def _ends(self) -> PulseEnvelope:
+    def _check_end(self) -> PulseEnvelope:
         if self.end >= FOREVER:
             raise ValueError("`end` is missing: a pulse fills its window, so the window must close")
         return self
@@ -131,7 +131,7 @@ class Wind(_Term):
     radius: Length | None = None
 
     @model_validator(mode="after")
-    def _complete(self) -> Wind:
+    def _check_complete(self) -> Wind:
         if self.linear_drag == 0 and self.quadratic_drag == 0:
             raise ValueError("`linear_drag` and `quadratic_drag` are both 0: the wind would move nothing")
         if (self.center is None) != (self.radius is None):
@@ -158,7 +158,7 @@ class Attractor(_Term):
     softening: Length = 0.1
 
     @model_validator(mode="after")
-    def _bounded(self) -> Attractor:
+    def _check_bounds(self) -> Attractor:
         if self.power > 0 and abs(self.strength) > _STRONGEST * self.softening**self.power:
             pull = abs(self.strength) / self.softening**self.power
             raise ValueError(
@@ -190,7 +190,7 @@ class Vortex(_Term):
     power: float = Field(default=1.0, ge=0, le=6)
 
     @model_validator(mode="after")
-    def _does_something(self) -> Vortex:
+    def _check_effect(self) -> Vortex:
         if self.swirl == self.inward == self.axial == 0:
             raise ValueError("`swirl`, `inward` and `axial` are all 0: the vortex would move nothing")
         return self

@@ -125,20 +125,20 @@ class Material(Strict):
     @model_validator(mode="before")
     @classmethod
     def _fill(cls, data: Any) -> Any:
-        model = _model_of(data)
+        model = _find_model(data)
         if model is None:
             return data
         given = {key: value for key, value in data.items() if value is not None}
         filled = {**_GENERAL_DEFAULTS.get(model, {}), **data}
         if model is MaterialModel.FLUID:
-            filled |= _fluid_moduli(given)
+            filled |= _compute_fluid_moduli(given)
         for name, default in MODEL_PARAMETERS[model].items():
             if name not in given and default not in (None, _REQUIRED, _DERIVED):
                 filled[name] = default
         return filled
 
     @model_validator(mode="after")
-    def _belongs(self) -> Material:
+    def _check_belonging(self) -> Material:
         takes = MODEL_PARAMETERS[self.model]
         for name in OPTIONAL_PARAMETERS:
             given = getattr(self, name) is not None
@@ -158,7 +158,7 @@ class Material(Strict):
             pydantic.ValidationError: The changed material breaks the schema.
         """
         values = {**self.model_dump(), **changes}
-        takes = MODEL_PARAMETERS.get(_model_of(values) or self.model, {})
+        takes = MODEL_PARAMETERS.get(_find_model(values) or self.model, {})
         dropped = {name for name in OPTIONAL_PARAMETERS if name not in takes}
         if {"youngs_modulus", "poissons_ratio"} & changes.keys():
             dropped.add("bulk_modulus")
@@ -181,7 +181,7 @@ class MaterialRegion(Strict):
     material: Material
 
 
-def _model_of(data: Any) -> MaterialModel | None:
+def _find_model(data: Any) -> MaterialModel | None:
     """The model that raw data names; None where the schema will complain itself."""
     if not isinstance(data, dict):
         return None
@@ -191,7 +191,7 @@ def _model_of(data: Any) -> MaterialModel | None:
         return None
 
 
-def _fluid_moduli(given: dict) -> dict[str, float]:
+def _compute_fluid_moduli(given: dict) -> dict[str, float]:
     """K from E and nu, or E from K, whichever is missing; nothing where a number is not one."""
     nu = given.get("poissons_ratio", 0.3)
     known = given.get("bulk_modulus", given.get("youngs_modulus", 1e5))

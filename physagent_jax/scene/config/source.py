@@ -45,7 +45,7 @@ class Source(Strict):
     surface_samples: int = Field(default=20_000, ge=8, le=10_000_000)
 
     @model_validator(mode="after")
-    def _paired(self) -> Source:
+    def _check_paired(self) -> Source:
         if len(self.rotation_degrees) != len(self.rotation_axes):
             raise ValueError("`rotation_degrees` and `rotation_axes` must have equal length")
         if self.crop is not None and any(high <= low for low, high in zip(self.crop[0::2], self.crop[1::2])):

@@ -46,7 +46,7 @@ def soften_material(material: Material, factor: float) -> Material:
             f"a {material.model} body has no stiffness that could be softened", do="Choose another material"
         )
     try:
-        soft = _scaled(material, 1 / factor)
+        soft = _scale(material, 1 / factor)
     except ValidationError as error:
         raise format_validation_error(error, "the softened material", do="Soften it less") from None
     return soft.changed(
@@ -56,7 +56,7 @@ def soften_material(material: Material, factor: float) -> Material:
 
 def replace_youngs_modulus(material: Material, youngs_modulus: float) -> Material:
     """The material with another E [Pa] and the same strains; see `soften_material`."""
-    return _scaled(material, youngs_modulus / material.youngs_modulus)
+    return _scale(material, youngs_modulus / material.youngs_modulus)
 
 
 def soften_for(material: Material, *, dx: float, duration: float, at_most: int = 10_000) -> Material:
@@ -80,7 +80,7 @@ def find_softening(material: Material, *, dx: float, duration: float, at_most: i
     step, inertia = duration / at_most, material.density * dx**2
     viscous = 4 - 16 * step * (material.viscosity or 0.0) / inertia
     if material.model is not MaterialModel.FLUID:
-        factor = _damped_factor(material, step, inertia)
+        factor = _compute_damped_factor(material, step, inertia)
     elif viscous <= 0:
         raise UserError(
             f"a viscosity of {material.viscosity:g} Pa s needs more than {at_most} substeps on this grid, "
@@ -105,30 +105,30 @@ def explain_softening(before: Material, after: Material, *, length: float = 1.0)
         length: The object's longest side [m].
     """
     load = before.density * STANDARD_GRAVITY * length
-    old, new = load / _bearing_modulus(before), load / _bearing_modulus(after)
+    old, new = load / _compute_bearing_modulus(before), load / _compute_bearing_modulus(after)
     yields = before.yield_stress is not None and before.yield_stress > load >= (after.yield_stress or 0.0)
     if new - old < SEEN and not yields:
         return None
-    factor = _bearing_modulus(before) / _bearing_modulus(after)
+    factor = _compute_bearing_modulus(before) / _compute_bearing_modulus(after)
     name = f"softened {factor:.3g} times, this material looks different"
     strain = f"its own weight strains it by {100 * new:.2g} % in place of {100 * old:.2g} %"
     return f"{name}: {strain}{', and makes it yield' if yields else ''}; soften it less, or not at all"
 
 
-def _bearing_modulus(material: Material) -> float:
+def _compute_bearing_modulus(material: Material) -> float:
     """Modulus [Pa] that bears a body's own weight."""
     fluid = material.model is MaterialModel.FLUID
     return (material.bulk_modulus or math.inf) if fluid else (material.youngs_modulus or math.inf)
 
 
-def _damped_factor(material: Material, step: float, inertia: float) -> float:
+def _compute_damped_factor(material: Material, step: float, inertia: float) -> float:
     """Damping shrinks with the root of the factor, so that root solves 4 f - 16 dt eta sqrt(f) / m = 4 k dt^2 / m."""
     damping = 2 * step * (material.viscosity or 0.0) / inertia
     root = damping + math.sqrt(damping**2 + stiffness(material) * step**2 / inertia)
     return root**2
 
 
-def _scaled(material: Material, share: float) -> Material:
+def _scale(material: Material, share: float) -> Material:
     names = [name for name in _SCALED if getattr(material, name) is not None]
     changes = {name: share * getattr(material, name) for name in ("youngs_modulus", *names)}
     if material.viscosity is not None and material.model is not MaterialModel.FLUID:

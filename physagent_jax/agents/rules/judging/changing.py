@@ -30,7 +30,7 @@ def check_rotation(index: int, expectation: ExpectedMotion, view: View) -> list[
     until = view.until(expectation) if expectation.released or not view.anchored else last
     turns = view.turns(first, until, end) or view.turns(first, last, end)
     if not turns:
-        return [make_unseen_check(index, expectation, _why(view, first, last))]
+        return [make_unseen_check(index, expectation, _explain(view, first, last))]
     axis = expectation.direction
     at, peak = find_farthest(turns)
     angle = norm(peak) if axis is None else dot(peak, axis)
@@ -49,7 +49,7 @@ def check_rotation(index: int, expectation: ExpectedMotion, view: View) -> list[
             compare_direction(index, expectation, "about which axis does it turn?", peak, view, spread)
         )
     if expectation.repeats > 1:
-        path = [dot(v, axis or peak) for _, v in _whole_course(view, first, end)]
+        path = [dot(v, axis or peak) for _, v in _take_whole_course(view, first, end)]
         count = len(find_turning_points(path, 0.35 * (max(path) - min(path)) + 1.0))
         checks.append(count_turns(index, expectation, view, count))
     if expectation.amount is not None and expectation.amount.unit == "degrees":
@@ -85,11 +85,11 @@ def check_rotation(index: int, expectation: ExpectedMotion, view: View) -> list[
     return checks
 
 
-def _whole_course(view: View, first: int, end):
+def _take_whole_course(view: View, first: int, end):
     return view.turns(first, view.last, end)
 
 
-def _why(view: View, first: int, last: int) -> str:
+def _explain(view: View, first: int, last: int) -> str:
     window = view.window(first, last)
     return (
         window.unobservable.get("rotation_degrees", "its turn is not known")
@@ -157,7 +157,9 @@ def measure_strains(
     if expectation.direction is not None:
         if view.hides(expectation.direction):
             return [], "the stretch along the line of sight is hidden"
-        strains = _from_rest(expectation, view, view.strains(expectation.direction, first, until), first)
+        strains = _measure_from_rest(
+            expectation, view, view.strains(expectation.direction, first, until), first
+        )
         return strains, "from the affine fit" if strains else lost
     table = view.brief.directions
     axes = [table.right, table.up, table.toward]
@@ -171,7 +173,7 @@ def measure_strains(
     return [(each[0][0], sum(v for _, v in each) / len(each)) for each in values], "in all directions"
 
 
-def _from_rest(
+def _measure_from_rest(
     expectation: ExpectedMotion, view: View, strains: list[tuple[int, float]], first: int
 ) -> list[tuple[int, float]]:
     """Relative to rest, if it was deformed the other way before: springing back is not stretching yet."""
@@ -205,7 +207,7 @@ def _check_own_axis(
     frame = max(along, key=lambda point: point[1])[0]
     sign = -1.0 if expectation.kind is MotionKind.SQUEEZE else 1.0
     across = []
-    for axis in _two_across(direction):
+    for axis in _find_two_across(direction):
         if not view.hides(axis):
             values = dict(view.strains(axis, view.span(expectation)[0], until))
             if frame in values:
@@ -229,7 +231,7 @@ def _check_own_axis(
     ]
 
 
-def _two_across(direction: Vector) -> list[Vector]:
+def _find_two_across(direction: Vector) -> list[Vector]:
     helper = (0.0, 0.0, 1.0) if abs(direction[2]) < 0.9 else (1.0, 0.0, 0.0)
     one = normalise(cross(direction, helper)) or helper
     return [one, cross(direction, one)]

@@ -65,7 +65,7 @@ def check_collateral(view: View) -> list[Check]:
     ]
 
 
-def _lasting(values: Iterable[float]) -> float:
+def _find_lasting(values: Iterable[float]) -> float:
     """The largest value that is reached in some frames, not in one alone."""
     ordered = sorted(values, reverse=True)
     return ordered[min(_LASTING, len(ordered)) - 1] if ordered else 0.0
@@ -88,7 +88,7 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     lines = [e.direction or down for e in moves]
     vertical = view.gravity or any(e.kind is MotionKind.FALL for e in asked)
     longest = max(norm(p) for _, p in course)
-    limit = _ASIDE if not moves else max(_ASIDE, 0.75 * max(_reach(course, lines), 0.0))
+    limit = _ASIDE if not moves else max(_ASIDE, 0.75 * max(_measure_reach(course, lines), 0.0))
     strains = [e.strength for e in asked if e.kind in _AXIAL]
     if strains and (view.anchored or view.grounded):
         limit += 0.3 * max(strains)  # held at one end, or standing: the centre follows
@@ -98,7 +98,7 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         course = [(t, add([p, scale(up, -0.5 * dot(p, up))])) for t, p in course]
         if any(e.kind is MotionKind.FALL for e in asked) or view.force_field.default_drop:
             course = [(t, add([p, scale(up, -dot(p, up))])) for t, p in course]
-    value = _lasting(_distance_from(p, lines) for _, p in course)
+    value = _find_lasting(_measure_distance(p, lines) for _, p in course)
     words = f"{value:.2g} body lengths" + (f" of {longest:.2g} in all" if moves else "")
     return [
         make_limit_check(
@@ -118,12 +118,12 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     ]
 
 
-def _reach(course, lines: list[Vector]) -> float:
+def _measure_reach(course, lines: list[Vector]) -> float:
     """Farthest displacement along any of the directions."""
     return max(abs(dot(p, line)) for _, p in course for line in lines) if lines else 0.0
 
 
-def _distance_from(p: Vector, lines: list[Vector]) -> float:
+def _measure_distance(p: Vector, lines: list[Vector]) -> float:
     """Length of a vector's part outside of what the lines span."""
     basis: list[Vector] = []
     for line in lines:
@@ -158,7 +158,7 @@ def _check_turning(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     if _is_rough(view, asked):
         limit = max(limit, _TURN_HELD if view.anchored else _TURN_TUMBLING)
     axes = [e.direction for e in rotations if e.direction is not None]
-    value = _lasting(_distance_from(v, axes) for _, v in turns)
+    value = _find_lasting(_measure_distance(v, axes) for _, v in turns)
     return [
         make_limit_check(
             _blame(view),
@@ -185,7 +185,7 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     if axial:
         if any(e.direction is None for e in axial):
             return []
-        volume = _lasting(abs(math.log(max(_determinant(S), 1e-6))) for S in tensors)
+        volume = _find_lasting(abs(math.log(max(_compute_determinant(S), 1e-6))) for S in tensors)
         limit = 0.75 + 0.4 * max(e.strength for e in axial)
         return [
             make_limit_check(
@@ -208,7 +208,7 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         if any(w.stretch_view_axis_observable for w in view.report.windows)
         else view.brief.directions.toward
     )
-    value = _lasting(_find_largest_strain(S, hidden) for S in tensors)
+    value = _find_lasting(_find_largest_strain(S, hidden) for S in tensors)
     return [
         make_limit_check(
             _blame(view),
@@ -238,12 +238,12 @@ def _find_largest_strain(S: Matrix, hidden: Vector | None) -> float:
     A direction that cannot be seen is left out by taking its rows and columns as unchanged.
     """
     if hidden is not None:
-        S = _without(S, hidden)
+        S = _remove(S, hidden)
     high, _, low = find_eigenvalues(S)
     return max(high - 1.0, min(1.0 / max(low, 0.1), 10.0) - 1.0, 0.0)
 
 
-def _without(S: Matrix, axis: Vector) -> Matrix:
+def _remove(S: Matrix, axis: Vector) -> Matrix:
     """P S P + a a^T, with P the projection across the axis."""
     rows = []
     for i in range(3):
@@ -266,14 +266,14 @@ def find_eigenvalues(S: Matrix) -> tuple[float, float, float]:
     if p < 1e-12:
         return q, q, q
     B = [[(S[i][j] - q * (i == j)) / p for j in range(3)] for i in range(3)]
-    r = max(-1.0, min(1.0, _determinant(B) / 2.0))
+    r = max(-1.0, min(1.0, _compute_determinant(B) / 2.0))
     angle = math.acos(r) / 3.0
     first = q + 2.0 * p * math.cos(angle)
     third = q + 2.0 * p * math.cos(angle + 2.0 * math.pi / 3.0)
     return first, 3.0 * q - first - third, third
 
 
-def _determinant(rows) -> float:
+def _compute_determinant(rows) -> float:
     a, b, c = rows
     return dot(tuple(a), cross(tuple(b), tuple(c)))  # type: ignore[arg-type]
 
@@ -285,7 +285,7 @@ def _check_whole(view: View) -> list[Check]:
     checks = []
     pieces = [count for count in view.report.pieces if count is not None]
     if pieces and not torn:
-        extra = _lasting(float(count) for count in pieces) - min(pieces[:_LASTING])
+        extra = _find_lasting(float(count) for count in pieces) - min(pieces[:_LASTING])
         checks.append(
             make_limit_check(
                 _blame(view), "does it stay in one piece?", "no pieces come off",
@@ -316,13 +316,13 @@ def _measure_growth(view: View) -> float | None:
     """Largest diagonal of the box over that of frame 0, which a rigid turn hardly changes; None if not seen."""
     boxes = [box for box in view.report.box if box is not None]
     if len(boxes) > 1:
-        rest = _diagonal(boxes[0])
-        return _lasting(_diagonal(box) for box in boxes) / max(rest, 1e-6)
+        rest = _measure_diagonal(boxes[0])
+        return _find_lasting(_measure_diagonal(box) for box in boxes) / max(rest, 1e-6)
     ratios = [w.volume_ratio for w in view.report.windows if w.volume_ratio is not None]
     return max(ratios) ** (1 / 3) if ratios else None
 
 
-def _diagonal(box: Box) -> float:
+def _measure_diagonal(box: Box) -> float:
     return norm(add([box.high, scale(box.low, -1.0)]))
 
 
@@ -357,8 +357,8 @@ def _check_early(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     waits = [view.span(e)[1] for e in view.expectations if e.kind is MotionKind.STILL]
     if begin < 4 or waits and min(waits) <= begin:
         return []
-    value = _lasting(norm(p) for _, p in view.course(0, begin)) / _EARLY
-    value = max(value, _lasting(norm(v) for _, v in view.turns(0, begin)) / (100.0 * _EARLY))
+    value = _find_lasting(norm(p) for _, p in view.course(0, begin)) / _EARLY
+    value = max(value, _find_lasting(norm(v) for _, v in view.turns(0, begin)) / (100.0 * _EARLY))
     return [
         make_limit_check(
             _blame(view),

@@ -68,11 +68,11 @@ def compare_amount(
         margin=round(tolerance.margin(value), 6),
         confidence=find_confidence(tolerance.distance(value), view.sigma(figure)),
         gain=gain,
-        remedy="" if gain is None else _remedy(gain, expectation, view),
+        remedy="" if gain is None else _name_remedy(gain, expectation, view),
     )
 
 
-def _remedy(gain: float, expectation: ExpectedMotion, view: View) -> str:
+def _name_remedy(gain: float, expectation: ExpectedMotion, view: View) -> str:
     causes = view.causes(expectation)
     if not causes:
         return f"nothing in the force field causes it: add an action that makes it {expectation.kind.value}"

@@ -122,7 +122,7 @@ def _check_duration(
         begun = next(t for t, v in signal if abs(v) >= min(0.1 * largest, level))
         ended = away[-1]
     else:
-        speeds = _speeds(signal)
+        speeds = _measure_speeds(signal)
         fastest = max(v for _, v in speeds)
         begun = next((t for t, v in speeds if v >= 0.1 * fastest), first)
         ended = next((t for t, v in speeds if v >= 0.95 * fastest), first)
@@ -147,7 +147,7 @@ def _check_duration(
     ]
 
 
-def _speeds(signal: Signal, width: int = 2) -> Signal:
+def _measure_speeds(signal: Signal, width: int = 2) -> Signal:
     """Rate per frame, as a difference over ``width`` frames."""
     pairs = zip(signal, signal[width:])
     return [(a[0], (b[1] - a[1]) / (b[0] - a[0])) for a, b in pairs]
@@ -163,7 +163,7 @@ def _check_sudden(index: int, expectation: ExpectedMotion, view: View) -> list[C
     if len(signal) < 4 or max(abs(v) for _, v in signal) < visible(expectation):
         return []
     top = max(range(len(signal)), key=lambda i: abs(signal[i][1]))
-    speeds = _speeds(signal[: max(top + 1, 4)], 2)  # what comes after it is not the blow's doing
+    speeds = _measure_speeds(signal[: max(top + 1, 4)], 2)  # what comes after it is not the blow's doing
     fastest = max(speeds, key=lambda point: abs(point[1]))[1]
     level = max(0.25 * visible(expectation), 0.15 * max(abs(v) for _, v in signal))
     onset = next(t for t, v in signal if abs(v) >= level)
@@ -219,7 +219,7 @@ def _check_blows(index: int, expectation: ExpectedMotion, view: View) -> list[Ch
 
 def _count_pulses(signal: Signal) -> int:
     """Runs of frames in which the speed grows about as fast as it ever does; short pauses do not part them."""
-    speeds = [(signal[0][0] - 2, 0.0), (signal[0][0] - 1, 0.0), *_speeds(signal, 2)]
+    speeds = [(signal[0][0] - 2, 0.0), (signal[0][0] - 1, 0.0), *_measure_speeds(signal, 2)]
     gains = [(a[0], b[1] - a[1]) for a, b in zip(speeds, speeds[2:])]
     hardest = max(v for _, v in gains)
     runs, before = 0, None
@@ -246,7 +246,7 @@ def _check_return(index: int, expectation: ExpectedMotion, view: View) -> list[C
         return [make_unseen_check(index, expectation, "the clip ends before it can come back", question)]
     signal = measure_signal(expectation, view, first, until)
     end, _ = find_track(expectation, view)
-    series = view.report.stretch if expectation.kind in AXIAL else _series(view, end)
+    series = view.report.stretch if expectation.kind in AXIAL else _get_series(view, end)
     if not series or len(signal) < 4:
         return [make_unseen_check(index, expectation, "its course is not known", question)]
     largest = max(abs(v) for _, v in signal)
@@ -269,7 +269,7 @@ def _check_return(index: int, expectation: ExpectedMotion, view: View) -> list[C
     ]
 
 
-def _series(view: View, end: PartMotion | None):
+def _get_series(view: View, end: PartMotion | None):
     return view.report.centroid if end is None else end.centroid
 
 
@@ -310,7 +310,7 @@ def _check_order(index: int, expectation: ExpectedMotion, view: View) -> list[Ch
     earlier = [e for e in view.expectations if view.span(e)[0] < first - 1]
     if first < 3 or expectation.kind in (MotionKind.FALL, MotionKind.SWAY) or expectation.repeats > 1:
         return []
-    if not earlier or any(_alike(e, expectation) for e in earlier):
+    if not earlier or any(_is_alike(e, expectation) for e in earlier):
         return []
     begin = min(view.span(e)[0] for e in earlier)
     before = measure_signal(expectation, view, begin, first)
@@ -335,7 +335,7 @@ def _check_order(index: int, expectation: ExpectedMotion, view: View) -> list[Ch
     ]
 
 
-def _alike(one: ExpectedMotion, other: ExpectedMotion) -> bool:
+def _is_alike(one: ExpectedMotion, other: ExpectedMotion) -> bool:
     """Whether one motion also shows as the other."""
     if one.kind is MotionKind.SWAY and other.kind is MotionKind.MOVE:
         return True
@@ -357,9 +357,9 @@ def _check_part(index: int, expectation: ExpectedMotion, view: View) -> list[Che
         return []  # told already
     resting = view.find_end(tuple(-c for c in moving.direction))  # type: ignore[arg-type]
     first, last = view.span(expectation)
-    own, other = _extent(expectation, view, moving, first, last), None
+    own, other = _measure_extent(expectation, view, moving, first, last), None
     if resting is not None:
-        other = _extent(expectation, view, resting, first, last)
+        other = _measure_extent(expectation, view, resting, first, last)
     question = "does that part move, and the rest less?"
     if own is None or other is None:
         return [make_unseen_check(index, expectation, why or "the ends are not followed", question)]
@@ -388,7 +388,9 @@ _REST_SHARE = {False: 0.75, True: 0.4}
 """Of the moving end's motion that the other may show: a part drags the rest along, an excepted one hardly moves."""
 
 
-def _extent(expectation: ExpectedMotion, view: View, end: PartMotion, first: int, last: int) -> float | None:
+def _measure_extent(
+    expectation: ExpectedMotion, view: View, end: PartMotion, first: int, last: int
+) -> float | None:
     """How far an end moves or turns, in whatever direction it does so most along the asked one."""
     course = (
         view.turns(first, last, end)

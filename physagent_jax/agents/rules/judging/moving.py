@@ -42,11 +42,11 @@ def follow(
     drift = view.speed_before(first, end)
     direction = expectation.direction
     if course and direction is not None and cosine(drift, direction) < -0.7 and first > 0:
-        course = _from_turning_point(course, direction)
+        course = _cut_at_turning_point(course, direction)
     return view.without_others(course, expectation, drift), course, drift
 
 
-def _from_turning_point(course: Course, direction: Vector) -> Course:
+def _cut_at_turning_point(course: Course, direction: Vector) -> Course:
     """After a motion the other way: from where it turned round, if it did so early."""
     reach = course[0][0] + _RESPONDED * (course[-1][0] - course[0][0])
     start, place = min((point for point in course if point[0] <= reach), key=lambda p: dot(p[1], direction))
@@ -66,7 +66,7 @@ def check_move(index: int, expectation: ExpectedMotion, view: View) -> list[Chec
         until = last
     own, raw, drift = follow(expectation, view, until, end)
     if not own:
-        return [make_unseen_check(index, expectation, _why_lost(view, first, until))]
+        return [make_unseen_check(index, expectation, _explain_lost(view, first, until))]
     within = [point for point in own if point[0] <= last]
     peak_frame, peak = find_farthest(within if view.anchored and len(within) > 1 and not lasting else own)
     direction = expectation.direction
@@ -85,13 +85,13 @@ def check_move(index: int, expectation: ExpectedMotion, view: View) -> list[Chec
     )
     lost = next((t for t in range(first, until + 1) if view.report.centroid[t] is None), None)
     if lost is not None and 0 < along < tolerance.low:
-        return [make_unseen_check(index, expectation, _why_lost(view, first, until))]
+        return [make_unseen_check(index, expectation, _explain_lost(view, first, until))]
     checks = []
     if direction is not None and norm(peak) >= view.visible:
         checks += _check_direction(index, expectation, view, (own, raw), peak, drift)
     quantity = expectation.amount
     if quantity is None or quantity.unit in ("seconds", "degrees", "factor"):
-        name = f"{along:.2g} body lengths that way{_instead(view, along, first, last)}"
+        name = f"{along:.2g} body lengths that way{_describe_instead(view, along, first, last)}"
         checks.append(
             compare_amount(
                 index, expectation, "how far does it move?", tolerance, along, name, view, "displacement"
@@ -151,7 +151,7 @@ def _check_direction(
     return checks
 
 
-def _why_lost(view: View, first: int, until: int) -> str:
+def _explain_lost(view: View, first: int, until: int) -> str:
     """Why a displacement is not known."""
     leaves = view.report.quality.leaves_frame
     if leaves is not None and leaves <= until:
@@ -160,7 +160,7 @@ def _why_lost(view: View, first: int, until: int) -> str:
     return window.unobservable.get("displacement", "its place is not known throughout")
 
 
-def _instead(view: View, moved: float, first: int, last: int) -> str:
+def _describe_instead(view: View, moved: float, first: int, last: int) -> str:
     """What is seen in place of a displacement."""
     turns = view.turns(first, last)
     turned = norm(find_farthest(turns)[1]) if turns else 0.0
@@ -177,7 +177,7 @@ def check_fall(index: int, expectation: ExpectedMotion, view: View) -> list[Chec
     first = min([first, *(view.span(e)[0] for e in throws if e.window[0] <= expectation.window[0])])
     course = view.course(first, last)
     if not course:
-        return [make_unseen_check(index, expectation, _why_lost(view, first, last))]
+        return [make_unseen_check(index, expectation, _explain_lost(view, first, last))]
     down = expectation.direction or view.brief.directions.down
     heights = [(t, -dot(p, down)) for t, p in course]
     top = max(range(len(heights)), key=lambda i: heights[i][1])

@@ -124,7 +124,7 @@ class View:
             if start is None:
                 return []
             vectors = [(t, series[t]) for t in range(first, last + 1)]
-            points = [(t, _turn_between(start, v)) for t, v in vectors if v is not None]
+            points = [(t, _measure_turn(start, v)) for t, v in vectors if v is not None]
             return points if len(points) > 1 else []
         window = self.window(first, last)
         if end is not None or window is None or window.rotation_degrees is None:
@@ -146,14 +146,14 @@ class View:
                 return []
             turned = report.rotation[first] if report.rotation else None
             body = direction if turned is None else _rotate(direction, scale(turned, -1.0))
-            rest = max(_along(start, body), 1e-6)
+            rest = max(_project(start, body), 1e-6)
             tensors = [(t, report.stretch[t]) for t in range(first, last + 1)]
-            points = [(t, _along(S, body) / rest - 1.0) for t, S in tensors if S is not None]
+            points = [(t, _project(S, body) / rest - 1.0) for t, S in tensors if S is not None]
             return points if len(points) > 1 else []
         window = self.window(first, last)
         if window is None or window.stretch is None:
             return []
-        return [(window.first, 0.0), (window.last, _along(window.stretch, direction) - 1.0)]
+        return [(window.first, 0.0), (window.last, _project(window.stretch, direction) - 1.0)]
 
     def hides(self, direction: Vector) -> bool:
         """Whether a stretch along a direction cannot be seen, because it is along the line of sight."""
@@ -221,7 +221,7 @@ def find_first_response(course: Course, threshold: float) -> tuple[int, Vector] 
     return next(((t, p) for t, p in course if norm(p) > threshold), None)
 
 
-def _along(tensor: Matrix, direction: Vector) -> float:
+def _project(tensor: Matrix, direction: Vector) -> float:
     """n.S.n."""
     return dot((dot(tensor[0], direction), dot(tensor[1], direction), dot(tensor[2], direction)), direction)
 
@@ -235,12 +235,12 @@ def _rotate(v: Vector, turn: Vector) -> Vector:
     return add([scale(v, c), scale(cross(axis, v), s), scale(axis, dot(axis, v) * (1 - c))])
 
 
-def _turn_between(start: Vector, end: Vector) -> Vector:
+def _measure_turn(start: Vector, end: Vector) -> Vector:
     """The rotation vector from one orientation to another, both from frame 0 [deg], with whole turns kept."""
     if norm(start) < 1e-9:
         return end
-    w, x = _quaternion(end)
-    v, y = _quaternion(scale(start, -1.0))
+    w, x = _to_quaternion(end)
+    v, y = _to_quaternion(scale(start, -1.0))
     real = w * v - dot(x, y)
     vector = add([scale(y, w), scale(x, v), cross(x, y)])
     difference = add([end, scale(start, -1.0)])
@@ -252,7 +252,7 @@ def _turn_between(start: Vector, end: Vector) -> Vector:
     return scale(axis, angle + 360.0 * turns)
 
 
-def _quaternion(turn: Vector) -> tuple[float, Vector]:
+def _to_quaternion(turn: Vector) -> tuple[float, Vector]:
     half = math.radians(norm(turn)) / 2.0
     axis = normalise(turn) or (0.0, 0.0, 0.0)
     return math.cos(half), scale(axis, math.sin(half))

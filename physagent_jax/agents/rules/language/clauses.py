@@ -212,7 +212,7 @@ def _open_clause(
             and join in (Join.AND, Join.COMMA, Join.RESULT)
             and not (has_cause and join is Join.COMMA)
         )
-        turns_back = not has_verb and _turns_back(clauses, join, mentions)
+        turns_back = not has_verb and _is_turning_back(clauses, join, mentions)
         strokes = any(mention.kind is MentionKind.ORDINAL for mention in mentions)
         if turns_back or strokes:
             clause = Clause(Join.THEN)
@@ -225,7 +225,7 @@ def _open_clause(
             (waiting and join is not Join.THEN)
             or carried
             or corrects
-            or (continues and not _other_place(last, mentions))
+            or (continues and not _is_other_place(last, mentions))
         ):
             return last
     clause = Clause(join)
@@ -233,7 +233,7 @@ def _open_clause(
     return clause
 
 
-def _other_place(last: Clause, mentions: list[Mention]) -> bool:
+def _is_other_place(last: Clause, mentions: list[Mention]) -> bool:
     """Whether a segment sends another part elsewhere: "... the top to the left and the bottom to the right"."""
     kinds = {mention.kind for mention in mentions}
     return (
@@ -243,7 +243,7 @@ def _other_place(last: Clause, mentions: list[Mention]) -> bool:
     )
 
 
-def _turns_back(clauses: list[Clause], join: Join, mentions: list[Mention]) -> bool:
+def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention]) -> bool:
     """Whether a list goes the other way now: "push it left, right, and left again"."""
     last = clauses[-1]
     listed = len(clauses) > 1 and last.verb is None and last.cause is None
@@ -366,10 +366,10 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             participle = clause.verb.form.endswith("ing") and not merged[-1].head.form.endswith("ing")
             clause.join = Join.RESULT if participle else Join.COMMA
         related = clause.join is Join.RESULT
-        if merged and _carried_off(merged[-1], clause):
+        if merged and _is_carried_off(merged[-1], clause):
             clause.modifiers = [mention for mention in clause.modifiers if mention.phrase != "away"]
             related = True
-        related = related or (bool(merged) and _moved_by_wind(merged[-1], clause))
+        related = related or (bool(merged) and _is_moved_by_wind(merged[-1], clause))
         mergeable = (
             related
             and merged
@@ -389,7 +389,7 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
     return merged
 
 
-def _moved_by_wind(wind: Clause, clause: Clause) -> bool:
+def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:
     """Whether a swaying is the wind's work and goes its way: "wind blows from the left and the plant sways"."""
     if clause.verb is None or wind.head is None or not get_verb(wind.head).wind or clause.join is Join.THEN:
         return False
@@ -399,7 +399,7 @@ def _moved_by_wind(wind: Clause, clause: Clause) -> bool:
     )
 
 
-def _carried_off(cause: Clause, clause: Clause) -> bool:
+def _is_carried_off(cause: Clause, clause: Clause) -> bool:
     """Whether a travel is a blow's work: "kicked from the left and flies away"."""
     if clause.verb is None or cause.head is None or clause.join not in (Join.AND, Join.COMMA):
         return False

@@ -136,12 +136,12 @@ def _find_dose(
     return 1.0 if wanted is None else max(wanted, 1e-3) / abs(magnitude)
 
 
-def _push(
+def _compile_push(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, _before: list[Slot]
 ) -> None:
     assert event.direction is not None
     if event.repeat.alternate:
-        return _sway(event, window, after, builder, _before)
+        return _compile_sway(event, window, after, builder, _before)
     if (event.repeat.count or 1) > 1:
         return _compile_repeated_push(event, window, after, builder)
     acted = _add_steady(
@@ -190,7 +190,7 @@ def _make_impulse_window(at: float) -> Window:
     return (float(round(at)), round(at) + _IMPULSE_FRAMES)
 
 
-def _sway(
+def _compile_sway(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, _before: list[Slot]
 ) -> None:
     """To and fro.
@@ -234,16 +234,16 @@ def _sway(
     )
 
 
-def _lean(
+def _compile_lean(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, before: list[Slot]
 ) -> None:
     """Anchored things and things in the wind are pushed over; a free thing is turned."""
     assert event.direction is not None
     horizontal = abs(dot(event.direction, builder.brief.directions.up)) < 0.9
     if event.repeat.alternate or (event.repeat.count or 1) > 1:
-        return _sway(event, window, after, builder, before)
+        return _compile_sway(event, window, after, builder, before)
     if builder.anchored or event.wind or not horizontal or builder.brief.object_kind == "plant":
-        return _push(event, window, after, builder, before)
+        return _compile_push(event, window, after, builder, before)
     axis = find_lean_axis(event.direction, builder.brief)
     acted = _add_steady(event, ActionType.TORQUE, axis, _LEAN * event.strength, window, after, builder)
     builder.add_expectation(
@@ -257,7 +257,7 @@ def _lean(
     return None
 
 
-def _scale(
+def _compile_scale(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, _before: list[Slot]
 ) -> None:
     """Along one axis, or along all three (`Effect.SWELL`); several times with pauses if counted."""
@@ -287,7 +287,7 @@ def _scale(
     )
 
 
-def _burst(
+def _compile_burst(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, _before: list[Slot]
 ) -> None:
     """Outward along all axes, briefly: a uniform impulse has no outward form."""
@@ -299,7 +299,7 @@ def _burst(
     builder.add_expectation(event, MotionKind.STRETCH, None, burst, released=True)
 
 
-def _strike(
+def _compile_strike(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, _before: list[Slot]
 ) -> None:
     """Blows, evenly spaced if counted; thrown things come down again."""
@@ -346,23 +346,23 @@ def _strike(
         builder.add_expectation(event, MotionKind.FALL, None, fall)
 
 
-def _jump(
+def _compile_jump(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, before: list[Slot]
 ) -> None:
     """An impulse upwards, and along the direction if there is one."""
     assert event.direction is not None
     up = normalise(add([builder.brief.directions.up, event.direction])) or builder.brief.directions.up
-    _strike(replace(event, direction=up), window, after, builder, before)
+    _compile_strike(replace(event, direction=up), window, after, builder, before)
 
 
-def _turn(
+def _compile_turn(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, _before: list[Slot]
 ) -> None:
     assert event.direction is not None
     if event.verb.wrings and event.part is None and event.region is None and not event.repeat.alternate:
         ends = _split_ends(event, builder)
         if len(ends) > 1:
-            _turn_against(ends, window, _is_released(event, window, after, builder), builder)
+            _compile_turn_against(ends, window, _is_released(event, window, after, builder), builder)
             return
         (event,) = ends
     assert event.direction is not None
@@ -390,7 +390,9 @@ def _turn(
     builder.add_expectation(event, MotionKind.ROTATE, event.direction, windows[0], repeats=count)
 
 
-def _turn_against(ends: list[Event], window: Window, released: bool, builder: ForceFieldBuilder) -> None:
+def _compile_turn_against(
+    ends: list[Event], window: Window, released: bool, builder: ForceFieldBuilder
+) -> None:
     """Opposed turns at the same time: the object as a whole stays where it is, and nothing has to be braked."""
     for end in ends:
         assert end.direction is not None
@@ -423,7 +425,7 @@ def _split_ends(event: Event, builder: ForceFieldBuilder) -> list[Event]:
     ]
 
 
-def _roll(
+def _compile_roll(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, _before: list[Slot]
 ) -> None:
     """Travels along the direction while the top turns into it."""
@@ -440,7 +442,7 @@ def _roll(
     builder.add_expectation(event, MotionKind.ROTATE, axis, acted, amount=event.amount if turns else None)
 
 
-def _fall(
+def _compile_fall(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, before: list[Slot]
 ) -> None:
     """Gravity from the first frame; where there is none, a fall after other motion is a push downwards instead."""
@@ -471,7 +473,7 @@ def _fall(
         builder.add_expectation(event, MotionKind.MOVE, event.direction, window)
 
 
-def _topple(
+def _compile_topple(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, before: list[Slot]
 ) -> None:
     """Gravity and a turn of the top towards the direction."""
@@ -484,32 +486,32 @@ def _topple(
     builder.add_expectation(event, MotionKind.FALL, None, window)
 
 
-def _still(
+def _compile_still(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, _before: list[Slot]
 ) -> None:
     builder.add_expectation(event, MotionKind.STILL, None, window)
 
 
-def _nothing(
+def _compile_nothing(
     event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, _before: list[Slot]
 ) -> None:
     """Release and holding act through the windows of others and through the anchor."""
 
 
 _COMPILERS = {
-    Effect.PUSH: _push,
-    Effect.LEAN: _lean,
-    Effect.SWAY: _sway,
-    Effect.SCALE: _scale,
-    Effect.SWELL: _scale,
-    Effect.STRIKE: _strike,
-    Effect.BURST: _burst,
-    Effect.TURN: _turn,
-    Effect.ROLL: _roll,
-    Effect.FALL: _fall,
-    Effect.TOPPLE: _topple,
-    Effect.JUMP: _jump,
-    Effect.STILL: _still,
-    Effect.RELEASE: _nothing,
-    Effect.HOLD: _nothing,
+    Effect.PUSH: _compile_push,
+    Effect.LEAN: _compile_lean,
+    Effect.SWAY: _compile_sway,
+    Effect.SCALE: _compile_scale,
+    Effect.SWELL: _compile_scale,
+    Effect.STRIKE: _compile_strike,
+    Effect.BURST: _compile_burst,
+    Effect.TURN: _compile_turn,
+    Effect.ROLL: _compile_roll,
+    Effect.FALL: _compile_fall,
+    Effect.TOPPLE: _compile_topple,
+    Effect.JUMP: _compile_jump,
+    Effect.STILL: _compile_still,
+    Effect.RELEASE: _compile_nothing,
+    Effect.HOLD: _compile_nothing,
 }

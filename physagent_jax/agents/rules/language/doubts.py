@@ -38,15 +38,15 @@ def list_unknown(
         word = mention.phrase
         if mention.kind is not MentionKind.UNKNOWN or word in unknown or word in names:
             continue
-        before = _phrase(mentions, index - 1)
+        before = _get_phrase(mentions, index - 1)
         owned = (
             before in ("its", "his", "her", "their") or word.removesuffix("s") in PARTS
         )  # "its corners", "the arms"
-        if _describes_part(mentions, index) or word in UNPLACED_PARTS or owned:
+        if _is_describing_part(mentions, index) or word in UNPLACED_PARTS or owned:
             unknown.append(word)
         elif word.isalpha() and (before in taken or not (named or taken) and before in DETERMINERS):
             taken.append(word)  # "the castle", "the sand castle"
-        elif word not in taken and not _decorates(mentions, index, names):
+        elif word not in taken and not _is_decorating(mentions, index, names):
             unknown.append(word)
     notes = [f"'{' '.join(taken)}' is taken to be the object ({brief.object_name})."] if taken else []
     return unknown, notes
@@ -67,17 +67,23 @@ def find_doubts(
     doubts = [f"'{word}' is not understood." for word in unknown]
     named = any(mention.phrase in names for mention in mentions)
     for index, mention in enumerate(mentions):
-        before = _phrase(mentions, index - 1)
+        before = _get_phrase(mentions, index - 1)
         following = mentions[index + 1] if index + 1 < len(mentions) else None
-        if mention.form == "like" and before not in ("would", "d", "i") and not _names_cause(mentions, index):
+        if (
+            mention.form == "like"
+            and before not in ("would", "d", "i")
+            and not _is_naming_cause(mentions, index)
+        ):
             doubts.append("What comes after 'like' is a comparison, and comparisons are not understood.")
         elif (
-            mention.form == "way" and before == "the" and _phrase(mentions, index - 2) not in ("all", "half")
+            mention.form == "way"
+            and before == "the"
+            and _get_phrase(mentions, index - 2) not in ("all", "half")
         ):
             doubts.append("'the way' of doing it is not understood.")
         elif mention.kind is MentionKind.EXCEPT:
             doubts.append(f"What '{mention.words}' leaves out is not understood.")
-        elif mention.form in ("apart", "together") and _phrase(mentions, index - 1) in names | THINGS:
+        elif mention.form in ("apart", "together") and _get_phrase(mentions, index - 1) in names | THINGS:
             doubts.append(f"What goes '{mention.form}' is more than one object.")
         elif mention.phrase in names and before in _PAIRS:
             doubts.append(f"There is only one object here, not '{before} {mention.words}'.")
@@ -92,14 +98,14 @@ def find_doubts(
             and _is_acted_on(mentions, index)
         ):
             doubts.append(f"'{mention.words}' is another thing, and there is only one object here.")
-        elif mention.phrase in LOCATIONS and _next_telling(mentions, index) is MentionKind.PLACE:
+        elif mention.phrase in LOCATIONS and _find_next_telling(mentions, index) is MentionKind.PLACE:
             doubts.append(f"Where '{mention.words}' that part is, is not known.")
         elif mention.phrase in ("table", "shelf", "cliff") and "off" in (
             before,
-            _phrase(mentions, index - 2),
+            _get_phrase(mentions, index - 2),
         ):
             doubts.append(f"There is no {mention.words} here.")
-        elif mention.phrase == "gravity" and mention.value == "down" and _turns_aside(mentions, index):
+        elif mention.phrase == "gravity" and mention.value == "down" and _is_turning_aside(mentions, index):
             doubts.append("Gravity acts downwards, upwards or not at all here.")
         elif mention.form in ("second", "third", "fourth", "fifth", "last") and following is not None:
             if following.kind is MentionKind.PLACE or following.phrase in UNPLACED_PARTS | frozenset(PARTS):
@@ -109,16 +115,18 @@ def find_doubts(
         ways = [m for m in clause.select(MentionKind.DIRECTION) if holds and m.value != ("down",)]
         if ways:
             doubts.append(f"How it is held '{ways[0].words}' is not understood.")
-    doubts += [f"What '{m.words}' counts is not understood." for m in _loose_quantities(mentions, clauses)]
+    doubts += [
+        f"What '{m.words}' counts is not understood." for m in _find_loose_quantities(mentions, clauses)
+    ]
     return list(dict.fromkeys(doubts))
 
 
-def _next_telling(mentions: list[Mention], index: int) -> MentionKind | None:
+def _find_next_telling(mentions: list[Mention], index: int) -> MentionKind | None:
     """The kind of the next mention that is no article."""
     return next((m.kind for m in mentions[index + 1 :] if m.kind is not MentionKind.FUNCTION), None)
 
 
-def _turns_aside(mentions: list[Mention], index: int) -> bool:
+def _is_turning_aside(mentions: list[Mention], index: int) -> bool:
     """Whether what follows gravity, before any verb, is a direction to a side."""
     for mention in mentions[index + 1 :]:
         if mention.kind in (MentionKind.VERB, MentionKind.JOIN):
@@ -128,7 +136,7 @@ def _turns_aside(mentions: list[Mention], index: int) -> bool:
     return False
 
 
-def _loose_quantities(mentions: list[Mention], clauses: list[Clause]) -> list[Mention]:
+def _find_loose_quantities(mentions: list[Mention], clauses: list[Clause]) -> list[Mention]:
     """Quantities that no clause with a verb has taken up."""
     used = [m for clause in clauses if clause.head is not None for m in clause.modifiers]
     used += [m for clause in clauses if clause.verb is not None for m in clause.mentions]
@@ -137,10 +145,10 @@ def _loose_quantities(mentions: list[Mention], clauses: list[Clause]) -> list[Me
     ]
 
 
-def _describes_part(mentions: list[Mention], index: int) -> bool:
+def _is_describing_part(mentions: list[Mention], index: int) -> bool:
     """Whether a word tells which part: "the red part", "the blue corner"."""
     following = mentions[index + 1] if index + 1 < len(mentions) else None
-    if following is None or _phrase(mentions, index - 1) not in DETERMINERS:
+    if following is None or _get_phrase(mentions, index - 1) not in DETERMINERS:
         return False
     return (
         following.kind is MentionKind.PLACE
@@ -149,9 +157,9 @@ def _describes_part(mentions: list[Mention], index: int) -> bool:
     )
 
 
-def _decorates(mentions: list[Mention], index: int, names: frozenset[str]) -> bool:
+def _is_decorating(mentions: list[Mention], index: int, names: frozenset[str]) -> bool:
     """Whether a word changes nothing: an adjective of the object, or who acts ("by a crane", "the baker presses")."""
-    before = _phrase(mentions, index - 1)
+    before = _get_phrase(mentions, index - 1)
     behind = index + 1
     while behind < len(mentions) and mentions[behind].kind is MentionKind.UNKNOWN:
         behind += 1
@@ -161,8 +169,8 @@ def _decorates(mentions: list[Mention], index: int, names: frozenset[str]) -> bo
     first = index
     while first > 0 and _is_adjective(mentions[first - 1]):
         first -= 1
-    determined = _phrase(mentions, first - 1) in DETERMINERS | {"two", "three", "some"}
-    if determined and _phrase(mentions, first - 2) == "by":
+    determined = _get_phrase(mentions, first - 1) in DETERMINERS | {"two", "three", "some"}
+    if determined and _get_phrase(mentions, first - 2) == "by":
         return True  # "is lifted by a crane"
     begins = first - 1 <= 0
     acts = after is not None and after.kind is MentionKind.VERB and not after.form.endswith("ing")
@@ -194,10 +202,10 @@ def _is_acted_on(mentions: list[Mention], index: int) -> bool:
     return mention.kind is MentionKind.VERB or joined or mention.phrase in ("of", "s")
 
 
-def _names_cause(mentions: list[Mention], index: int) -> bool:
+def _is_naming_cause(mentions: list[Mention], index: int) -> bool:
     """Whether what follows is a cause that is understood: "like in a storm"."""
     return any(m.kind is MentionKind.CAUSE or m.phrase in CAUSES for m in mentions[index + 1 : index + 5])
 
 
-def _phrase(mentions: list[Mention], index: int) -> str:
+def _get_phrase(mentions: list[Mention], index: int) -> str:
     return mentions[index].phrase if 0 <= index < len(mentions) else ""

@@ -94,7 +94,7 @@ class Event:
 
 def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
     """The event that a clause with a verb or a cause describes; ``before`` gives "harder" its measure."""
-    verb, phrase = _effective_verb(clause)
+    verb, phrase = _choose_verb(clause)
     if (
         verb.effect is Effect.ROLL
         and clause.select(MentionKind.SENSE)
@@ -105,7 +105,7 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         clause.verb is None
         and verb.wind
         and not clause.select(MentionKind.DIRECTION, MentionKind.FROM)
-        and _sways_in_wind(brief)
+        and _is_swaying_in_wind(brief)
     ):
         verb, phrase = replace(VERBS["sway"], strength=verb.strength), "sway"
     if verb.effect is Effect.FALL and any(repeat.alternate for repeat in find_repeats(clause)):
@@ -115,7 +115,7 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
     place = next(iter(find_places(clause)), None)
     direction, repeat, direction_source, notes = _resolve_direction(clause, verb, phrase, place, brief)
     if verb.effect in (Effect.BURST, Effect.STRIKE, Effect.PUSH, Effect.SWAY, Effect.SCALE, Effect.SWELL):
-        verb = _by_direction(verb, clause, direction_source)
+        verb = _choose_by_direction(verb, clause, direction_source)
         if verb.effect is Effect.SWELL:
             direction = None
         elif verb.effect is Effect.SCALE and direction is None:
@@ -245,12 +245,12 @@ def resolve_obstacles(clause: Clause, way: Vector | None, brief: SceneBrief) -> 
     return found
 
 
-def _sways_in_wind(brief: SceneBrief) -> bool:
+def _is_swaying_in_wind(brief: SceneBrief) -> bool:
     """What a bare wind does: what is held or grows sways, what is free is blown away."""
     return brief.anchored is not None or brief.object_kind == "plant"
 
 
-def _effective_verb(clause: Clause) -> tuple[Verb, str]:
+def _choose_verb(clause: Clause) -> tuple[Verb, str]:
     """The verb; a wind that "hits" pushes, a cause of generic motion ("sends it") gives its own kind."""
     if clause.verb is None:
         assert clause.cause is not None
@@ -300,7 +300,7 @@ def _sum_directions(names: Names, brief: SceneBrief) -> Vector:
     return add(_WORLD_AXES.get(name) or getattr(brief.directions, name) for name in names)
 
 
-def _names(mentions: list[Mention]) -> list[Names]:
+def _list_names(mentions: list[Mention]) -> list[Names]:
     return [mention.value for mention in mentions if isinstance(mention.value, tuple)]
 
 
@@ -320,7 +320,7 @@ def _resolve_direction(
     ]
     if told:
         parts = []
-        for mention, names in zip(told, _names(told)):
+        for mention, names in zip(told, _list_names(told)):
             sign = -1.0 if mention.kind is MentionKind.FROM and not verb.pulls else 1.0
             parts.append(scale(_sum_directions(names, brief), sign))
         total, words = normalise(add(parts)), " ".join(mention.words for mention in told)
@@ -331,7 +331,7 @@ def _resolve_direction(
         )
     elif lines:
         total, source = (
-            normalise(_sum_directions(_names(lines)[0], brief)),
+            normalise(_sum_directions(_list_names(lines)[0], brief)),
             ValueSource(lines[0].words, "an axis by name"),
         )
     elif repeat.names:
@@ -354,7 +354,7 @@ def _resolve_direction(
         return _assume_direction(clause, verb, brief, repeat)
     if verb.effect is Effect.TURN and told and total is not None:
         tumbles = phrase in TUMBLES and abs(dot(total, brief.directions.up)) < 0.7
-        total = find_lean_axis(total, brief) if tumbles else _turn_towards(total, brief)
+        total = find_lean_axis(total, brief) if tumbles else _find_turn_towards(total, brief)
         source = replace(
             source, why=f"{'the top' if tumbles else 'the side that faces the viewer'} turns this way"
         )
@@ -390,11 +390,15 @@ def _resolve_turn_axis(
     }  # turning horizontally is about the vertical
     named = [
         (mention, names)
-        for mention, names in zip(clause.select(MentionKind.AXIS), _names(clause.select(MentionKind.AXIS)))
+        for mention, names in zip(
+            clause.select(MentionKind.AXIS), _list_names(clause.select(MentionKind.AXIS))
+        )
     ]
     named += [
         (mention, planes.get(names, names))
-        for mention, names in zip(clause.select(MentionKind.PLANE), _names(clause.select(MentionKind.PLANE)))
+        for mention, names in zip(
+            clause.select(MentionKind.PLANE), _list_names(clause.select(MentionKind.PLANE))
+        )
     ]
     views = clause.select(MentionKind.VIEW)
     senses = clause.select(MentionKind.SENSE)
@@ -402,7 +406,7 @@ def _resolve_turn_axis(
     if named:
         axis = _sum_directions(named[0][1], brief)
     elif views:
-        axis = _sum_directions(_names(views)[0], brief)
+        axis = _sum_directions(_list_names(views)[0], brief)
     elif verb.wrings and brief.long_axis is not None and not told:
         axis = brief.long_axis
     else:
@@ -414,7 +418,11 @@ def _resolve_turn_axis(
         assert isinstance(senses[0].value, int)
         sign = float(senses[0].value)
     elif told:
-        sign = 1.0 if dot(axis, _turn_towards(_sum_directions(_names(told)[0], brief), brief)) >= 0 else -1.0
+        sign = (
+            1.0
+            if dot(axis, _find_turn_towards(_sum_directions(_list_names(told)[0], brief), brief)) >= 0
+            else -1.0
+        )
     words = " ".join(
         mention.words for mention in [*senses, *(mention for mention, _ in named), *views, *told]
     )
@@ -422,7 +430,7 @@ def _resolve_turn_axis(
     return normalise(scale(axis, sign)), repeat, ValueSource(words, why)
 
 
-def _turn_towards(direction: Vector, brief: SceneBrief) -> Vector:
+def _find_turn_towards(direction: Vector, brief: SceneBrief) -> Vector:
     """Axis about which the viewer's side (or, for toward and away, the top) moves along ``direction``."""
     toward, up = brief.directions.toward, brief.directions.up
     reference = up if abs(cosine(direction, toward)) > 0.7 else toward
@@ -434,7 +442,7 @@ def find_lean_axis(direction: Vector, brief: SceneBrief) -> Vector:
     return normalise(cross(brief.directions.up, direction)) or brief.directions.toward
 
 
-def _by_direction(verb: Verb, clause: Clause, source: ValueSource) -> Verb:
+def _choose_by_direction(verb: Verb, clause: Clause, source: ValueSource) -> Verb:
     """Verbs whose kind depends on where they act: from both sides, outward, from one side."""
     sides = clause.select(MentionKind.SIDES)
     told = bool(clause.select(MentionKind.DIRECTION, MentionKind.FROM))

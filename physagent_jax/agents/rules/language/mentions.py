@@ -132,7 +132,7 @@ class MentionParser:
         if not token.is_word:
             join = m.Join.COMMA if token.text in (",", ":") else m.Join.THEN
             return self._make_mention(MentionKind.JOIN, join, token.text, [at])
-        if token.text in self._object_words and (token.lemma not in v.VERBS or self._after_determiner(at)):
+        if token.text in self._object_words and (token.lemma not in v.VERBS or self._is_after_determiner(at)):
             return self._make_mention(MentionKind.FUNCTION, None, token.text, [at])
         return (
             self._match_solid(at)
@@ -152,13 +152,13 @@ class MentionParser:
             return None
         solid, behind = found
         if self.mentions and solid.kind:
-            self._turn_collision(at)
+            self._convert_collision(at)
         used = [index for index in range(at, behind) if index not in self._used]
         if not solid.kind:  # "between two plates"
             return self._make_mention(MentionKind.FUNCTION, None, "plates", used)
         return self._make_mention(MentionKind.SOLID, solid, "solid", used)
 
-    def _turn_collision(self, at: int) -> None:
+    def _convert_collision(self, at: int) -> None:
         """Makes "hits a wall", "bounces off the wall" the way there: no blow."""
         index = len(self.mentions) - 1
         while index >= 0 and self.mentions[index].kind is MentionKind.FUNCTION:
@@ -176,7 +176,7 @@ class MentionParser:
 
     def _match_floating(self, at: int) -> Mention | None:
         """An adjective: "the floating robot" is weightless; elsewhere it is what happens."""
-        adjective = self.tokens[at].text in ("floating", "hovering") and self._after_determiner(at)
+        adjective = self.tokens[at].text in ("floating", "hovering") and self._is_after_determiner(at)
         if adjective and self._get_text(at + 1) in self._object_words:
             return self._make_mention(MentionKind.GRAVITY, "none", self.tokens[at].text, [at])
         return None
@@ -215,18 +215,18 @@ class MentionParser:
                 return self._make_mention(
                     MentionKind.PLACE, m.Place(names, m.PARTS[part]), f"{phrase} {part}", used
                 )
-            if names is None or phrase not in m.ENDS or self._begins_longer_phrase(at):
+            if names is None or phrase not in m.ENDS or self._is_longer_phrase(at):
                 continue
             if towards:
                 return self._make_direction(names, phrase, [at])
             if phrase == "back" and self._get_text(at + 1) in ("to", "toward", "towards"):
                 return self._make_mention(MentionKind.FUNCTION, None, phrase, [at])  # "back to the left"
-            if phrase != "back" or self._after_determiner(at):
+            if phrase != "back" or self._is_after_determiner(at):
                 return self._make_mention(MentionKind.PLACE, m.Place(names, 2 / 3), phrase, [at])
             return self._make_mention(MentionKind.DIRECTION, names, phrase, [at])
         return None
 
-    def _begins_longer_phrase(self, at: int) -> bool:
+    def _is_longer_phrase(self, at: int) -> bool:
         """Whether a fixed phrase begins here: "back and forth" is not the back."""
         return any(
             len(words) > 1 and self._match(words, at)
@@ -270,10 +270,10 @@ class MentionParser:
             matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0])
         )
         if kind is MentionKind.DIRECTION and (
-            self._get_preposition(at) == "from" or self._locates_cause(words)
+            self._get_preposition(at) == "from" or self._is_locating_cause(words)
         ):
             kind = MentionKind.FROM
-        elif kind is MentionKind.INTENSITY and self._describes_thing(at, len(used)):
+        elif kind is MentionKind.INTENSITY and self._is_describing_thing(at, len(used)):
             kind, value = MentionKind.FUNCTION, None
         return self._make_mention(kind, value, " ".join(words), used)
 
@@ -318,7 +318,7 @@ class MentionParser:
             "forth",
         ):
             return True  # "swings back and forth" does not swing back
-        if phrase.endswith(" over") and self._goes_over_and_over(at):
+        if phrase.endswith(" over") and self._is_over_and_over(at):
             return True  # "push it over and over" does not push it over
         if kind is not MentionKind.VERB or len(words) > 1:
             return False
@@ -326,18 +326,18 @@ class MentionParser:
             return before in _DETERMINERS or before in m.INTENSITIES or self._get_text(at - 2) in ("a", "an")
         return phrase in v.NOUNS_AFTER_THE and before in ("the", "its", "a")
 
-    def _goes_over_and_over(self, at: int) -> bool:
+    def _is_over_and_over(self, at: int) -> bool:
         texts = [token.text for token in self.tokens[at : at + LONGEST_GAP + 6]]
         return any(texts[i : i + 3] == ["over", "and", "over"] for i in range(len(texts)))
 
-    def _locates_cause(self, words: tuple[str, ...]) -> bool:
+    def _is_locating_cause(self, words: tuple[str, ...]) -> bool:
         """Whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
         return words[0] in m.LOCATIONS and bool(self.mentions) and self.mentions[-1].kind is MentionKind.CAUSE
 
-    def _describes_thing(self, at: int, size: int) -> bool:
+    def _is_describing_thing(self, at: int, size: int) -> bool:
         """Whether an adjective belongs to a thing ("the heavy robot") rather than to what happens ("a heavy blow")."""
         after = self._get_text(at + size)
-        if not self._after_determiner(at) or not after.isalpha():
+        if not self._is_after_determiner(at) or not after.isalpha():
             return False
         known = after in _LEXICON or self.tokens[at + size].lemma in _LEXICON or after in m.FUNCTION_WORDS
         return after in self._object_words or not known
@@ -354,12 +354,12 @@ class MentionParser:
     def _get_text(self, at: int) -> str:
         return self.tokens[at].text if 0 <= at < len(self.tokens) else ""
 
-    def _after_determiner(self, at: int) -> bool:
+    def _is_after_determiner(self, at: int) -> bool:
         return self._get_text(at - 1) in _DETERMINERS
 
     def _get_preposition(self, at: int) -> str:
         """The word before, past a determiner."""
-        before = at - 2 if self._after_determiner(at) else at - 1
+        before = at - 2 if self._is_after_determiner(at) else at - 1
         return self._get_text(before)
 
 
