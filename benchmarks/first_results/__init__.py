@@ -1,1 +1,1 @@
-"""Twelve sentences over four objects: what was asked, simulated, perceived and true, and everything odd."""
+"""Twenty-four sentences over eight objects: what was asked, simulated, perceived and true, and what a viewer sees."""

@@ -2,14 +2,39 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
+from benchmarks.first_results.sheets import name_sheet
+from benchmarks.first_results.viewing import UNSEEN, VIEWS, Remarks, find_view, rank
 from benchmarks.harness import Row, link, number, one_line, provenance, table
 
 BEGIN, END = "<!-- measured: begin -->\n", "<!-- measured: end -->\n"
 
-_SENTENCES = ("#", "object", "sentence", "force field", "perceived: farthest, last turn", "truth")
-_SENTENCES += ("verdict", "rounds", "seconds")
+_CONFUSION = """
+## Verdicts against what a viewer sees
+
+The verdict of the run, from the pictures, and what the same planner says of the particles' true motion, which no agent
+is shown: each against whether the video shows what the sentence says.
+"""
+_SENTENCES_HEAD = """
+## The sentences
+
+Those first in which verdict and viewer disagree: a success that is none, or a failure that is one; then successes that
+are so in part.
+"""
+_SENTENCES = ("#", "object", "preset", "sentence", "viewer", "what a viewer sees")
+_SENTENCES += ("verdict", "from the truth", "rounds", "seconds", "frames")
+
+_SHEETS = """
+## Contact sheets
+
+"""
+
+_MOTION = """
+## Force fields and motion
+"""
+_FIELDS = ("#", "force field", "perceived: farthest, last turn", "truth", "particles", "substeps")
 
 _PERCEPTION = """
 ## Perceived against true
@@ -26,17 +51,17 @@ _ODDITIES = """
 ## Oddities
 
 Found in the truth and in the runs' own files, by `benchmarks/first_results/oddities.py`; "not passed" are the planner's
-checks.
+checks, of the pictures and of the truth.
 
 """
 
 
-def document(result: dict, json_path: Path, target: Path) -> str:
+def document(result: dict, json_path: Path, target: Path, *, remarks: Remarks) -> str:
     """``target``'s text with the measured part put between its two marks; the measured part alone if it has none."""
     text = (
         BEGIN
         + f"\nEvery row is in [{json_path.name}]({link(json_path, target)}).\n"
-        + _measured(result)
+        + _measured(result, remarks)
         + END
     )
     if not target.is_file() or BEGIN not in (held := target.read_text()):
@@ -45,7 +70,7 @@ def document(result: dict, json_path: Path, target: Path) -> str:
     return before + text + rest.split(END, 1)[1]
 
 
-def _measured(result: dict) -> str:
+def _measured(result: dict, remarks: Remarks) -> str:
     text = provenance(result, ("sentences",))
     if "sentences" not in result:
         return text
@@ -54,25 +79,62 @@ def _measured(result: dict) -> str:
     missing = [name for name in left_out if not any(row["object"] == name for row in rows)]
     if missing:
         text += f"\nLeft out, because there was no file: {', '.join(missing)}.\n"
-    text += table(_SENTENCES, [_sentence(row) for row in rows])
-    text += _PERCEPTION + table(_PERCEIVED, [_perception(row) for row in rows])
-    first = rows[0]["oddities"] if len(rows) > 1 else []
-    common = [words for words in first if all(words in row["oddities"] for row in rows)]
+    views = {row["case"]: find_view(row, remarks) for row in rows}
+    text += _CONFUSION + _count_verdicts(rows, views)
+    sheets = {row["case"]: name_sheet(index) for index, row in enumerate(rows)}
+    ordered = sorted(rows, key=lambda row: (rank(row["verdict"], views[row["case"]][0]), row["case"]))
+    text += _SENTENCES_HEAD + table(_SENTENCES, [_sentence(row, views, sheets) for row in ordered])
+    text += _SHEETS + "".join(
+        f"![Frames of the videos](images/{name})\n\n" for name in dict.fromkeys(sheets.values())
+    )
+    made = [row for row in rows if row["video"] is not None]
+    text += _MOTION + table(_FIELDS, [_field(row) for row in made])
+    text += _PERCEPTION + table(_PERCEIVED, [_perception(row) for row in made])
+    first = made[0]["oddities"] if len(made) > 1 else []
+    common = [words for words in first if all(words in row["oddities"] for row in made)]
     text += _ODDITIES + (f"- **All rows**: {one_line('; '.join(common))}\n" if common else "")
     return text + "".join(_odd(row, common) for row in rows) + "\n"
 
 
-def _sentence(row: Row) -> list:
+def _count_verdicts(rows: list[Row], views: dict[str, tuple[str, str]]) -> str:
+    """How often each verdict meets each view."""
+    lines = []
+    for judge, key in (("from the pictures", "verdict"), ("from the truth", "true_verdict")):
+        counts = Counter((row[key], views[row["case"]][0]) for row in rows if key in row)
+        for verdict in sorted({verdict for verdict, _ in counts}, reverse=True):
+            cells = [counts[verdict, view] for view in (*VIEWS, UNSEEN)]
+            lines.append([f"{verdict} {judge}", *cells, sum(cells)])
+    return table(["", *(f"viewer: {view}" for view in VIEWS), UNSEEN, "all"], lines)
+
+
+def _number(row: Row) -> str:
+    return row["case"].split("-")[0]
+
+
+def _sentence(row: Row, views: dict[str, tuple[str, str]], sheets: dict[str, str]) -> list:
+    view, remark = views[row["case"]]
+    head = [_number(row), row["object"], row["preset"], " ".join([row["sentence"], *row["options"]])]
+    head += [view, one_line(remark)]
+    if row["video"] is None:
+        return [*head, row["verdict"], "", "", "", ""]
     return [
-        row["number"],
-        row["object"],
-        row["prompt"],
+        *head,
+        f"{row['verdict']} ({row['score']:.2f})",
+        f"{row['true_verdict']} ({row['true_score']:.2f})",
+        row["iterations"],
+        f"{row['wall_s']['total']:.0f}",
+        f"[sheet](images/{sheets[row['case']]})",
+    ]
+
+
+def _field(row: Row) -> list:
+    return [
+        _number(row),
         "<br>".join(_actions(row["force_field"])),
         _motion(row["perceived_farthest"], row["perceived_rotation"]),
         _motion(row["true_farthest"], row["true_rotation"]),
-        f"{row['verdict']} ({row['score']:.2f})",
-        row["iterations"],
-        f"{row['wall_s']['total']:.0f}",
+        f"{row['particle_count']:,}",
+        f"{row['substeps']:,}",
     ]
 
 
@@ -86,13 +148,20 @@ def _perception(row: Row) -> list:
     shown = [
         "not seen" if cell is None else cell if isinstance(cell, str) else number(cell) for cell in cells
     ]
-    return [row["number"], *shown, f"{errors['frames_observed']} of {row['frames']}"]
+    return [_number(row), *shown, f"{errors['frames_observed']} of {row['frames']}"]
 
 
 def _odd(row: Row, common: list[str]) -> str:
+    start = f'- **{_number(row)}, {row["object"]}, "{row["sentence"]}"**: '
+    if row["video"] is None:
+        return f"{start}{row['verdict'].lower()}: {one_line(row['message'])}\n"
     lines = [*(words for words in row["oddities"] if words not in common)]
+    lines += [*(f"unsure: {words}" for words in row["unsure"])]
+    if row["not_understood"]:
+        lines.append(f"not understood: {', '.join(row['not_understood'])}")
     lines += [*(f"not passed: {check}" for check in row["failed_checks"])]
-    start = f'- **{row["number"]}, {row["object"]}, "{row["prompt"]}"**: '
+    unpassed = [check for check in row["true_failed_checks"] if check not in row["failed_checks"]]
+    lines += [*(f"not passed, from the truth: {check}" for check in unpassed)]
     return start + (one_line("; ".join(line.rstrip(".") for line in lines)) if lines else "nothing") + ".\n"
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from physagent_jax.metrics.motion import compare
 from physagent_jax.perception.schema import MotionReport
@@ -28,7 +28,7 @@ def find_pieces(x: np.ndarray, reach: float) -> np.ndarray:
         x: Positions [m], shape (n, 3).
         reach: Particles up to this far apart are joined [m].
     """
-    pairs = cKDTree(x).query_pairs(reach, output_type="ndarray")
+    pairs = KDTree(x).query_pairs(reach, output_type="ndarray")
     joined = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(x), len(x)))
     _, labels = connected_components(joined, directed=False)
     rank = np.argsort(np.argsort(-np.bincount(labels), kind="stable"))

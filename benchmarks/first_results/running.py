@@ -1,0 +1,142 @@
+"""One sentence through the command line, in a process of its own, and what came of it as a row."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks import harness
+from benchmarks.first_results.catalogue import Case
+from benchmarks.first_results.oddities import find_oddities
+from benchmarks.first_results.viewing import hash_video
+from benchmarks.harness import Row
+from physagent_jax.agents.context import AgentContext, Observation
+from physagent_jax.agents.registry import make_agents
+from physagent_jax.agents.schema import Judgement
+from physagent_jax.forces.description import describe_skills
+from physagent_jax.metrics import report_true_motion
+from physagent_jax.metrics.motion import compare
+from physagent_jax.run.brief import make_brief
+from physagent_jax.run.finished import FinishedRun, open_run
+from physagent_jax.run.key_frames import VideoKeyFrames
+from physagent_jax.run.resolve import resolve
+from physagent_jax.scene.camera import make_reference_camera
+
+REFUSED = 2  # exit code of the command line where a person can mend what was asked
+_LONGEST = 500  # characters of a message
+
+
+def run_case(case: Case, name: str, thing: Sequence[str], out: Path) -> Row:
+    """Runs a sentence anew and gathers the figures.
+
+    Args:
+        case: The sentence.
+        name: Of the case, and of its folder.
+        thing: The object's options of the command line.
+        out: Folder of the runs' folders.
+    """
+    folder = out / name
+    shutil.rmtree(folder, ignore_errors=True)  # the run of an earlier revision would be taken for this one
+    arguments = [*thing, "--prompt", case.sentence, "--preset", case.preset.value, *case.options]
+    arguments += ["--out", str(folder), "--json"]
+    command = [sys.executable, "-m", "physagent_jax", "run", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True)
+    row: Row = {
+        "case": name,
+        "object": case.thing,
+        "sentence": case.sentence,
+        "preset": case.preset.value,
+        "options": list(case.options),
+    }
+    if done.returncode == 0:
+        row |= gather(open_run(folder), json.loads(done.stdout))
+    else:
+        row |= {"verdict": "REFUSED" if done.returncode == REFUSED else "CRASHED", "video": None}
+        row |= {"message": " ".join(done.stderr.split())[-_LONGEST:]}
+    harness.say(f"{name:10s} {row['verdict']:8s} {case.preset.value:5s} {case.sentence}")
+    return row
+
+
+def gather(run: FinishedRun, summary: dict) -> Row:
+    """What came of a run; ``summary`` is what the command line said of it."""
+    best = run.best
+    assert best and best.motion and best.simulation and best.judgement and best.force_field, run.problems
+    report, truth, judgement = best.motion, best.simulation.truth, best.judgement
+    assert truth is not None and run.video is not None
+    stretch, true_judgement = report.windows[0].stretch, judge_truth(run)
+    return {
+        "video": hash_video(run.video),
+        "force_field": best.force_field.model_dump(mode="json", exclude_none=True),
+        "perceived": report.text,
+        "perceived_centroid": report.centroid[-1],
+        "true_centroid": truth.centroid[-1],
+        "perceived_farthest": farthest(report.centroid),
+        "true_farthest": farthest(truth.centroid),
+        "perceived_rotation": report.rotation_degrees[-1],
+        "true_rotation": truth.rotation_degrees[-1],
+        "perceived_stretch": None if stretch is None else np.diag(stretch).tolist(),
+        "true_stretch": truth.stretch[-1],
+        "frames": report.frame_count,
+        "frame_dt": report.frame_dt,
+        "errors": compare(report, truth),
+        "oddities": find_oddities(run),
+        "verdict": summary["verdict"],
+        "score": judgement.score,
+        "failed_checks": list_failures(judgement),
+        "true_verdict": true_judgement.verdict.value,
+        "true_score": true_judgement.score,
+        "true_failed_checks": list_failures(true_judgement),
+        **{key: summary[key] for key in ("assumptions", "not_understood", "unsure")},
+        "iterations": summary["iterations"],
+        "particle_count": summary["particle_count"],
+        "substeps": summary["substeps"],
+        "wall_s": summary["wall_s"],
+    }
+
+
+def judge_truth(run: FinishedRun) -> Judgement:
+    """What the planner says of the best round's true motion: whether a viewer with perfect eyes would agree.
+
+    Raises:
+        ValueError: Told of the perceived motion, it does not say again what it said in the run.
+    """
+    spec, reply, scene, best = run.spec, run.semantic, run.best_scene, run.best
+    assert spec and reply and scene and best and best.motion and best.force_field and best.judgement
+    assert best.video is not None
+    template = resolve(spec).with_reply(reply)
+    brief = make_brief(template, frames_fixed=spec.overrides.frame_count is not None)
+    if not scene.always_gravity:  # an object that cannot stand is held in the air
+        brief = brief.model_copy(update={"world": "free"})
+    context = AgentContext(spec.prompt, brief, describe_skills(), reply)
+    planner, pictures = make_agents().planner, VideoKeyFrames(best.video)
+    again = planner.judge(context, Observation(best.force_field, best.motion, pictures)).value
+    if again.verdict is not best.judgement.verdict:
+        raise ValueError(f"the planner now says {again.verdict} of what it called {best.judgement.verdict}")
+    report = report_true_motion(
+        run.motion().x,
+        frame_dt=scene.timing.frame_dt,
+        camera=make_reference_camera(scene.camera, scene.rendering, scene.domain),
+        windows=planner.windows(context),
+    )
+    return planner.judge(context, Observation(best.force_field, report, pictures)).value
+
+
+def list_failures(judgement: Judgement) -> list[str]:
+    """Checks that did not pass."""
+    return [
+        f"{check.question} expected {check.expected}, observed {check.observed}"
+        for check in judgement.checks
+        if check.passed is not True
+    ]
+
+
+def farthest(path) -> tuple[float, float, float] | None:
+    """The largest displacement on a path [body lengths]; None if nothing of it was observable."""
+    seen = [point for point in path if point is not None]
+    return max(seen, key=lambda point: sum(c * c for c in point)) if seen else None

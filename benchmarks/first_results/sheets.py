@@ -1,0 +1,111 @@
+"""Contact sheets: each video as a strip of frames with the sentence and the verdict above it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from benchmarks.first_results.viewing import hash_video
+from benchmarks.harness import Row
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.files import write_bytes
+from physagent_jax.output.video import read_video
+
+FRAMES, PER_SHEET = 7, 6
+WIDTH = 240  # of a frame [px]
+MOST_BYTES = 400_000
+_LINE, _QUALITIES = 26, (88, 80, 70, 60, 50, 40)
+_WHITE, _BLACK = (255, 255, 255), (0, 0, 0)
+
+
+def write_sheets(folder: Path, rows: Sequence[Row], runs: Path) -> list[Path]:
+    """Writes ``first-results-1.jpg`` and so on.
+
+    Args:
+        folder: Of the sheets.
+        rows: All rows, in order.
+        runs: Folder of the runs' folders.
+
+    Returns:
+        The files.
+
+    Raises:
+        UserError: A video is missing, or is not the one that the row is of.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    strips = [_read_strip(row, runs / row["case"]) for row in rows]
+    files = []
+    for first in range(0, len(strips), PER_SHEET):
+        files.append(folder / name_sheet(first))
+        write_bytes(files[-1], encode_jpeg(np.concatenate(strips[first : first + PER_SHEET])))
+    return files
+
+
+def name_sheet(index: int) -> str:
+    """The file with the strip of row ``index``."""
+    return f"first-results-{index // PER_SHEET + 1}.jpg"
+
+
+def draw_strip(frames: np.ndarray, labels: Sequence[str], caption: str) -> np.ndarray:
+    """A caption over frames side by side, uint8, shape (height, `FRAMES` `WIDTH`, 3).
+
+    Args:
+        frames: At most `FRAMES` pictures, uint8, shape (k, H, W, 3).
+        labels: One per picture, written into it.
+        caption: The line above, plain ASCII.
+    """
+    strip = np.full((_LINE, FRAMES * WIDTH, 3), 255, np.uint8)
+    _write(strip, caption, (6, 18), 0.5, _BLACK)
+    if not len(frames):
+        return strip
+    height = round(WIDTH * frames.shape[1] / frames.shape[2])
+    pictures = np.full((height, FRAMES * WIDTH, 3), 255, np.uint8)
+    for place, (frame, label) in enumerate(zip(frames, labels, strict=True)):
+        small = cv2.resize(frame, (WIDTH, height), interpolation=cv2.INTER_AREA)
+        for colour, thickness in ((_BLACK, 3), (_WHITE, 1)):  # readable on any ground
+            _write(small, label, (5, height - 6), 0.4, colour, thickness)
+        pictures[:, place * WIDTH : (place + 1) * WIDTH] = small
+    return np.concatenate([strip, pictures])
+
+
+def encode_jpeg(picture: np.ndarray) -> bytes:
+    """As JPEG of at most `MOST_BYTES`, as good as that allows.
+
+    Raises:
+        UserError: It does not fit at any quality.
+    """
+    for quality in _QUALITIES:
+        data = cv2.imencode(".jpg", picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, quality])[1].tobytes()
+        if len(data) <= MOST_BYTES:
+            return data
+    raise UserError("the contact sheet is too large", got=f"{len(data)} bytes", do="Put fewer rows on it")
+
+
+def choose_frames(count: int) -> list[int]:
+    """Frames of so many, evenly spaced, the first and the last among them."""
+    return sorted(set(np.linspace(0, count - 1, min(FRAMES, count)).round().astype(int).tolist()))
+
+
+def _read_strip(row: Row, folder: Path) -> np.ndarray:
+    caption = f'{row["case"]}, {row["preset"]}: "{row["sentence"]}" - {row["verdict"]}'
+    if row["video"] is None:
+        return draw_strip(np.empty((0, 1, 1, 3), np.uint8), (), caption)
+    video = folder / "video.mp4"
+    if not video.is_file() or hash_video(video) != row["video"]:
+        raise UserError(
+            "a contact sheet needs the videos that the rows are of",
+            got=f"{row['case']}: {'another video' if video.is_file() else 'no video'}",
+            do="Run the sentences where their videos are to be kept",
+        )
+    frames = read_video(video, choose_frames)
+    labels = [f"{index * row['frame_dt']:.2f} s" for index in choose_frames(row["frames"])]
+    return draw_strip(frames, labels, caption + f", from the truth {row['true_verdict']}")
+
+
+def _write(
+    picture: np.ndarray, text: str, at: tuple[int, int], size: float, colour: tuple, thickness: int = 1
+) -> None:
+    cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, size, colour, thickness, cv2.LINE_AA)

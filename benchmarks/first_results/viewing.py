@@ -1,0 +1,62 @@
+"""What a person saw in a video, kept beside the video's digest: a remark on another video says nothing of this one."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, TypeAdapter
+
+from benchmarks.harness import Row
+from physagent_jax.core.strict import Strict
+
+SEEN = Path(__file__).with_name("seen.json")
+VIEWS = ("yes", "partly", "no")
+UNSEEN = "not looked at"
+
+
+class Remark(Strict):
+    """What a person says of a sentence's video.
+
+    Attributes:
+        video: Digest of the video; None = the sentence was refused, and there is none.
+        viewer: Whether it shows what the sentence says.
+        remark: What it shows.
+    """
+
+    video: str | None
+    viewer: Literal["yes", "partly", "no"]
+    remark: Annotated[str, Field(min_length=1)]
+
+
+Remarks = Mapping[str, Remark]
+
+
+def hash_video(path: Path) -> str:
+    """Digest of a video: the same scene on the same machine gives the same bytes."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+
+
+def read_remarks(path: Path = SEEN) -> dict[str, Remark]:
+    """Remarks by the name of the case."""
+    return TypeAdapter(dict[str, Remark]).validate_json(path.read_bytes())
+
+
+def find_view(row: Row, remarks: Remarks) -> tuple[str, str]:
+    """Whether the viewer agrees with the sentence, and the remark; `UNSEEN` if nobody looked at this very video."""
+    remark = remarks.get(row["case"])
+    if remark is None or remark.video != row["video"]:
+        return UNSEEN, ""
+    return remark.viewer, remark.remark
+
+
+def rank(verdict: str, view: str) -> int:
+    """How plainly verdict and viewer disagree: 0 = one says yes, the other no; 1 = a success that is one in part."""
+    if view == UNSEEN:
+        return 2
+    success = verdict == "SUCCESS"
+    if view == "partly":
+        return 1 if success else 3
+    return 3 if success == (view == "yes") else 0
