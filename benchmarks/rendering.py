@@ -45,9 +45,9 @@ RATIO = 3.5  # aimed at: time with gradient over time of the image
 COLUMNS = {
     "Gaussians": lambda row: f"{row['gaussians']:,}",
     "pixels": lambda row: f"{row['pixels']:,}",
-    "image [ms]": lambda row: f"{number(row['forward_ms'])} ({_range(row['forward_range_ms'])})",
+    "image [ms]": lambda row: f"{number(row['forward_ms'])} ({_format_range(row['forward_range_ms'])})",
     "aim [ms]": lambda row: number(row["aims"]["forward_ms"]),
-    "gradient [ms]": lambda row: f"{number(row['gradient_ms'])} ({_range(row['gradient_range_ms'])})",
+    "gradient [ms]": lambda row: f"{number(row['gradient_ms'])} ({_format_range(row['gradient_range_ms'])})",
     "over image": lambda row: number(row["gradient_over_forward"]),
     "aim": lambda row: number(row["aims"]["gradient_over_forward"]),
     "together [ms]": lambda row: number(row["together_ms"]),
@@ -68,7 +68,7 @@ class Command(harness.Command):
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
-    return harness.main(command, {"images": lambda: _jobs(command)}, document)
+    return harness.main(command, {"images": lambda: _list_jobs(command)}, document)
 
 
 def document(result: dict, json_path: Path, target: Path) -> str:
@@ -79,19 +79,19 @@ def document(result: dict, json_path: Path, target: Path) -> str:
     return text + table(tuple(COLUMNS), [[show(row) for show in COLUMNS.values()] for row in rows])
 
 
-def _jobs(command: Command) -> list[Job]:
+def _list_jobs(command: Command) -> list[Job]:
     cases = ((2_000, 64, 40.0),) if command.quick else CASES
     repeats = 3 if command.quick else command.repeats
-    return [Job(f"{case[0]} Gaussians", partial(_told, *case, repeats)) for case in cases]
+    return [Job(f"{case[0]} Gaussians", partial(_measure_and_tell, *case, repeats)) for case in cases]
 
 
-def _told(*case) -> list[dict]:
+def _measure_and_tell(*case) -> list[dict]:
     row = measured(*case)
     harness.say(str(row))
     return [row]
 
 
-def _range(values: list[float]) -> str:
+def _format_range(values: list[float]) -> str:
     return " to ".join(map(number, values))
 
 
@@ -107,8 +107,8 @@ def measured(count: int, side: int, aim: float, repeats: int) -> dict:
         return ((image.rgb - 0.5) ** 2).mean() + (image.depth**2).mean()
 
     gradient = jax.jit(jax.value_and_grad(loss, allow_int=True))
-    forward, first = _timed(lambda: render(splats, camera), repeats)
-    backward, first_gradient = _timed(lambda: gradient(splats), repeats)
+    forward, first = _time_calls(lambda: render(splats, camera), repeats)
+    backward, first_gradient = _time_calls(lambda: gradient(splats), repeats)
     median, both = float(np.median(forward)), float(np.median(backward))
     return {
         "gaussians": count,
@@ -119,14 +119,14 @@ def measured(count: int, side: int, aim: float, repeats: int) -> dict:
         "gradient_ms": round(both, 2),
         "gradient_range_ms": [round(min(backward), 2), round(max(backward), 2)],
         "gradient_over_forward": round(both / median, 2),
-        "together_ms": round(_together(splats, camera, repeats), 2),
+        "together_ms": round(_time_together(splats, camera, repeats), 2),
         "first_seconds": [round(first, 2), round(first_gradient, 2)],
         "aims": {"forward_ms": aim, "gradient_over_forward": RATIO},
         "load_average": round(os.getloadavg()[0], 2),
     }
 
 
-def _timed(function, repeats: int) -> tuple[list[float], float]:
+def _time_calls(function, repeats: int) -> tuple[list[float], float]:
     """Milliseconds of each warm call, and seconds of the first one."""
     begun = time.perf_counter()
     jax.block_until_ready(function())
@@ -138,7 +138,7 @@ def _timed(function, repeats: int) -> tuple[list[float], float]:
     return samples, first
 
 
-def _together(splats: Splats, camera: Camera, repeats: int) -> float:
+def _time_together(splats: Splats, camera: Camera, repeats: int) -> float:
     """Milliseconds per frame where as many are rendered at the same time as is best."""
     frames = [splats] * (choose_batch_size() * repeats)
     begun = time.perf_counter()

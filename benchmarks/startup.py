@@ -52,20 +52,22 @@ def main() -> int:
     command = tyro.cli(Command)
     rounds, small = (1, SMALL) if command.quick else (command.rounds, ())
     parts = {
-        "first": lambda: [Job(f"round {n + 1}", partial(_first, n, (*JOB, *small))) for n in range(rounds)],
-        "iteration": lambda: [Job("iterations", partial(_iterations, rounds, small))],
+        "first": lambda: [
+            Job(f"round {n + 1}", partial(_measure_first, n, (*JOB, *small))) for n in range(rounds)
+        ],
+        "iteration": lambda: [Job("iterations", partial(_measure_iterations, rounds, small))],
     }
     return harness.main(command, parts, document)
 
 
-def _first(number: int, job: tuple[str, ...]) -> Rows:
+def _measure_first(number: int, job: tuple[str, ...]) -> Rows:
     """A cold and a warm run."""
     with tempfile.TemporaryDirectory() as folder:
         states = ("cold", "warm")
         return [{"round": number, "programs": state, **run(job, Path(folder))} for state in states]
 
 
-def _iterations(rounds: int, options: tuple[str, ...]) -> Rows:
+def _measure_iterations(rounds: int, options: tuple[str, ...]) -> Rows:
     """Warm runs of one iteration each, with a solid ring in place of the robot."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -123,12 +125,12 @@ def document(result: dict, json_path: Path, target: Path) -> str:
 
 Every row is in [{json_path.name}]({link(json_path, target)}), written by `python -m benchmarks.startup`.
 {provenance(result, PARTS)}"""
-    for part, tables in (("first", _first_result), ("iteration", _iteration)):
+    for part, tables in (("first", _write_first_result), ("iteration", _write_iteration)):
         text += tables(result[part]["rows"]) if part in result else ""
     return text
 
 
-def _first_result(rows: Rows) -> str:
+def _write_first_result(rows: Rows) -> str:
     found, stages = summary(rows), list(rows[0]["stages"])
     text = """
 ## The first result
@@ -136,7 +138,9 @@ def _first_result(rows: Rows) -> str:
 The job of `make demo`, installation excluded, in a new process: *cold* without any compiled program on disk, *warm*
 with those that the run before left.
 """
-    lines = [(state, f"{found[state]['median']:.1f}", _range(found[state])) for state in ("cold", "warm")]
+    lines = [
+        (state, f"{found[state]['median']:.1f}", _format_range(found[state])) for state in ("cold", "warm")
+    ]
     text += table(("programs", "median [s]", "range [s]"), lines)
     text += f"""
 Compilation is {found["share_of_compilation"]:.0%} of the first result's time (aim: at most {AIM:.0%}).
@@ -152,13 +156,13 @@ loading what these made before, and belongs to no other stage; "rest" is Python 
     return text + table(("round", "programs", *stages, "rest", "all"), lines)
 
 
-def _iteration(rows: Rows) -> str:
+def _write_iteration(rows: Rows) -> str:
     found, stages = iteration(rows), list(rows[0]["stages"])
     text = f"""
 ## An iteration of the loop
 
 A solid ring of {found["particles"]:,} particles, {found["frames"]} frames, preset fast. Once all is compiled,
-simulating, rendering, perceiving and deciding take **{found["median"]:.1f} s** ({_range(found)}; aim: at most
+simulating, rendering, perceiving and deciding take **{found["median"]:.1f} s** ({_format_range(found)}; aim: at most
 {found["aim"]:.0f}).
 Seconds per stage of these runs, each in a new process:
 """
@@ -169,7 +173,7 @@ Seconds per stage of these runs, each in a new process:
     return text + table(("round", *stages, "substeps"), lines)
 
 
-def _range(found: dict) -> str:
+def _format_range(found: dict) -> str:
     low, high = found["range"]
     return f"{low:.1f} to {high:.1f}"
 

@@ -63,9 +63,9 @@ def main() -> int:
     peers = {name: find(name) for name in _PEERS} if "work_precision" in command.parts else {}
     usable = {name: found for name, found in peers.items() if found.reason is None}
     parts = {
-        "verification": lambda: _verification(command),
-        "work_precision": lambda: _studies(command, usable),
-        "quadrature": lambda: _quadrature(command),
+        "verification": lambda: _list_verification(command),
+        "work_precision": lambda: _list_studies(command, usable),
+        "quadrature": lambda: _list_quadrature(command),
     }
     about = {"peers": {name: found.reason or found.version for name, found in peers.items()}}
     primary = {studied.case.name: studied.error for studied in STUDIED}
@@ -82,36 +82,36 @@ def main() -> int:
     return code
 
 
-def _verification(command: Command) -> Iterator[Job]:
+def _list_verification(command: Command) -> Iterator[Job]:
     """A row for every case."""
     for verified in CASES:
         case, numerics = verified.case, verified.coarse if command.quick else verified.fine
         if command.quick and case.name in EXPENSIVE:
             continue
         name = f"{case.name}, {verified.note}" if verified.note else case.name
-        yield _job(name, None, partial(ours, case, verified.note, numerics, judged=True))
+        yield _make_job(name, None, partial(ours, case, verified.note, numerics, judged=True))
 
 
-def _quadrature(command: Command) -> Iterator[Job]:
+def _list_quadrature(command: Command) -> Iterator[Job]:
     """A row for every density of particles, grid and stress form."""
     for numerics in quadrature((4,) if command.quick else (4, 8)):
         label = f"{numerics.stress_form}, {numerics.per_axis} per axis"
         work = partial(ours, QUADRATURE_CASE, label, numerics)
-        yield _job(f"{label}, {numerics.resolution} cells", QUADRATURE_ERROR, work)
+        yield _make_job(f"{label}, {numerics.resolution} cells", QUADRATURE_ERROR, work)
 
 
-def _studies(command: Command, peers: dict[str, Found]) -> Iterator[Job]:
+def _list_studies(command: Command, peers: dict[str, Found]) -> Iterator[Job]:
     for studied in STUDIED:
-        yield from _study(studied, command, peers)
+        yield from _list_study(studied, command, peers)
 
 
-def _study(studied: Studied, command: Command, peers: dict[str, Found]) -> Iterator[Job]:
+def _list_study(studied: Studied, command: Command, peers: dict[str, Found]) -> Iterator[Job]:
     """Rows of one case: ours, and each peer at two steps where ours is near the bound."""
     case, repeats = studied.case, 1 if command.quick else command.repeats
     resolutions = studied.resolutions[:2] if command.quick else studied.resolutions
     for label, numerics in work_precision(resolutions, studied.base):
         name = f"{case.name}, {numerics.resolution} cells"
-        yield _job(
+        yield _make_job(
             f"{name}, ours, {label}", studied.error, partial(ours, case, label, numerics, repeats=repeats)
         )
         if label != rule_words(NEAR_BOUND):
@@ -120,14 +120,14 @@ def _study(studied: Studied, command: Command, peers: dict[str, Found]) -> Itera
             for rule in (_PEER_STEP, ("fixed", REFERENCE_DT)):
                 theirs_too = dataclasses.replace(numerics, step=rule)
                 work = partial(theirs, case, rule_words(rule), theirs_too, peer, found)
-                yield _job(f"{name}, {peer}, {rule_words(rule)}", studied.error, work)
+                yield _make_job(f"{name}, {peer}, {rule_words(rule)}", studied.error, work)
 
 
-def _job(name: str, primary: str | None, work) -> Job:
-    return Job(name, lambda: [_shown(work(), primary)])
+def _make_job(name: str, primary: str | None, work) -> Job:
+    return Job(name, lambda: [_show(work(), primary)])
 
 
-def _shown(row: Row, primary: str | None = None) -> dict:
+def _show(row: Row, primary: str | None = None) -> dict:
     """The row for the JSON, told on the way; ``primary`` is the error that it is about, None = all."""
     names = [primary] if primary else list(row.bars) or list(row.errors)
     errors = ", ".join(f"{name} {row.errors[name]:.3g}" for name in names if name in row.errors)

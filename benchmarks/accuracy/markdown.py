@@ -79,22 +79,24 @@ def document(
         name=json_path.name, link=link(json_path, target), provenance=provenance(result, PARTS)
     )
     titles = {(verified.case.name, verified.note): verified.case.title for verified in CASES}
-    text += table(_CASES, [_verified(row, titles.get((row["case"], row["label"]), "")) for row in rows])
+    text += table(
+        _CASES, [_make_verified_line(row, titles.get((row["case"], row["label"]), "")) for row in rows]
+    )
     outside = [row for row in rows if not row["within"]]
-    text += "\nEvery case is within its bars.\n" if not outside else _outside(outside)
+    text += "\nEvery case is within its bars.\n" if not outside else _list_outside(outside)
     if work := result.get("work_precision"):
         known = {name: words for run in work["runs"] for name, words in run["peers"].items()}
         peers = "; ".join(f"{name}: {words}" for name, words in known.items())
         text += _WORK.format(peers=peers, plot=link(plot_path, target) if plot_path else "")
-        text += table(_RUNS, [_studied(row, primary[row["case"]]) for row in work["rows"]])
-        text += _findings(work["rows"], primary)
+        text += table(_RUNS, [_make_study_line(row, primary[row["case"]]) for row in work["rows"]])
+        text += _summarise(work["rows"], primary)
     if densities := result.get("quadrature"):
         text += _QUADRATURE.format(title=QUADRATURE_CASE.title)
-        text += table(_DENSITIES, _densities(densities["rows"]))
+        text += table(_DENSITIES, _make_density_lines(densities["rows"]))
     return text + _LIMITS
 
 
-def _densities(rows: list[dict]) -> list[list]:
+def _make_density_lines(rows: list[dict]) -> list[list]:
     """One line per grid and stress form, one column per density; rows come in this order."""
     lines = []
     for first in range(0, len(rows) - len(rows) % 3, 3):
@@ -103,7 +105,7 @@ def _densities(rows: list[dict]) -> list[list]:
     return lines
 
 
-def _verified(row: dict, title: str) -> list:
+def _make_verified_line(row: dict, title: str) -> list:
     name = f"{row['case']}, {row['label']}" if row["label"] else row["case"]
     names = list(row["bars"]) or list(row["errors"])
     errors = "<br>".join(f"{name}: {row['errors'][name]:.3g}" for name in names if name in row["errors"])
@@ -112,24 +114,24 @@ def _verified(row: dict, title: str) -> list:
     return [*start, number(row["wall"]), number(row["compile"])]
 
 
-def _outside(rows: list[dict]) -> str:
+def _list_outside(rows: list[dict]) -> str:
     lines = [f"- **{row['case']}**: {row['failed'] or 'outside its bar'}" for row in rows]
     return "\nOutside their bars:\n\n" + "\n".join(lines) + "\n"
 
 
-def _studied(row: dict, primary: str) -> list:
+def _make_study_line(row: dict, primary: str) -> list:
     error = f"{row['errors'][primary]:.3g}" if primary in row["errors"] else row["failed"]
     label = f"**{row['label']}** (reference)" if row["reference"] else row["label"]
     start = [row["case"], row["code"], label, row["resolution"], row["steps"], number(row["dt_over_bound"])]
-    return [*start, error, _wall(row), number(row["compile"])]
+    return [*start, error, _format_wall_time(row), number(row["compile"])]
 
 
-def _wall(row: dict) -> str:
+def _format_wall_time(row: dict) -> str:
     shown = " to ".join(number(value) for value in dict.fromkeys(row["wall_range"]))
     return f"{number(row['wall'])} ({shown})" if " to " in shown else number(row["wall"])
 
 
-def _findings(rows: list[dict], primary: dict[str, str]) -> str:
+def _summarise(rows: list[dict], primary: dict[str, str]) -> str:
     """What the near-bound step gains over the fixed one, and over each peer, case by case."""
     text = "\nAt the finest grid of each case, relative to our own step at 0.9 of the bound:\n"
     lines = []

@@ -23,21 +23,21 @@ _DURATION = 2 / _SPEED  # one period of the standing wave
 
 def cube_motion(X: jax.Array, t: jax.Array) -> jax.Array:
     """Rest position to position [m]: u_i = A sin(pi X_i) sin(pi (phi_i + c t)) in the unit cube."""
-    return X + _displacement(X, t)
+    return X + _compute_displacement(X, t)
 
 
 def cube_force(X: jax.Array, t: jax.Array) -> jax.Array:
     """Body force [m/s^2] that holds the cube to `cube_motion` (Wallstedt & Guilkey 2008)."""
-    F = 1 + _AMPLITUDE * jnp.pi * jnp.cos(jnp.pi * X) * _swing(X, t)
+    F = 1 + _AMPLITUDE * jnp.pi * jnp.cos(jnp.pi * X) * _compute_swing(X, t)
     stress = (_LAM * (jnp.log(F.prod()) - 1) - _MU) / (_RHO * F**2)
-    return jnp.pi**2 * _displacement(X, t) * (_MU / _RHO - _SPEED**2 - stress)
+    return jnp.pi**2 * _compute_displacement(X, t) * (_MU / _RHO - _SPEED**2 - stress)
 
 
-def _displacement(X: jax.Array, t: jax.Array) -> jax.Array:
-    return _AMPLITUDE * jnp.sin(jnp.pi * X) * _swing(X, t)
+def _compute_displacement(X: jax.Array, t: jax.Array) -> jax.Array:
+    return _AMPLITUDE * jnp.sin(jnp.pi * X) * _compute_swing(X, t)
 
 
-def _swing(X: jax.Array, t: jax.Array) -> jax.Array:
+def _compute_swing(X: jax.Array, t: jax.Array) -> jax.Array:
     phase = jnp.asarray([0, 2 / 3, 4 / 3], X.dtype)
     return jnp.sin(jnp.pi * (phase + _SPEED * t))
 
@@ -81,7 +81,7 @@ class AxisAligned:
             _RHO,
             forces=(ManufacturedForce(jnp.asarray(X, numerics.dtype), cube_force),),
             boundaries=tuple(
-                self._wall(axis, node, side, dx, numerics.dtype)
+                self._make_wall(axis, node, side, dx, numerics.dtype)
                 for axis in range(3)
                 for node, side in ((MARGIN, 1), (MARGIN + cells, -1))
             ),
@@ -92,7 +92,7 @@ class AxisAligned:
         state = set_in_motion(state, cube_motion, X, dt)
         return Problem(model, state, steps, steps, distance_from(exact), {})
 
-    def _wall(self, axis: int, node: int, side: int, dx: float, dtype):
+    def _make_wall(self, axis: int, node: int, side: int, dx: float, dtype):
         if self.walls == "mirror":
             return SymmetryPlane(jnp.asarray(node, jnp.int32), axis, side)
         normal = (side * np.eye(3)[axis]).tolist()

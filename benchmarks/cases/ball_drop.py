@@ -75,8 +75,8 @@ class BallDrop:
         exact, t = problem.exact, signal.t
         z, v = signal.values.T
         turn, rebound = int(np.argmin(z)), float(v[-1])
-        start = _crossing(t[: turn + 1], v[: turn + 1], -(1 - _LOSS) * exact["speed"])
-        end = _crossing(t[turn:], v[turn:], (1 - _LOSS) * rebound)
+        start = _find_crossing(t[: turn + 1], v[: turn + 1], -(1 - _LOSS) * exact["speed"])
+        end = _find_crossing(t[turn:], v[turn:], (1 - _LOSS) * rebound)
         depth = (1 - (1 - _LOSS) ** 2) ** 0.4  # of delta, when the speed has fallen by _LOSS
         stroke = np.interp(start, t, z) - z[turn]
         return {
@@ -101,7 +101,7 @@ def hertz_time(delta: float, speed: float, depth: float = 0.0) -> float:
     return 2 * half * delta / speed
 
 
-def _crossing(t: np.ndarray, v: np.ndarray, level: float) -> float:
+def _find_crossing(t: np.ndarray, v: np.ndarray, level: float) -> float:
     """When the rising signal ``v`` last passes ``level`` [s]."""
     below = int(np.flatnonzero(v < level)[-1])
     pair = slice(below, below + 2)

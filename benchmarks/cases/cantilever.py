@@ -39,7 +39,7 @@ class Cantilever:
     def problem(self, numerics: Numerics) -> Problem:
         """One and a half periods of critical damping leave 1e-3 of the way."""
         omega = 2 * np.pi * first_frequency()
-        return _beam(numerics, self.load, 1.5 / first_frequency(), damping_rate=float(2 * omega))
+        return _make_beam(numerics, self.load, 1.5 / first_frequency(), damping_rate=float(2 * omega))
 
     def judge(self, problem: Problem, signal: Signal) -> dict[str, float]:
         """Errors of the tip's drop (relative) and of its retreat (over L), and what is left to settle."""
@@ -72,7 +72,7 @@ class CantileverSwing:
 
     def problem(self, numerics: Numerics) -> Problem:
         """Two periods."""
-        return _beam(numerics, self.load, 2 / first_frequency())
+        return _make_beam(numerics, self.load, 2 / first_frequency())
 
     def judge(self, problem: Problem, signal: Signal) -> dict[str, float]:
         """Relative errors of period and mean, the peak over the static drop less 2, and the decay per period."""
@@ -116,7 +116,7 @@ def elastica(load: float) -> tuple[float, float]:
     return float(abs(solution.y[3, -1])), float(1 - solution.y[2, -1])
 
 
-def _beam(numerics: Numerics, load: float, duration: float, **model) -> Problem:
+def _make_beam(numerics: Numerics, load: float, duration: float, **model) -> Problem:
     height = numerics.resolution or 4
     dx = _LENGTH / _SLENDER / height
     cells, deep = height * _SLENDER, int(0.6 * load / 4 * height * _SLENDER) + 2

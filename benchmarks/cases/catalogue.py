@@ -45,7 +45,7 @@ class Verified:
     note: str = ""
 
 
-def _pair(case: Case, coarse: int, fine: int, note: str = "", **options) -> Verified:
+def _make_pair(case: Case, coarse: int, fine: int, note: str = "", **options) -> Verified:
     return Verified(case, Numerics(coarse, **options), Numerics(fine, **options), note)
 
 
@@ -55,31 +55,31 @@ CASES: tuple[Verified, ...] = (
     Verified(Spin(FAST), Numerics(4), Numerics(8, dtype=np.float64), "388 steps a turn"),
     Verified(Spin(SLOW), Numerics(4), Numerics(8, dtype=np.float64), "1943 steps a turn"),
     Verified(TurnedFluid(), Numerics(4, dtype=np.float64), Numerics(4, dtype=np.float64)),
-    _pair(FreeBar(), 8, 32),
-    _pair(Sphere(), 4, 12),
-    _pair(WaveFront(), 32, 128),
-    _pair(WallImpact(), 16, 64),
-    _pair(Vortex(), 5, 20, step=("courant", 0.2), per_axis=3),
-    _pair(PeriodicBar("free"), 16, 32, "free ends"),
-    _pair(PeriodicBar("walls"), 16, 32, "slip walls"),
-    _pair(PeriodicBar("mirrors"), 16, 32, "planes of symmetry"),
-    _pair(AxisAligned(), 8, 16, "planes of symmetry"),
-    _pair(AxisAligned("slip"), 8, 16, "slip walls"),
-    _pair(CantileverSwing(), 4, 8, step=_LONG),
-    _pair(Cantilever(), 4, 8, step=_LONG, per_axis=3),
-    _pair(Disks(), 20, 40, per_axis=3),
-    _pair(BallDrop(), 8, 12, step=_LONG),
-    _pair(Incline(0.3), 4, 8),
-    _pair(Incline(0.7), 4, 8),
-    _pair(Hydrostatic(), 10, 20),
-    _pair(Swirl(), 8, 16),
-    _pair(DamBreak(), 16, 16, step=("courant", 0.5)),
-    _pair(Slope(-2.0), 8, 8, step=_LONG),
-    _pair(Slope(3.0), 16, 16, step=_LONG),
-    _pair(SandColumn(0.5), 12, 12, step=_LONG),
-    _pair(SandColumn(1.0), 8, 16, step=_LONG),
-    _pair(SandColumn(2.0), 6, 6, step=_LONG),
-    _pair(SandColumn(4.0), 5, 5, step=_LONG),
+    _make_pair(FreeBar(), 8, 32),
+    _make_pair(Sphere(), 4, 12),
+    _make_pair(WaveFront(), 32, 128),
+    _make_pair(WallImpact(), 16, 64),
+    _make_pair(Vortex(), 5, 20, step=("courant", 0.2), per_axis=3),
+    _make_pair(PeriodicBar("free"), 16, 32, "free ends"),
+    _make_pair(PeriodicBar("walls"), 16, 32, "slip walls"),
+    _make_pair(PeriodicBar("mirrors"), 16, 32, "planes of symmetry"),
+    _make_pair(AxisAligned(), 8, 16, "planes of symmetry"),
+    _make_pair(AxisAligned("slip"), 8, 16, "slip walls"),
+    _make_pair(CantileverSwing(), 4, 8, step=_LONG),
+    _make_pair(Cantilever(), 4, 8, step=_LONG, per_axis=3),
+    _make_pair(Disks(), 20, 40, per_axis=3),
+    _make_pair(BallDrop(), 8, 12, step=_LONG),
+    _make_pair(Incline(0.3), 4, 8),
+    _make_pair(Incline(0.7), 4, 8),
+    _make_pair(Hydrostatic(), 10, 20),
+    _make_pair(Swirl(), 8, 16),
+    _make_pair(DamBreak(), 16, 16, step=("courant", 0.5)),
+    _make_pair(Slope(-2.0), 8, 8, step=_LONG),
+    _make_pair(Slope(3.0), 16, 16, step=_LONG),
+    _make_pair(SandColumn(0.5), 12, 12, step=_LONG),
+    _make_pair(SandColumn(1.0), 8, 16, step=_LONG),
+    _make_pair(SandColumn(2.0), 6, 6, step=_LONG),
+    _make_pair(SandColumn(4.0), 5, 5, step=_LONG),
 )
 
 EXPENSIVE = (

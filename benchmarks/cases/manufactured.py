@@ -51,11 +51,11 @@ class ManufacturedForce:
 
 def positions(motion: Field, X: np.ndarray, times: Sequence[float] | np.ndarray) -> np.ndarray:
     """Exact positions at several times [m], shape (len(times), n, 3)."""
-    return np.asarray(_positions(motion, jnp.asarray(X), jnp.asarray(times)))
+    return np.asarray(_compute_positions(motion, jnp.asarray(X), jnp.asarray(times)))
 
 
 @partial(jax.jit, static_argnums=0)
-def _positions(motion: Field, X: jax.Array, times: jax.Array) -> jax.Array:
+def _compute_positions(motion: Field, X: jax.Array, times: jax.Array) -> jax.Array:
     return jax.vmap(jax.vmap(motion, (0, None)), (None, 0))(X, times)
 
 
@@ -65,12 +65,12 @@ def set_in_motion(state: State, motion: Field, X: np.ndarray, dt: float) -> Stat
     The simulator moves particles with the velocity at the end of the step. That makes it a leapfrog of second
     order, provided that velocities live half a step before positions.
     """
-    F, v, C = _start(motion, jnp.asarray(X, state.x.dtype), jnp.asarray(-dt / 2, state.x.dtype))
+    F, v, C = _compute_start(motion, jnp.asarray(X, state.x.dtype), jnp.asarray(-dt / 2, state.x.dtype))
     return dataclasses.replace(state, F=F, v=v, C=C)
 
 
 @partial(jax.jit, static_argnums=0)
-def _start(motion: Field, X: jax.Array, t: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+def _compute_start(motion: Field, X: jax.Array, t: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     def at(X):
         F, rate = jax.jvp(lambda t: jax.jacfwd(motion)(X, t), (t,), (jnp.ones_like(t),))
         return jax.jacfwd(motion)(X, jnp.zeros_like(t)), jax.jacfwd(motion, 1)(X, t), rate @ jnp.linalg.inv(F)

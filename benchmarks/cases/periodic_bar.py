@@ -23,18 +23,18 @@ _PERIOD = 2 * _LENGTH / _SPEED
 
 def bar_motion(X: jax.Array, t: jax.Array) -> jax.Array:
     """Rest position to position [m]: u = A sin(2 pi X / h) cos(c pi t / h)."""
-    return X.at[0].add(_displacement(X[0], t))
+    return X.at[0].add(_compute_displacement(X[0], t))
 
 
 def bar_force(X: jax.Array, t: jax.Array) -> jax.Array:
     """Body force [m/s^2] b = (c pi / h)^2 u (1 + 2 / F^2) for sigma = E/2 (F - 1/F) (Steffen et al. 2008, eq. 49)."""
     k = 2 * jnp.pi / _LENGTH
     F = 1 + _AMPLITUDE * k * jnp.cos(k * X[0]) * jnp.cos(_SPEED * jnp.pi * t / _LENGTH)
-    b = (_SPEED * jnp.pi / _LENGTH) ** 2 * _displacement(X[0], t) * (1 + 2 / F**2)
+    b = (_SPEED * jnp.pi / _LENGTH) ** 2 * _compute_displacement(X[0], t) * (1 + 2 / F**2)
     return jnp.stack([b, jnp.zeros_like(b), jnp.zeros_like(b)])
 
 
-def _displacement(X: jax.Array, t: jax.Array) -> jax.Array:
+def _compute_displacement(X: jax.Array, t: jax.Array) -> jax.Array:
     return _AMPLITUDE * jnp.sin(2 * jnp.pi * X / _LENGTH) * jnp.cos(_SPEED * jnp.pi * t / _LENGTH)
 
 
@@ -85,7 +85,7 @@ class PeriodicBar:
             0.0,
             _RHO,
             forces=(ManufacturedForce(jnp.asarray(X, numerics.dtype), bar_force),),
-            boundaries=self._walls(cells, dx, numerics.dtype),
+            boundaries=self._make_walls(cells, dx, numerics.dtype),
         )
         dt = float(model.dt)
         every = max(1, round(_PERIOD / dt / 64))
@@ -94,7 +94,7 @@ class PeriodicBar:
         state = set_in_motion(state, bar_motion, X, dt)
         return Problem(model, state, samples * every, every, distance_from(exact), {})
 
-    def _walls(self, cells: int, dx: float, dtype) -> tuple:
+    def _make_walls(self, cells: int, dx: float, dtype) -> tuple:
         ends = ((MARGIN, 1), (MARGIN + cells, -1))
         if self.ends == "free":
             return ()

@@ -30,7 +30,7 @@ _REFERENCE = {
 
 def vortex_motion(X: jax.Array, t: jax.Array, amplitude: float = _AMPLITUDE) -> jax.Array:
     """Rest position to position [m]: each circle of the ring turns by its own angle, there and back in 1 s."""
-    angle = _twist(jnp.hypot(X[0], X[1]), t, amplitude)
+    angle = _compute_twist(jnp.hypot(X[0], X[1]), t, amplitude)
     c, s = jnp.cos(angle), jnp.sin(angle)
     return jnp.stack([c * X[0] - s * X[1], s * X[0] + c * X[1], X[2]])
 
@@ -45,12 +45,12 @@ def vortex_force(
     curve = 96 * R**3 - 240 * R**2 + 188 * R - 45
     radial = R * (amplitude * rims) ** 2 * (4096 * mu / _RHO * (swing * (R - 1)) ** 2 - (rate * rims) ** 2)
     hoop = -amplitude * swing * (R * (_RATE * rims) ** 2 + 64 * mu / _RHO * curve)
-    angle = jnp.arctan2(X[1], X[0]) + _twist(R, t, amplitude)
+    angle = jnp.arctan2(X[1], X[0]) + _compute_twist(R, t, amplitude)
     c, s = jnp.cos(angle), jnp.sin(angle)
     return jnp.stack([radial * c - hoop * s, radial * s + hoop * c, jnp.zeros_like(c)])
 
 
-def _twist(R: jax.Array, t: jax.Array, amplitude: float) -> jax.Array:
+def _compute_twist(R: jax.Array, t: jax.Array, amplitude: float) -> jax.Array:
     """Angle of the circle of radius R [rad]; it and its slope vanish on the rims, so that they carry no traction."""
     return amplitude * jnp.sin(_RATE * t) * (1 - 32 * (R - 1) ** 2 + 256 * (R - 1) ** 4)
 

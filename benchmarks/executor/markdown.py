@@ -22,20 +22,20 @@ def document(result: Mapping[str, Any], source: Path, target: Path) -> str:
             "from several runs and revisions: those listed at the end. Small scenes (5,000 particles, 64 cells a "
             "side); planner and executor read the particles' own motion, so that perception's errors play no part. "
             "A success is what the offline planner calls one.",
-            _starts(starts) if starts else "",
-            _kinds(kinds) if kinds else "",
+            _write_starts(starts) if starts else "",
+            _write_kinds(kinds) if kinds else "",
             "## Measured with",
             provenance(result, ("starts", "kinds")),
         ]
     )
 
 
-def _share(rows: Sequence[Mapping], rewrites: int) -> str:
+def _format_share(rows: Sequence[Mapping], rewrites: int) -> str:
     done = sum(r["rewrites_to_success"] is not None and r["rewrites_to_success"] <= rewrites for r in rows)
     return f"{done} of {len(rows)} ({100 * done / len(rows):.0f} %)"
 
 
-def _starts(rows: Sequence[Mapping]) -> str:
+def _write_starts(rows: Sequence[Mapping]) -> str:
     wrong = [r for r in rows if r["rewrites_to_success"] != 0]
     harmless = [r for r in rows if r["rewrites_to_success"] == 0]
     lines = [
@@ -45,16 +45,17 @@ def _starts(rows: Sequence[Mapping]) -> str:
         "still gave a motion that passes (too little spoilt); of the others, so many are right after",
         table(
             ["faults", *(f"{k} rewrite{'s' * (k != 1)}" for k in _REWRITES[1:])],
-            [["all", *(_share(wrong, k) for k in _REWRITES[1:])]]
+            [["all", *(_format_share(wrong, k) for k in _REWRITES[1:])]]
             + [
-                [name, *(_share(group, k) for k in _REWRITES[1:])] for name, group in _grouped(wrong, "fault")
+                [name, *(_format_share(group, k) for k in _REWRITES[1:])]
+                for name, group in _group(wrong, "fault")
             ],
         ),
         table(
             ["sentence", *(f"{k} rewrite{'s' * (k != 1)}" for k in _REWRITES[1:])],
             [
-                [name, *(_share(group, k) for k in _REWRITES[1:])]
-                for name, group in _grouped(wrong, "sentence")
+                [name, *(_format_share(group, k) for k in _REWRITES[1:])]
+                for name, group in _group(wrong, "sentence")
             ],
         ),
         "## Those that never became right",
@@ -65,7 +66,7 @@ def _starts(rows: Sequence[Mapping]) -> str:
                     r["sentence"],
                     r["fault"],
                     ", ".join(number(score) for score in r["scores"]),
-                    one_line("; ".join(r["failed"][_best(r["scores"])])),
+                    one_line("; ".join(r["failed"][_find_best(r["scores"])])),
                     one_line(" ".join(next((c for c in reversed(r["changes"]) if c), []))),
                 ]
                 for r in rows
@@ -81,16 +82,16 @@ def _starts(rows: Sequence[Mapping]) -> str:
     return "\n".join(lines)
 
 
-def _best(scores: Sequence[float]) -> int:
+def _find_best(scores: Sequence[float]) -> int:
     return max(range(len(scores)), key=lambda i: scores[i] or 0.0)
 
 
-def _grouped(rows: Sequence[Mapping], key: str) -> list[tuple[str, list[Mapping]]]:
+def _group(rows: Sequence[Mapping], key: str) -> list[tuple[str, list[Mapping]]]:
     names = list(dict.fromkeys(r[key] for r in rows))
     return [(name, [r for r in rows if r[key] == name]) for name in names]
 
 
-def _kinds(rows: Sequence[Mapping]) -> str:
+def _write_kinds(rows: Sequence[Mapping]) -> str:
     return "\n".join(
         [
             "## The two kinds of skill",

@@ -138,19 +138,19 @@ TASKS = (
 Fault = Callable[[ForceField, SceneBrief], ForceField]
 
 
-def _each(change: Callable[[Action], Action]) -> Fault:
+def _change_each(change: Callable[[Action], Action]) -> Fault:
     return lambda field, brief: field.model_copy(update={"actions": tuple(map(change, field.actions))})
 
 
-def _times(factor: float) -> Fault:
+def _scale_magnitudes(factor: float) -> Fault:
     def change(action: Action) -> Action:
         size = min(max(abs(action.magnitude) * factor, MAGNITUDE_MIN), MAGNITUDE_MAX)
         return action.model_copy(update={"magnitude": math.copysign(size, action.magnitude)})
 
-    return _each(change)
+    return _change_each(change)
 
 
-def _turned(degrees: float) -> Fault:
+def _turn_vectors(degrees: float) -> Fault:
     """Vectors turned about the line of sight; those along it, about the vertical."""
 
     def fault(field: ForceField, brief: SceneBrief) -> ForceField:
@@ -161,7 +161,7 @@ def _turned(degrees: float) -> Fault:
                 update={"vector": rotate(action.vector, table.up if along else table.toward, degrees)}
             )
 
-        return _each(change)(field, brief)
+        return _change_each(change)(field, brief)
 
     return fault
 
@@ -180,14 +180,14 @@ _OTHER = {
 }
 
 
-def _late(field: ForceField, brief: SceneBrief) -> ForceField:
+def _delay_last(field: ForceField, brief: SceneBrief) -> ForceField:
     del brief
     window = (LAST - 8.0, LAST)
     last = field.actions[-1].model_copy(update={"active_time": window})
     return field.model_copy(update={"actions": (*field.actions[:-1], last)})
 
 
-def _extra(field: ForceField, brief: SceneBrief) -> ForceField:
+def _add_action(field: ForceField, brief: SceneBrief) -> ForceField:
     kinds = {action.action_type for action in field.actions}
     spin = Action(action_type=ActionType.TORQUE, vector=brief.directions.up, magnitude=1.4)
     push = Action(action_type=ActionType.TRANSLATION, vector=brief.directions.right, magnitude=1.4)
@@ -196,33 +196,33 @@ def _extra(field: ForceField, brief: SceneBrief) -> ForceField:
     )
 
 
-def _swapped(field: ForceField, brief: SceneBrief) -> ForceField:
+def _swap_windows(field: ForceField, brief: SceneBrief) -> ForceField:
     del brief
     windows = [action.active_time for action in reversed(field.actions)]
     moved = (a.model_copy(update={"active_time": w}) for a, w in zip(field.actions, windows))
     return field.model_copy(update={"actions": tuple(moved)})
 
 
-def _pushed_down(field: ForceField, brief: SceneBrief) -> ForceField:
+def _push_down(field: ForceField, brief: SceneBrief) -> ForceField:
     down = Action(action_type=ActionType.TRANSLATION, vector=brief.directions.down, magnitude=1.6)
     return field.model_copy(update={"default_drop": False, "actions": (down,)})
 
 
 FAULTS: dict[str, Fault] = {
-    "sign": _each(lambda a: a.model_copy(update={"magnitude": -a.magnitude})),
-    "60 degrees": _turned(60.0),
-    "90 degrees": _turned(90.0),
-    "half": _times(0.5),
-    "double": _times(2.0),
-    "minimum": _times(0.0),
-    "maximum": _times(10.0),
-    "type": _each(lambda a: a.model_copy(update={"action_type": _OTHER[a.action_type]})),
-    "late": _late,
+    "sign": _change_each(lambda a: a.model_copy(update={"magnitude": -a.magnitude})),
+    "60 degrees": _turn_vectors(60.0),
+    "90 degrees": _turn_vectors(90.0),
+    "half": _scale_magnitudes(0.5),
+    "double": _scale_magnitudes(2.0),
+    "minimum": _scale_magnitudes(0.0),
+    "maximum": _scale_magnitudes(10.0),
+    "type": _change_each(lambda a: a.model_copy(update={"action_type": _OTHER[a.action_type]})),
+    "late": _delay_last,
     "missing": lambda field, brief: ForceField(),
     "first missing": lambda field, brief: field.model_copy(update={"actions": field.actions[1:]}),
     "second missing": lambda field, brief: field.model_copy(update={"actions": field.actions[:1]}),
-    "extra": _extra,
-    "order": _swapped,
+    "extra": _add_action,
+    "order": _swap_windows,
     "no gravity": lambda field, brief: ForceField(),
-    "pushed down": _pushed_down,
+    "pushed down": _push_down,
 }

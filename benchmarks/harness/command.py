@@ -80,8 +80,8 @@ def main(
     if unknown:
         say(f"no job has {', '.join(map(repr, unknown))} in its name; there are: {', '.join(names)}")
         return 2
-    wanted = {part: jobs for part, jobs in plan.items() if any(_wanted(job, command) for job in jobs)}
-    bad = sum(_measure(command, part, jobs, result, about or {}) for part, jobs in wanted.items())
+    wanted = {part: jobs for part, jobs in plan.items() if any(_is_wanted(job, command) for job in jobs)}
+    bad = sum(_do_jobs(command, part, jobs, result, about or {}) for part, jobs in wanted.items())
     if command.markdown is not None:
         write_text(command.markdown, document(result, command.json, command.markdown))
     if plan:
@@ -95,16 +95,16 @@ def say(text: str) -> None:
     console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
-def _measure(command: Command, part: str, jobs: list[Job], result: Result, about: Mapping) -> int:
+def _do_jobs(command: Command, part: str, jobs: list[Job], result: Result, about: Mapping) -> int:
     """Does a part's jobs; returns how many rows fail."""
     run = {**circumstances(), "quick": command.quick, "seconds": 0.0, **about}
-    section = result[part] = _section(result.get(part), command)
+    section = result[part] = _open_section(result.get(part), command)
     order = {job.name: place for place, job in enumerate(jobs)}
     bad = 0
     console.rule(part)
     for job in jobs:
         done = {row["job"] for row in section["rows"]}
-        if not _wanted(job, command) or (command.resume and job.name in done):
+        if not _is_wanted(job, command) or (command.resume and job.name in done):
             continue
         if not any(known is run for known in section["runs"]):
             section["runs"].append(run)
@@ -120,11 +120,11 @@ def _measure(command: Command, part: str, jobs: list[Job], result: Result, about
     return bad
 
 
-def _wanted(job: Job, command: Command) -> bool:
+def _is_wanted(job: Job, command: Command) -> bool:
     return not command.only or any(word in job.name for word in command.only)
 
 
-def _section(held: dict | None, command: Command) -> dict:
+def _open_section(held: dict | None, command: Command) -> dict:
     """A new section, or the one that rows are added to: quick rows and others do not mix."""
     keeps = command.resume or command.only
     if held is None or not keeps or any(run["quick"] != command.quick for run in held["runs"]):

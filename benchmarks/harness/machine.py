@@ -14,15 +14,15 @@ from physagent_jax.run.provenance import describe_platform, read_git_revision, r
 def circumstances() -> dict[str, object]:
     """Machine, load, versions, revision and command."""
     return {
-        "machine": f"{_processor()}, {os.cpu_count()} cores; {describe_platform()}",
+        "machine": f"{_read_processor()}, {os.cpu_count()} cores; {describe_platform()}",
         "load_average": [round(load, 2) for load in os.getloadavg()],
         "versions": read_versions(),
-        "git_revision": _revision(),
-        "command": "python -m " + shlex.join([_module(), *sys.argv[1:]]),
+        "git_revision": _read_revision(),
+        "command": "python -m " + shlex.join([_find_module(), *sys.argv[1:]]),
     }
 
 
-def _revision() -> str | None:
+def _read_revision() -> str | None:
     """The checkout's revision; results and documents that a benchmark has rewritten do not make it "-dirty"."""
     found = read_git_revision()
     if found is None or not found.endswith("-dirty"):
@@ -35,12 +35,12 @@ def _revision() -> str | None:
     return found if changed.strip() else found.removesuffix("-dirty")
 
 
-def _module() -> str:
+def _find_module() -> str:
     spec = sys.modules["__main__"].__spec__
     return spec.name.removesuffix(".__main__") if spec else sys.argv[0]
 
 
-def _processor() -> str:
+def _read_processor() -> str:
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:

@@ -38,7 +38,7 @@ def provenance(
         stopped = "" if section["complete"] else " (stopped before its end)"
         figures = [count(section["rows"]) for count in counts.values()]
         seconds = round(sum(run["seconds"] for run in used), 1)  # 0: not known
-        origin = "; then ".join(_origin(run) for run in used)
+        origin = "; then ".join(_describe_origin(run) for run in used)
         lines.append([part + quick + stopped, len(section["rows"]), *figures, seconds or "", origin])
     absent = [part for part in parts if part not in result]
     return table(["part", "rows", *counts, *_PROVENANCE], lines) + (
@@ -46,7 +46,7 @@ def provenance(
     )
 
 
-def _origin(run: Mapping[str, Any]) -> str:
+def _describe_origin(run: Mapping[str, Any]) -> str:
     remark = f". {run['remark']}" if "remark" in run else ""
     return f"`{run['command']}`; {run['machine']}; {run['load_average'][0]}; {run['git_revision']}{remark}"
 

@@ -41,14 +41,16 @@ def document(result: dict, json_path: Path, target: Path) -> str:
     text += provenance(result, ("sentences",))
     if not rows:
         return text
-    text += table(("split", *_COLUMNS), [[split, *_figures(_select(rows, split))] for split in _splits(rows)])
-    text += "\n## By group\n" + _by(rows, "group")
-    text += "\n## By field\n\nOf the fields that sentences have which were not refused.\n" + _fields(rows)
+    splits = [[split, *_list_figures(_select(rows, split))] for split in _list_splits(rows)]
+    text += table(("split", *_COLUMNS), splits)
+    text += "\n## By group\n" + _compare_by(rows, "group")
+    text += "\n## By field\n\nOf the fields that sentences have which were not refused.\n"
+    text += _list_fields(rows)
     text += "\n## Not right on the development split\n\n" + _list_wrong(_select(rows, "development"))
     return text
 
 
-def _splits(rows: Sequence[Row]) -> list[str]:
+def _list_splits(rows: Sequence[Row]) -> list[str]:
     return list(dict.fromkeys(row["job"] for row in rows))
 
 
@@ -56,7 +58,7 @@ def _select(rows: Sequence[Row], split: str) -> list[Row]:
     return [row for row in rows if row["job"] == split]
 
 
-def _figures(rows: Sequence[Row]) -> list[str]:
+def _list_figures(rows: Sequence[Row]) -> list[str]:
     fields = sum(row["fields"] for row in rows)
     right = fields - sum(len(row["wrong"]) for row in rows)
 
@@ -74,27 +76,30 @@ def _figures(rows: Sequence[Row]) -> list[str]:
     ]
 
 
-def _by(rows: Sequence[Row], key: str) -> str:
+def _compare_by(rows: Sequence[Row], key: str) -> str:
     names = list(dict.fromkeys(row[key] for row in rows))
     lines = []
     for name in names:
-        for split in _splits(rows):
+        for split in _list_splits(rows):
             held = [row for row in _select(rows, split) if row[key] == name]
             if held:
-                lines.append([name, split, *_figures(held)[:4]])
+                lines.append([name, split, *_list_figures(held)[:4]])
     return table((key, "split", *_COLUMNS[:4]), lines)
 
 
-def _fields(rows: Sequence[Row]) -> str:
+def _list_fields(rows: Sequence[Row]) -> str:
     names = sorted({name for row in rows for name in row["wrong"]})
     lines = [
         [
             name,
-            *(str(sum(row["wrong"].count(name) for row in _select(rows, split))) for split in _splits(rows)),
+            *(
+                str(sum(row["wrong"].count(name) for row in _select(rows, split)))
+                for split in _list_splits(rows)
+            ),
         ]
         for name in names
     ]
-    return table(("field", *(f"wrong in {split}" for split in _splits(rows))), lines)
+    return table(("field", *(f"wrong in {split}" for split in _list_splits(rows))), lines)
 
 
 def _list_wrong(rows: Sequence[Row]) -> str:

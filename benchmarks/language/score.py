@@ -69,7 +69,7 @@ def _score_reading(reading: Reading, reply: SemanticReply | None, brief: SceneBr
     clauses = [clause for group in reading.groups for clause in group]
     fields = [("answer", answer == "motion")]
     if reply is None:
-        return fields + [(name, False) for clause in clauses for name in ("kind", *_asked(clause))]
+        return fields + [(name, False) for clause in clauses for name in ("kind", *_list_fields(clause))]
     fields += _score_motions(reading, reply, brief)
     fields.append(("world", _is_world_right(reading, reply, brief)))
     fields.append(("anchor", _is_anchor_right(reading, reply, brief)))
@@ -85,23 +85,23 @@ def _score_motions(reading: Reading, reply: SemanticReply, brief: SceneBrief) ->
         fields: Fields = [("kind", False)]
         for clause, motion in pairs:
             if motion is None:
-                fields += [(name, False) for name in _asked(clause)]
+                fields += [(name, False) for name in _list_fields(clause)]
             else:
                 fields += _score_clause(clause, motion, reply, brief)
         return fields
     best: Fields = []
-    for order in _orders(reading):
+    for order in _list_orders(reading):
         fields = []
         for index, motion in zip(order, found):
             fields += _score_clause(clauses[index], motion, reply, brief)
-        if not best or _share(fields) > _share(best):
+        if not best or _compute_share(fields) > _compute_share(best):
             best = fields
     if len(clauses) > 1:
         best = [*best, ("order", _is_order_right(reading, found))]
     return best
 
 
-def _orders(reading: Reading) -> Iterator[list[int]]:
+def _list_orders(reading: Reading) -> Iterator[list[int]]:
     """Places of the clauses, with those of each group in any order."""
     start, places = 0, []
     for group in reading.groups:
@@ -111,11 +111,11 @@ def _orders(reading: Reading) -> Iterator[list[int]]:
         yield [index for part in choice for index in part]
 
 
-def _share(fields: Fields) -> float:
+def _compute_share(fields: Fields) -> float:
     return sum(right for _, right in fields) / len(fields)
 
 
-def _asked(clause: Clause) -> list[str]:
+def _list_fields(clause: Clause) -> list[str]:
     """Fields that a clause has."""
     names = [] if clause.kind in WITHOUT_STRENGTH else ["direction"]
     if clause.kind not in WITHOUT_STRENGTH and clause.strength != "any" and clause.amount is None:
@@ -137,7 +137,7 @@ def _score_clause(clause: Clause, motion: ExpectedMotion, reply: SemanticReply, 
     tilts = (
         clause.kind == "lean" and motion.kind is MotionKind.ROTATE
     )  # a smaller turn than "rotate", by itself
-    asked = [name for name in _asked(clause) if not (tilts and name == "strength")]
+    asked = [name for name in _list_fields(clause) if not (tilts and name == "strength")]
     return fields + [(name, checks[name]()) for name in asked]
 
 
@@ -162,12 +162,12 @@ def _is_direction_right(clause: Clause, motion: ExpectedMotion, brief: SceneBrie
     assert wanted is not None
     if clause.kind == "lean" and motion.kind is MotionKind.ROTATE:
         wanted = cross(brief.directions.up, wanted)
-    alike = cosine(wanted, _three(motion.direction))
+    alike = cosine(wanted, _to_vector(motion.direction))
     either = clause.direction.startswith("+-") or (clause.kind in AXES and "first" not in clause.flags)
     return (abs(alike) if either else alike) > ALIKE
 
 
-def _three(values) -> tuple[float, float, float]:
+def _to_vector(values) -> tuple[float, float, float]:
     return (values[0], values[1], values[2])
 
 
@@ -203,7 +203,7 @@ def _is_part_right(clause: Clause, motion: ExpectedMotion, brief: SceneBrief) ->
         return motion.partial and (clause.part == "any" or motion.part is None)
     if motion.part is None or motion.excludes_part != clause.excluded:
         return False
-    return cosine(_resolve(clause.part, brief) or (0, 0, 0), _three(motion.part)) > ALIKE
+    return cosine(_resolve(clause.part, brief) or (0, 0, 0), _to_vector(motion.part)) > ALIKE
 
 
 def _is_time_right(clause: Clause, motion: ExpectedMotion, reply: SemanticReply, brief: SceneBrief) -> bool:
@@ -257,7 +257,7 @@ def _is_world_right(reading: Reading, reply: SemanticReply, brief: SceneBrief) -
         return False
     return all(
         obstacle.kind == kind
-        and (way == "*" or cosine(_resolve(way, brief) or (0, 0, 0), _three(obstacle.direction)) > ALIKE)
+        and (way == "*" or cosine(_resolve(way, brief) or (0, 0, 0), _to_vector(obstacle.direction)) > ALIKE)
         for (kind, way), obstacle in zip(reading.obstacles, found)
     )
 

@@ -71,9 +71,9 @@ class GenesisMPM:
             raise NotImplementedError(f"Genesis: {reason}")
         self._scene, self.substeps = scene, math.gcd(self.substeps, granule)
         self._build(dt)
-        self._place()
+        self._place_particles()
         self._world.step()
-        self._place()
+        self._place_particles()
 
     def run(self, steps: int) -> None:
         """Advances by ``steps`` substeps.
@@ -135,7 +135,7 @@ class GenesisMPM:
         self._world.build()
         self._solver: Any = self._world.sim.mpm_solver
 
-    def _place(self) -> None:
+    def _place_particles(self) -> None:
         """Puts the particles where the scene has them, undeformed."""
         torch: Any = importlib.import_module("torch")
         scene, frame = self._scene, self._world.sim.cur_substep_local

@@ -49,11 +49,11 @@ class JaxNaive:
         self._jax, self._scene = jax, scene
         f32 = partial(jnp.asarray, dtype=jnp.float32)
         fixed = tuple(f32(values) for values in (scene.mass, scene.volume, *scene.lame))
-        substep = jax.jit(partial(_substep, jnp, scene, float(dt)))
-        self._substep = lambda particles: substep(fixed, particles)
+        substep = jax.jit(partial(_advance, jnp, scene, float(dt)))
+        self._advance = lambda particles: substep(fixed, particles)
         identity = np.broadcast_to(np.eye(3), (scene.particle_count, 3, 3))
         self._particles = tuple(f32(values) for values in (scene.x, scene.v, scene.C, identity))
-        jax.block_until_ready(self._substep(self._particles))
+        jax.block_until_ready(self._advance(self._particles))
 
     def run(self, steps: int) -> None:
         """Advances by ``steps`` substeps.
@@ -62,7 +62,7 @@ class JaxNaive:
             RuntimeError: Particles came closer than half a cell to the domain's faces, or are not finite.
         """
         for _ in range(steps):
-            self._particles = self._substep(self._particles)
+            self._particles = self._advance(self._particles)
         self._jax.block_until_ready(self._particles)
         cells = self.x() / self._scene.dx
         if not np.all((cells >= 0.5) & (cells < self._scene.cells - 0.5)):
@@ -81,7 +81,7 @@ class JaxNaive:
         return np.array(self._particles[3])
 
 
-def _substep(jnp: Any, scene: PeerScene, dt: float, fixed: tuple, particles: tuple) -> tuple:
+def _advance(jnp: Any, scene: PeerScene, dt: float, fixed: tuple, particles: tuple) -> tuple:
     """x, v, C, F one substep later."""
     (mass, volume, mu, lam), (x, v, C, F) = fixed, particles
     dx, r = scene.dx, scene.rpic_damping
@@ -95,7 +95,7 @@ def _substep(jnp: Any, scene: PeerScene, dt: float, fixed: tuple, particles: tup
             weight = weights[i][:, 0] * weights[j][:, 1] * weights[k][:, 2]
             yield (node[:, 0], node[:, 1], node[:, 2]), weight[:, None], (node - x / dx) * dx
 
-    tau = _stress(jnp, scene.material, F, mu[:, None, None], lam[:, None, None])
+    tau = _compute_stress(jnp, scene.material, F, mu[:, None, None], lam[:, None, None])
     transposed = jnp.swapaxes(C, 1, 2)
     carried = jnp.zeros_like(C) if scene.transfer == "pic" else (1 - r / 2) * C - r / 2 * transposed
     affine = mass[:, None, None] * carried - (4 * dt / dx**2) * volume[:, None, None] * tau
@@ -109,7 +109,7 @@ def _substep(jnp: Any, scene: PeerScene, dt: float, fixed: tuple, particles: tup
     gravity = jnp.asarray(scene.gravity, x.dtype)
     occupied = node_mass[..., None] > 1e-15 * float(scene.mass.min())
     u = jnp.where(occupied, momentum / jnp.where(occupied, node_mass[..., None], 1) + dt * gravity, 0)
-    u = _boundaries(jnp, scene, u)
+    u = _apply_boundaries(jnp, scene, u)
 
     velocity, moment = jnp.zeros_like(v), jnp.zeros_like(C)
     for node, weight, reach in stencil():
@@ -120,7 +120,7 @@ def _substep(jnp: Any, scene: PeerScene, dt: float, fixed: tuple, particles: tup
     return x + dt * velocity, velocity, C, F + dt * jnp.einsum("nij,njk->nik", C, F)
 
 
-def _stress(jnp: Any, material: Material, F: Any, mu: Any, lam: Any) -> Any:
+def _compute_stress(jnp: Any, material: Material, F: Any, mu: Any, lam: Any) -> Any:
     """Kirchhoff stress [Pa], shape (n, 3, 3)."""
     one, transposed, J = jnp.eye(3, dtype=F.dtype), jnp.swapaxes(F, 1, 2), jnp.linalg.det(F)[:, None, None]
     if material is Material.NEO_HOOKEAN:
@@ -129,7 +129,7 @@ def _stress(jnp: Any, material: Material, F: Any, mu: Any, lam: Any) -> Any:
     return 2 * mu * (F - U @ Vt) @ transposed + lam * J * (J - 1) * one
 
 
-def _boundaries(jnp: Any, scene: PeerScene, u: Any) -> Any:
+def _apply_boundaries(jnp: Any, scene: PeerScene, u: Any) -> Any:
     """Node velocities after all planes in order, and the walls."""
     index = jnp.stack(jnp.meshgrid(*[jnp.arange(scene.cells + 1)] * 3, indexing="ij"), -1)
     for plane in scene.planes:

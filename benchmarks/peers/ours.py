@@ -49,7 +49,7 @@ class Ours:
         model, self.state = build(scene.take(order), self.kernels)
         self.model = model.replace(dt=jnp.asarray(dt, jnp.float32))
         self.compile_seconds = 0.0
-        self._follow(FRAME_DT)
+        self._fit_window(FRAME_DT)
         jax.block_until_ready(advance(self.model, self.state, jnp.int32(1)))
 
     def run(self, steps: int) -> None:
@@ -61,7 +61,7 @@ class Ours:
         frame = max(1, round(FRAME_DT / float(self.model.dt)))
         while steps > 0:
             chunk = min(steps, frame)
-            self._follow(chunk * float(self.model.dt))
+            self._fit_window(chunk * float(self.model.dt))
             self.state, health, _ = advance(self.model, self.state, jnp.int32(chunk))
             if not bool(health.is_good(self.model)):
                 raise RuntimeError(f"the frame cannot be trusted: {health}")
@@ -79,7 +79,7 @@ class Ours:
         """Elastic deformation gradients, shape (n, 3, 3)."""
         return np.asarray(self.state.F)[self._back]
 
-    def _follow(self, duration: float) -> None:
+    def _fit_window(self, duration: float) -> None:
         """The window for the coming ``duration`` [s]; where its shape changes, compilation is timed apart."""
         x, shape = np.asarray(self.state.x), self.model.grid.shape
         speed = float(jnp.linalg.norm(self.state.v, axis=-1).max())
@@ -99,7 +99,7 @@ def build(scene: PeerScene, kernels: Any = "auto") -> tuple[Model, State]:
         NotImplementedError: The transfer has no counterpart with these options.
     """
     own = lambda values: jnp.asarray(values, scene.x.dtype)  # noqa: E731
-    material = _law(scene, own)
+    material = _make_law(scene, own)
     planes = [
         HalfSpace(
             point=own(plane.point),
@@ -128,7 +128,7 @@ def build(scene: PeerScene, kernels: Any = "auto") -> tuple[Model, State]:
     return model, state.__class__(**(vars(state) | {"C": own(scene.C)}))
 
 
-def _law(scene: PeerScene, own: Any) -> Any:
+def _make_law(scene: PeerScene, own: Any) -> Any:
     mu, lam = (own(values) for values in lame_parameters(scene.youngs_modulus, scene.poissons_ratio))
     match scene.material:
         case Material.NEO_HOOKEAN:

@@ -43,19 +43,19 @@ class TaichiMLS:
 
     def version(self) -> str:
         """Taichi's version and the threads."""
-        threads = self.threads or os.environ.get(_THREADS_VARIABLE) or _cores()
+        threads = self.threads or os.environ.get(_THREADS_VARIABLE) or _count_cores()
         return f"taichi {importlib.metadata.version('taichi')} on cpu with {threads} thread(s)"
 
     def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
         """Compiles the kernels for the scene, takes one trial substep, and puts the particles back."""
-        ti = _taichi()
+        ti = _import_taichi()
         threads = {} if self.threads is None else {"cpu_max_num_threads": self.threads}
         with contextlib.redirect_stdout(sys.stderr):  # it prints, whatever its level of logging
             ti.init(arch=ti.cpu, default_fp=ti.f32, log_level=ti.WARN, **threads)
         self._ti, self._scene, self._dt = ti, scene, float(dt)
         self._fields = self._allocate()
         self._upload()
-        self._substep()
+        self._advance()
         self._upload()
         ti.sync()
 
@@ -66,7 +66,7 @@ class TaichiMLS:
             RuntimeError: Particles came closer than half a cell to the domain's faces, or are not finite.
         """
         for _ in range(steps):
-            self._substep()
+            self._advance()
         self._ti.sync()
         if self._fields.lost[None]:
             raise RuntimeError("particles left the grid or are no longer finite.")
@@ -144,7 +144,7 @@ class TaichiMLS:
             field.from_numpy(np.ascontiguousarray(values, np.float32))
         fields.lost[None] = 0
 
-    def _substep(self) -> None:
+    def _advance(self) -> None:
         fields = self._fields
         fields.clear()
         fields.p2g()
@@ -152,11 +152,11 @@ class TaichiMLS:
         fields.g2p()
 
 
-def _cores() -> int:
+def _count_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _taichi() -> Any:
+def _import_taichi() -> Any:
     """Taichi, whose greeting must not mix with the caller's output."""
     os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")
     return importlib.import_module("taichi")

@@ -42,11 +42,11 @@ class WarpClassical:
 
     def version(self) -> str:
         """Warp's version and the device."""
-        return f"warp-lang {_warp().__version__} on {self._pick_device()}"
+        return f"warp-lang {_import_warp().__version__} on {self._pick_device()}"
 
     def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
         """Uploads the scene, compiles the kernels and takes one trial substep."""
-        wp = _warp()
+        wp = _import_warp()
         from benchmarks.peers import _warp_kernels as kernels
 
         self._wp, self._kernels = wp, kernels
@@ -55,10 +55,10 @@ class WarpClassical:
         self._allocate()
         self._upload()
         self._graph = None
-        self._substep()
+        self._advance()
         if self._device.is_cuda:
             with wp.ScopedCapture(device=self._device) as capture:
-                self._substep()
+                self._advance()
             self._graph = capture.graph
         self._upload()
         wp.synchronize_device(self._device)
@@ -71,7 +71,7 @@ class WarpClassical:
         """
         for _ in range(steps):
             if self._graph is None:
-                self._substep()
+                self._advance()
             else:
                 self._wp.capture_launch(self._graph)
         self._wp.synchronize_device(self._device)
@@ -101,7 +101,7 @@ class WarpClassical:
     def _pick_device(self) -> str:
         if self.device is not None:
             return self.device
-        return "cuda:0" if _warp().is_cuda_available() else "cpu"
+        return "cuda:0" if _import_warp().is_cuda_available() else "cpu"
 
     def _allocate(self) -> None:
         wp, scene = self._wp, self._scene
@@ -151,9 +151,9 @@ class WarpClassical:
         ):
             target.assign(np.ascontiguousarray(values, np.float32))
         self._lost.zero_()
-        self._stress()
+        self._compute_stress()
 
-    def _substep(self) -> None:
+    def _advance(self) -> None:
         kernels, scene, dt, dx = self._kernels, self._scene, self._dt, self._scene.dx
         particles, nodes = scene.particle_count, self._node_mass.shape
         # PIC carries no affine part; RPIC takes r times the symmetric part away.
@@ -177,9 +177,9 @@ class WarpClassical:
             particles,
             [self._node_v, dt, dx, scene.cells, self._x, self._v, self._C, self._F],
         )
-        self._stress()
+        self._compute_stress()
 
-    def _stress(self) -> None:
+    def _compute_stress(self) -> None:
         kernel = getattr(self._kernels, self._scene.material.value)
         self._launch(kernel, self._scene.particle_count, [self._F, *self._parameters, self._tau])
 
@@ -187,7 +187,7 @@ class WarpClassical:
         self._wp.launch(kernel, dim=dim, inputs=sum(inputs, []), device=self._device)
 
 
-def _warp() -> Any:
+def _import_warp() -> Any:
     """Warp, whose progress messages must not mix with the caller's output."""
     import warp as wp
 

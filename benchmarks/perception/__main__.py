@@ -69,11 +69,11 @@ def show(motion: str, name: str) -> Iterable[Row]:
         }
         rgb, depth = compose(sight, background, noise, seed=100 * i + 10 * j + b)
         rows.append(row | measure(sight, MOTIONS[motion], rgb, depth))
-    harness.say(f"{name}: {motion}: " + "; ".join(map(_brief, rows)))
+    harness.say(f"{name}: {motion}: " + "; ".join(map(_summarise, rows)))
     return rows
 
 
-def _brief(row: Row) -> str:
+def _summarise(row: Row) -> str:
     errors = [f"{key} {number(row[key]) or 'n. o.'}" for key in ("displacement", "rotation", "stretch")]
     return f"{row['background']}, {row['noise']}, {row['distance']}: {', '.join(errors)}"
 

@@ -43,10 +43,12 @@ def document(result: dict, json_path: Path, target: Path) -> str:
     rows = result["clips"]["rows"] if "clips" in result else []
     if not rows:
         return text
-    text += "\n## All clips\n" + _summary(rows)
+    text += "\n## All clips\n" + _summarise(rows)
     for key in ("background", "noise", "distance", "object"):
-        text += f"\n## By {key}\n" + _by(rows, key)
-    return text + "\n## By motion\n" + _by(rows, "motion") + "\n## What is wrong\n" + _wrong(rows)
+        text += f"\n## By {key}\n" + _compare_by(rows, key)
+    return (
+        text + "\n## By motion\n" + _compare_by(rows, "motion") + "\n## What is wrong\n" + _list_wrong(rows)
+    )
 
 
 def summarize(rows: Rows, figure: Figure) -> dict[str, float | int | None]:
@@ -58,37 +60,43 @@ def summarize(rows: Rows, figure: Figure) -> dict[str, float | int | None]:
     return {
         "clips": len(due),
         "given": len(given),
-        "unobservable": _share([row.get(error) is None for row in due]),
-        "within": _share([row[error] <= limit for row in given]),
-        "covered": _share([row[error] <= row[stated] for row in held]),
+        "unobservable": _compute_share([row.get(error) is None for row in due]),
+        "within": _compute_share([row[error] <= limit for row in given]),
+        "covered": _compute_share([row[error] <= row[stated] for row in held]),
         "median": float(np.median([row[error] for row in given])) if given else None,
         "ninth": float(np.quantile([row[error] for row in given], 0.9)) if given else None,
         "stated": float(np.median([row[stated] for row in held])) if held else None,
     }
 
 
-def _share(values: list[bool]) -> float | None:
+def _compute_share(values: list[bool]) -> float | None:
     return sum(values) / len(values) if values else None
 
 
-def _percent(value: float | None) -> str:
+def _to_percent(value: float | None) -> str:
     return "" if value is None else f"{100 * value:.0f} %"
 
 
-def _figure(value: float | None) -> str:
+def _to_text(value: float | None) -> str:
     return "" if value is None else f"{value:.3g}"
 
 
-def _summary(rows: Rows) -> str:
+def _summarise(rows: Rows) -> str:
     columns = ("figure", "limit", "clips", "within", "not observable", "covered")
     columns += ("median error", "nine of ten below", "median half width")
     lines = []
     for figure in FIGURES:
         s = summarize(rows, figure)
-        within = _percent(s["within"]) if np.isfinite(figure[2]) else ""
+        within = _to_percent(s["within"]) if np.isfinite(figure[2]) else ""
         lines.append(
-            [figure[0], figure[1], s["clips"], within, _percent(s["unobservable"]), _percent(s["covered"])]
-            + [_figure(s[key]) for key in ("median", "ninth", "stated")]
+            [
+                figure[0],
+                figure[1],
+                s["clips"],
+                within,
+                *(_to_percent(s[key]) for key in ("unobservable", "covered")),
+            ]
+            + [_to_text(s[key]) for key in ("median", "ninth", "stated")]
         )
     still = [row for row in rows if row["motion"] == "nothing"]
     text = f"\nRead as still where nothing moves: {sum(row['still'] for row in still)} of {len(still)}. "
@@ -98,7 +106,7 @@ def _summary(rows: Rows) -> str:
     return table(columns, lines) + text
 
 
-def _by(rows: Rows, key: str) -> str:
+def _compare_by(rows: Rows, key: str) -> str:
     figures = [figure for figure in FIGURES if np.isfinite(figure[2])]
     columns = (key, "clips", *(figure[0] for figure in figures))
     lines = []
@@ -107,13 +115,13 @@ def _by(rows: Rows, key: str) -> str:
         cells = [name, len(own)]
         for figure in figures:
             s = summarize(own, figure)
-            missing = f" ({_percent(s['unobservable'])} n. o.)" if s["unobservable"] else ""
-            cells.append(_percent(s["within"]) + missing)
+            missing = f" ({_to_percent(s['unobservable'])} n. o.)" if s["unobservable"] else ""
+            cells.append(_to_percent(s["within"]) + missing)
         lines.append(cells)
     return table(columns, lines)
 
 
-def _wrong(rows: Rows) -> str:
+def _list_wrong(rows: Rows) -> str:
     """The twenty clips whose displacement or rotation is farthest off, with what the report says."""
 
     def badness(row: Row) -> float:
@@ -127,7 +135,7 @@ def _wrong(rows: Rows) -> str:
             [
                 f"{row['motion']}: {row['object']}, {row['distance']}, {row['background']}, noise {row['noise']}"
             ]
-            + [_figure(row[key]) for key in ("displacement", "rotation", "stretch")]
+            + [_to_text(row[key]) for key in ("displacement", "rotation", "stretch")]
             + [one_line(" ".join(row["notes"]))]
             for row in worst
             if badness(row) > 1

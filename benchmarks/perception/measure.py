@@ -20,10 +20,10 @@ def measure(sight: Sight, motion: Motion, rgb: np.ndarray, depth: np.ndarray) ->
     """Errors and stated uncertainties of one clip; a figure that the report does not have is None."""
     report = perceive(rgb, depth, sight.camera, frame_dt=FRAME_DT).report
     return {
-        **_displacement(report, sight),
-        **_rotation(report, motion),
-        **_stretch(report, motion),
-        **_frequency(report, motion),
+        **_measure_displacement(report, sight),
+        **_measure_rotation(report, motion),
+        **_measure_stretch(report, motion),
+        **_measure_frequency(report, motion),
         "still": report.onset_frame is None,
         "pieces": max((p for p in report.pieces if p is not None), default=None),
         "notes": [note for note in report.quality.notes if "depth channel" not in note],
@@ -31,7 +31,7 @@ def measure(sight: Sight, motion: Motion, rgb: np.ndarray, depth: np.ndarray) ->
     }
 
 
-def _displacement(report: MotionReport, sight: Sight) -> Row:
+def _measure_displacement(report: MotionReport, sight: Sight) -> Row:
     """Largest error over the clip [true body lengths]; of the direction, in the frame of the largest shift [deg]."""
     true = (sight.means.mean(1) - sight.means[0].mean(0)) / sight.size
     scale = report.object_size / sight.size
@@ -45,11 +45,11 @@ def _displacement(report: MotionReport, sight: Sight) -> Row:
     if np.linalg.norm(true[far]) < SEEN_SHIFT:
         return found | {"has_direction": False}
     if np.isfinite(seen[far]).all():
-        found["direction"] = _angle(seen[far], true[far])
+        found["direction"] = _measure_angle(seen[far], true[far])
     return found | {"has_direction": True, "size_ratio": scale}
 
 
-def _rotation(report: MotionReport, motion: Motion) -> Row:
+def _measure_rotation(report: MotionReport, motion: Motion) -> Row:
     """At the last frame: of the rotation as a whole, of its angle, and of its axis [deg]."""
     true, seen = np.asarray(motion.turn(1.0)), report.rotation[-1] if report.rotation else None
     turns = bool(np.linalg.norm(true) >= SEEN_TURN)
@@ -61,11 +61,11 @@ def _rotation(report: MotionReport, motion: Motion) -> Row:
     row["rotation"] = float(np.degrees(off.magnitude()))
     row["angle"] = float(abs(np.linalg.norm(seen) - np.linalg.norm(true)))
     if turns:
-        row["axis"] = _angle(np.asarray(seen), true)
+        row["axis"] = _measure_angle(np.asarray(seen), true)
     return row
 
 
-def _stretch(report: MotionReport, motion: Motion) -> Row:
+def _measure_stretch(report: MotionReport, motion: Motion) -> Row:
     """At the last frame, along two directions across the line of sight: the largest relative error."""
     row = {"stretch": None, "stretch_stated": report.uncertainty.stretch}
     seen = report.stretch[-1] if report.stretch else None
@@ -76,7 +76,7 @@ def _stretch(report: MotionReport, motion: Motion) -> Row:
     return row | {"stretch": float(max(errors))}
 
 
-def _frequency(report: MotionReport, motion: Motion) -> Row:
+def _measure_frequency(report: MotionReport, motion: Motion) -> Row:
     """Relative error of the frequency; whether a swing was seen where there is none."""
     seen = report.oscillation
     if motion.frequency is None:
@@ -92,6 +92,6 @@ def _frequency(report: MotionReport, motion: Motion) -> Row:
     }
 
 
-def _angle(a: np.ndarray, b: np.ndarray) -> float:
+def _measure_angle(a: np.ndarray, b: np.ndarray) -> float:
     cosine = a @ b / max(float(np.linalg.norm(a) * np.linalg.norm(b)), 1e-9)
     return float(np.degrees(np.arccos(np.clip(cosine, -1, 1))))

@@ -42,28 +42,28 @@ def _ease(s: float) -> float:
     return s * s * (3 - 2 * s)
 
 
-def _shift(vector) -> Motion:
+def _make_shift(vector) -> Motion:
     return Motion(shift=lambda s: _ease(s) * np.asarray(vector, float))
 
 
-def _turn(axis, degrees: float) -> Motion:
+def _make_turn(axis, degrees: float) -> Motion:
     return Motion(
         turn=lambda s: _ease(s) * degrees * np.asarray(axis, float),
         in_plane=bool(abs(np.dot(axis, LOOK)) > 0.99),
     )
 
 
-def _stretch(*factors) -> Motion:
+def _make_stretch(*factors) -> Motion:
     return Motion(factors=lambda s: 1 + _ease(s) * (np.asarray(factors, float) - 1))
 
 
-def _swing(vector, periods: float) -> Motion:
+def _make_swing(vector, periods: float) -> Motion:
     return Motion(
         shift=lambda s: np.sin(2 * np.pi * periods * s) * np.asarray(vector, float), frequency=periods
     )
 
 
-def _both(first: Motion, second: Motion) -> Motion:
+def _combine(first: Motion, second: Motion) -> Motion:
     return Motion(
         shift=lambda s: first.shift(s) + second.shift(s),
         turn=lambda s: first.turn(s) + second.turn(s),
@@ -75,27 +75,29 @@ def _both(first: Motion, second: Motion) -> Motion:
 
 MOTIONS: dict[str, Motion] = {
     "nothing": Motion(),
-    "right 0.5": _shift((0.5, 0, 0)),
-    "left 0.15": _shift((-0.15, 0, 0)),
-    "up 0.4": _shift((0, 0, 0.4)),
-    "towards 0.4": _shift((0, -0.4, 0)),
-    "away 0.5": _shift((0, 0.5, 0)),
-    "right, up and away": _shift((0.3, 0.3, 0.2)),
-    "in the plane 15": _turn(LOOK, 15),
-    "in the plane 45": _turn(-LOOK, 45),
-    "in the plane 90": _turn(LOOK, 90),
-    "about the vertical 15": _turn(UP, 15),
-    "about the vertical 45": _turn(-UP, 45),
-    "about the vertical 90": _turn(UP, 90),
-    "tipped away 30": _turn(-RIGHT, 30),
-    "tipped towards 60": _turn(RIGHT, 60),
-    "stretched up 1.35": _stretch(1, 1, 1.35),
-    "stretched across 1.25": _stretch(1.25, 1, 1),
-    "squeezed down 0.65": _stretch(1, 1, 0.65),
-    "squeezed across 0.75": _stretch(0.75, 1, 1),
-    "sways across": _swing((0.25, 0, 0), 2.0),
-    "bobs": _swing((0, 0, 0.15), 3.0),
-    "right, turned 45 about the vertical": _both(_shift((0.4, 0, 0)), _turn(UP, 45)),
-    "down, tipped 30 and turned 20": _both(_shift((0, 0, -0.35)), _both(_turn(-RIGHT, 30), _turn(LOOK, 20))),
-    "left and squeezed down 0.75": _both(_shift((-0.35, 0, 0)), _stretch(1.1, 1.1, 0.75)),
+    "right 0.5": _make_shift((0.5, 0, 0)),
+    "left 0.15": _make_shift((-0.15, 0, 0)),
+    "up 0.4": _make_shift((0, 0, 0.4)),
+    "towards 0.4": _make_shift((0, -0.4, 0)),
+    "away 0.5": _make_shift((0, 0.5, 0)),
+    "right, up and away": _make_shift((0.3, 0.3, 0.2)),
+    "in the plane 15": _make_turn(LOOK, 15),
+    "in the plane 45": _make_turn(-LOOK, 45),
+    "in the plane 90": _make_turn(LOOK, 90),
+    "about the vertical 15": _make_turn(UP, 15),
+    "about the vertical 45": _make_turn(-UP, 45),
+    "about the vertical 90": _make_turn(UP, 90),
+    "tipped away 30": _make_turn(-RIGHT, 30),
+    "tipped towards 60": _make_turn(RIGHT, 60),
+    "stretched up 1.35": _make_stretch(1, 1, 1.35),
+    "stretched across 1.25": _make_stretch(1.25, 1, 1),
+    "squeezed down 0.65": _make_stretch(1, 1, 0.65),
+    "squeezed across 0.75": _make_stretch(0.75, 1, 1),
+    "sways across": _make_swing((0.25, 0, 0), 2.0),
+    "bobs": _make_swing((0, 0, 0.15), 3.0),
+    "right, turned 45 about the vertical": _combine(_make_shift((0.4, 0, 0)), _make_turn(UP, 45)),
+    "down, tipped 30 and turned 20": _combine(
+        _make_shift((0, 0, -0.35)), _combine(_make_turn(-RIGHT, 30), _make_turn(LOOK, 20))
+    ),
+    "left and squeezed down 0.75": _combine(_make_shift((-0.35, 0, 0)), _make_stretch(1.1, 1.1, 0.75)),
 }

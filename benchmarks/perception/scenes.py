@@ -128,7 +128,7 @@ def compose(sight: Sight, background: str, noise: str, seed: int) -> tuple[np.nd
     if background == "plain":
         rgb, depth = sight.colour + (1 - sight.alpha[..., None]), sight.depth.copy()
     else:
-        picture, behind = (_wall if background == "picture" else _room)(sight, rng)
+        picture, behind = (_draw_wall if background == "picture" else _draw_room)(sight, rng)
         front = (sight.alpha > 0.5) & (sight.depth < behind)
         hidden = (sight.alpha > 0.5) & ~front
         alpha = np.where(hidden, 0, sight.alpha)[..., None]
@@ -137,11 +137,11 @@ def compose(sight: Sight, background: str, noise: str, seed: int) -> tuple[np.nd
     rgb = 255 * np.clip(rgb, 0, 1)
     if noise == "camera":
         rgb = rgb + rng.normal(0, _COLOUR_NOISE, rgb.shape)
-        depth = np.stack([_measure(d, rng) for d in depth])
+        depth = np.stack([_degrade(d, rng) for d in depth])
     return np.clip(rgb, 0, 255).round().astype(np.uint8), depth.astype(np.float32)
 
 
-def _measure(depth: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def _degrade(depth: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """One frame of depth as a depth camera has it: noise that grows with z^2, dropped pixels, most at jumps."""
     seen = depth > 0
     kernel = np.ones((3, 3), np.uint8)
@@ -152,46 +152,48 @@ def _measure(depth: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return np.where(seen & ~dropped, noisy, np.nan)
 
 
-def _rays(camera: Camera) -> np.ndarray:
+def _cast_rays(camera: Camera) -> np.ndarray:
     """World directions of the pixels with unit z-depth, shape (H, W, 3)."""
     x, y = np.meshgrid(np.arange(camera.width) + 0.5, np.arange(camera.height) + 0.5)
     view = np.stack([x, y, np.ones_like(x)], -1) @ np.linalg.inv(np.asarray(camera.K, float)).T
     return view @ np.asarray(camera.viewmat, float)[:3, :3]
 
 
-def _hit(camera: Camera, normal: np.ndarray, offset: float) -> np.ndarray:
+def _intersect_plane(camera: Camera, normal: np.ndarray, offset: float) -> np.ndarray:
     """z-depth of the plane normal . x = offset; inf where it is not before the camera, shape (H, W)."""
-    along = _rays(camera) @ normal
+    along = _cast_rays(camera) @ normal
     with np.errstate(divide="ignore", invalid="ignore"):
         z = (offset - camera.center @ normal) / along
     return np.where(z > 0, z, np.inf)
 
 
-def _wall(sight: Sight, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def _draw_wall(sight: Sight, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     behind = float(sight.means[..., 1].max()) + 0.6
     normal = np.array([0.35, 1.0, 0.1])
-    z = _hit(sight.camera, normal / np.linalg.norm(normal), (behind + 0.3) / float(np.linalg.norm(normal)))
-    return _photograph(rng), z
+    z = _intersect_plane(
+        sight.camera, normal / np.linalg.norm(normal), (behind + 0.3) / float(np.linalg.norm(normal))
+    )
+    return _paint_photograph(rng), z
 
 
-def _room(sight: Sight, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def _draw_room(sight: Sight, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     camera = sight.camera
     behind = float(sight.means[..., 1].max()) + 0.8
     floor, wall = (
-        _hit(camera, np.array([0, 0, 1.0]), sight.floor),
-        _hit(camera, np.array([0, 1.0, 0]), behind),
+        _intersect_plane(camera, np.array([0, 0, 1.0]), sight.floor),
+        _intersect_plane(camera, np.array([0, 1.0, 0]), behind),
     )
     z = np.minimum(floor, wall)
-    points = camera.center + _rays(camera) * z[..., None]
+    points = camera.center + _cast_rays(camera) * z[..., None]
     boards = np.floor(points[..., 0] / 0.18).astype(int)
     grain = 0.5 + 0.5 * np.sin(37 * points[..., 0] + 3 * np.sin(5 * points[..., 1] + boards))
     tone = rng.uniform(0.75, 1.0, 400)[boards % 400] * (0.8 + 0.2 * grain)
     wood = tone[..., None] * np.array([0.62, 0.46, 0.32])
-    paper = np.array([0.72, 0.74, 0.68]) * (0.85 + 0.15 * _photograph(rng, detail=1.0)[..., :1])
+    paper = np.array([0.72, 0.74, 0.68]) * (0.85 + 0.15 * _paint_photograph(rng, detail=1.0)[..., :1])
     return np.where((floor < wall)[..., None], wood, paper), z
 
 
-def _photograph(rng: np.random.Generator, detail: float = 1.2) -> np.ndarray:
+def _paint_photograph(rng: np.random.Generator, detail: float = 1.2) -> np.ndarray:
     """Colours with a photograph's spectrum, falling as 1/f, and hard-edged patches; (H, W, 3) in 0..1."""
     fy, fx = np.fft.fftfreq(HEIGHT)[:, None], np.fft.fftfreq(WIDTH)[None]
     amplitude = 1 / np.maximum(np.hypot(fx, fy), 1 / WIDTH) ** detail

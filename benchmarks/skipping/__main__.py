@@ -33,15 +33,15 @@ def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
     sizes = QUICK if command.quick else Sizes()
-    parts = {title: partial(_jobs, skips, sizes) for title, skips in GROUPS.items()}
+    parts = {title: partial(_list_jobs, skips, sizes) for title, skips in GROUPS.items()}
     return harness.main(command, parts, document)
 
 
-def _jobs(skips: tuple[Skip, ...], sizes: Sizes) -> list[Job]:
-    return [Job(skip.name, partial(_row, skip, sizes)) for skip in skips]
+def _list_jobs(skips: tuple[Skip, ...], sizes: Sizes) -> list[Job]:
+    return [Job(skip.name, partial(_measure_row, skip, sizes)) for skip in skips]
 
 
-def _row(skip: Skip, sizes: Sizes) -> list[dict]:
+def _measure_row(skip: Skip, sizes: Sizes) -> list[dict]:
     jax.clear_caches()  # so that every row pays for its own compilation
     entry = row(skip, sizes)
     text = entry["message"]

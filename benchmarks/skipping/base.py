@@ -140,11 +140,11 @@ def disagreement(lean: Answer, full: Answer) -> tuple[float, str]:
     """
     if lean.keys() != full.keys():
         return float("inf"), ", ".join(sorted(lean.keys() ^ full.keys()))
-    worst = max(((_difference(lean[name], full[name]), name) for name in lean), default=(0.0, ""))
+    worst = max(((_measure_difference(lean[name], full[name]), name) for name in lean), default=(0.0, ""))
     return worst if worst[0] > 0 else (0.0, "")
 
 
-def _difference(one: np.ndarray | bytes | float, other: np.ndarray | bytes | float) -> float:
+def _measure_difference(one: np.ndarray | bytes | float, other: np.ndarray | bytes | float) -> float:
     if isinstance(one, bytes) or isinstance(other, bytes):
         return 0.0 if one == other else float("inf")
     one, other = np.asarray(one, np.float64), np.asarray(other, np.float64)

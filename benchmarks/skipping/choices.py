@@ -23,7 +23,7 @@ FRAME_DT = 0.02  # an eighth of a period [s]
 SIGNAL_BAR = 0.1  # largest deviation of the automatic step's signal from the cosine, both as root mean square
 
 
-def _precision(sizes: Sizes) -> Pair:
+def _compare_precision(sizes: Sizes) -> Pair:
     step = float(cube(sizes)[0].dt)  # float32's own, for both
 
     def way(dtype: Any) -> Way:
@@ -45,7 +45,7 @@ def _precision(sizes: Sizes) -> Pair:
     return Pair(way(np.float32), way(np.float64), sizes.particles, sizes.substeps)
 
 
-def _against_fixed(dt: float) -> Callable[[Sizes], Pair]:
+def _compare_with_fixed(dt: float) -> Callable[[Sizes], Pair]:
     """The bar with the automatic step, against the same with ``dt`` [s]."""
 
     def build(sizes: Sizes) -> Pair:
@@ -82,7 +82,7 @@ SKIPS = (
         "float32",
         "half of every number's bits",
         "float64 from the same start; the difference is the error of float32",
-        _precision,
+        _compare_precision,
         State.CHOICE,
         tolerance=2e-5,
         reason="float32 resolves 1e-7, which each substep adds",
@@ -93,7 +93,7 @@ SKIPS = (
             f"substeps that stability does not need: the step is {SAFETY:g} times the closed-form bound",
             f"a fixed step of {dt:g} s. Free elastic bar, {PERIODS} periods of its first mode by `mpm.simulate`; "
             "errors are the root mean square of the signal's deviation from the exact cosine, over the cosine's own",
-            _against_fixed(dt),
+            _compare_with_fixed(dt),
             State.CHOICE,
             tolerance=SIGNAL_BAR,
             reason="bar on the error of the automatic step",

@@ -77,7 +77,7 @@ class ByPrincipalStretches(Plain):
         return spectral(self.principal, F, (self.law.mu, self.law.lam)).spatial
 
 
-def _neo_hookean(s: jax.Array, lame: tuple[jax.Array, jax.Array]) -> Principal:
+def _compute_neo_hookean(s: jax.Array, lame: tuple[jax.Array, jax.Array]) -> Principal:
     mu, lam = lame
     return Principal(spatial=mu * (s**2 - 1) + lam * jnp.log(s.prod(0)))
 
@@ -85,7 +85,7 @@ def _neo_hookean(s: jax.Array, lame: tuple[jax.Array, jax.Array]) -> Principal:
 Law = Callable[[jax.Array, jax.Array], Material]
 
 
-def _against(lean: Law, full: Law) -> Callable[[Sizes], Pair]:
+def _compare_laws(lean: Law, full: Law) -> Callable[[Sizes], Pair]:
     """The cube of one law, against the same cube of another; each starts with its own history."""
 
     def build(sizes: Sizes) -> Pair:
@@ -98,25 +98,28 @@ def _against(lean: Law, full: Law) -> Callable[[Sizes], Pair]:
     return build
 
 
-def _metal(yield_stress: float) -> Callable[[jax.Array, jax.Array], VonMises]:
+def _make_metal(yield_stress: float) -> Callable[[jax.Array, jax.Array], VonMises]:
     def law(mu: jax.Array, lam: jax.Array) -> VonMises:
         return VonMises(mu, lam, jnp.full_like(mu, yield_stress), jnp.zeros_like(mu))
 
     return law
 
 
-def _snow(mu: jax.Array, lam: jax.Array) -> Snow:
+def _make_snow(mu: jax.Array, lam: jax.Array) -> Snow:
     return Snow(mu, lam, *(jnp.full_like(mu, value) for value in (0.025, 0.0075, 10.0, 4.0)))
 
 
-_yielding = _metal(0.01 * YOUNGS_MODULUS)  # the cube's strains are several times those at which it yields
+# The cube's strains are several times those at which it yields.
+_yielding = _make_metal(0.01 * YOUNGS_MODULUS)
 
 SKIPS = (
     Skip(
         "singular values: neo-Hookean",
         "the SVD, where the stress has a closed form without it",
         "the same law through its principal stretches",
-        _against(NeoHookean, lambda mu, lam: ByPrincipalStretches(NeoHookean(mu, lam), _neo_hookean)),
+        _compare_laws(
+            NeoHookean, lambda mu, lam: ByPrincipalStretches(NeoHookean(mu, lam), _compute_neo_hookean)
+        ),
         tolerance=2e-5,
         reason=_SVD_ROUND_OFF,
     ),
@@ -124,7 +127,7 @@ SKIPS = (
         "stress inside P2G",
         "the trip of the stress through memory, where all matter is neo-Hookean and the kernels make it on the way",
         "the same law by a class that the kernels do not know",
-        _against(NeoHookean, lambda mu, lam: Plain(NeoHookean(mu, lam))),
+        _compare_laws(NeoHookean, lambda mu, lam: Plain(NeoHookean(mu, lam))),
         tolerance=1e-5,
         reason=STRESS_ROUND_OFF,
     ),
@@ -132,13 +135,13 @@ SKIPS = (
         "return mapping",
         "the return mapping, where matter is elastic (Hencky)",
         f"von Mises metal of the same elasticity with a yield stress of {_UNREACHABLE:g} Pa",
-        _against(Hencky, _metal(_UNREACHABLE)),
+        _compare_laws(Hencky, _make_metal(_UNREACHABLE)),
     ),
     Skip(
         "second SVD: metal",
         "the SVD of the stress, which shares that of the return mapping (`materials.respond`)",
         "`project`, then `stress`",
-        _against(_yielding, lambda mu, lam: Plain(_yielding(mu, lam))),
+        _compare_laws(_yielding, lambda mu, lam: Plain(_yielding(mu, lam))),
         tolerance=2e-5,
         reason=_SVD_ROUND_OFF,
     ),
@@ -146,7 +149,7 @@ SKIPS = (
         "second SVD: snow",
         "the same for snow, whose stress alone would take a polar rotation",
         "`project`, then `stress`",
-        _against(_snow, lambda mu, lam: Plain(_snow(mu, lam))),
+        _compare_laws(_make_snow, lambda mu, lam: Plain(_make_snow(mu, lam))),
         tolerance=2e-5,
         reason=_SVD_ROUND_OFF,
     ),

@@ -47,15 +47,15 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
         **words,
     )
     rows: dict[str, Row] = {row["name"]: row for section in result.values() for row in section["rows"]}
-    text += provenance(result, tuple(GROUPS)) + _summary(rows)
+    text += provenance(result, tuple(GROUPS)) + _summarise(rows)
     for title, skips in GROUPS.items():
         members = [rows[skip.name] for skip in skips if skip.name in rows]
         if members:
-            text += _table(title, members)
+            text += _make_table(title, members)
     return text
 
 
-def _summary(rows: dict[str, Row]) -> str:
+def _summarise(rows: dict[str, Row]) -> str:
     def named(chosen: list[Row]) -> str:
         return ", ".join(row["name"] for row in chosen) or "none"
 
@@ -69,12 +69,12 @@ def _summary(rows: dict[str, Row]) -> str:
     return text + (f"\nNot measured yet: {', '.join(absent)}.\n" if absent else "")
 
 
-def _table(title: str, rows: list[Row]) -> str:
+def _make_table(title: str, rows: list[Row]) -> str:
     errors = any("lean_error" in row for row in rows)
     difference = "difference, or errors with and without" if errors else "largest difference"
     columns = ("skip", "", "particles", "per", "with [ms]", "without [ms]", "saving", difference)
     columns += ("tolerated", "compilation, both [s]")
-    text = f"\n## {title}\n" + table(columns, [_line(row) for row in rows]) + "\n"
+    text = f"\n## {title}\n" + table(columns, [_make_line(row) for row in rows]) + "\n"
     for row in rows:
         reason = f" Tolerated: {row['reason']}." if row["reason"] else ""
         note = f" Here: {row['note']}." if row.get("note") else ""
@@ -85,24 +85,24 @@ def _table(title: str, rows: list[Row]) -> str:
     return text
 
 
-def _line(row: Row) -> list:
+def _make_line(row: Row) -> list:
     start = [row["name"], row["state"]]
     if "saving" not in row:
         return [*start, "", "", f"**failed**: {one_line(row['message'])}", "", "", "", "", ""]
     verdict = {"saves": "", "costs": " (costs)"}.get(row["verdict"], f" ({row['verdict']})")
     message = "" if row["good"] else f" **FAILS**: {one_line(row['message'])}"
     compiled = f"{row['lean_compile_seconds']:.3g}, {row['full_compile_seconds']:.3g}"
-    start += [f"{row['particles']:,}", row["unit"], _time(row, "lean"), _time(row, "full")]
-    start += [f"{row['saving']:.2f} x{verdict}", _difference(row) + message]
+    start += [f"{row['particles']:,}", row["unit"], _format_time(row, "lean"), _format_time(row, "full")]
+    start += [f"{row['saving']:.2f} x{verdict}", _format_difference(row) + message]
     return [*start, f"{row['tolerance']:.0e}", compiled]
 
 
-def _time(row: Row, way: str) -> str:
+def _format_time(row: Row, way: str) -> str:
     low, high = row[f"{way}_range_ms"]
     return f"{number(row[f'{way}_ms'])} ({number(low)} to {number(high)})"
 
 
-def _difference(row: Row) -> str:
+def _format_difference(row: Row) -> str:
     if "lean_error" in row:
         return f"errors {row['lean_error']:.2g} and {row['full_error']:.2g}"
     if row["disagreement"] is None:

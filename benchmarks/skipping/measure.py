@@ -78,24 +78,24 @@ def timed(pair: Pair, sizes: Sizes) -> tuple[dict[str, Any], tuple[Any, Any]]:
         result = finished(way)
         first[name] = time.perf_counter() - begun
         found[name] = way.read(result)
-        once = _mean(way, 1)
+        once = _average_time(way, 1)
         runs[name] = max(1, math.ceil(sizes.sample / once))
         turn += runs[name] * once
     rounds = max(min(sizes.rounds, FEWEST), min(sizes.rounds, int(sizes.seconds / turn)))
     seconds: dict[str, list[float]] = {name: [] for name in ways}
     for index in range(rounds):
         for name in WAYS if index % 2 == 0 else reversed(WAYS):
-            seconds[name].append(_mean(ways[name], runs[name]))
+            seconds[name].append(_average_time(ways[name], runs[name]))
     columns: dict[str, Any] = {"rounds": rounds}
     for name, samples in seconds.items():
         each = [1e3 * sample / pair.share for sample in samples]
         compiled = max(0.0, first[name] - statistics.median(samples))
-        columns[f"{name}_ms"] = _significant(statistics.median(each))
-        columns[f"{name}_range_ms"] = [_significant(min(each)), _significant(max(each))]
+        columns[f"{name}_ms"] = _round(statistics.median(each))
+        columns[f"{name}_range_ms"] = [_round(min(each)), _round(max(each))]
         columns[f"{name}_runs_a_round"] = runs[name]
         columns[f"{name}_compile_seconds"] = round(compiled, 2)
     ratios = [full / lean for lean, full in zip(seconds["lean"], seconds["full"])]
-    columns |= {"saving": _significant(statistics.median(ratios)), "verdict": verdict(ratios)}
+    columns |= {"saving": _round(statistics.median(ratios)), "verdict": verdict(ratios)}
     return columns, (found["lean"], found["full"])
 
 
@@ -115,7 +115,7 @@ def verdict(ratios: list[float]) -> str:
     return NOT_MEASURABLE
 
 
-def _mean(way: Way, runs: int) -> float:
+def _average_time(way: Way, runs: int) -> float:
     """Seconds per run, of so many in a row."""
     begun = time.perf_counter()
     for _ in range(runs):
@@ -123,5 +123,5 @@ def _mean(way: Way, runs: int) -> float:
     return (time.perf_counter() - begun) / runs
 
 
-def _significant(value: float) -> float:
+def _round(value: float) -> float:
     return float(f"{value:.4g}")

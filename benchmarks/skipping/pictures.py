@@ -30,7 +30,7 @@ ROBOT = Path(__file__).resolve().parents[2] / "examples" / "assets" / "robot.ply
 _COEFFICIENTS = 16  # of degree 3
 
 
-def _cloud(sizes: Sizes) -> tuple[GaussianCloud, Binding, jax.Array]:
+def _make_cloud(sizes: Sizes) -> tuple[GaussianCloud, Binding, jax.Array]:
     """A Gaussian on every particle of the cube, of one colour from all sides; and the deformation of each."""
     _, state = cube(sizes)
     rng, count = np.random.default_rng(1), sizes.particles
@@ -50,27 +50,27 @@ def _cloud(sizes: Sizes) -> tuple[GaussianCloud, Binding, jax.Array]:
     return cloud, binding, state.F
 
 
-def _camera() -> Camera:
+def _make_camera() -> Camera:
     middle = 0.5 * SIZE
     eye, target = (middle, middle - 2.0, middle + 0.5), (middle, middle, middle)
     return look_at(eye, target, (0, 0, 1), fov_degrees=40.0, width=320, height=320)
 
 
-def _harmonics(sizes: Sizes) -> Pair:
-    cloud, binding, F = _cloud(sizes)
-    camera = _camera()
+def _compare_harmonics(sizes: Sizes) -> Pair:
+    cloud, binding, F = _make_cloud(sizes)
+    camera = _make_camera()
     unseen = jnp.zeros((sizes.particles, _COEFFICIENTS - 1, 3), jnp.float32)
     padded = dataclasses.replace(cloud, sh=jnp.concatenate([cloud.sh, unseen], axis=1))
 
     def way(cloud: GaussianCloud) -> Way:
         splats = deform(cloud, binding, cloud.means, F, jnp.eye(3, dtype=jnp.float32))
-        return Way(lambda: project(splats, camera), _projection)
+        return Way(lambda: project(splats, camera), _read_projection)
 
     return Pair(way(padded.of_least_degree()), way(padded), sizes.particles, unit="projection")
 
 
-def _rotations(sizes: Sizes) -> Pair:
-    cloud, binding, F = _cloud(sizes)
+def _compare_rotations(sizes: Sizes) -> Pair:
+    cloud, binding, F = _make_cloud(sizes)
     identity = jnp.eye(3, dtype=jnp.float32)
     linear = jnp.concatenate([cloud.sh, jnp.zeros((sizes.particles, 3, 3), jnp.float32)], axis=1)
     padded = dataclasses.replace(cloud, sh=linear)
@@ -78,19 +78,19 @@ def _rotations(sizes: Sizes) -> Pair:
     def way(cloud: GaussianCloud) -> Way:
         return Way(
             lambda: deform(cloud, binding, cloud.means, F, identity),
-            lambda splats: _projection(project(splats, _camera())),
+            lambda splats: _read_projection(project(splats, _make_camera())),
         )
 
     return Pair(way(cloud), way(padded), sizes.particles, unit="frame")
 
 
-def _projection(projected: Projected) -> Answer:
+def _read_projection(projected: Projected) -> Answer:
     names = ("means2d", "conics", "depths", "opacities", "colors")
     return {name: np.asarray(getattr(projected, name)) for name in names}
 
 
 @cache
-def _clip(particles: int, frames: int, pixels: int) -> tuple[CompiledScene, Recording]:
+def _simulate_clip(particles: int, frames: int, pixels: int) -> tuple[CompiledScene, Recording]:
     """The bundled robot, dropped."""
     config = SceneConfig(
         source=Source(path=str(ROBOT), name="robot", kind="robot", up="-y"),
@@ -104,8 +104,8 @@ def _clip(particles: int, frames: int, pixels: int) -> tuple[CompiledScene, Reco
     return scene, simulate_scene(scene)
 
 
-def _files(sizes: Sizes) -> Pair:
-    scene, recording = _clip(sizes.clip_particles, sizes.clip_frames, sizes.clip_pixels)
+def _compare_files(sizes: Sizes) -> Pair:
+    scene, recording = _simulate_clip(sizes.clip_particles, sizes.clip_frames, sizes.clip_pixels)
 
     def write(everything: bool) -> Answer:
         with tempfile.TemporaryDirectory() as folder:
@@ -130,18 +130,18 @@ SKIPS = (
         "harmonics",
         "view directions and spherical harmonics, where all coefficients beyond the first are zero",
         "the coefficients up to degree 3 as the file has them",
-        _harmonics,
+        _compare_harmonics,
     ),
     Skip(
         "rotations of Gaussians",
         "the rotation of every Gaussian, which turns its harmonics, where colours do not depend on the view",
         "the polar rotation of every F, for colours with harmonics of degree 1 that are all zero",
-        _rotations,
+        _compare_rotations,
     ),
     Skip(
         "frames and splats",
         "a PNG and a PLY per frame, unless asked for",
         "`--save-frames --save-splats`; the files that both leave must be equal byte by byte",
-        _files,
+        _compare_files,
     ),
 )

@@ -23,26 +23,26 @@ TOO_LONG = 5.0  # times the step of the cube: 1.5 times its stable bound
 WASTED = 10  # times the substeps of a run: a frame that fails early
 
 
-def _window(sizes: Sizes) -> Pair:
+def _compare_window(sizes: Sizes) -> Pair:
     model, state = cube(sizes)
     pair = both(model, model.replace(grid=Grid.whole(SIZE, sizes.cells)), state, sizes)
     window, whole = "x".join(map(str, model.grid.shape)), sizes.cells + 1
     return dataclasses.replace(pair, note=f"{window} of {whole}x{whole}x{whole} nodes")
 
 
-def _order(sizes: Sizes) -> Pair:
+def _compare_order(sizes: Sizes) -> Pair:
     """Sorted, against as they lie."""
     model, state = cube(sizes)
     order = cell_order(np.asarray(state.x), model.grid.dx)
     return Pair(
-        _in_order(lambda: order, model, state, sizes),
+        _run_in_order(lambda: order, model, state, sizes),
         rolled(model, state, sizes.substeps),
         sizes.particles,
         sizes.substeps,
     )
 
 
-def _order_in_motion(sizes: Sizes) -> Pair:
+def _compare_order_in_motion(sizes: Sizes) -> Pair:
     """Water that was sorted at rest, once it has been thrown against a wall."""
     model, state = cube(sizes, lambda mu, lam: Fluid(lam))
     x = state.x[cell_order(np.asarray(state.x), model.grid.dx)]
@@ -51,14 +51,14 @@ def _order_in_motion(sizes: Sizes) -> Pair:
     *_, last = simulate(thrown, state, frame_count=THROWN_FRAMES + 1, frame_dt=0.04)
     model, state = settled(thrown, last.state, sizes.substeps), last.state
     return Pair(
-        _in_order(lambda: update_order(None, model, state), model, state, sizes),
+        _run_in_order(lambda: update_order(None, model, state), model, state, sizes),
         rolled(model, state, sizes.substeps),
         sizes.particles,
         sizes.substeps,
     )
 
 
-def _in_order(find: Callable[[], np.ndarray | None], model: Model, state: Particles, sizes: Sizes) -> Way:
+def _run_in_order(find: Callable[[], np.ndarray | None], model: Model, state: Particles, sizes: Sizes) -> Way:
     """A frame as `mpm.simulate` runs it: particles are put in an order, and back."""
     count = jnp.asarray(sizes.substeps, jnp.int32)
 
@@ -70,7 +70,7 @@ def _in_order(find: Callable[[], np.ndarray | None], model: Model, state: Partic
     return Way(run, reading)
 
 
-def _ledger(sizes: Sizes) -> Pair:
+def _compare_ledger(sizes: Sizes) -> Pair:
     model, state = cube(sizes)
     lean, full = rolled(model, state, sizes.substeps), rolled(model, state, sizes.substeps, ledger=True)
     return Pair(lean, full, sizes.particles, sizes.substeps)
@@ -100,7 +100,7 @@ def unstopped(model: Model, state: Particles, substeps: jax.Array) -> jax.Array:
     return jax.lax.fori_loop(0, substeps, body, start)[-1]
 
 
-def _watching(sizes: Sizes) -> Pair:
+def _compare_watching(sizes: Sizes) -> Pair:
     model, state = cube(sizes)
     count = jnp.asarray(sizes.substeps, jnp.int32)
     lean = Way(lambda: unwatched(model, state, count), read_motion)
@@ -108,7 +108,7 @@ def _watching(sizes: Sizes) -> Pair:
     return Pair(lean, full, sizes.particles, sizes.substeps)
 
 
-def _early_stop(sizes: Sizes) -> Pair:
+def _compare_early_stop(sizes: Sizes) -> Pair:
     """A frame whose step is too long: both ways must see when it goes wrong."""
     model, state = cube(sizes)
     model = model.replace(dt=TOO_LONG * model.dt)
@@ -135,13 +135,13 @@ SKIPS = (
         "grid window",
         "nodes where there is no matter: the window of the grid follows the object",
         "`Grid.whole`, the whole domain",
-        _window,
+        _compare_window,
     ),
     Skip(
         "order of particles",
         "jumps through memory, if particles lie in the order of their cells",
         "particles in random order",
-        _order,
+        _compare_order,
         tolerance=1e-5,
         reason="node sums run in another order, with another round-off",
     ),
@@ -150,7 +150,7 @@ SKIPS = (
         "jumps through memory, if water that has spread is sorted again",
         "sorted once, at rest. Only water and sand mix at all. The lean way sorts in every run, and turns the "
         "particles back; the product sorts when they have mixed, which is every few frames",
-        _order_in_motion,
+        _compare_order_in_motion,
         tolerance=1e-5,
         reason="node sums run in another order, with another round-off",
     ),
@@ -158,20 +158,20 @@ SKIPS = (
         "ledger",
         "the accounts of energy and momentum, if nobody asks for them",
         "`ledger=True`",
-        _ledger,
+        _compare_ledger,
     ),
     Skip(
         "early stop",
         "the remaining substeps of a frame that has to be redone",
         "all substeps of the frame, each of them watched; what must agree is which substep goes wrong first",
-        _early_stop,
+        _compare_early_stop,
     ),
     Skip(
         "health watch",
         "the watch over speed, volume and particles that leave, without which no frame could be trusted",
         "as the product has it; the lean way is a loop of the same substeps that looks at nothing. The walls need a "
         "part of the watch in either, and the CPU kernels' G2P always makes all of it",
-        _watching,
+        _compare_watching,
         State.KEPT,
     ),
 )

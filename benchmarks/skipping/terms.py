@@ -21,92 +21,93 @@ _BOTTOM = 0.5 * (SIZE - SIDE)  # of the cube [m]
 _OVER, _TO_COME = (-2.0, -1.0), (1e3, 2e3)  # windows [s]; the run takes place in between
 
 
-def _scalar(value: float):
+def _to_scalar(value: float):
     return jnp.asarray(value, jnp.float32)
 
 
-def _plane(height: float, start: float = -FOREVER, end: float = FOREVER, velocity=None) -> HalfSpace:
+def _make_plane(height: float, start: float = -FOREVER, end: float = FOREVER, velocity=None) -> HalfSpace:
     """A floor at ``height`` [m] that separates, with friction."""
     return HalfSpace(
         point=jnp.asarray([0.0, 0.0, height], jnp.float32),
         normal=jnp.asarray([0.0, 0.0, 1.0], jnp.float32),
-        friction=_scalar(0.3),
-        start=_scalar(start),
-        end=_scalar(end),
+        friction=_to_scalar(0.3),
+        start=_to_scalar(start),
+        end=_to_scalar(end),
         contact=Contact.SEPARATE,
         velocity=velocity,
     )
 
 
-def _weightless(model: Model, state: Particles) -> Model:
+def _remove_weight(model: Model, state: Particles) -> Model:
     del state
     return model.replace(gravity=jnp.zeros(3, jnp.float32))
 
 
-def _unforced(model: Model, state: Particles) -> Model:
+def _remove_forces(model: Model, state: Particles) -> Model:
     del state
     zero = jnp.zeros(3, jnp.float32)
-    return model.replace(forces=(UniformAcceleration(zero, _scalar(-FOREVER), _scalar(FOREVER)),))
+    return model.replace(forces=(UniformAcceleration(zero, _to_scalar(-FOREVER), _to_scalar(FOREVER)),))
 
 
-def _undamped(model: Model, state: Particles) -> Model:
+def _remove_damping(model: Model, state: Particles) -> Model:
     del state
     return model.replace(damping_rate=TINY)
 
 
-def _unblended(model: Model, state: Particles) -> Model:
+def _remove_blending(model: Model, state: Particles) -> Model:
     del state
     return model.replace(rpic_damping=TINY)
 
 
-def _out_of_reach(model: Model, state: Particles) -> Model:
+def _put_out_of_reach(model: Model, state: Particles) -> Model:
     del state
-    return model.replace(boundaries=(_plane(-1.0),))
+    return model.replace(boundaries=(_make_plane(-1.0),))
 
 
-def _inviscid(model: Model, state: Particles) -> Model:
+def _remove_viscosity(model: Model, state: Particles) -> Model:
     del state
     return model.replace(viscosity=jnp.zeros_like(model.mass))
 
 
-def _floor_at_rest(sizes: Sizes) -> Pair:
+def _compare_floor_at_rest(sizes: Sizes) -> Pair:
     model, state = cube(sizes)
-    resting, moving = _plane(_BOTTOM + 0.1), _plane(_BOTTOM + 0.1, velocity=jnp.zeros(3, jnp.float32))
+    resting = _make_plane(_BOTTOM + 0.1)
+    moving = _make_plane(_BOTTOM + 0.1, velocity=jnp.zeros(3, jnp.float32))
     return both(model.replace(boundaries=(resting,)), model.replace(boundaries=(moving,)), state, sizes)
 
 
-def _fluid_without_viscosity(sizes: Sizes) -> Pair:
+def _compare_inviscid_fluid(sizes: Sizes) -> Pair:
     model, state = cube(sizes, lambda mu, lam: Fluid(lam, tension=True))
-    return both(model, _inviscid(model, state), state, sizes)
+    return both(model, _remove_viscosity(model, state), state, sizes)
 
 
-def _closed_forces(window: tuple[float, float]):
+def _close_forces(window: tuple[float, float]):
     def change(model: Model, state: Particles) -> Model:
         del state
-        closed = Envelope.constant(*map(_scalar, window))
+        closed = Envelope.constant(*map(_to_scalar, window))
         direction = jnp.asarray([1.0, 0.0, 0.0], jnp.float32)
-        strength = dict(strength=_scalar(5.0), length_scale=_scalar(0.2), time_scale=_scalar(0.1))
+        strength = dict(strength=_to_scalar(5.0), length_scale=_to_scalar(0.2), time_scale=_to_scalar(0.1))
         gusts = Turbulence.from_seed(0, envelope=closed, **strength)
-        wind = Wind(direction, _scalar(3.0), _scalar(1.0), _scalar(0.1), closed)
+        wind = Wind(direction, _to_scalar(3.0), _to_scalar(1.0), _to_scalar(0.1), closed)
         return model.replace(forces=(wind, gusts))
 
     return change
 
 
-def _closed_floor(model: Model, state: Particles) -> Model:
+def _close_floor(model: Model, state: Particles) -> Model:
     del state
-    return model.replace(boundaries=(_plane(_BOTTOM + 0.1, *_TO_COME),))
+    return model.replace(boundaries=(_make_plane(_BOTTOM + 0.1, *_TO_COME),))
 
 
-def _closed_grip(model: Model, state: Particles) -> Model:
+def _close_grip(model: Model, state: Particles) -> Model:
     """Holds the lowest tenth of the cube, before the run begins."""
     low = np.flatnonzero(np.asarray(state.x[:, 2]) < _BOTTOM + 0.1 * SIDE)
     still = jnp.zeros(3, jnp.float32)
-    grip = PrescribedMotion(jnp.asarray(low, jnp.int32), still, still, still, *map(_scalar, _OVER))
+    grip = PrescribedMotion(jnp.asarray(low, jnp.int32), still, still, still, *map(_to_scalar, _OVER))
     return model.replace(constraints=(grip,))
 
 
-def _closed(change: Callable[[Model, Particles], Model]) -> Callable[[Sizes], Pair]:
+def _compare_closed(change: Callable[[Model, Particles], Model]) -> Callable[[Sizes], Pair]:
     """The cube with what `mpm.simulate` keeps of a change in the first second, against all of it."""
 
     def build(sizes: Sizes) -> Pair:
@@ -120,37 +121,37 @@ def _closed(change: Callable[[Model, Particles], Model]) -> Callable[[Sizes], Pa
 _ALWAYS = "in every substep, and dropped"
 
 SKIPS = (
-    Skip("gravity", "the gravity term, where there is none", "gravity of zero", changed(_weightless)),
-    Skip("forces", "force terms, where there are none", "a uniform force of zero", changed(_unforced)),
+    Skip("gravity", "the gravity term, where there is none", "gravity of zero", changed(_remove_weight)),
+    Skip("forces", "force terms, where there are none", "a uniform force of zero", changed(_remove_forces)),
     Skip(
         "damping",
         "the global damping of grid velocities, where there is none",
         f"a damping rate of {TINY:g} 1/s",
-        changed(_undamped),
+        changed(_remove_damping),
     ),
     Skip(
         "rpic blend",
         "the blend of APIC and RPIC, where it is all APIC",
         f"an RPIC share of {TINY:g}",
-        changed(_unblended),
+        changed(_remove_blending),
     ),
     Skip(
         "boundaries",
         "obstacles, where there are none",
         "a floor with friction far below, which touches nothing",
-        changed(_out_of_reach),
+        changed(_put_out_of_reach),
     ),
     Skip(
         "obstacle at rest",
         "the change to an obstacle's frame and back, where it rests",
         "a floor in contact that moves at 0 m/s",
-        _floor_at_rest,
+        _compare_floor_at_rest,
     ),
     Skip(
         "viscosity of a solid",
         "the viscous stress, where there is none; neo-Hookean matter then keeps its stress inside P2G",
         "a viscosity of 0 Pa s",
-        changed(_inviscid),
+        changed(_remove_viscosity),
         tolerance=1e-5,
         reason=STRESS_ROUND_OFF,
     ),
@@ -158,30 +159,30 @@ SKIPS = (
         "viscosity of a fluid",
         "the viscous stress, where there is none",
         "a viscosity of 0 Pa s",
-        _fluid_without_viscosity,
+        _compare_inviscid_fluid,
     ),
     Skip(
         "forces that are over",
         "force terms (wind, turbulence of 32 modes) whose window has ended",
         f"evaluated {_ALWAYS}",
-        _closed(_closed_forces(_OVER)),
+        _compare_closed(_close_forces(_OVER)),
     ),
     Skip(
         "forces to come",
         "the same before their window begins",
         f"evaluated {_ALWAYS}",
-        _closed(_closed_forces(_TO_COME)),
+        _compare_closed(_close_forces(_TO_COME)),
     ),
     Skip(
         "obstacle to come",
         "an obstacle before its window begins, though matter is inside it",
         f"contact is computed {_ALWAYS}",
-        _closed(_closed_floor),
+        _compare_closed(_close_floor),
     ),
     Skip(
         "grip that is over",
         "a prescribed motion of a tenth of the particles whose window has ended",
         f"evaluated {_ALWAYS}; and the stress is made anew after it",
-        _closed(_closed_grip),
+        _compare_closed(_close_grip),
     ),
 )

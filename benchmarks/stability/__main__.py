@@ -47,27 +47,27 @@ class Command(harness.Command):
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
-    parts = {part: partial(_jobs, part, command.quick) for part in PARTS}
+    parts = {part: partial(_list_jobs, part, command.quick) for part in PARTS}
     return harness.main(command, parts, document)
 
 
-def _jobs(part: Part, quick: bool) -> list[Job]:
+def _list_jobs(part: Part, quick: bool) -> list[Job]:
     """All jobs of a part, or an even spread of them."""
-    jobs = list(_critical() if part == "critical" else _runs(part))
+    jobs = list(_list_critical() if part == "critical" else _list_runs(part))
     if not quick or len(jobs) <= _QUICK[part]:
         return jobs
     stride = len(jobs) / _QUICK[part]
     return [jobs[int(i * stride)] for i in range(_QUICK[part])]
 
 
-def _critical() -> Iterator[Job]:
+def _list_critical() -> Iterator[Job]:
     for subject in SUBJECTS:
         for form in FORMS:
             for place in CONFIGURATIONS:
-                yield Job(f"{subject}, {form}, {place}", partial(_measured, subject, form, place))
+                yield Job(f"{subject}, {form}, {place}", partial(_measure_row, subject, form, place))
 
 
-def _measured(subject: str, form: str, place: str) -> list[dict]:
+def _measure_row(subject: str, form: str, place: str) -> list[dict]:
     with jax.enable_x64(True):
         found = measure(subject, place, form)
     verdict = "pass" if found.good else "FAIL"
@@ -76,29 +76,29 @@ def _measured(subject: str, form: str, place: str) -> list[dict]:
     return [dataclasses.asdict(found) | {"verdict": verdict, "good": found.good}]
 
 
-def _runs(part: Part) -> Iterator[Job]:
+def _list_runs(part: Part) -> Iterator[Job]:
     if part == "degenerate":
         for name, run in matrix.degenerate():
-            yield Job(name, partial(_examined, run))
+            yield Job(name, partial(_make_row, run))
         return
     scenarios = {"matrix": matrix.matrix, "pairwise": matrix.pairwise, "stiffness": matrix.stiffness}[part]()
     for scenario in scenarios:
-        yield Job(scenario.name, partial(_examined, partial(_run, scenario)))
+        yield Job(scenario.name, partial(_make_row, partial(_examine, scenario)))
 
 
-def _run(scenario: Scenario) -> Result:
+def _examine(scenario: Scenario) -> Result:
     with jax.enable_x64(scenario.dtype == "float64"):
         return examine(scenario)
 
 
-def _examined(run: Callable[[], Result]) -> list[dict]:
-    row = _plain(run())
+def _make_row(run: Callable[[], Result]) -> list[dict]:
+    row = _to_plain(run())
     programs.release_programs()
     harness.say(f"{row['verdict']:>8}  {row['name']}{': ' if row['message'] else ''}{row['message']}")
     return [row]
 
 
-def _plain(result: Result) -> dict:
+def _to_plain(result: Result) -> dict:
     row = dataclasses.asdict(result)
     row["good"] = result.verdict != "FAIL"
     row["figures"] = {

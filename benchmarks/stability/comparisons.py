@@ -64,7 +64,7 @@ def permuted(material: str) -> Result:
     mixed = run.model.replace(mass=shuffle(run.model.mass), volume=shuffle(run.model.volume))
     one = _simulate(run.model, run.state)
     other = _simulate(mixed, jax.tree.map(shuffle, run.state))
-    return _compared("P10", f"P10 order of particles: {material}", one.x[order], other.x, ORDER)
+    return _compare("P10", f"P10 order of particles: {material}", one.x[order], other.x, ORDER)
 
 
 def shifted(material: str) -> Result:
@@ -73,19 +73,19 @@ def shifted(material: str) -> Result:
     shift = jnp.asarray([3, -2, 1], run.state.x.dtype) * run.model.grid.dx
     moved = dataclasses.replace(run.state, x=run.state.x + shift)
     one, other = _simulate(run.model, run.state), _simulate(run.model, moved)
-    return _compared("P10", f"P10 shift by whole cells: {material}", one.x + shift, other.x, ORDER)
+    return _compare("P10", f"P10 shift by whole cells: {material}", one.x + shift, other.x, ORDER)
 
 
 def unused(name: str, with_it: Run, without: Run) -> Result:
     """P9: what a scene does not use changes nothing; the figures say what it would cost."""
     one, other = _simulate(with_it.model, with_it.state), _simulate(without.model, without.state)
-    result = _compared("P9", f"P9 {name}", one.x, other.x, UNUSED)
-    result.figures["seconds with it"] = _timed(with_it)
-    result.figures["seconds without"] = _timed(without)
+    result = _compare("P9", f"P9 {name}", one.x, other.x, UNUSED)
+    result.figures["seconds with it"] = _time_run(with_it)
+    result.figures["seconds without"] = _time_run(without)
     return result
 
 
-def _compared(criterion: str, name: str, one: jax.Array, other: jax.Array, bar: float) -> Result:
+def _compare(criterion: str, name: str, one: jax.Array, other: jax.Array, bar: float) -> Result:
     result = Result(name)
     difference = float(jnp.abs(one - other).max())
     result.figures["largest difference"] = difference
@@ -95,80 +95,80 @@ def _compared(criterion: str, name: str, one: jax.Array, other: jax.Array, bar: 
 
 
 @jax.jit
-def _steps(model: Model, state: State) -> State:
+def _take_steps(model: Model, state: State) -> State:
     return jax.lax.fori_loop(0, _STEPS, lambda _, s: step(model, s), state)
 
 
 def _simulate(model: Model, state: State) -> State:
     dt = 0.7 * stable_dt(model, state)
-    return _steps(model.replace(dt=dt.astype(state.x.dtype)), state)
+    return _take_steps(model.replace(dt=dt.astype(state.x.dtype)), state)
 
 
-def _timed(run: Run) -> float:
+def _time_run(run: Run) -> float:
     begun = time.perf_counter()
     jax.block_until_ready(_simulate(run.model, run.state))
     return round(time.perf_counter() - begun, 4)
 
 
-def _thrown(material: str) -> Run:
+def _throw(material: str) -> Run:
     return build(Scenario(material, wall="corner"))
 
 
-def _law(run: Run, law) -> Run:
+def _set_law(run: Run, law) -> Run:
     state = dataclasses.replace(run.state, history=(law.initial_history(),))
     return dataclasses.replace(run, model=run.model.replace(materials=(law,)), state=state)
 
 
-def _unyielding(material: str, base: str) -> tuple[Run, Run]:
+def _make_unyielding(material: str, base: str) -> tuple[Run, Run]:
     """A plastic law that never yields, and its elastic base."""
-    run = _thrown(base)
+    run = _throw(base)
     solid = make_material(material, len(run.state.x), 1e6, 0.3, np.float32)
     limits = {"yield_stress": 1e30} if hasattr(solid, "yield_stress") else {"cohesion": 1e30}
     changes = {name: jnp.full_like(getattr(solid, name), value) for name, value in limits.items()}
-    return _law(run, dataclasses.replace(solid, **changes)), run
+    return _set_law(run, dataclasses.replace(solid, **changes)), run
 
 
-def _changed(material: str, **changes) -> tuple[Run, Run]:
-    run = _thrown(material)
+def _change_model(material: str, **changes) -> tuple[Run, Run]:
+    run = _throw(material)
     return dataclasses.replace(run, model=run.model.replace(**changes)), run
 
 
-def _no_viscosity() -> tuple[Run, Run]:
-    return _changed("neo-hookean", viscosity=jnp.zeros_like(_thrown("neo-hookean").model.mass))
+def _remove_viscosity() -> tuple[Run, Run]:
+    return _change_model("neo-hookean", viscosity=jnp.zeros_like(_throw("neo-hookean").model.mass))
 
 
-def _no_forces() -> tuple[Run, Run]:
-    run = _thrown("neo-hookean")  # its terms have strength zero
+def _remove_forces() -> tuple[Run, Run]:
+    run = _throw("neo-hookean")  # its terms have strength zero
     return run, dataclasses.replace(run, model=run.model.replace(forces=()))
 
 
-def _far_obstacle() -> tuple[Run, Run]:
-    run = _thrown("neo-hookean")
+def _add_far_obstacle() -> tuple[Run, Run]:
+    run = _throw("neo-hookean")
     zero, dtype = jnp.zeros((), run.state.x.dtype), run.state.x.dtype
     normal = jnp.asarray([0.0, 0.0, -1.0], dtype)
     ceiling = HalfSpace(0.9 * jnp.ones(3, dtype), normal, zero, zero, zero + _FOREVER, Contact.SEPARATE)
     return dataclasses.replace(run, model=run.model.replace(boundaries=(*run.model.boundaries, ceiling))), run
 
 
-def _small_window() -> tuple[Run, Run]:
-    run = _thrown("neo-hookean")
+def _shrink_window() -> tuple[Run, Run]:
+    run = _throw("neo-hookean")
     grid = dataclasses.replace(find_smallest_window(1.0, run.model.grid.cells), shape=(16, 16, 16))
     return run, dataclasses.replace(run, model=run.model.replace(grid=grid))
 
 
-def _no_gravity() -> tuple[Run, Run]:
+def _remove_gravity() -> tuple[Run, Run]:
     run = build(Scenario("neo-hookean", force="torque"))
     return run, dataclasses.replace(run, model=run.model.replace(gravity=None))
 
 
 UNUSED_FEATURES: dict[str, Callable[[], tuple[Run, Run]]] = {
-    "von Mises that never yields is Hencky": lambda: _unyielding("von-mises", "hencky"),
-    "plasticine that never yields is Hencky": lambda: _unyielding("plasticine", "hencky"),
-    "foam that never yields is Hencky": lambda: _unyielding("foam", "hencky"),
-    "sand of endless cohesion is Hencky": lambda: _unyielding("wet-sand", "hencky"),
-    "zero viscosity is none": _no_viscosity,
-    "force terms of strength zero are none": _no_forces,
-    "zero gravity is none": _no_gravity,
-    "an obstacle out of reach is none": _far_obstacle,
-    "nodes out of reach are none": _small_window,
+    "von Mises that never yields is Hencky": lambda: _make_unyielding("von-mises", "hencky"),
+    "plasticine that never yields is Hencky": lambda: _make_unyielding("plasticine", "hencky"),
+    "foam that never yields is Hencky": lambda: _make_unyielding("foam", "hencky"),
+    "sand of endless cohesion is Hencky": lambda: _make_unyielding("wet-sand", "hencky"),
+    "zero viscosity is none": _remove_viscosity,
+    "force terms of strength zero are none": _remove_forces,
+    "zero gravity is none": _remove_gravity,
+    "an obstacle out of reach is none": _add_far_obstacle,
+    "nodes out of reach are none": _shrink_window,
 }

@@ -103,13 +103,13 @@ def watch(scenario: Scenario, run: Run, frames: Iterable[Frame], result: Result)
         if not all(np.isfinite(np.asarray(leaf)).all() for leaf in (state.x, state.v, state.C, state.F)):
             result.fail("P1", f"a value of frame {frame.index} is not finite")
             break
-        _inside(book, frame, result)
-        _deformation(book, frame, result)
-        _energy(book, frame, result)
-        _momentum(book, frame, result)
-        _mass(book, frame, result)
+        _check_inside(book, frame, result)
+        _check_deformation(book, frame, result)
+        _check_energy(book, frame, result)
+        _check_momentum(book, frame, result)
+        _check_mass(book, frame, result)
         result.figures.update(book.figures(frame))
-    _asked_for(book, result)
+    _check_impulse(book, result)
 
 
 class _Book:
@@ -122,7 +122,7 @@ class _Book:
         self.x0 = np.asarray(run.state.x, np.float64)
         self.v0 = np.asarray(run.state.v, np.float64)
         self.x, self.v, self.C = self.x0, self.v0, np.asarray(run.state.C, np.float64)
-        self.spin0 = _spin(self)
+        self.spin0 = _compute_angular_momentum(self)
         self.radius = max(float(np.ptp(self.x0, axis=0).max()) / 2, run.model.grid.dx / 2)
         self.stored = (
             float(elastic_energy(run.model, run.state)) if bool((run.state.F != jnp.eye(3)).any()) else 0.0
@@ -218,7 +218,7 @@ class _Book:
         }
 
 
-def _inside(book: _Book, frame: Frame, result: Result) -> None:
+def _check_inside(book: _Book, frame: Frame, result: Result) -> None:
     model = book.run.model
     low, high = model.wall * model.grid.dx, (model.grid.cells - model.wall) * model.grid.dx
     slack = 1e-6 * high
@@ -229,10 +229,10 @@ def _inside(book: _Book, frame: Frame, result: Result) -> None:
         result.fail("P2", f"{share:.2%} of particle-steps were stopped at the wall, load {book.load:.2g}")
 
 
-def _deformation(book: _Book, frame: Frame, result: Result) -> None:
+def _check_deformation(book: _Book, frame: Frame, result: Result) -> None:
     if not 0 < frame.min_J <= frame.max_J < FINITE_J * math.exp(min(50.0, math.sqrt(6 * book.load))):
         result.fail("P3", f"det F in [{frame.min_J:.3g}, {frame.max_J:.3g}] in frame {frame.index}")
-    low, high = _range_of_J(book.scenario.material)
+    low, high = _find_range_of_J(book.scenario.material)
     low, high = (
         min(low, 0.5 * book.first_J[0]),
         max(high, 2 * book.first_J[1]),
@@ -246,7 +246,7 @@ def _has_own_range(material: str) -> bool:
     return material in (*FLUID, "snow", "sand", "wet-sand")
 
 
-def _range_of_J(material: str) -> tuple[float, float]:
+def _find_range_of_J(material: str) -> tuple[float, float]:
     """The elastic det F that is in order."""
     if material in FLUID:
         return 0.0, 2.0  # torn fluid expands, but not freely
@@ -257,7 +257,7 @@ def _range_of_J(material: str) -> tuple[float, float]:
     return LIMITS_J
 
 
-def _energy(book: _Book, frame: Frame, result: Result) -> None:
+def _check_energy(book: _Book, frame: Frame, result: Result) -> None:
     noise = float(np.finfo(book.scenario.dtype).eps) * book.volume * book.scenario.youngs_modulus
     allowed = (ENERGY + 0.25 * min(book.courant, 1.0) ** 2) * book.supplied + noise
     if book.loss < -allowed:
@@ -265,7 +265,7 @@ def _energy(book: _Book, frame: Frame, result: Result) -> None:
         result.fail("P4", f"energy gained {gain:.2e} of what was supplied by frame {frame.index}")
 
 
-def _momentum(book: _Book, frame: Frame, result: Result) -> None:
+def _check_momentum(book: _Book, frame: Frame, result: Result) -> None:
     free, touching = MOMENTUM[book.scenario.dtype]
     change = (book.mass[:, None] * (book.v - book.v0)).sum(0)
     error = float(np.abs(change - book.impulse).max()) / book.scale
@@ -274,7 +274,7 @@ def _momentum(book: _Book, frame: Frame, result: Result) -> None:
         result.fail("P5", f"momentum is off by {error:.1e} M v in frame {frame.index}")
     if book.touched or book.scenario.force == "torque" or book.fastest == 0:
         return
-    error = float(np.abs(_spin(book) - book.spin0).max()) / (book.scale * book.radius)
+    error = float(np.abs(_compute_angular_momentum(book) - book.spin0).max()) / (book.scale * book.radius)
     book.worst["spin"] = max(book.worst["spin"], error)
     if error > SPIN[book.scenario.dtype]:
         result.fail(
@@ -282,7 +282,7 @@ def _momentum(book: _Book, frame: Frame, result: Result) -> None:
         )
 
 
-def _spin(book: _Book) -> np.ndarray:
+def _compute_angular_momentum(book: _Book) -> np.ndarray:
     """Angular momentum about the mass centre with APIC's own part [kg m^2/s], shape (3,)."""
     centre = (book.mass[:, None] * book.x).sum(0) / book.mass.sum()
     C = book.C
@@ -292,22 +292,22 @@ def _spin(book: _Book) -> np.ndarray:
     return (book.mass[:, None] * (np.cross(book.x - centre, book.v - mean) + own)).sum(0)
 
 
-def _mass(book: _Book, frame: Frame, result: Result) -> None:
+def _check_mass(book: _Book, frame: Frame, result: Result) -> None:
     grid = book.run.model.grid
     if frame.grid_shape != grid.shape or max(grid.shape) <= grid.cells:
         return  # the window may have moved; where it covers the whole domain it cannot
-    error = abs(float(_grid_mass(grid, frame.state.x, book.run.model.mass)) / book.mass.sum() - 1)
+    error = abs(float(_sum_grid_mass(grid, frame.state.x, book.run.model.mass)) / book.mass.sum() - 1)
     book.worst["grid mass"] = max(book.worst["grid mass"], error)
     if error > MASS[book.scenario.dtype]:
         result.fail("P6", f"the grid has {error:.1e} too much or too little mass in frame {frame.index}")
 
 
 @jax.jit
-def _grid_mass(grid, x, mass):
+def _sum_grid_mass(grid, x, mass):
     return scatter_mass(stencil(x, grid), grid, mass).sum()
 
 
-def _asked_for(book: _Book, result: Result) -> None:
+def _check_impulse(book: _Book, result: Result) -> None:
     """P5: in free space a push, a blow and a turn give the momentum that was asked for."""
     scenario, forces = book.scenario, book.run.model.forces
     if book.touched or scenario.wall != "far" or scenario.force not in ("translation", "impulse", "torque"):
@@ -317,7 +317,7 @@ def _asked_for(book: _Book, result: Result) -> None:
         if abs(book.inertia / book.inertia0 - 1) > SPREAD:
             return  # it flies apart, and its moment of inertia between frames is anyone's guess
         axis = np.asarray(forces[2].axis, np.float64)
-        error = abs(float(_spin(book) @ axis) / book.turn - 1)
+        error = abs(float(_compute_angular_momentum(book) @ axis) / book.turn - 1)
         if error > 0.01:
             result.fail("P5", f"the torque gave {error:.1%} too much or too little")
         return

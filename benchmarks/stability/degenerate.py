@@ -42,47 +42,47 @@ def edges() -> Iterator[Edge]:
     """All degenerate inputs."""
     for material in EVERY_KIND:
         thrown = Scenario(material, wall="corner")
-        yield Edge("a single particle", thrown, lambda run: _some(run, slice(0, 1)))
-        yield Edge("all particles in two points", thrown, _coincident)
-        yield Edge("particles on nodes", thrown, _on_nodes)
+        yield Edge("a single particle", thrown, lambda run: _select(run, slice(0, 1)))
+        yield Edge("all particles in two points", thrown, _make_coincident)
+        yield Edge("particles on nodes", thrown, _put_on_nodes)
         yield Edge(
-            "particles on the wall's plane", thrown, lambda run: _moved(run, run.state.x - 0.75 * _dx(run))
+            "particles on the wall's plane", thrown, lambda run: _move(run, run.state.x - 0.75 * _get_dx(run))
         )
         yield Edge(
-            "equal and paired stretches", thrown, lambda run: _strained(run, slice(None), (1.1, 1.1, 0.9))
+            "equal and paired stretches", thrown, lambda run: _strain(run, slice(None), (1.1, 1.1, 0.9))
         )
-        yield Edge("mass ratio 10^4", Scenario(material, wall="resting"), _heavy_on_light)
+        yield Edge("mass ratio 10^4", Scenario(material, wall="resting"), _put_heavy_on_light)
     for material in ("neo-hookean", "hencky", "sand"):
         thrown = Scenario(material, wall="corner")
-        yield Edge("F = diag(0.01, 1, 1)", thrown, lambda run: _strained(run, 0, (0.01, 1.0, 1.0)))
+        yield Edge("F = diag(0.01, 1, 1)", thrown, lambda run: _strain(run, 0, (0.01, 1.0, 1.0)))
     for material in EVERY_KIND:
         calm = Scenario(material)
-        yield Edge("F = diag(-1, 1, 1)", calm, lambda run: _strained(run, 0, (-1.0, 1.0, 1.0)), "refused")
+        yield Edge("F = diag(-1, 1, 1)", calm, lambda run: _strain(run, 0, (-1.0, 1.0, 1.0)), "refused")
         yield Edge("squeezed to nothing", calm, squeezed, "either")
     for material in ("fluid", "cohesive-fluid", "sand", "neo-hookean"):
-        yield Edge("thrown into a corner at 17 m/s", Scenario(material, wall="corner"), _hurled)
+        yield Edge("thrown into a corner at 17 m/s", Scenario(material, wall="corner"), _hurl)
     calm = Scenario("neo-hookean")
     for name, change in MALFORMED.items():
         yield Edge(name, calm, change, "refused")
 
 
-def _dx(run: Run) -> float:
+def _get_dx(run: Run) -> float:
     return run.model.grid.dx
 
 
-def _with_state(run: Run, **changes) -> Run:
+def _change_state(run: Run, **changes) -> Run:
     return dataclasses.replace(run, state=dataclasses.replace(run.state, **changes))
 
 
-def _with_model(run: Run, **changes) -> Run:
+def _change_model(run: Run, **changes) -> Run:
     return dataclasses.replace(run, model=run.model.replace(**changes))
 
 
-def _moved(run: Run, x: jax.Array) -> Run:
-    return _with_state(run, x=x)
+def _move(run: Run, x: jax.Array) -> Run:
+    return _change_state(run, x=x)
 
 
-def _some(run: Run, chosen: slice) -> Run:
+def _select(run: Run, chosen: slice) -> Run:
     """The same scene with fewer particles."""
     count = len(run.state.x)
 
@@ -94,36 +94,36 @@ def _some(run: Run, chosen: slice) -> Run:
     return dataclasses.replace(run, model=model.replace(**parts), state=jax.tree.map(cut, run.state))
 
 
-def _coincident(run: Run) -> Run:
+def _make_coincident(run: Run) -> Run:
     half = len(run.state.x) // 2
     x = jnp.where(
-        jnp.arange(len(run.state.x))[:, None] < half, run.state.x[0], run.state.x[0] + 1.4 * _dx(run)
+        jnp.arange(len(run.state.x))[:, None] < half, run.state.x[0], run.state.x[0] + 1.4 * _get_dx(run)
     )
-    return _moved(run, x)
+    return _move(run, x)
 
 
-def _on_nodes(run: Run) -> Run:
-    return _moved(run, jnp.round(run.state.x / _dx(run)) * _dx(run))
+def _put_on_nodes(run: Run) -> Run:
+    return _move(run, jnp.round(run.state.x / _get_dx(run)) * _get_dx(run))
 
 
-def _strained(run: Run, chosen: int | slice, stretches: tuple[float, float, float]) -> Run:
+def _strain(run: Run, chosen: int | slice, stretches: tuple[float, float, float]) -> Run:
     stretch = jnp.diag(jnp.asarray(stretches, run.state.F.dtype))
-    return _with_state(run, F=run.state.F.at[chosen].set(stretch))
+    return _change_state(run, F=run.state.F.at[chosen].set(stretch))
 
 
-def _heavy_on_light(run: Run) -> Run:
+def _put_heavy_on_light(run: Run) -> Run:
     upper = run.state.x[:, 2] > run.state.x[:, 2].mean()
     shorter = dataclasses.replace(run, frame_dt=run.frame_dt / 50)  # the light half's bound is a hundredth
-    return _with_model(shorter, mass=jnp.where(upper, run.model.mass, 1e-4 * run.model.mass))
+    return _change_model(shorter, mass=jnp.where(upper, run.model.mass, 1e-4 * run.model.mass))
 
 
-def _hurled(run: Run) -> Run:
-    return _with_state(run, v=jnp.full_like(run.state.v, -10.0))
+def _hurl(run: Run) -> Run:
+    return _change_state(run, v=jnp.full_like(run.state.v, -10.0))
 
 
 def squeezed(run: Run) -> Run:
     """Between two walls that meet at the end of the clip."""
-    x, dtype, dx = run.state.x, run.state.x.dtype, _dx(run)
+    x, dtype, dx = run.state.x, run.state.x.dtype, _get_dx(run)
     duration = 8 * run.frame_dt
     low, high = float(x[:, 0].min()) - dx, float(x[:, 0].max()) + dx
     walls = []
@@ -140,40 +140,42 @@ def squeezed(run: Run) -> Run:
                 jnp.asarray([speed, 0, 0], dtype),
             )
         )
-    moving = _with_model(run, boundaries=(*walls, DomainBox(3)), gravity=jnp.zeros_like(run.model.gravity))
+    moving = _change_model(run, boundaries=(*walls, DomainBox(3)), gravity=jnp.zeros_like(run.model.gravity))
     return dataclasses.replace(moving, walls_rest=False)
 
 
-def _first(leaf: jax.Array, value: float) -> jax.Array:
+def _set_first(leaf: jax.Array, value: float) -> jax.Array:
     return leaf.at[(0,) * leaf.ndim].set(value)
 
 
-def _elastic(run: Run, factor: float) -> Run:
+def _scale_stiffness(run: Run, factor: float) -> Run:
     solid = run.model.materials[0]
     assert isinstance(solid, NeoHookean)
-    return _with_model(run, materials=(NeoHookean(factor * solid.mu, factor * solid.lam),))
+    return _change_model(run, materials=(NeoHookean(factor * solid.mu, factor * solid.lam),))
 
 
 MALFORMED: dict[str, Callable[[Run], Run]] = {
-    "a position is NaN": lambda run: _with_state(run, x=_first(run.state.x, np.nan)),
-    "a velocity is infinite": lambda run: _with_state(run, v=_first(run.state.v, np.inf)),
-    "F is NaN": lambda run: _with_state(run, F=_first(run.state.F, np.nan)),
-    "F is singular": lambda run: _with_state(run, F=_first(run.state.F, 0.0)),
-    "a particle is outside the domain": lambda run: _with_state(run, x=_first(run.state.x, -0.3 * SIZE)),
-    "a mass is zero": lambda run: _with_model(run, mass=_first(run.model.mass, 0.0)),
-    "a mass is negative": lambda run: _with_model(run, mass=_first(run.model.mass, -DENSITY)),
-    "a volume is zero": lambda run: _with_model(run, volume=_first(run.model.volume, 0.0)),
-    "a volume is negative": lambda run: _with_model(run, volume=_first(run.model.volume, -1e-5)),
-    "gravity is NaN": lambda run: _with_model(run, gravity=run.model.gravity * np.nan),
-    "E is NaN": lambda run: _elastic(run, np.nan),
-    "E is negative": lambda run: _elastic(run, -1.0),
-    "E is infinite": lambda run: _elastic(run, np.inf),
-    "arrays of different lengths": lambda run: _with_model(run, mass=run.model.mass[:-1]),
-    "fewer materials than particles": lambda run: _with_model(
+    "a position is NaN": lambda run: _change_state(run, x=_set_first(run.state.x, np.nan)),
+    "a velocity is infinite": lambda run: _change_state(run, v=_set_first(run.state.v, np.inf)),
+    "F is NaN": lambda run: _change_state(run, F=_set_first(run.state.F, np.nan)),
+    "F is singular": lambda run: _change_state(run, F=_set_first(run.state.F, 0.0)),
+    "a particle is outside the domain": lambda run: _change_state(
+        run, x=_set_first(run.state.x, -0.3 * SIZE)
+    ),
+    "a mass is zero": lambda run: _change_model(run, mass=_set_first(run.model.mass, 0.0)),
+    "a mass is negative": lambda run: _change_model(run, mass=_set_first(run.model.mass, -DENSITY)),
+    "a volume is zero": lambda run: _change_model(run, volume=_set_first(run.model.volume, 0.0)),
+    "a volume is negative": lambda run: _change_model(run, volume=_set_first(run.model.volume, -1e-5)),
+    "gravity is NaN": lambda run: _change_model(run, gravity=run.model.gravity * np.nan),
+    "E is NaN": lambda run: _scale_stiffness(run, np.nan),
+    "E is negative": lambda run: _scale_stiffness(run, -1.0),
+    "E is infinite": lambda run: _scale_stiffness(run, np.inf),
+    "arrays of different lengths": lambda run: _change_model(run, mass=run.model.mass[:-1]),
+    "fewer materials than particles": lambda run: _change_model(
         run, materials=jax.tree.map(lambda leaf: leaf[:-1], run.model.materials)
     ),
     "a negative substep": lambda run: dataclasses.replace(run, options=dict(substep_dt=-1e-4)),
     "a safety of two": lambda run: dataclasses.replace(run, options=dict(safety=2.0)),
     "a safety of zero": lambda run: dataclasses.replace(run, options=dict(safety=0.0)),
-    "faster than a thousand cells per step": lambda run: _with_state(run, v=_first(run.state.v, 1e7)),
+    "faster than a thousand cells per step": lambda run: _change_state(run, v=_set_first(run.state.v, 1e7)),
 }

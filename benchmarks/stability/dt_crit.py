@@ -79,7 +79,7 @@ def measure(subject: str, configuration: str, form: str) -> Critical:
     bound = float(stable_dt(model, state))
 
     def grows(ratio: float) -> bool:
-        return _grows(model.replace(dt=jnp.asarray(ratio * bound)), state, configuration)
+        return _is_growing(model.replace(dt=jnp.asarray(ratio * bound)), state, configuration)
 
     low, high = LOWEST, HIGHEST
     if not grows(high):
@@ -103,7 +103,7 @@ def measure_all(subjects=tuple(SUBJECTS)) -> Iterator[Critical]:
 def scene(subject: str, configuration: str, form: str) -> tuple[Model, State]:
     """Particles at rest but for a small random strain, in the middle of empty space."""
     name, nu, damping = SUBJECTS[subject]
-    x, volume = _particles(configuration)
+    x, volume = _place_particles(configuration)
     material = make_material(name, len(x), _E, nu, np.float64)
     state = State.at_rest(jnp.asarray(x), materials=(material,))
     if name == "snow":  # compacted until it hardens no more
@@ -127,7 +127,7 @@ def scene(subject: str, configuration: str, form: str) -> tuple[Model, State]:
     return model, state
 
 
-def _particles(configuration: str) -> tuple[np.ndarray, np.ndarray]:
+def _place_particles(configuration: str) -> tuple[np.ndarray, np.ndarray]:
     """Positions [m] and volumes [m^3] of `_COUNT` particles."""
     full = (0.5 * _DX) ** 3
     if configuration == "block":
@@ -142,7 +142,7 @@ def _particles(configuration: str) -> tuple[np.ndarray, np.ndarray]:
     return x * _DX, np.full(_COUNT, full)
 
 
-def _grows(model: Model, state: State, configuration: str) -> bool:
+def _is_growing(model: Model, state: State, configuration: str) -> bool:
     drift = _DRIFT * _DX / float(model.dt) if configuration == "spray" else np.zeros(3)
     state = dataclasses.replace(state, v=jnp.broadcast_to(jnp.asarray(drift), state.v.shape))
     limit = _GROWTH * _STRAIN

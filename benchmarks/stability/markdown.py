@@ -43,7 +43,7 @@ def document(result: dict, json_path: Path, target: Path) -> str:
     text += provenance(result, PARTS, {verdict.lower(): partial(_count, verdict) for verdict in VERDICTS})
     text += _CRITERIA
     if "critical" in result:
-        text += _critical(result["critical"]["rows"])
+        text += _write_critical(result["critical"]["rows"])
     for part, title in (
         ("matrix", "Materials x forces x magnitudes, automatic step"),
         ("stiffness", "E from 1e3 to 1e9 Pa, automatic step"),
@@ -51,7 +51,7 @@ def document(result: dict, json_path: Path, target: Path) -> str:
         ("degenerate", "Degenerate inputs, and runs that must agree"),
     ):
         if part in result:
-            text += _part(title, result[part]["rows"], whole=part == "degenerate")
+            text += _write_part(title, result[part]["rows"], whole=part == "degenerate")
     return text
 
 
@@ -59,7 +59,7 @@ def _count(verdict: str, rows: list[dict]) -> int:
     return sum(row["verdict"] == verdict for row in rows)
 
 
-def _critical(rows: list[dict]) -> str:
+def _write_critical(rows: list[dict]) -> str:
     text = _CRITICAL.format(required=REQUIRED)
     found: dict[str, dict] = defaultdict(dict)
     for row in rows:
@@ -79,12 +79,12 @@ def _critical(rows: list[dict]) -> str:
     )
 
 
-def _part(title: str, rows: list[dict], whole: bool) -> str:
+def _write_part(title: str, rows: list[dict], whole: bool) -> str:
     """Rows in full where they are few and telling; else what was refused or failed, and the extremes."""
     text = f"\n## {title}\n\n"
     shown = rows if whole else [row for row in rows if row["verdict"] == "FAIL"]
     if not whole:
-        text += f"{len(rows)} runs{'' if shown else ', none fails'}. {_extremes(rows)}\n"
+        text += f"{len(rows)} runs{'' if shown else ', none fails'}. {_describe_extremes(rows)}\n"
         refused = [row for row in rows if row["verdict"] == "refused"]
         if refused:
             text += f"\nRefused ({len(refused)}), for example:\n\n"
@@ -95,7 +95,7 @@ def _part(title: str, rows: list[dict], whole: bool) -> str:
     return text
 
 
-def _extremes(rows: list[dict]) -> str:
+def _describe_extremes(rows: list[dict]) -> str:
     figures = [row["figures"] for row in rows if row["figures"].get("substeps")]
     if not figures:
         return ""

@@ -75,12 +75,12 @@ def stiffness() -> list[Scenario]:
 def degenerate() -> list[tuple[str, Callable[[], Result]]]:
     """Inputs at the edge of sense, and the criteria that compare runs, by name."""
     return [
-        *((f"{edge.name}: {edge.scenario.material}", partial(_judged, edge)) for edge in edges()),
+        *((f"{edge.name}: {edge.scenario.material}", partial(_judge, edge)) for edge in edges()),
         *comparisons(),
     ]
 
 
-def _judged(edge: Edge) -> Result:
+def _judge(edge: Edge) -> Result:
     """FAIL too where the input was expected to be refused and was not, or the other way round."""
     result = examine(edge.scenario, edge.name, edge.build)
     if edge.expected != "either" and result.verdict != edge.expected and not result.failed:

@@ -27,14 +27,14 @@ def covering_array(
         One dictionary per row.
     """
     values = [list(range(len(axis))) for axis in axes.values()]
-    allowed = None if keys is None else [_indices(axes, key) for key in keys]
+    allowed = None if keys is None else [_find_indices(axes, key) for key in keys]
     rng = np.random.default_rng(seed)
-    missing = set(_pairs(values))
+    missing = set(_list_pairs(values))
     rows = []
     while missing:
-        candidates = [_candidate(values, allowed, missing, rng) for _ in range(_TRIES)]
-        row = max(candidates, key=lambda row: len(missing & set(_pairs_of(row))))
-        missing -= set(_pairs_of(row))
+        candidates = [_make_candidate(values, allowed, missing, rng) for _ in range(_TRIES)]
+        row = max(candidates, key=lambda row: len(missing & set(_list_row_pairs(row))))
+        missing -= set(_list_row_pairs(row))
         rows.append(row)
     names = list(axes)
     return [{name: axes[name][index] for name, index in zip(names, row)} for row in rows]
@@ -42,28 +42,28 @@ def covering_array(
 
 def uncovered(axes: Mapping[str, Sequence[Any]], rows: Iterable[Mapping[str, Any]]) -> int:
     """How many pairs of values ``rows`` leave out."""
-    missing = set(_pairs([list(range(len(axis))) for axis in axes.values()]))
+    missing = set(_list_pairs([list(range(len(axis))) for axis in axes.values()]))
     for row in rows:
-        missing -= set(_pairs_of([list(axes[name]).index(row[name]) for name in axes]))
+        missing -= set(_list_row_pairs([list(axes[name]).index(row[name]) for name in axes]))
     return len(missing)
 
 
-def _indices(axes: Mapping[str, Sequence[Any]], key: Row) -> list[int]:
+def _find_indices(axes: Mapping[str, Sequence[Any]], key: Row) -> list[int]:
     return [list(axis).index(value) for axis, value in zip(axes.values(), key)]
 
 
-def _pairs(values: list[list[int]]) -> Iterable[tuple[int, int, int, int]]:
+def _list_pairs(values: list[list[int]]) -> Iterable[tuple[int, int, int, int]]:
     for a, b in itertools.combinations(range(len(values)), 2):
         for i, j in itertools.product(values[a], values[b]):
             yield a, i, b, j
 
 
-def _pairs_of(row: Sequence[int]) -> Iterable[tuple[int, int, int, int]]:
+def _list_row_pairs(row: Sequence[int]) -> Iterable[tuple[int, int, int, int]]:
     for a, b in itertools.combinations(range(len(row)), 2):
         yield a, row[a], b, row[b]
 
 
-def _candidate(values, allowed, missing, rng: np.random.Generator) -> list[int]:
+def _make_candidate(values, allowed, missing, rng: np.random.Generator) -> list[int]:
     """A row that starts from a missing pair and is filled with what covers most, axis by axis."""
     ordered = sorted(missing)
     a, i, b, j = ordered[rng.integers(len(ordered))]
@@ -77,12 +77,12 @@ def _candidate(values, allowed, missing, rng: np.random.Generator) -> list[int]:
         if axis in chosen:
             continue
         scores = [
-            sum(_pair(axis, v, other, w) in missing for other, w in chosen.items()) for v in values[axis]
+            sum(_make_pair(axis, v, other, w) in missing for other, w in chosen.items()) for v in values[axis]
         ]
         best = [v for v, score in zip(values[axis], scores) if score == max(scores)]
         chosen[int(axis)] = best[rng.integers(len(best))]
     return [chosen[axis] for axis in range(len(values))]
 
 
-def _pair(a: int, i: int, b: int, j: int) -> tuple[int, int, int, int]:
+def _make_pair(a: int, i: int, b: int, j: int) -> tuple[int, int, int, int]:
     return (a, i, b, j) if a < b else (b, j, a, i)

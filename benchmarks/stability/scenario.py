@@ -112,7 +112,7 @@ def build(scenario: Scenario) -> Run:
     Force terms that do not act are there with strength zero: so all scenarios of a material share one executable.
     """
     dtype, dx = np.dtype(scenario.dtype).type, SIZE / scenario.cells
-    x, volume = _particles(scenario, dx)
+    x, volume = _place_particles(scenario, dx)
     material = make_material(
         scenario.material, len(x), scenario.youngs_modulus, scenario.poissons_ratio, dtype
     )
@@ -124,7 +124,7 @@ def build(scenario: Scenario) -> Run:
         scenario.magnitude if scenario.force == "drop" else 1.0
     )
     model = Model(
-        grid=_grid(scenario, x, dx),
+        grid=_make_grid(scenario, x, dx),
         dt=jnp.asarray(0, dtype),
         gravity=jnp.asarray([0, 0, -gravity if falls else 0], dtype),
         mass=jnp.asarray(DENSITY * volume, dtype),
@@ -136,7 +136,7 @@ def build(scenario: Scenario) -> Run:
     )
     bound = float(stable_dt(model, state))
     clip = min(CLIP, scenario.most_steps * 0.7 * bound)
-    model = model.replace(forces=_forces(scenario, clip, 0.5 * SIDE * dx, dtype))
+    model = model.replace(forces=_make_forces(scenario, clip, 0.5 * SIDE * dx, dtype))
     options: dict = {}
     if scenario.step[0] == "auto":
         options["safety"] = scenario.step[1]
@@ -146,7 +146,7 @@ def build(scenario: Scenario) -> Run:
     return Run(model, state, clip / FRAMES, options)
 
 
-def _particles(scenario: Scenario, dx: float) -> tuple[np.ndarray, np.ndarray]:
+def _place_particles(scenario: Scenario, dx: float) -> tuple[np.ndarray, np.ndarray]:
     """Positions [m], shape (n, 3), and volumes [m^3], shape (n,)."""
     side = SIDE * dx
     low = {
@@ -166,7 +166,7 @@ def _particles(scenario: Scenario, dx: float) -> tuple[np.ndarray, np.ndarray]:
     return x, np.repeat(dx**3 / counts, counts)
 
 
-def _grid(scenario: Scenario, x: np.ndarray, dx: float) -> Grid:
+def _make_grid(scenario: Scenario, x: np.ndarray, dx: float) -> Grid:
     """The whole domain where it is small, so that its shape never changes; else a window about the block."""
     if scenario.cells <= 32:
         return Grid.whole(SIZE, scenario.cells)
@@ -174,7 +174,7 @@ def _grid(scenario: Scenario, x: np.ndarray, dx: float) -> Grid:
     return Grid(jnp.asarray(origin, jnp.int32), (WINDOW,) * 3, dx, scenario.cells)
 
 
-def _forces(scenario: Scenario, clip: float, radius: float, dtype) -> tuple:
+def _make_forces(scenario: Scenario, clip: float, radius: float, dtype) -> tuple:
     def strength(*forces: str) -> float:
         return scenario.magnitude if scenario.force in forces else 0.0
 

@@ -25,13 +25,17 @@ CHUNK = 50  # substeps by which a peer's seconds are extrapolated, five times
 
 def job(sizes: Sizes) -> list[Job]:
     """What a whole clip costs: ours with the automatic step, peers with the customary fixed one."""
-    jobs = [Job(f"ours, {law.value}", partial(_own_job, law, sizes)) for law in (DEFAULT, Material.JELLY)]
+    jobs = [
+        Job(f"ours, {law.value}", partial(_measure_own_job, law, sizes)) for law in (DEFAULT, Material.JELLY)
+    ]
     for code, law, threads in (
         ("warp_classical", Material.JELLY, 1),
         ("warp_classical", DEFAULT, 1),
         ("taichi_mls", Material.JELLY, sizes.most_threads),
     ):
-        jobs.append(Job(f"{code}, {law.value}", partial(_peer_job, Contender(code, law, threads), sizes)))
+        jobs.append(
+            Job(f"{code}, {law.value}", partial(_measure_peer_job, Contender(code, law, threads), sizes))
+        )
     return jobs
 
 
@@ -43,14 +47,14 @@ def error(sizes: Sizes) -> list[Job]:
     finest = dict(particles=round(FINER**3 * sizes.main), cells=round(FINER * CELLS))
     label = f"ours, {finest['cells']} cells"
     return [
-        Job("reference", partial(_own_heights, sizes, label=label, **finest)),
-        Job("ours", partial(_own_heights, sizes, particles=sizes.main, cells=CELLS)),
-        Job("warp_classical", partial(_peer_heights, sizes, particles=sizes.main, cells=CELLS)),
+        Job("reference", partial(_measure_own_heights, sizes, label=label, **finest)),
+        Job("ours", partial(_measure_own_heights, sizes, particles=sizes.main, cells=CELLS)),
+        Job("warp_classical", partial(_measure_peer_heights, sizes, particles=sizes.main, cells=CELLS)),
     ]
 
 
 @contextlib.contextmanager
-def _child_with(
+def _open_child_with(
     row: dict[str, Any], contender: Contender, particles: int, cells: int
 ) -> Iterator[tuple[Child, str]]:
     """A process for ``contender``, and its scene's file; if it fails, ``row`` says why."""
@@ -63,10 +67,10 @@ def _child_with(
     row["load_average"] = round(os.getloadavg()[0], 2)
 
 
-def _own_job(law: Material, sizes: Sizes) -> Rows:
+def _measure_own_job(law: Material, sizes: Sizes) -> Rows:
     contender = Contender("ours", law, sizes.most_threads)
     row = row_of("job", contender, sizes.main, seconds=None, extrapolated=False)
-    with _child_with(row, contender, sizes.main, CELLS) as (child, scene):
+    with _open_child_with(row, contender, sizes.main, CELLS) as (child, scene):
         cold = child.ask("job", scene=scene, frames=sizes.frames)
         warm = child.ask("job", scene=scene, frames=sizes.frames)
         row |= warm | {"setup_seconds": cold["seconds"] - warm["seconds"]}
@@ -74,12 +78,12 @@ def _own_job(law: Material, sizes: Sizes) -> Rows:
     return [row]
 
 
-def _peer_job(contender: Contender, sizes: Sizes) -> Rows:
+def _measure_peer_job(contender: Contender, sizes: Sizes) -> Rows:
     """A peer's row, extrapolated from a part of the substeps."""
     row = row_of("job", contender, sizes.main, seconds=None, extrapolated=True)
     total = round(FRAME_DT / DT) * sizes.frames
     row |= {"substeps": total, "least_dt": DT, "largest_dt": DT, "measured_substeps": 5 * CHUNK}
-    with _child_with(row, contender, sizes.main, CELLS) as (child, scene):
+    with _open_child_with(row, contender, sizes.main, CELLS) as (child, scene):
         row["setup_seconds"] = child.ask("load", scene=scene, dt=DT)["seconds"]
         took = [child.ask("run", steps=CHUNK)["seconds"] / CHUNK for _ in range(5)]
         row["seconds"] = total * statistics.median(took)
@@ -87,21 +91,21 @@ def _peer_job(contender: Contender, sizes: Sizes) -> Rows:
     return [row]
 
 
-def _own_heights(sizes: Sizes, particles: int, cells: int, label: str = "ours") -> Rows:
+def _measure_own_heights(sizes: Sizes, particles: int, cells: int, label: str = "ours") -> Rows:
     contender = Contender("ours", Material.JELLY, sizes.most_threads)
     row = row_of("error", contender, particles, heights=None, error=None) | {"code": label, "cells": cells}
-    with _child_with(row, contender, particles, cells) as (child, scene):
+    with _open_child_with(row, contender, particles, cells) as (child, scene):
         found = child.ask("job", scene=scene, frames=sizes.frames)
         row |= {key: found[key] for key in ("substeps", "least_dt", "largest_dt", "heights")}
     say(f"error, {label}: {row['message'] or 'done'}")
     return [row]
 
 
-def _peer_heights(sizes: Sizes, particles: int, cells: int) -> Rows:
+def _measure_peer_heights(sizes: Sizes, particles: int, cells: int) -> Rows:
     contender, frame = Contender("warp_classical", Material.JELLY, 1), round(FRAME_DT / DT)
     row = row_of("error", contender, particles, heights=None, error=None) | {"cells": cells}
     row |= {"substeps": frame * sizes.frames, "least_dt": DT, "largest_dt": DT}
-    with _child_with(row, contender, particles, cells) as (child, scene):
+    with _open_child_with(row, contender, particles, cells) as (child, scene):
         child.ask("load", scene=scene, dt=DT)
         heights = [child.ask("height")["height"]]
         for index in range(sizes.frames):

@@ -109,30 +109,30 @@ def document(result: dict, json_path: Path, target: Path) -> str:
     for part, show in (
         ("same_law", same_law),
         ("same_job", same_job),
-        ("", lambda _: _targets(result, rows)),
-        ("materials", lambda rows: _table("Materials", "particles", rows)),
-        ("sizes", lambda rows: _table("Number of particles", "particles", rows)),
-        ("grids", lambda rows: _table("Cells along the domain", "cells", rows)),
-        ("stages", _stages),
-        ("memory", _memory),
-        ("job", _job),
-        ("error", _error),
+        ("", lambda _: _write_targets(result, rows)),
+        ("materials", lambda rows: _make_table("Materials", "particles", rows)),
+        ("sizes", lambda rows: _make_table("Number of particles", "particles", rows)),
+        ("grids", lambda rows: _make_table("Cells along the domain", "cells", rows)),
+        ("stages", _write_stages),
+        ("memory", _write_memory),
+        ("job", _write_job),
+        ("error", _write_error),
     ):
         if part in rows or not part:
             text += show(rows.get(part, []))
-    return text + _versions(result)
+    return text + _list_versions(result)
 
 
-def _targets(result: dict, parts: dict[str, Rows]) -> str:
+def _write_targets(result: dict, parts: dict[str, Rows]) -> str:
     """What was aimed at, and what was reached. Only full-size rows count: an aim says nothing of a quick look."""
     slow = {part for part, section in result.items() if not any(run["quick"] for run in section["runs"])}
     rows = [row for part in parts if part in slow for row in parts[part] if not part.startswith("same")]
-    full = _on_the_machine([row for row in rows if row["particles"] == AIMED_AT])
+    full = _add_ratios([row for row in rows if row["particles"] == AIMED_AT])
     text = _AIMS.format(particles=AIMED_AT)
     short, lines = [], []
     for words, aim, name, *wanted in _TARGETS:
         found = [row for row in full if [row["group"], row["code"], row["law"]] == wanted and row.get(name)]
-        shown = ", ".join(f"{row[name]:.1f} ({_how(row, full)})" for row in found)
+        shown = ", ".join(f"{row[name]:.1f} ({_describe_threads(row, full)})" for row in found)
         if name.startswith("machine"):
             shown += "".join(
                 f"; {row[name.replace('machine', 'over')]:.1f} (one thread each)" for row in found
@@ -143,10 +143,10 @@ def _targets(result: dict, parts: dict[str, Rows]) -> str:
         lines.append((words, aim, shown, verdict))
     text += table(("times slower than ours", "aim", "measured", ""), lines)
     text += f"\nFalls short: {'; '.join(short)}.\n" if short else ""
-    return text + _no_larger_error(full)
+    return text + _compare_errors(full)
 
 
-def _no_larger_error(rows: Rows) -> str:
+def _compare_errors(rows: Rows) -> str:
     """Whether the job, for all its longer steps, is as accurate as Warp's."""
     found = {
         row["code"]: row["error"] for row in rows if row["group"] == "error" and row["error"] is not None
@@ -158,7 +158,7 @@ def _no_larger_error(rows: Rows) -> str:
     return f"\nThe job at no larger error than Warp's: {ours:.3g} mm against {warp:.3g} mm, {verdict}.\n"
 
 
-def _on_the_machine(rows: Rows) -> Rows:
+def _add_ratios(rows: Rows) -> Rows:
     """The rows, with their time over ours of the most threads in the same group: same law, and our default jelly."""
     found = []
     for row in rows:
@@ -173,7 +173,7 @@ def _on_the_machine(rows: Rows) -> Rows:
     return found
 
 
-def _how(row: dict, rows: Rows) -> str:
+def _describe_threads(row: dict, rows: Rows) -> str:
     """Threads on both sides, and whether the figure is extrapolated."""
     words = f"{row['threads']} thread{'s' if row['threads'] > 1 else ''}"
     if row["group"] != "job" and row["code"] != "warp_classical":
@@ -185,7 +185,7 @@ def _how(row: dict, rows: Rows) -> str:
     return words + (", extrapolated" if row["extrapolated"] else "")
 
 
-def _table(title: str, key: str, rows: Rows) -> str:
+def _make_table(title: str, key: str, rows: Rows) -> str:
     text = f"\n## {title}\n" + (_SPARSE if title == "Number of particles" else "")
     groups = [title] if title != "Materials" else dict.fromkeys(row["group"] for row in rows)
     for group in groups:
@@ -193,15 +193,15 @@ def _table(title: str, key: str, rows: Rows) -> str:
         for_all = f", {members[0]['particles']:,} particles"
         text += f"\n### {group}{for_all}\n" if title == "Materials" else ""
         columns = ("code", "law", "threads", key, *_TIMES)
-        text += table(columns, [_line(row, key) for row in members])
+        text += table(columns, [_make_line(row, key) for row in members])
     return text
 
 
-def _line(row: dict, key: str) -> list:
-    return [row["code"], row["law"], row["threads"], f"{row[key]:,}", *_timed(row)]
+def _make_line(row: dict, key: str) -> list:
+    return [row["code"], row["law"], row["threads"], f"{row[key]:,}", *_make_timed_cells(row)]
 
 
-def _timed(row: dict) -> list:
+def _make_timed_cells(row: dict) -> list:
     """Time per substep and what goes with it."""
     if row["median_ms"] is None:
         return [one_line(row["message"]), "", "", "", number(row["setup_seconds"]), "", ""]
@@ -211,7 +211,7 @@ def _timed(row: dict) -> list:
     return [median, f"{number(row['min_ms'])} to {number(row['max_ms'])}", *(number(row[n]) for n in names)]
 
 
-def _stages(rows: Rows) -> str:
+def _write_stages(rows: Rows) -> str:
     names = next((list(row["milliseconds"]) for row in rows if row["milliseconds"]), [])
     lines = []
     for row in rows:
@@ -222,7 +222,7 @@ def _stages(rows: Rows) -> str:
     return _STAGES + table(("law", "particles", "threads", *names), lines)
 
 
-def _memory(rows: Rows) -> str:
+def _write_memory(rows: Rows) -> str:
     text = "\n## Memory\n\nPeak resident memory of each code's process, libraries and compilation included.\n"
     lines = [
         [row["code"], row["law"], row["threads"], f"{row['particles']:,}"]
@@ -232,7 +232,7 @@ def _memory(rows: Rows) -> str:
     return text + table(("code", "law", "threads", "particles", "peak [MB]"), lines)
 
 
-def _job(rows: Rows) -> str:
+def _write_job(rows: Rows) -> str:
     frames, lines = max((len(row.get("heights", [])) - 1 for row in rows), default=0), []
     for row in rows:
         line = [row["code"], row["law"], row["threads"]]
@@ -248,7 +248,7 @@ def _job(rows: Rows) -> str:
     return _JOB.format(frames=frames, frame_dt=FRAME_DT, dt=DT) + table(_JOBS, lines)
 
 
-def _error(rows: Rows) -> str:
+def _write_error(rows: Rows) -> str:
     lines = []
     for row in rows:
         line = [row["code"], row["cells"], f"{row['particles']:,}"]
@@ -261,7 +261,7 @@ def _error(rows: Rows) -> str:
     return _ERROR + table(_ERRORS, lines)
 
 
-def _versions(result: dict) -> str:
+def _list_versions(result: dict) -> str:
     """What the codes said of themselves."""
     said = {
         (row["code"], row["version"])

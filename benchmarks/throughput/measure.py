@@ -120,7 +120,7 @@ def open_child(contender: Contender) -> Iterator[Child]:
     Peers that this interpreter lacks run in the one that ``PEER_PYTHON`` names.
     """
     command = [
-        _elsewhere(contender.code) or sys.executable,
+        _find_python(contender.code) or sys.executable,
         "-m",
         "benchmarks.throughput.worker",
         "--code",
@@ -155,7 +155,7 @@ def open_child(contender: Contender) -> Iterator[Child]:
 
 
 @functools.cache
-def _elsewhere(code: str) -> str | None:
+def _find_python(code: str) -> str | None:
     return find(code).python if code in PEERS else None
 
 
@@ -180,30 +180,30 @@ def interleaved(
     tell: Callable[[str], None] = lambda text: None,
 ) -> list[dict[str, Any]]:
     """A row for each contender: all load one after the other, then take turns, round after round."""
-    rows = [_blank(contender, particles, cells) for contender in contenders]
+    rows = [_make_blank_row(contender, particles, cells) for contender in contenders]
     with contextlib.ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         children: dict[int, Child] = {}
         for i, contender in enumerate(contenders):
             tell(f"loading {contender.label}, {contender.law.value}, {contender.threads} thread(s)")
-            with _noting(rows[i]):
+            with _note_failure(rows[i]):
                 child = stack.enter_context(open_child(contender))
                 _load(child, rows[i], *store(folder, contender, particles, cells), effort)
                 children[i] = child
         for _ in range(effort.rounds):
             for i, child in list(children.items()):
                 if not rows[i]["message"]:
-                    with _noting(rows[i]):
-                        _turn(child, rows[i])
+                    with _note_failure(rows[i]):
+                        _run_turn(child, rows[i])
         for i, child in children.items():
-            with _noting(rows[i]):
+            with _note_failure(rows[i]):
                 rows[i]["peak_mb"] = round(child.ask("memory")["peak_mb"])
     for row in rows:
         _summarise(row)
     return rows
 
 
-def _blank(contender: Contender, particles: int, cells: int) -> dict[str, Any]:
+def _make_blank_row(contender: Contender, particles: int, cells: int) -> dict[str, Any]:
     figures = ("setup_seconds", "steps", "median_ms", "min_ms", "max_ms", "busy", "load_average", "peak_mb")
     return {
         "code": contender.label,
@@ -221,7 +221,7 @@ def _blank(contender: Contender, particles: int, cells: int) -> dict[str, Any]:
 
 
 @contextlib.contextmanager
-def _noting(row: dict[str, Any]) -> Iterator[None]:
+def _note_failure(row: dict[str, Any]) -> Iterator[None]:
     """A code that fails keeps its row, with the reason."""
     try:
         yield
@@ -247,7 +247,7 @@ def _load(child: Child, row: dict[str, Any], scene: str, note: str, effort: Effo
     row["steps"] = _MULTIPLE * math.ceil(steps / _MULTIPLE)
 
 
-def _turn(child: Child, row: dict[str, Any]) -> None:
+def _run_turn(child: Child, row: dict[str, Any]) -> None:
     took = child.ask("run", steps=row["steps"])
     row["rounds_ms"].append(1e3 * (took["seconds"] - took["compile_seconds"]) / row["steps"])
     row["setup_seconds"] = round(row["setup_seconds"] + took["compile_seconds"], 2)
@@ -274,7 +274,7 @@ def compare(rows: list[dict[str, Any]]) -> None:
             base = [
                 ours["median_ms"]
                 for ours in rows
-                if ours["code"] == _counterpart(row)
+                if ours["code"] == _name_counterpart(row)
                 and ours["law"] == law
                 and ours["threads"] == row["threads"]
             ]
@@ -282,7 +282,7 @@ def compare(rows: list[dict[str, Any]]) -> None:
             row[name] = round(row["median_ms"] / base[0], 3) if known else None
 
 
-def _counterpart(row: dict[str, Any]) -> str:
+def _name_counterpart(row: dict[str, Any]) -> str:
     """What a row is set against: ours as the product runs, or as unsorted where the particles of all are."""
     everybody = row["order"] == "random" and not row["code"].startswith("ours")
     return "ours, unsorted" if everybody else "ours"

@@ -57,7 +57,7 @@ class Sizes:
 
     def __post_init__(self):
         if not self.threads:
-            object.__setattr__(self, "threads", tuple(sorted({1, _cores()})))
+            object.__setattr__(self, "threads", tuple(sorted({1, _count_cores()})))
 
     @property
     def most_threads(self) -> int:
@@ -65,7 +65,7 @@ class Sizes:
         return self.threads[-1]
 
 
-def _cores() -> int:
+def _count_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -95,7 +95,7 @@ def same_law(sizes: Sizes) -> list[Job]:
             if n in THREADS.get(code, sizes.threads)
         ]
         effort = dataclasses.replace(sizes.effort, rounds=min(3, sizes.effort.rounds))
-        jobs.append(Job(law.value, partial(_group, law.value, contenders, sizes.strict, effort)))
+        jobs.append(Job(law.value, partial(_measure_group, law.value, contenders, sizes.strict, effort)))
     return jobs
 
 
@@ -106,11 +106,11 @@ def materials(sizes: Sizes) -> list[Job]:
         Contender("ours", DEFAULT, sizes.most_threads, "reference"),
         Contender("ours", DEFAULT, sizes.most_threads, order="random"),
     ]
-    groups = {"jelly": [*ours, *slow, *_peers(Material.JELLY, sizes)]}
+    groups = {"jelly": [*ours, *slow, *_list_peers(Material.JELLY, sizes)]}
     for law in (DEFAULT, *sizes.laws):
-        groups[law.value] = [*(Contender("ours", law, n) for n in sizes.threads), *_peers(law, sizes)]
+        groups[law.value] = [*(Contender("ours", law, n) for n in sizes.threads), *_list_peers(law, sizes)]
     return [
-        Job(name, partial(_group, name, contenders, sizes.main, sizes.effort))
+        Job(name, partial(_measure_group, name, contenders, sizes.main, sizes.effort))
         for name, contenders in groups.items()
     ]
 
@@ -118,7 +118,9 @@ def materials(sizes: Sizes) -> list[Job]:
 def growth(sizes: Sizes) -> list[Job]:
     """Each code's default jelly over the number of particles."""
     return [
-        Job(f"{count} particles", partial(_group, "sizes", _defaults(sizes), count, sizes.effort))
+        Job(
+            f"{count} particles", partial(_measure_group, "sizes", _list_defaults(sizes), count, sizes.effort)
+        )
         for count in sizes.sizes
     ]
 
@@ -126,23 +128,28 @@ def growth(sizes: Sizes) -> list[Job]:
 def grids(sizes: Sizes) -> list[Job]:
     """Each code's default jelly over the cells of the domain, which dense codes visit all."""
     return [
-        Job(f"{cells} cells", partial(_group, "grids", _defaults(sizes), sizes.grids, sizes.effort, cells))
+        Job(
+            f"{cells} cells",
+            partial(_measure_group, "grids", _list_defaults(sizes), sizes.grids, sizes.effort, cells),
+        )
         for cells in sizes.cells
     ]
 
 
 def stages(sizes: Sizes) -> list[Job]:
     """Ours, stage by stage, each jitted alone."""
-    return [Job(law.value, partial(_stages, law, sizes)) for law in (DEFAULT, Material.JELLY, *sizes.laws)]
+    return [
+        Job(law.value, partial(_measure_stages, law, sizes)) for law in (DEFAULT, Material.JELLY, *sizes.laws)
+    ]
 
 
 def memory(sizes: Sizes) -> list[Job]:
     """Peak memory of a fresh process of each code, with its default jelly."""
     counts = sorted({sizes.grids, sizes.main})
-    return [Job(f"{count} particles", partial(_memory, count, sizes)) for count in counts]
+    return [Job(f"{count} particles", partial(_measure_memory, count, sizes)) for count in counts]
 
 
-def _stages(law: Material, sizes: Sizes) -> Rows:
+def _measure_stages(law: Material, sizes: Sizes) -> Rows:
     contender = Contender("ours", law, sizes.most_threads)
     row = row_of("stages", contender, sizes.main)
     with tempfile.TemporaryDirectory() as folder, open_child(contender) as child:
@@ -159,10 +166,12 @@ def _stages(law: Material, sizes: Sizes) -> Rows:
     return [row]
 
 
-def _memory(particles: int, sizes: Sizes) -> Rows:
+def _measure_memory(particles: int, sizes: Sizes) -> Rows:
     effort = dataclasses.replace(sizes.effort, rounds=1, round_seconds=0.0, least=10)
     rows = [
-        row for contender in _defaults(sizes) for row in interleaved([contender], particles, effort, tell=say)
+        row
+        for contender in _list_defaults(sizes)
+        for row in interleaved([contender], particles, effort, tell=say)
     ]
     for row in rows:
         row["group"] = "memory"
@@ -170,18 +179,18 @@ def _memory(particles: int, sizes: Sizes) -> Rows:
     return rows
 
 
-def _peers(law: Material, sizes: Sizes) -> list[Contender]:
+def _list_peers(law: Material, sizes: Sizes) -> list[Contender]:
     """Every peer; Taichi with each number of threads, plain JAX with the most, the others have one."""
     choice = {"taichi_mls": sizes.threads, "jax_naive": sizes.threads[-1:]}
     return [Contender(code, law, n) for code in PEERS for n in choice.get(code, (1,))]
 
 
-def _defaults(sizes: Sizes) -> list[Contender]:
+def _list_defaults(sizes: Sizes) -> list[Contender]:
     """Every code with its default jelly."""
-    return [*(Contender("ours", DEFAULT, n) for n in sizes.threads), *_peers(Material.JELLY, sizes)]
+    return [*(Contender("ours", DEFAULT, n) for n in sizes.threads), *_list_peers(Material.JELLY, sizes)]
 
 
-def _group(
+def _measure_group(
     name: str, contenders: list[Contender], particles: int, effort: Effort, cells: int = CELLS
 ) -> Rows:
     rows = interleaved(contenders, particles, effort, cells, say)

@@ -38,9 +38,9 @@ FIRST = "reference"  # the job that the others need
 
 def jobs(sizes: Sizes, rows_file: Path) -> list[Job]:
     """The reference, a peer's own way towards it, and every code at its steps; later jobs read ``rows_file``."""
-    found = [Job(FIRST, partial(_reference, sizes))]
+    found = [Job(FIRST, partial(_make_reference, sizes))]
     found += [
-        Job(f"warp_classical, {finer} x finer", partial(_finer_peer, finer, rows_file))
+        Job(f"warp_classical, {finer} x finer", partial(_measure_finer_peer, finer, rows_file))
         for finer in PEER_LEVELS
         if finer < sizes.finer[-1]
     ]
@@ -51,58 +51,58 @@ def jobs(sizes: Sizes, rows_file: Path) -> list[Job]:
                     if threads in THREADS.get(code, sizes.threads):
                         contender = Contender(code, LAW, threads, order=order)
                         name = f"{code}, {threads} threads, {order}, {step}"
-                        found.append(Job(name, partial(_timed, contender, step, rows_file)))
+                        found.append(Job(name, partial(_time_contender, contender, step, rows_file)))
     return found
 
 
-def _reference(sizes: Sizes) -> Rows:
+def _make_reference(sizes: Sizes) -> Rows:
     """Ours in float64, finer and finer, until that changes less than `ENOUGH` of the coarsest one's error."""
     rows, means = [], []
     for finer in sizes.finer:
         contender = Contender("ours", LAW, sizes.most_threads, double=True)
-        row = _blank(contender, "automatic", finer)
+        row = _make_blank_row(contender, "automatic", finer)
         with tempfile.TemporaryDirectory() as folder, open_child(contender) as child:
-            clip = _clip(child, contender, finer, Path(folder), np.float64)
+            clip = _run_adaptive(child, contender, finer, Path(folder), np.float64)
             row |= clip[0]
             means.append(clip[1])
-        row["change"] = _distance(means[-1], means[-2]) if len(means) > 1 else None
+        row["change"] = _measure_distance(means[-1], means[-2]) if len(means) > 1 else None
         rows.append(row)
         say(f"reference, {row['cells']} cells: changes by {row['change']} m")
-        if row["change"] and row["change"] < ENOUGH * _distance(means[0], means[-1]):
+        if row["change"] and row["change"] < ENOUGH * _measure_distance(means[0], means[-1]):
             break
     for row, mean in zip(rows, means):
-        row["error"] = _distance(mean, means[-1])
-    rows[-1] |= {"means": _packed(means[-1]), "error": None}
+        row["error"] = _measure_distance(mean, means[-1])
+    rows[-1] |= {"means": _pack(means[-1]), "error": None}
     return rows
 
 
-def _finer_peer(finer: int, rows_file: Path) -> Rows:
+def _measure_finer_peer(finer: int, rows_file: Path) -> Rows:
     """A peer with another stress form, which tends to the same end: the reference is not ours alone."""
     contender = Contender("warp_classical", LAW, 1, order="sorted")
-    return _run(contender, "bound", finer, rows_file, repeats=1)
+    return _measure_row(contender, "bound", finer, rows_file, repeats=1)
 
 
-def _timed(contender: Contender, step: str, rows_file: Path) -> Rows:
-    return _run(contender, step, 1, rows_file, repeats=3)
+def _time_contender(contender: Contender, step: str, rows_file: Path) -> Rows:
+    return _measure_row(contender, step, 1, rows_file, repeats=3)
 
 
-def _run(contender: Contender, step: str, finer: int, rows_file: Path, repeats: int) -> Rows:
+def _measure_row(contender: Contender, step: str, finer: int, rows_file: Path, repeats: int) -> Rows:
     """The row of one code and step; what fails keeps its row, with the reason."""
-    row, seconds = _blank(contender, step, finer), []
-    truth, bound = _known(rows_file)
+    row, seconds = _make_blank_row(contender, step, finer), []
+    truth, bound = _read_reference(rows_file)
     with tempfile.TemporaryDirectory() as folder, open_child(contender) as child:
         try:
             while not seconds or (seconds[-1] < SHORT and len(seconds) < repeats):
                 if step == "automatic":
-                    found, means = _clip(child, contender, finer, Path(folder), np.float32)
+                    found, means = _run_adaptive(child, contender, finer, Path(folder), np.float32)
                 else:
                     share = SHARES.get(contender.code, 1.0)
-                    dt = _fitting(DT if step == "customary" else bound * share / finer)
-                    found, means = _fixed(child, contender, finer, dt, Path(folder))
+                    dt = _fit_step(DT if step == "customary" else bound * share / finer)
+                    found, means = _run_fixed(child, contender, finer, dt, Path(folder))
                 row |= found
                 seconds.append(found["seconds"])
             row |= {"seconds": statistics.median(seconds), "range": [min(seconds), max(seconds)]}
-            row["error"] = _distance(means, truth)
+            row["error"] = _measure_distance(means, truth)
             if not math.isfinite(row["error"]):
                 row |= {"error": None, "message": "breaks down: positions are not finite"}
         except ChildError as error:
@@ -110,16 +110,16 @@ def _run(contender: Contender, step: str, finer: int, rows_file: Path, repeats: 
     row["load_average"] = round(os.getloadavg()[0], 2)
     say(
         f"{row['code']}, {row['threads']} thread(s), {row['order']}, {step}, {row['cells']} cells: "
-        + _told(row)
+        + _describe(row)
     )
     return [row]
 
 
-def _clip(
+def _run_adaptive(
     child: Child, contender: Contender, finer: int, folder: Path, dtype: type
 ) -> tuple[Row, np.ndarray]:
     """Ours with its automatic step, warm where it was run before, and the block means of every frame."""
-    scene, back = _scene(contender, finer, folder, dtype)
+    scene, back = _write_scene(contender, finer, folder, dtype)
     request = dict(scene=scene, frames=FRAMES, frame_dt=FRAME_DT)
     cold = child.ask("job", **request) if finer == 1 else None
     warm = child.ask("job", **request, out=str(folder / "x.npy"))
@@ -129,9 +129,11 @@ def _clip(
     return found | ({"setup_seconds": cold["seconds"] - warm["seconds"]} if cold else {}), means
 
 
-def _fixed(child: Child, contender: Contender, finer: int, dt: float, folder: Path) -> tuple[Row, np.ndarray]:
+def _run_fixed(
+    child: Child, contender: Contender, finer: int, dt: float, folder: Path
+) -> tuple[Row, np.ndarray]:
     """A code with a fixed step, from loading to the end of the clip."""
-    scene, back = _scene(contender, finer, folder, np.float32)
+    scene, back = _write_scene(contender, finer, folder, np.float32)
     steps, seconds, means = round(FRAME_DT / dt), 0.0, []
     loaded = child.ask("load", scene=scene, dt=dt, granule=steps)
     setup = loaded["seconds"]
@@ -145,7 +147,7 @@ def _fixed(child: Child, contender: Contender, finer: int, dt: float, folder: Pa
     return found | {"least_dt": dt, "largest_dt": dt, "version": loaded["version"]}, np.stack(means)
 
 
-def _scene(contender: Contender, finer: int, folder: Path, dtype: type) -> tuple[str, np.ndarray]:
+def _write_scene(contender: Contender, finer: int, folder: Path, dtype: type) -> tuple[str, np.ndarray]:
     """The file with the contender's scene, and the places of the lattice's particles in it."""
     scene, path = flight(finer, contender.law, dtype), folder / "scene.npz"
     order = np.arange(scene.particle_count)
@@ -157,12 +159,12 @@ def _scene(contender: Contender, finer: int, folder: Path, dtype: type) -> tuple
     return str(path), np.argsort(order)
 
 
-def _fitting(dt: float) -> float:
+def _fit_step(dt: float) -> float:
     """The longest step up to ``dt`` of which a multiple of `GRANULE` makes a frame [s]."""
     return FRAME_DT / (GRANULE * math.ceil(FRAME_DT / dt / GRANULE - 1e-9))
 
 
-def _known(rows_file: Path) -> tuple[np.ndarray, float]:
+def _read_reference(rows_file: Path) -> tuple[np.ndarray, float]:
     """The reference's block means, and the shortest step that ours took on the coarsest grid [s].
 
     Raises:
@@ -176,17 +178,17 @@ def _known(rows_file: Path) -> tuple[np.ndarray, float]:
     return means, levels[0]["least_dt"]
 
 
-def _packed(means: np.ndarray) -> str:
+def _pack(means: np.ndarray) -> str:
     """One line of JSON instead of hundreds."""
     return " ".join(f"{value:.9g}" for value in means.ravel())
 
 
-def _distance(one: np.ndarray, other: np.ndarray) -> float:
+def _measure_distance(one: np.ndarray, other: np.ndarray) -> float:
     """Root mean square distance of the blocks over all frames but the initial one [m]."""
     return float(np.sqrt(((one - other) ** 2).sum(-1).mean()))
 
 
-def _blank(contender: Contender, step: str, finer: int) -> Row:
+def _make_blank_row(contender: Contender, step: str, finer: int) -> Row:
     figures = ("seconds", "range", "substeps", "least_dt", "largest_dt", "setup_seconds", "error", "change")
     about = {"code": contender.code, "law": contender.law.value, "threads": contender.threads}
     about |= {"order": contender.order, "step": step, "double": contender.double}
@@ -194,5 +196,5 @@ def _blank(contender: Contender, step: str, finer: int) -> Row:
     return about | dict.fromkeys(figures) | {"version": "", "message": "", "load_average": None}
 
 
-def _told(row: Row) -> str:
+def _describe(row: Row) -> str:
     return row["message"] or f"{row['seconds']:.3g} s, off by {1e3 * row['error']:.3g} mm"

@@ -64,12 +64,12 @@ def same_law(rows: Rows) -> str:
             if row["code"].startswith("ours") and row["median_ms"]
         }
         text += f"\n### {_LAW_NAMES.get(law, law)}\n" + table(
-            _LAW_COLUMNS, [_substep(row, base) for row in members]
+            _LAW_COLUMNS, [_make_substep_line(row, base) for row in members]
         )
     return text
 
 
-def _substep(row: Row, base: dict) -> list:
+def _make_substep_line(row: Row, base: dict) -> list:
     start = [row["code"].removesuffix(", unsorted"), row["threads"], row["order"]]
     if row["median_ms"] is None:
         return [*start, one_line(row["message"]), "", "", "", ""]
@@ -99,13 +99,15 @@ def same_job(rows: Rows) -> str:
         for row in timed
         if row["code"] == "ours" and row["step"] == "automatic" and row["seconds"]
     }
-    text += _headline([(row, base.get((row["threads"], row["order"]))) for row in timed])
-    text += table(_JOB_COLUMNS, [_clip(row, base.get((row["threads"], row["order"]))) for row in timed])
-    text += _REFERENCE.format(verdict=_verdict(reference, timed))
-    return text + table(_REFERENCE_COLUMNS, [_level(row) for row in reference])
+    text += _write_headline([(row, base.get((row["threads"], row["order"]))) for row in timed])
+    text += table(
+        _JOB_COLUMNS, [_make_clip_line(row, base.get((row["threads"], row["order"]))) for row in timed]
+    )
+    text += _REFERENCE.format(verdict=_judge_reference(reference, timed))
+    return text + table(_REFERENCE_COLUMNS, [_make_level_line(row) for row in reference])
 
 
-def _headline(pairs: list[tuple[Row, Row | None]]) -> str:
+def _write_headline(pairs: list[tuple[Row, Row | None]]) -> str:
     """The peer that is least behind, by step."""
     text = ""
     for step, words in (("bound", "its own bound"), ("customary", "the customary step")):
@@ -123,7 +125,7 @@ def _headline(pairs: list[tuple[Row, Row | None]]) -> str:
     return text
 
 
-def _clip(row: Row, ours: Row | None) -> list:
+def _make_clip_line(row: Row, ours: Row | None) -> list:
     start = [row["code"], row["threads"], row["order"], row["step"]]
     if row["seconds"] is None:
         return [*start, "", "", one_line(row["message"]), *[""] * 5]
@@ -131,12 +133,12 @@ def _clip(row: Row, ours: Row | None) -> list:
     figures = [steps(row), f"{row['substeps']:,}", number(row["seconds"])]
     figures += [" to ".join(map(number, row["range"]))]
     known = row["error"] is not None
-    figures += [_millimetres(row["error"]) if known else one_line(row["message"]), ratio]
+    figures += [_format_millimetres(row["error"]) if known else one_line(row["message"]), ratio]
     figures += [number(row["error"] / ours["error"]) if known and ours and ours["error"] else ""]
     return [*start, *figures, number(row["load_average"])]
 
 
-def _verdict(reference: Rows, timed: Rows) -> str:
+def _judge_reference(reference: Rows, timed: Rows) -> str:
     """Whether the reference is one, for the errors that are compared."""
     errors = [row["error"] for row in timed if row["error"]]
     changes = [row["change"] for row in reference if row["change"] is not None]
@@ -147,16 +149,16 @@ def _verdict(reference: Rows, timed: Rows) -> str:
     return f"The last change is {share:.2g} of the least error above, {words} than the tenth that is allowed."
 
 
-def _level(row: Row) -> list:
+def _make_level_line(row: Row) -> list:
     code = f"{row['code']}, float64" if row["double"] else f"{row['code']}, {row['step']}"
     start = [code, row["cells"], f"{row['particles']:,}"]
     if row["substeps"] is None:
         return [*start, "", one_line(row["message"]), "", ""]
-    error = "(reference)" if row.get("means") else _millimetres(row["error"])
-    return [*start, f"{row['substeps']:,}", steps(row), _millimetres(row["change"]), error]
+    error = "(reference)" if row.get("means") else _format_millimetres(row["error"])
+    return [*start, f"{row['substeps']:,}", steps(row), _format_millimetres(row["change"]), error]
 
 
-def _millimetres(value: float | None) -> str:
+def _format_millimetres(value: float | None) -> str:
     return number(None if value is None else 1e3 * value)
 
 

@@ -66,7 +66,7 @@ class Worker:
     def load(self, scene: str, dt: float, granule: int = 0) -> dict:
         """Imports, compiles and warms up."""
         begun = time.perf_counter()
-        self._peer = self._make()
+        self._peer = self._make_peer()
         reason = self._peer.available()
         if reason is not None:
             return {"error": reason}
@@ -107,7 +107,7 @@ class Worker:
 
         return job(PeerScene.load(Path(scene)), frames, frame_dt, sort=self._sort, out=out)
 
-    def _make(self) -> Any:
+    def _make_peer(self) -> Any:
         if self._code == "ours":
             from benchmarks.peers.ours import Ours
 

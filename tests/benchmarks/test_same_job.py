@@ -25,9 +25,9 @@ def test_blocks_hold_the_same_matter_at_every_resolution():
 
 
 def test_steps_fit_frames_in_multiples():
-    assert same_job._fitting(DT) == DT
+    assert same_job._fit_step(DT) == DT
     for dt in (1.1e-3, 7e-4, 1.0e-3):
-        fitted = same_job._fitting(dt)
+        fitted = same_job._fit_step(dt)
         count = FRAME_DT / fitted
         assert fitted <= dt and round(count) % same_job.GRANULE == 0 and count == pytest.approx(round(count))
 
@@ -42,7 +42,7 @@ def test_every_code_has_both_steps_both_orders_and_its_threads():
 
 
 def row(code, step, seconds, error, threads=1, **changes):
-    blank = same_job._blank(Contender(code, same_job.LAW, threads, order="sorted"), step, 1)
+    blank = same_job._make_blank_row(Contender(code, same_job.LAW, threads, order="sorted"), step, 1)
     known = dict(seconds=seconds, range=[seconds, seconds], substeps=100, least_dt=1e-3, largest_dt=1e-3)
     return blank | known | dict(error=error, setup_seconds=1.0, load_average=0.5) | changes
 
@@ -89,7 +89,7 @@ def test_substeps_are_set_against_ours_of_the_same_order():
 @pytest.mark.slow
 def test_a_job_is_run_and_judged(tmp_path, monkeypatch):
     monkeypatch.setattr(same_job, "SHORT", 0.0)
-    rows = same_job._reference(QUICK)
+    rows = same_job._make_reference(QUICK)
     assert (
         len(rows) == 2 and rows[0]["error"] == pytest.approx(rows[1]["change"]) and rows[1]["error"] is None
     )
@@ -98,7 +98,7 @@ def test_a_job_is_run_and_judged(tmp_path, monkeypatch):
     rows_file.write_text(json.dumps({"same_job": {"rows": labelled}}))
     errors = {}
     for code, step in (("ours", "automatic"), ("ours", "bound"), ("jax_naive", "bound")):
-        (found,) = same_job._run(Contender(code, same_job.LAW, 1, order="random"), step, 1, rows_file, 1)
+        (found,) = same_job._measure_row(Contender(code, same_job.LAW, 1, order="random"), step, 1, rows_file, 1)
         assert found["message"] == "" and found["seconds"] > 0
         errors[code, step] = found["error"]
     assert errors["ours", "automatic"] == pytest.approx(rows[0]["error"], rel=1e-2)

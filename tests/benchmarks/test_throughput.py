@@ -92,7 +92,7 @@ def test_a_process_that_dies_is_a_reason(monkeypatch):
 
 
 def row(code, law, group, median, threads=1, **rest):
-    blank = measure._blank(Contender(code, law, threads), 200_000, CELLS)
+    blank = measure._make_blank_row(Contender(code, law, threads), 200_000, CELLS)
     return blank | dict(group=group, median_ms=median, min_ms=median, max_ms=median, setup_seconds=1.0) | rest
 
 
