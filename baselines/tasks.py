@@ -150,7 +150,7 @@ class Task:
 
     def centroid_path(self, parameters: Parameters) -> jax.Array:
         """Centroid path under ``parameters`` [m], shape (frames - 1, 3); differentiable."""
-        return _path(self.scene, parameters)
+        return _compute_path(self.scene, parameters)
 
     def loss(self, parameters: Parameters) -> jax.Array:
         """Mean squared distance to the target path, in squared body lengths."""
@@ -202,9 +202,9 @@ def make_task(spec: TaskSpec, folder: Path, *, frame_count: int = 26, particles:
 
     scene = with_static_step(build(spec.start))
     hidden = Parameters.of(spec.hidden_vector, spec.hidden_magnitude)
-    return Task(spec, build, scene, _path(scene, hidden))
+    return Task(spec, build, scene, _compute_path(scene, hidden))
 
 
-def _path(scene: CompiledScene, parameters: Parameters) -> jax.Array:
+def _compute_path(scene: CompiledScene, parameters: Parameters) -> jax.Array:
     values = parameters.of_force_field(scene.config.force_field, scene.config.timing.frame_count)
     return pa.trajectory(scene, values, substeps=scene.substeps).centroid(scene.model.mass)[1:]

@@ -236,16 +236,16 @@ def seen_in(
 
     shares = [sum(share(t, a, b) for a, b in spans) for t in range(frame_count)]
     places = [
-        None if displacement is None and t else _times(displacement or ZERO, s) for t, s in enumerate(shares)
+        None if displacement is None and t else _scale(displacement or ZERO, s) for t, s in enumerate(shares)
     ]
     inside = [max(share(t, a, b) for a, b in spans) for t in range(frame_count)]
     stretches = [
         tuple(map(tuple, (np.eye(3) + s * (np.asarray(stretch) - np.eye(3))).tolist())) for s in inside
     ]
-    return make_report(places, [_times(turn, s) for s in shares], stretches, windows=spans, **options)
+    return make_report(places, [_scale(turn, s) for s in shares], stretches, windows=spans, **options)
 
 
-def _times(v: Vector, factor: float) -> Vector:
+def _scale(v: Vector, factor: float) -> Vector:
     return (v[0] * factor, v[1] * factor, v[2] * factor)
 
 

@@ -38,7 +38,7 @@ class ToyWorld:
     def simulate(self, field: ForceField, expectations: tuple[ExpectedMotion, ...]) -> MotionReport:
         """Simulates and reports every expectation's window."""
         count = self.scene.frame_count
-        places, angles, strains = self._travel(field)
+        places, angles, strains = self._integrate(field)
         seen = make_report(
             places,
             angles,
@@ -54,14 +54,14 @@ class ToyWorld:
         side = sides.pop()
         return seen.model_copy(update={"parts": tuple(_drag_along(part, side) for part in seen.parts)})
 
-    def _travel(self, field: ForceField):
+    def _integrate(self, field: ForceField):
         """Per frame: place, angle vector [degrees], strain tensor's diagonal in world axes."""
         last = self.scene.frame_count - 1
         dt = 1.0 / last / STEPS
         place, speed, angle, turning = ZERO, ZERO, ZERO, ZERO
         places, angles, strains = [], [], []
         for step in range(last * STEPS + 1):
-            push, torque, strain, drive = self._acting(field, max(step - 0.5, 0.0) / STEPS)
+            push, torque, strain, drive = self._sum_actions(field, max(step - 0.5, 0.0) / STEPS)
             if self.scene.anchored is not None:
                 place, angle = scale(push, 0.5 * HELD * (step > 0)), scale(torque, 0.3 * (step > 0))
             if step % STEPS == 0:
@@ -77,7 +77,7 @@ class ToyWorld:
             angle = add([angle, scale(turning, dt)])
         return places, angles, strains
 
-    def _acting(self, field: ForceField, frame: float):
+    def _sum_actions(self, field: ForceField, frame: float):
         """Acceleration, angular acceleration [degrees], strain diagonal and prescribed velocity at a frame."""
         push, torque, strain, drive = [], [], [], []
         for item in (*field.actions, *field.constraints):
@@ -93,14 +93,14 @@ class ToyWorld:
             elif kind is ActionType.TORQUE:
                 torque.append(scale(vector, 2.0 * math.degrees(calibration.TURN)))
             elif kind is ActionType.SCALE:
-                strain.append(_along(item.vector, SHORTENING * self.gain * item.magnitude))
+                strain.append(_make_diagonal(item.vector, SHORTENING * self.gain * item.magnitude))
             elif not isinstance(item.region, HalfSpaceRegion):
                 drive.append(scale(item.vector, calibration.PRESCRIBED_TRAVEL * item.magnitude))
             else:  # one of two end slabs: prescribed, whatever the stiffness
                 side = math.copysign(1.0, sum(v * n for v, n in zip(item.vector, item.region.normal)))
                 share = (frame - first) / (self.scene.frame_count - 1)
                 strain.append(
-                    _along(item.vector, side * calibration.PRESCRIBED_TRAVEL * item.magnitude * share)
+                    _make_diagonal(item.vector, side * calibration.PRESCRIBED_TRAVEL * item.magnitude * share)
                 )
         return add(push), add(torque), add(strain), add(drive)
 
@@ -116,7 +116,7 @@ def _drag_along(part: PartMotion, side) -> PartMotion:
     )
 
 
-def _along(axis, amount: float):
+def _make_diagonal(axis, amount: float):
     return tuple(amount * c * c for c in axis)
 
 

@@ -98,7 +98,9 @@ def test_a_job_is_run_and_judged(tmp_path, monkeypatch):
     rows_file.write_text(json.dumps({"same_job": {"rows": labelled}}))
     errors = {}
     for code, step in (("ours", "automatic"), ("ours", "bound"), ("jax_naive", "bound")):
-        (found,) = same_job._measure_row(Contender(code, same_job.LAW, 1, order="random"), step, 1, rows_file, 1)
+        (found,) = same_job._measure_row(
+            Contender(code, same_job.LAW, 1, order="random"), step, 1, rows_file, 1
+        )
         assert found["message"] == "" and found["seconds"] > 0
         errors[code, step] = found["error"]
     assert errors["ours", "automatic"] == pytest.approx(rows[0]["error"], rel=1e-2)

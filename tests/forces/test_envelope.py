@@ -38,11 +38,11 @@ cases = pytest.mark.parametrize("case", CASES)
 
 def impulse(envelope, dt, dtype, until=1.0):
     """The sum of mean * dt over a clip whose clock runs as the simulator's."""
-    return _loop(envelope, jnp.asarray(dt, dtype), round(until / dt))
+    return _integrate(envelope, jnp.asarray(dt, dtype), round(until / dt))
 
 
 @jax.jit
-def _loop(envelope, dt, steps):
+def _integrate(envelope, dt, steps):
     def step(_, carry):
         time, total = carry
         return time + dt, total + dt * envelope.mean(time, dt)

@@ -44,12 +44,12 @@ TERMS = {
 
 
 @jax.jit
-def _acceleration(term, x, time, dt):
+def _evaluate(term, x, time, dt):
     return term.acceleration(x, None, None, time, dt)
 
 
 def at(term, x, time=0.0, dt=1e-3):
-    return _acceleration(term, jnp.asarray(x), time, dt)
+    return _evaluate(term, jnp.asarray(x), time, dt)
 
 
 def scattered(count=40, seed=0):
@@ -141,11 +141,11 @@ def test_a_uniform_field_with_a_constant_envelope_is_a_uniform_acceleration(x64)
 def orbit(term, x, v, dt, steps):
     """A plain symplectic (kick-drift-kick) integration of one particle; all positions and velocities."""
 
-    return _orbit(term, jnp.asarray(x), jnp.asarray(v), dt, steps)
+    return _integrate(term, jnp.asarray(x), jnp.asarray(v), dt, steps)
 
 
 @partial(jax.jit, static_argnums=4)
-def _orbit(term, x, v, dt, steps):
+def _integrate(term, x, v, dt, steps):
     def move(carry, _):
         x, v = carry
         v = v + 0.5 * dt * at(term, x[None])[0]

@@ -22,11 +22,11 @@ def blown(term, v, *, dt, steps, gravity=(0, 0, 0), time=0.0):
     """Velocities after ``steps`` of a plain loop, shape (n, 3)."""
     v = jnp.atleast_2d(jnp.asarray(v))
     dt, gravity, time = (jnp.asarray(value, v.dtype) for value in (dt, gravity, time))
-    return _loop(term, v, dt, steps, gravity, time)
+    return _integrate(term, v, dt, steps, gravity, time)
 
 
 @jax.jit
-def _loop(term, v, dt, steps, gravity, time):
+def _integrate(term, v, dt, steps, gravity, time):
     def step(_, carry):
         v, time = carry
         return v + dt * (term.acceleration(jnp.zeros_like(v), v, None, time, dt) + gravity), time + dt

@@ -139,7 +139,7 @@ def show(name: str, seed: int, index: int) -> int:
 def run(names: list[str], cases: int, seed: int, jobs: int) -> Tally:
     """All cases of the classes, ``jobs`` processes at the same time."""
     tally, lock = Tally(seed), threading.Lock()
-    chunks = collections.deque(_chunks(shares(cases, names)))
+    chunks = collections.deque(_split_chunks(shares(cases, names)))
     for name in names:  # in this order in the table
         tally.counts[name] = collections.Counter()
     total, begun = sum(len(indices) for _, indices in chunks), time.monotonic()
@@ -169,7 +169,7 @@ def run(names: list[str], cases: int, seed: int, jobs: int) -> Tally:
     return tally
 
 
-def _chunks(wanted: dict[str, int]) -> Iterator[tuple[str, range]]:
+def _split_chunks(wanted: dict[str, int]) -> Iterator[tuple[str, range]]:
     for name, count in wanted.items():
         for start in range(0, count, CHUNK):
             yield name, range(start, min(start + CHUNK, count))

@@ -124,14 +124,14 @@ def check(case: Case, folder: Path) -> Result:
         path.write_bytes(content)
     if case.prepare:
         case.prepare(folder)
-    begun, resident = time.perf_counter(), _peak()
-    result = _acted(case, folder)
-    if result.fault is None and _peak() - resident > RESIDENT:
-        result = _failed(Fault.MEMORY, f"the process grew by {(_peak() - resident) / 2**30:.1f} GiB")
+    begun, resident = time.perf_counter(), _read_peak()
+    result = _act(case, folder)
+    if result.fault is None and _read_peak() - resident > RESIDENT:
+        result = _fail(Fault.MEMORY, f"the process grew by {(_read_peak() - resident) / 2**30:.1f} GiB")
     return dataclasses.replace(result, seconds=time.perf_counter() - begun)
 
 
-def _acted(case: Case, folder: Path) -> Result:
+def _act(case: Case, folder: Path) -> Result:
     before: dict[str, str] = {}
     try:
         with warnings.catch_warnings(record=True) as caught:
@@ -142,44 +142,44 @@ def _acted(case: Case, folder: Path) -> Result:
         result = Result(Outcome.ACCEPTED)
         fault = not_finite(value)
         if fault:
-            result = _failed(Fault.NONFINITE, fault)
+            result = _fail(Fault.NONFINITE, fault)
         elif case.must_refuse:
-            result = _failed(Fault.SILENT, f"accepted: {case.must_refuse}")
+            result = _fail(Fault.SILENT, f"accepted: {case.must_refuse}")
     except case.refusals as error:
-        result = _refusal(error)
+        result = _judge_refusal(error)
     except Breach as error:
-        result = _failed(error.fault, error.detail, _place(error))
+        result = _fail(error.fault, error.detail, _find_place(error))
     except Overtime as error:
-        result = _failed(Fault.HANG, f"no end after {case.seconds:g} s", _place(error))
+        result = _fail(Fault.HANG, f"no end after {case.seconds:g} s", _find_place(error))
     except MemoryError as error:
-        result = _failed(Fault.MEMORY, f"MemoryError: {_short(error)}", _place(error))
+        result = _fail(Fault.MEMORY, f"MemoryError: {_shorten(error)}", _find_place(error))
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # whatever it is, it is what a user would see as a traceback
-        result = _failed(Fault.TRACEBACK, f"{type(error).__name__}: {_short(error)}", _place(error))
+        result = _fail(Fault.TRACEBACK, f"{type(error).__name__}: {_shorten(error)}", _find_place(error))
     if result.fault is None:
-        result = _files_faulty(before, folder, case.own) or result
+        result = _find_file_fault(before, folder, case.own) or result
     if result.fault is None:
-        result = _noisy(caught) or result
+        result = _find_noise(caught) or result
     return result
 
 
-def _refusal(error: BaseException) -> Result:
+def _judge_refusal(error: BaseException) -> Result:
     text = str(error)
     if isinstance(error, UserError) and len(text.splitlines()) != 1:
-        return _failed(Fault.WORDING, f"a refusal of {len(text.splitlines())} lines: {text[:200]!r}")
+        return _fail(Fault.WORDING, f"a refusal of {len(text.splitlines())} lines: {text[:200]!r}")
     return Result(Outcome.REFUSED, detail=text)
 
 
-def _failed(fault: Fault, detail: str, place: str = "") -> Result:
+def _fail(fault: Fault, detail: str, place: str = "") -> Result:
     return Result(Outcome.FAILED, fault, detail, place)
 
 
-def _noisy(caught: list[warnings.WarningMessage]) -> Result | None:
+def _find_noise(caught: list[warnings.WarningMessage]) -> Result | None:
     for warning in caught:
         if issubclass(warning.category, RuntimeWarning) and "physagent_jax" in warning.filename:
-            place = f"{_relative(warning.filename)}:{warning.lineno}"
-            return _failed(Fault.NOISE, f"{warning.category.__name__}: {warning.message}", place)
+            place = f"{_shorten_path(warning.filename)}:{warning.lineno}"
+            return _fail(Fault.NOISE, f"{warning.category.__name__}: {warning.message}", place)
     return None
 
 
@@ -213,7 +213,7 @@ def limited(seconds: float, memory: int = MEMORY) -> Iterator[None]:
         signal.signal(signal.SIGALRM, earlier)
 
 
-def _peak() -> float:
+def _read_peak() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024.0
 
 
@@ -262,11 +262,11 @@ def snapshot(folder: Path) -> dict[str, str]:
     for root, folders, files in os.walk(folder):
         for name in (*folders, *files):
             path = Path(root, name)
-            found[os.path.relpath(path, folder)] = _fingerprint(path)
+            found[os.path.relpath(path, folder)] = _take_fingerprint(path)
     return found
 
 
-def _fingerprint(path: Path) -> str:
+def _take_fingerprint(path: Path) -> str:
     if path.is_symlink():
         return f"link to {os.readlink(path)}"
     if path.is_dir():
@@ -276,7 +276,7 @@ def _fingerprint(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def _files_faulty(before: Mapping[str, str], folder: Path, own: tuple[str, ...]) -> Result | None:
+def _find_file_fault(before: Mapping[str, str], folder: Path, own: tuple[str, ...]) -> Result | None:
     after = snapshot(folder)
 
     def is_own(name: str) -> bool:
@@ -284,12 +284,12 @@ def _files_faulty(before: Mapping[str, str], folder: Path, own: tuple[str, ...])
 
     for name, print_ in before.items():
         if not is_own(name) and after.get(name) != print_:
-            return _failed(Fault.LOST, f"{name} is {'changed' if name in after else 'gone'}")
+            return _fail(Fault.LOST, f"{name} is {'changed' if name in after else 'gone'}")
     for name in sorted(after.keys() - before.keys()):
         if not is_own(name):
-            return _failed(Fault.LITTER, f"{name} was left behind")
+            return _fail(Fault.LITTER, f"{name} was left behind")
         if detail := half_written(folder / name):
-            return _failed(Fault.LITTER, f"{name}: {detail}")
+            return _fail(Fault.LITTER, f"{name}: {detail}")
     return None
 
 
@@ -311,28 +311,28 @@ def half_written(path: Path) -> str:
             if len(iio.imread(path, plugin="pyav")) == 0:
                 return "a video without pictures"
         except Exception as error:  # whatever the decoder meets
-            return f"cannot be decoded ({_short(error)})"
+            return f"cannot be decoded ({_shorten(error)})"
     return ""
 
 
 # --- words ---------------------------------------------------------------------------------------------
 
 
-def _relative(filename: str) -> str:
+def _shorten_path(filename: str) -> str:
     return (
         filename[filename.rindex("physagent_jax") :] if "physagent_jax" in filename else Path(filename).name
     )
 
 
-def _place(error: BaseException) -> str:
+def _find_place(error: BaseException) -> str:
     """The innermost line of the product, and the innermost of all where that is another."""
     frames = traceback.extract_tb(error.__traceback__)
     ours = [f for f in frames if "/physagent_jax/" in f.filename]
     shown = [*ours[-1:], *(frames[-1:] if frames and frames[-1] not in ours[-1:] else [])]
-    return " <- ".join(f"{_relative(f.filename)}:{f.lineno} {f.name}" for f in shown)
+    return " <- ".join(f"{_shorten_path(f.filename)}:{f.lineno} {f.name}" for f in shown)
 
 
-def _short(error: BaseException, length: int = 300) -> str:
+def _shorten(error: BaseException, length: int = 300) -> str:
     try:
         text = " ".join(str(error).split())
     except Exception:  # an exception whose text cannot be made

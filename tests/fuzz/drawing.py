@@ -128,7 +128,7 @@ def _insert(draw: Draw, content: bytes, _) -> bytes:
     return content[:at] + extra + content[at:]
 
 
-def _number(draw: Draw, content: bytes, _) -> bytes:
+def _exchange_number(draw: Draw, content: bytes, _) -> bytes:
     """Another number for one that stands there in digits, in the first part, where headers are."""
     found = list(re.finditer(rb"-?\d+(\.\d+)?(e[-+]?\d+)?", content[:4096]))
     if not found:
@@ -140,7 +140,7 @@ def _number(draw: Draw, content: bytes, _) -> bytes:
     return content[: number.start()] + new.encode() + content[number.end() :]
 
 
-def _words(draw: Draw, content: bytes, _) -> bytes:
+def _swap_words(draw: Draw, content: bytes, _) -> bytes:
     """Two words of the first part change places."""
     found = list(re.finditer(rb"[A-Za-z_][A-Za-z_0-9]+", content[:4096]))
     if len(found) < 2:
@@ -150,7 +150,7 @@ def _words(draw: Draw, content: bytes, _) -> bytes:
     return content[: one.start()] + two.group() + between + one.group() + content[two.end() :]
 
 
-def _float_bits(draw: Draw, content: bytes, _) -> bytes:
+def _overwrite_float(draw: Draw, content: bytes, _) -> bytes:
     """Four or eight bytes that read as an extreme number."""
     patterns = (
         "0000c07f",
@@ -174,11 +174,11 @@ _DAMAGES: tuple[tuple[str, Callable[[Draw, bytes, Sequence[bytes]], bytes]], ...
     ("deleted", _delete),
     ("spliced", _splice),
     ("inserted", _insert),
-    ("another number", _number),
-    ("another number", _number),
-    ("words exchanged", _words),
-    ("extreme bits", _float_bits),
-    ("extreme bits", _float_bits),
+    ("another number", _exchange_number),
+    ("another number", _exchange_number),
+    ("words exchanged", _swap_words),
+    ("extreme bits", _overwrite_float),
+    ("extreme bits", _overwrite_float),
 )
 
 # --- JSON ----------------------------------------------------------------------------------------------
@@ -216,10 +216,10 @@ def altered(draw: Draw, data: Any) -> tuple[str, bytes]:
         match draw.one(["value"] * 8 + ["kin"] * 4 + ["raw", "delete", "add", "twice", "wrap", "rename"]):
             case "value":
                 parent[key] = draw.value()
-                done.append(f"{shown} = {_brief(parent[key])}")
+                done.append(f"{shown} = {_shorten(parent[key])}")
             case "kin":  # of the same type
-                parent[key] = _kin(draw, parent[key])
-                done.append(f"{shown} = {_brief(parent[key])}")
+                parent[key] = _draw_kin(draw, parent[key])
+                done.append(f"{shown} = {_shorten(parent[key])}")
             case "raw":
                 raw.append(draw.one(RAW))
                 parent[key] = _TOKEN.format(len(raw) - 1)
@@ -254,7 +254,7 @@ def encoded(data: Any, raw: Sequence[str] = ()) -> bytes:
     return text.encode("utf-8", "surrogatepass")
 
 
-def _kin(draw: Draw, value: Any) -> Any:
+def _draw_kin(draw: Draw, value: Any) -> Any:
     """Another value of the same type: what passes the first check."""
     if isinstance(value, bool):
         return not value
@@ -271,7 +271,7 @@ def _kin(draw: Draw, value: Any) -> Any:
     return draw.value()
 
 
-def _brief(value: Any) -> str:
+def _shorten(value: Any) -> str:
     try:
         text = repr(value)
     except ValueError:  # integers of more digits than Python writes
@@ -293,29 +293,29 @@ def any_json(draw: Draw, depth: int = 3) -> Any:
 
 def of_schema(draw: Draw, schema: dict) -> Any:
     """A value that a JSON Schema (pydantic's) allows: right in form, at the edges in content."""
-    return _of_node(draw, schema, schema.get("$defs", {}))
+    return _draw_for_node(draw, schema, schema.get("$defs", {}))
 
 
-def _of_node(draw: Draw, node: dict, definitions: dict) -> Any:
+def _draw_for_node(draw: Draw, node: dict, definitions: dict) -> Any:
     if "$ref" in node:
-        return _of_node(draw, definitions[node["$ref"].split("/")[-1]], definitions)
+        return _draw_for_node(draw, definitions[node["$ref"].split("/")[-1]], definitions)
     if "const" in node:
         return node["const"]
     for key in ("enum", "anyOf", "oneOf", "allOf"):
         if key in node:
             chosen = draw.one(node[key])
-            return chosen if key == "enum" else _of_node(draw, chosen, definitions)
+            return chosen if key == "enum" else _draw_for_node(draw, chosen, definitions)
     match node.get("type"):
         case "object":
-            return _of_object(draw, node, definitions)
+            return _draw_for_object(draw, node, definitions)
         case "array" if "prefixItems" in node:
-            return [_of_node(draw, item, definitions) for item in node["prefixItems"]]
+            return [_draw_for_node(draw, item, definitions) for item in node["prefixItems"]]
         case "array":
             least = node.get("minItems", 0)
             count = draw.randint(least, max(least, min(node.get("maxItems", 3), 3)))
-            return [_of_node(draw, node.get("items", {}), definitions) for _ in range(count)]
+            return [_draw_for_node(draw, node.get("items", {}), definitions) for _ in range(count)]
         case "integer" | "number" as kind:
-            return _of_range(draw, node, kind == "integer")
+            return _draw_in_range(draw, node, kind == "integer")
         case "string":
             return draw.one([draw.text(), draw.one(TEXTS[:26])])
         case "boolean":
@@ -325,19 +325,19 @@ def _of_node(draw: Draw, node: dict, definitions: dict) -> Any:
     return any_json(draw, 1)
 
 
-def _of_object(draw: Draw, node: dict, definitions: dict) -> dict:
+def _draw_for_object(draw: Draw, node: dict, definitions: dict) -> dict:
     if "properties" not in node:
         values = node.get("additionalProperties") or {}
-        return {draw.text(6): _of_node(draw, values, definitions) for _ in range(draw.randint(0, 3))}
+        return {draw.text(6): _draw_for_node(draw, values, definitions) for _ in range(draw.randint(0, 3))}
     needed, often = {"kind", *node.get("required", ())}, draw.random()
     return {
-        name: _of_node(draw, part, definitions)
+        name: _draw_for_node(draw, part, definitions)
         for name, part in node["properties"].items()
         if name in needed or draw.chance(often)
     }
 
 
-def _of_range(draw: Draw, node: dict, whole: bool) -> Any:
+def _draw_in_range(draw: Draw, node: dict, whole: bool) -> Any:
     low = node.get("minimum", node.get("exclusiveMinimum", -math.inf))
     high = node.get("maximum", node.get("exclusiveMaximum", math.inf))
     edges = [n for n in (*NUMBERS, low, high) if low <= n <= high and abs(n) < 1e308]

@@ -90,7 +90,7 @@ def meshes() -> dict[str, bytes]:
             made[f"{name}.{suffix}"] = content.encode() if isinstance(content, str) else content
         made[f"{name}-ascii.stl"] = str(mesh.export(file_type="stl_ascii")).encode()
         made[f"{name}-ascii.ply"] = bytes(mesh.export(file_type="ply", encoding="ascii"))
-    made["box.gltf"] = _gltf()
+    made["box.gltf"] = _make_gltf()
     made["hand.obj"] = (
         b"mtllib none.mtl\no thing\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 0 0 1 1 1 1\nvt 0 0\nvn 0 0 1\n"
         b"usemtl red\nf 1/1/1 3/1/1 2/1/1\nf 1//1 2//1 4//1\nf 2 3 4\nf -4 -1 -2\n"
@@ -98,7 +98,7 @@ def meshes() -> dict[str, bytes]:
     return made
 
 
-def _gltf() -> bytes:
+def _make_gltf() -> bytes:
     """A triangle pair, its buffer within the file."""
     import base64
 

@@ -17,7 +17,7 @@ CHUNK = 80  # cases of a test
 SHOWN = 12  # failures that a test tells of
 
 
-def _chunks():
+def _list_chunks():
     for name, each in CLASSES.items():
         for start in range(0, each.usual, CHUNK):
             yield pytest.param(name, range(start, min(start + CHUNK, each.usual)), id=f"{name}-{start}")
@@ -27,7 +27,7 @@ def test_there_are_enough_cases():
     assert sum(each.usual for each in CLASSES.values()) >= 3000
 
 
-@pytest.mark.parametrize(("name", "indices"), list(_chunks()))
+@pytest.mark.parametrize(("name", "indices"), list(_list_chunks()))
 def test_accepted_and_finite_or_refused_in_one_line(name, indices, examiner):
     results = [(index, *examiner.examine(name, SEED, index)) for index in indices]
     failed = [

@@ -113,7 +113,7 @@ def precession(model, state, spin, seconds):
 
     def rates(_, y):
         w = y[4:]
-        return [*(0.5 * _product(y[:4], [*w, 0.0])), *(inverse @ np.cross(I @ w, w))]
+        return [*(0.5 * _multiply(y[:4], [*w, 0.0])), *(inverse @ np.cross(I @ w, w))]
 
     start = [0.0, 0.0, 0.0, 1.0, *spin]
     y = solve_ivp(rates, (0, seconds), start, method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
@@ -121,7 +121,7 @@ def precession(model, state, spin, seconds):
     return R.as_matrix(), R.apply(y[4:])
 
 
-def _product(p, q):
+def _multiply(p, q):
     """Quaternion product, scalar last."""
     a, b = np.asarray(p[:3]), np.asarray(q[:3])
     return np.append(p[3] * b + q[3] * a + np.cross(a, b), p[3] * q[3] - a @ b)
@@ -135,7 +135,9 @@ def test_a_tumbling_body_obeys_eulers_equations(x64):
         model, state = rigid_block((6, 4, 1), low=(0.2, 0.25, 0.32), spin=spin, dt=seconds / steps)
         R, w = precession(model, state, spin, seconds)
         end = run(model, state, steps)
-        errors.append((np.abs(np.asarray(end.F[0]) - R).max(), np.abs(np.asarray(end.C[0]) - _skew(w)).max()))
+        errors.append(
+            (np.abs(np.asarray(end.F[0]) - R).max(), np.abs(np.asarray(end.C[0]) - _make_skew(w)).max())
+        )
         energies.append(abs(float(kinetic_energy(model, end) / kinetic_energy(model, state)) - 1))
         centre = state.x.mean(0)
         L0, L1 = (angular_momentum(model, s, centre) for s in (state, end))
@@ -148,7 +150,7 @@ def test_a_tumbling_body_obeys_eulers_equations(x64):
     assert energies[1] < 1e-4
 
 
-def _skew(w):
+def _make_skew(w):
     return np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
 
 

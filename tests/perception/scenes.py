@@ -53,7 +53,7 @@ def texture(points: np.ndarray, seed: int, *, waves: int = 40) -> np.ndarray:
     return 147 + 107 * np.tanh(signal / np.sqrt(waves))
 
 
-def _sphere(count: int) -> np.ndarray:
+def _sample_sphere(count: int) -> np.ndarray:
     i = np.arange(count) + 0.5
     z, angle = 1 - 2 * i / count, np.pi * (1 + 5**0.5) * i
     r = np.sqrt(1 - z * z)
@@ -67,9 +67,9 @@ def blob(seed: int = 0, axes=(0.5, 0.4, 0.4), count: int = 40_000) -> Shape:
         lumps = 0.06 * np.sin(3 * directions[:, :1] + 1) + 0.06 * np.sin(4 * directions[:, 2:] + 2)
         return directions * (1 + lumps) * np.asarray(axes)
 
-    surface = dented(_sphere(count))
+    surface = dented(_sample_sphere(count))
     rng = np.random.default_rng(seed)
-    directions = _sphere(6000)
+    directions = _sample_sphere(6000)
     volume = dented(directions) * rng.uniform(0, 1, (6000, 1)) ** (1 / 3)
     return Shape(surface, texture(surface, seed), volume)
 
@@ -81,7 +81,7 @@ def plant(seed: int = 1) -> Shape:
     stalk = np.stack([0.04 * np.cos(angle), 0.04 * np.sin(angle), height], 1)
     radii = (0.16, 0.15, 0.12)
     centers = ((0.12, 0, 0.3), (-0.14, 0.05, 0.1), (0.08, -0.05, -0.1))
-    parts = [stalk, *(_sphere(12_000) * r + c for r, c in zip(radii, centers))]
+    parts = [stalk, *(_sample_sphere(12_000) * r + c for r, c in zip(radii, centers))]
     areas = np.array([2 * np.pi * 0.04 * 0.9, *(4 * np.pi * r**2 for r in radii)])
     counts = (4800 * areas / areas.sum()).astype(int)  # particles are as dense on the stalk as on the balls
     volume = [p[np.linspace(0, len(p) - 1, n).astype(int)] for p, n in zip(parts, counts)]

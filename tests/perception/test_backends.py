@@ -77,9 +77,9 @@ def test_depth_that_is_unsure_of_itself_is_not_used(clip):
     backends = model_backends(
         clip, forth, back, blurred=118
     )  # the upper edge of the object, seen too far away
-    plain = dataclasses.replace(
-        backends, depth=type("Sure", (type(backends.depth),), {"estimate": _sure})(clip, blurred=118)
-    )
+    methods = {"estimate": _estimate_without_uncertainty}
+    sure = type("Sure", (type(backends.depth),), methods)(clip, blurred=118)
+    plain = dataclasses.replace(backends, depth=sure)
     truth = measure_true_motion(clip.particles)
     kept, fooled = (
         compare(perceive(clip.rgb, None, clip.camera, frame_dt=DT, backends=each).report, truth)
@@ -88,7 +88,7 @@ def test_depth_that_is_unsure_of_itself_is_not_used(clip):
     assert kept["centroid_error_max"] < 0.5 * fooled["centroid_error_max"]
 
 
-def _sure(self, frames, camera, measured):
+def _estimate_without_uncertainty(self, frames, camera, measured):
     return dataclasses.replace(super(type(self), self).estimate(frames, camera, measured), uncertainty=None)
 
 

@@ -50,13 +50,13 @@ def build_run(folder: Path, *, prompt: str = PROMPT, size: int = 48) -> Path:
     last = len(MAGNITUDES) - 1
     for index in range(last + 1):
         _build_round(folder / "iterations" / str(index), index, prompt, size, is_last=index == last)
-    store(folder / "semantic.json", _reply())
+    store(folder / "semantic.json", _make_reply())
     store(
         folder / "semantic_trace.json",
-        _trace("I read: a wind, to the left.", errors=("`magnitude` is missing",)),
+        _make_trace("I read: a wind, to the left.", errors=("`magnitude` is missing",)),
     )
-    store(folder / "scene.json", _scene(prompt, _force_field(last)))
-    store(folder / "manifest.json", _manifest(prompt))
+    store(folder / "scene.json", _make_scene(prompt, _make_force_field(last)))
+    store(folder / "manifest.json", _make_manifest(prompt))
     (folder / "perception.mp4").write_bytes((folder / f"iterations/{last}/perception.mp4").read_bytes())
     write_video(folder / "video.mp4", moving_square(last, 2 * size), 1 / FRAME_DT)
     return folder
@@ -98,22 +98,22 @@ def moving_square(index: int, size: int) -> np.ndarray:
 
 
 def _build_round(folder: Path, index: int, prompt: str, size: int, *, is_last: bool) -> None:
-    field = _force_field(index)
-    store(folder / "scene.json", _scene(prompt, field))
+    field = _make_force_field(index)
+    store(folder / "scene.json", _make_scene(prompt, field))
     store(folder / "force_field.json", field)
-    store(folder / "motion_report.json", _motion(index))
-    store(folder / "planner_trace.json", _trace(f"Round {index + 1}: too little < enough."))
-    store(folder / "judgement.json", _judgement(index))
-    store(folder / "simulation.json", _simulation(index))
+    store(folder / "motion_report.json", _make_motion(index))
+    store(folder / "planner_trace.json", _make_trace(f"Round {index + 1}: too little < enough."))
+    store(folder / "judgement.json", _make_judgement(index))
+    store(folder / "simulation.json", _make_simulation(index))
     frames = moving_square(index, size)
     write_video(folder / "perception.mp4", frames, 1 / FRAME_DT)
     iio.imwrite(folder / "overlay.png", np.concatenate(frames[::10], axis=1))
     if not is_last:
         store(folder / "executor_trace.json", Trace())
-        store(folder / "rewrite.json", _rewrite(index))
+        store(folder / "rewrite.json", _make_rewrite(index))
 
 
-def _trace(reply: str, errors: tuple[str, ...] = ()) -> Trace:
+def _make_trace(reply: str, errors: tuple[str, ...] = ()) -> Trace:
     messages = (
         Message(role="system", text="You answer in JSON."),
         Message(role="user", text="What now?", pictures=2),
@@ -129,7 +129,7 @@ def _trace(reply: str, errors: tuple[str, ...] = ()) -> Trace:
     )
 
 
-def _force_field(index: int) -> ForceField:
+def _make_force_field(index: int) -> ForceField:
     push = Action(
         action_type=ActionType.TRANSLATION,
         vector=LEFT,
@@ -147,9 +147,9 @@ def _force_field(index: int) -> ForceField:
     return ForceField(actions=(push, twist), constraints=(constraint,) if index else ())
 
 
-def _reply() -> SemanticReply:
+def _make_reply() -> SemanticReply:
     return SemanticReply(
-        force_field=_force_field(0).model_copy(update={"constraints": ()}),
+        force_field=_make_force_field(0).model_copy(update={"constraints": ()}),
         expectations=(
             ExpectedMotion(kind=MotionKind.MOVE, direction=LEFT, strength=1.3, window=(0, 25), words="bends"),
             ExpectedMotion(kind=MotionKind.SWAY, direction=LEFT, window=(25, 49), repeats=2, released=True),
@@ -178,7 +178,7 @@ def _reply() -> SemanticReply:
     )
 
 
-def _scene(prompt: str, field: ForceField) -> config.SceneConfig:
+def _make_scene(prompt: str, field: ForceField) -> config.SceneConfig:
     return config.SceneConfig(
         prompt=prompt,
         source=config.Source(path="assets/ficus.ply", name="ficus", kind="plant"),
@@ -205,7 +205,7 @@ def _scene(prompt: str, field: ForceField) -> config.SceneConfig:
     )
 
 
-def _windows(index: int) -> tuple[WindowMotion, ...]:
+def _make_windows(index: int) -> tuple[WindowMotion, ...]:
     x = [-value for value in sway(index)]
     windows = []
     for first, last in ((0, 49), (0, 12), (12, 25), (25, 37), (37, 49)):
@@ -229,7 +229,7 @@ def _windows(index: int) -> tuple[WindowMotion, ...]:
     return tuple(windows)
 
 
-def _motion(index: int) -> MotionReport:
+def _make_motion(index: int) -> MotionReport:
     ripple = [0.006 * math.sin(1.7 * frame) for frame in range(FRAMES)]
     seen = [
         None if frame in (33, 34) else (-0.97 * s + r, 0.3 * r, -0.1 * s)
@@ -240,7 +240,7 @@ def _motion(index: int) -> MotionReport:
         frame_dt=FRAME_DT,
         object_size=0.98,
         object_center=(2.0, 2.0, 2.0),
-        windows=_windows(index),
+        windows=_make_windows(index),
         centroid=tuple(seen),
         rotation_degrees=tuple(None if c is None else 45 * abs(c[0]) for c in seen),
         volume_ratio=tuple(1 + 0.2 * r for r in ripple),
@@ -263,7 +263,7 @@ def _motion(index: int) -> MotionReport:
     )
 
 
-def _judgement(index: int) -> Judgement:
+def _make_judgement(index: int) -> Judgement:
     good = index == len(MAGNITUDES) - 1
     reach = REACHES[index]
     return Judgement(
@@ -305,10 +305,10 @@ def _judgement(index: int) -> Judgement:
     )
 
 
-def _rewrite(index: int) -> Rewrite:
+def _make_rewrite(index: int) -> Rewrite:
     before, after = MAGNITUDES[index : index + 2]
     return Rewrite(
-        force_field=_force_field(index + 1),
+        force_field=_make_force_field(index + 1),
         changes=(f"actions[0].magnitude from {before} to {after}: the bend was too small.",),
         rules_applied=("magnitude_range", "anchored_objects_keep_impulse")
         if index == 0
@@ -316,7 +316,7 @@ def _rewrite(index: int) -> Rewrite:
     )
 
 
-def _simulation(index: int) -> SimulationRecord:
+def _make_simulation(index: int) -> SimulationRecord:
     path = sway(index)
     speed = [0.0] + [(b - a) / FRAME_DT for a, b in zip(path, path[1:])]
     return SimulationRecord(
@@ -344,7 +344,7 @@ def _simulation(index: int) -> SimulationRecord:
     )
 
 
-def _manifest(prompt: str) -> Manifest:
+def _make_manifest(prompt: str) -> Manifest:
     return Manifest(
         command='physagent run assets/ficus.ply "..." --seed 7',
         prompt=prompt,

@@ -247,9 +247,9 @@ class Countdown:
     def __init__(self, monkeypatch, count, *, after):
         self.left, self.after = count, after
         for name in ("replace", "unlink", "rmdir", "mkdir"):
-            monkeypatch.setattr(os, name, self._counted(getattr(os, name)))
+            monkeypatch.setattr(os, name, self._count_calls(getattr(os, name)))
 
-    def _counted(self, change):
+    def _count_calls(self, change):
         def counted(*arguments, **options):
             self.left -= 1
             if self.left == 0 and not self.after:

@@ -31,7 +31,7 @@ def test_friction_holds_a_block(cells):
 
 
 def test_a_block_just_short_of_friction_does_not_hold():
-    errors = RESTS.judge(*_run(Incline(0.55), Numerics(4)))
+    errors = RESTS.judge(*_solve(Incline(0.55), Numerics(4)))
     assert errors["drift / L"] > 1e-3
 
 
@@ -71,6 +71,6 @@ def test_a_column_of_sand_collapses_as_measured(aspect):
     check(case, Numerics(case.resolutions[1], step=("courant", 0.6)))
 
 
-def _run(case, numerics):
+def _solve(case, numerics):
     problem = case.problem(numerics)
     return problem, run(problem)

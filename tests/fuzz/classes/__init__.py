@@ -26,16 +26,16 @@ class FuzzClass:
 
     def case(self, seed: int, index: int) -> Case:
         """The case of that number: the same for the same seed."""
-        make: Callable[[Draw], Case] = self._module().make
+        make: Callable[[Draw], Case] = self._import_module().make
         return make(Draw(seed, self.name, index))
 
     def warm_up(self) -> None:
         """Once per process: what would otherwise be compiled on the time of the first case."""
         if self.name not in _warm:
             _warm.add(self.name)
-            getattr(self._module(), "warm_up", lambda: None)()
+            getattr(self._import_module(), "warm_up", lambda: None)()
 
-    def _module(self):
+    def _import_module(self):
         return importlib.import_module(f"{__name__}.{self.name}")
 
 

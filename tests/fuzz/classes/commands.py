@@ -81,9 +81,9 @@ class Begun(BaseException):
 def make(draw: Draw) -> Case:
     """One command."""
     kind = draw.one(
-        [_option] * 3
-        + [_wrong] * 4
-        + [_pair, _path, _path, _path, _scene, _scene, _small, _make_object, _environment]
+        [_draw_option] * 3
+        + [_draw_wrong] * 4
+        + [_draw_pair, *[_draw_path] * 3, *[_draw_scene] * 2, _draw_small, _draw_make, _draw_variables]
     )
     return kind(draw)
 
@@ -93,33 +93,33 @@ warm_up = scenes.warm_up
 # --- kinds of commands ---------------------------------------------------------------------------------
 
 
-def _run(*options: str, object_=seeds.OBJECT, prompt="push it to the left", out="out") -> list[str]:
+def _compose(*options: str, object_=seeds.OBJECT, prompt="push it to the left", out="out") -> list[str]:
     return ["run", "--object", object_, "--prompt", prompt, "--out", out, *options]
 
 
-def _option(draw: Draw) -> Case:
+def _draw_option(draw: Draw) -> Case:
     option, value = draw.one(sorted(WRONG)), draw.one(NONSENSE)
-    return _case(_run(f"{option}={value}", *draw.one(FINE).split()))
+    return _make_case(_compose(f"{option}={value}", *draw.one(FINE).split()))
 
 
-def _wrong(draw: Draw) -> Case:
+def _draw_wrong(draw: Draw) -> Case:
     option = draw.one(sorted(WRONG))
     value = draw.one(WRONG[option])
-    return _case(_run(f"{option}={value}"), must_refuse=f"{option} {value!r} means nothing")
+    return _make_case(_compose(f"{option}={value}"), must_refuse=f"{option} {value!r} means nothing")
 
 
-def _pair(draw: Draw) -> Case:
+def _draw_pair(draw: Draw) -> Case:
     pair = draw.one(PAIRS)
-    return _case(_run(*pair), must_refuse="options that exclude or need each other")
+    return _make_case(_compose(*pair), must_refuse="options that exclude or need each other")
 
 
-def _path(draw: Draw) -> Case:
+def _draw_path(draw: Draw) -> Case:
     """A path that is none, where a file or folder is to be read or written; what is there already must stay."""
     path = draw.one(PATHS)
     extra = draw.one([[], [], ["--overwrite"]])
     out = DEVICE if path.startswith(("/dev", "/proc")) else path  # the machine's own are not put at risk
     commands = (
-        _run(object_=path), _run(*extra, out=out), _run("--physgm", path), _run("--anchor", "mask",
+        _compose(object_=path), _compose(*extra, out=out), _compose("--physgm", path), _compose("--anchor", "mask",
         "--anchor-mask", path),
         ["simulate", path, "--out", "out"], ["simulate", scenes.SCENE, *extra, "--out", out],
         ["simulate", scenes.SCENE, "--object", path, "--out", "out"], ["make", "jelly", *extra, "--out", out],
@@ -127,25 +127,25 @@ def _path(draw: Draw) -> Case:
         ["import-physgaussian", path, "--object", seeds.OBJECT, "--out", "out.json"],
         ["import-physgaussian", "physgaussian.json", "--object", path, "--out", "out.json"],
         ["import-physgaussian", "physgaussian.json", *extra, "--object", seeds.OBJECT, "--out", out],
-        _run(prompt=path),
+        _compose(prompt=path),
     )  # fmt: skip
     arguments = draw.one(commands)
     mine = [path, str(Path(path).with_suffix(".card.json"))] if path in NEW else []
     if arguments == ["report", path] and path in ("", "."):
         mine.append("report.html")  # a folder that holds a scene is a run
-    return _case(arguments, own=tuple(mine))
+    return _make_case(arguments, own=tuple(mine))
 
 
-def _scene(draw: Draw) -> Case:
+def _draw_scene(draw: Draw) -> Case:
     if draw.chance(0.3):
         what, content = damaged(draw, encoded(scenes.scene(draw)))
     else:
         what, content = altered(draw, scenes.scene(draw))
     options = draw.one([[], ["--ledger"], ["--force-substep"], ["--object", seeds.OBJECT]])
-    return _case(["simulate", scenes.SCENE, "--out", "out", *options], {scenes.SCENE: content}, what)
+    return _make_case(["simulate", scenes.SCENE, "--out", "out", *options], {scenes.SCENE: content}, what)
 
 
-def _small(draw: Draw) -> Case:
+def _draw_small(draw: Draw) -> Case:
     words = ("materials", "schema", "report", "simulate", "run", "make", "import-physgaussian", "--help", "-h",
     "--json", "--debugg",
              "steel", "scene", "force-field", "--out", "x", "", "--", "-", "--seed", "1", *WORDS[:12])  # fmt: skip
@@ -155,28 +155,28 @@ def _small(draw: Draw) -> Case:
         arguments = draw.one([["materials"], ["schema"]]) + [
             draw.one([*WORDS, "steel", "stele", "sceen", "manifest"])
         ]
-    return _case(arguments, own=("x", "x.card.json"))
+    return _make_case(arguments, own=("x", "x.card.json"))
 
 
-def _make_object(draw: Draw) -> Case:
+def _draw_make(draw: Draw) -> Case:
     out = draw.one(["made.ply", "made", "sub/made.ply", seeds.OBJECT, "taken.ply"])
     seed = draw.one(["0", "-1", "1", "4294967296", "99999999999999999999", "x", "1.5"])
     refuse = f"--seed {seed}" if seed in ("-1", "x", "1.5") else ""
-    return _case(["make", draw.one(["plant", "loaf", "jelly"]), "--out", out, f"--seed={seed}"], must_refuse=refuse,
-                 own=("made.ply", "made", "sub", "made.card.json"))  # fmt: skip
+    return _make_case(["make", draw.one(["plant", "loaf", "jelly"]), "--out", out, f"--seed={seed}"],
+                      must_refuse=refuse, own=("made.ply", "made", "sub", "made.card.json"))  # fmt: skip
 
 
-def _environment(draw: Draw) -> Case:
+def _draw_variables(draw: Draw) -> Case:
     """Variables that the command reads itself; those that only a new process reads are in `test_interruption`."""
     value = draw.one(["/dev/null", "/proc/x", "x" * 5000, "object.ply", "cache", "off", "0", "", "\udcff"])
     own = ("cache", *([value] if "/" not in value and "." not in value and value else []))
-    return _case(_run(), environment={"PHYSAGENT_COMPILE_CACHE": value}, own=own)
+    return _make_case(_compose(), environment={"PHYSAGENT_COMPILE_CACHE": value}, own=own)
 
 
 # --- running one ---------------------------------------------------------------------------------------
 
 
-def _case(
+def _make_case(
     arguments: list[str],
     files: dict[str, bytes] | None = None,
     what: str = "",
@@ -198,13 +198,13 @@ def _case(
         f"physagent {shown}{'; ' + what if what else ''}{' with ' + repr(environment) if environment else ''}"
     )
     return Case(
-        shown, lambda folder: _main(arguments, folder, environment or {}), laid, prepare=_specials, own=("out",
-        "out.json", *own),
+        shown, lambda folder: _call_main(arguments, folder, environment or {}), laid, prepare=_make_specials,
+        own=("out", "out.json", *own),
         refusals=(Refused,), must_refuse=must_refuse, seconds=SECONDS,
     )  # fmt: skip
 
 
-def _specials(folder: Path) -> None:
+def _make_specials(folder: Path) -> None:
     os.symlink("nowhere", folder / LINK)
     os.mkfifo(folder / FIFO)
     try:
@@ -217,7 +217,7 @@ class Refused(Exception):
     """Exit code 2 and one line."""
 
 
-def _main(arguments: list[str], folder: Path, environment: dict[str, str]) -> Any:
+def _call_main(arguments: list[str], folder: Path, environment: dict[str, str]) -> Any:
     from physagent_jax.cli import main
 
     out = io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True)
@@ -227,7 +227,7 @@ def _main(arguments: list[str], folder: Path, environment: dict[str, str]) -> An
     reached: list[Any] = []
     variables = {"PHYSAGENT_COMPILE_CACHE": "off", **environment}
     try:
-        with _at(folder), _variables(variables), _stopped_short(reached), redirected(out, err):
+        with _change_folder(folder), _set_variables(variables), _stop_short(reached), redirected(out, err):
             try:
                 code = main(arguments)
             except SystemExit as leaving:  # the parser's own way out
@@ -265,7 +265,7 @@ def redirected(out, err) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _at(folder: Path) -> Iterator[None]:
+def _change_folder(folder: Path) -> Iterator[None]:
     before = Path.cwd()
     os.chdir(folder)
     try:
@@ -275,7 +275,7 @@ def _at(folder: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _variables(changes: dict[str, str]) -> Iterator[None]:
+def _set_variables(changes: dict[str, str]) -> Iterator[None]:
     import jax
 
     before = {name: os.environ.get(name) for name in changes}
@@ -293,7 +293,7 @@ def _variables(changes: dict[str, str]) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _stopped_short(reached: list) -> Iterator[None]:
+def _stop_short(reached: list) -> Iterator[None]:
     """`simulate_scene` ends the command, wherever it has been imported; nothing is compiled ahead."""
     import physagent_jax.run.loop
     import physagent_jax.run.replay  # noqa: F401

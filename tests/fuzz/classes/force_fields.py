@@ -35,10 +35,10 @@ def make(draw: Draw) -> Case:
         case _:
             what, content = "of the schema", encoded(of_schema(draw, ForceField.model_json_schema()))
     body = draw.one(["usual", "usual", "usual", "one particle", "a line", "a point"])
-    return Case(f"{what}; {body}", lambda f: _compiled(f, body), {NAME: content})
+    return Case(f"{what}; {body}", lambda f: _compile(f, body), {NAME: content})
 
 
-def _compiled(folder: Path, body: str):
+def _compile(folder: Path, body: str):
     field = read_model(folder / NAME, ForceField)
     rest = np.random.default_rng(0).uniform(0.5, 1.5, (20, 3)).astype(np.float32)
     if body == "one particle":

@@ -35,11 +35,11 @@ NAMES = (
 
 def make(draw: Draw) -> Case:
     """One file, read, and now and then made a body of."""
-    kind = draw.one([_damaged, _damaged, _header, _columns, _values, _values])
+    kind = draw.one([_damage, _damage, _change_header, _change_columns, _change_values, _change_values])
     what, content = kind(draw)
     threshold = draw.one([0.0, 0.02, 0.02, 0.5, 1.0])
     if draw.chance(0.35):
-        return Case(f"{what}; as an object", _body, {seeds.OBJECT: content})
+        return Case(f"{what}; as an object", _make_body, {seeds.OBJECT: content})
     return Case(what, lambda folder: _read(folder, threshold), {seeds.OBJECT: content})
 
 
@@ -47,13 +47,13 @@ def _read(folder: Path, threshold: float):
     return read_ply(folder / seeds.OBJECT, opacity_threshold=threshold)
 
 
-def _body(folder: Path):
+def _make_body(folder: Path):
     source = Source(path=seeds.OBJECT, surface_samples=40)
     filling = Filling(cells=6, max_particles=100)
     return load_object(source, folder), make_body(source, filling, Domain(size=2.0, cells=16), folder)
 
 
-def _damaged(draw: Draw) -> tuple[str, bytes]:
+def _damage(draw: Draw) -> tuple[str, bytes]:
     files = [
         seeds.gaussians(), seeds.gaussians(12, 1), seeds.gaussians(3, 3), seeds.gaussians_ascii(),
         seeds.gaussians_big_endian(), seeds.meshes()["box.ply"],
@@ -61,7 +61,7 @@ def _damaged(draw: Draw) -> tuple[str, bytes]:
     return damaged(draw, draw.one(files), files)
 
 
-def _header(draw: Draw) -> tuple[str, bytes]:
+def _change_header(draw: Draw) -> tuple[str, bytes]:
     """One line of the header changed, the data kept."""
     content = draw.one([seeds.gaussians(), seeds.gaussians_ascii()])
     end = content.index(b"end_header\n") + len(b"end_header\n")
@@ -90,7 +90,7 @@ def _header(draw: Draw) -> tuple[str, bytes]:
     return f"header line {index}: {change} {words[0]}", "\n".join(lines).encode() + b"\n" + content[end:]
 
 
-def _columns(draw: Draw) -> tuple[str, bytes]:
+def _change_columns(draw: Draw) -> tuple[str, bytes]:
     """Columns of other types, in another order, with more of them."""
     rng = np.random.default_rng(draw.getrandbits(32))
     rest = draw.one([0, 0, 9, 24, 45, 1, 10, 46])
@@ -106,7 +106,7 @@ def _columns(draw: Draw) -> tuple[str, bytes]:
     return f"columns {len(names)}, {rest} of them f_rest", seeds.table(properties, rows)
 
 
-def _values(draw: Draw) -> tuple[str, bytes]:
+def _change_values(draw: Draw) -> tuple[str, bytes]:
     """Extreme values in one column or one row, in single or double precision."""
     rng = np.random.default_rng(draw.getrandbits(32))
     count = draw.one([1, 1, 5, 40])
@@ -115,7 +115,7 @@ def _values(draw: Draw) -> tuple[str, bytes]:
          np.full((count, 3), -3.0), rng.normal(size=(count, 4))], axis=1
     )  # fmt: skip
     kind = draw.one(["float", "double"])
-    extremes = [n for n in map(_as_float, NUMBERS) if n is not None] + [np.nan, np.inf, -np.inf]
+    extremes = [n for n in map(_to_float, NUMBERS) if n is not None] + [np.nan, np.inf, -np.inf]
     done = []
     for _ in range(draw.one([1, 1, 2, 4])):
         column, value = draw.randrange(len(NAMES)), draw.one(extremes)
@@ -128,7 +128,7 @@ def _values(draw: Draw) -> tuple[str, bytes]:
     return f"{kind}, {count} Gaussians: {', '.join(done)}", seeds.table([(n, kind) for n in NAMES], rows)
 
 
-def _as_float(number) -> float | None:
+def _to_float(number) -> float | None:
     try:
         return float(number)
     except OverflowError:

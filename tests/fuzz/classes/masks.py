@@ -18,14 +18,16 @@ COUNT, NAME = 30, "mask.npy"
 def make(draw: Draw) -> Case:
     """One mask, applied to particles of which some are filled."""
     good = np.arange(COUNT) % 3 == 0
-    what, content = draw.one([_damaged, _damaged, _arrays])(draw, good)
+    what, content = draw.one([_damage, _damage, _draw_arrays])(draw, good)
     exact = draw.chance(0.5)
     return Case(
-        f"{what}; {'exact' if exact else 'covering'} length", lambda f: _held(f, exact), {NAME: content}
+        f"{what}; {'exact' if exact else 'covering'} length",
+        lambda f: _select_anchored(f, exact),
+        {NAME: content},
     )
 
 
-def _held(folder: Path, exact: bool):
+def _select_anchored(folder: Path, exact: bool):
     rng = np.random.default_rng(0)
     index = np.concatenate([np.arange(COUNT), np.full(10, -1)])
     x, anchor = rng.uniform(size=(len(index), 3)), Anchor(kind="mask", mask_path=NAME)
@@ -35,11 +37,11 @@ def _held(folder: Path, exact: bool):
     return held
 
 
-def _damaged(draw: Draw, good: np.ndarray) -> tuple[str, bytes]:
+def _damage(draw: Draw, good: np.ndarray) -> tuple[str, bytes]:
     return damaged(draw, seeds.npy(good), [seeds.npz({"mask": good}), seeds.npy(np.ones(3))])
 
 
-def _arrays(draw: Draw, good: np.ndarray) -> tuple[str, bytes]:
+def _draw_arrays(draw: Draw, good: np.ndarray) -> tuple[str, bytes]:
     options = {
         "empty file": b"",
         "an archive": seeds.npz({"mask": good}),

@@ -23,35 +23,37 @@ OBJ_LINES = (
 
 def make(draw: Draw) -> Case:
     """One mesh file, read as an object or as an obstacle."""
-    kind = draw.one([_damaged, _damaged, _damaged, _obj, _obj, _gltf])
+    kind = draw.one([_damage, _damage, _damage, _damage_obj, _damage_obj, _damage_gltf])
     what, name, content = kind(draw)
     if draw.chance(0.3):
         place = draw.one([0.0, 1.0]), draw.one([1e-30, 1e-3, 0.3, 0.3, 0.3, 1.0, 30.0, 1e6, 1e30])
         return Case(
-            f"{name}: {what}; as an obstacle {place}", lambda f: _obstacle(f / name, *place), {name: content}
+            f"{name}: {what}; as an obstacle {place}",
+            lambda f: _load_obstacle(f / name, *place),
+            {name: content},
         )
-    return Case(f"{name}: {what}", lambda folder: _object(folder, name), {name: content})
+    return Case(f"{name}: {what}", lambda folder: _load_object(folder, name), {name: content})
 
 
-def _object(folder: Path, name: str):
+def _load_object(folder: Path, name: str):
     if name.endswith(".ply"):
         return gaussians_from_mesh(folder / name, count=40)
     return load_object(Source(path=name, surface_samples=40), folder)
 
 
-def _obstacle(path: Path, position: float, scale: float):
+def _load_obstacle(path: Path, position: float, scale: float):
     triangles = load_solid(path, "boundaries[1].path") * scale + position
     return sample(triangles, 0.125, 0.0, 2.0, "boundaries[1]")
 
 
-def _damaged(draw: Draw) -> tuple[str, str, bytes]:
+def _damage(draw: Draw) -> tuple[str, str, bytes]:
     files = seeds.meshes()
     name = draw.one(sorted(files))
     what, content = damaged(draw, files[name], [files[other] for other in sorted(files)])
     return what, name, content
 
 
-def _obj(draw: Draw) -> tuple[str, str, bytes]:
+def _damage_obj(draw: Draw) -> tuple[str, str, bytes]:
     lines = seeds.meshes()["hand.obj"].decode().splitlines()
     done = []
     for _ in range(draw.one([1, 1, 2, 3])):
@@ -62,7 +64,7 @@ def _obj(draw: Draw) -> tuple[str, str, bytes]:
     return f"with {done} in {encoding}", "hand.obj", "\n".join(lines).encode(encoding)
 
 
-def _gltf(draw: Draw) -> tuple[str, str, bytes]:
+def _damage_gltf(draw: Draw) -> tuple[str, str, bytes]:
     what, content = altered(draw, json.loads(seeds.meshes()["box.gltf"]))
     if draw.chance(0.5):
         return what, "box.gltf", content

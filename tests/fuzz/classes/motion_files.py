@@ -14,7 +14,7 @@ NAME = "motion.npz"
 
 def make(draw: Draw) -> Case:
     """One motion file, read."""
-    what, content = draw.one([_damaged, _arrays, _arrays])(draw)
+    what, content = draw.one([_damage, _draw_arrays, _draw_arrays])(draw)
     return Case(what, lambda folder: _read(folder / NAME), {NAME: content})
 
 
@@ -45,23 +45,23 @@ def _read(path):
     return motion
 
 
-def _damaged(draw: Draw) -> tuple[str, bytes]:
+def _damage(draw: Draw) -> tuple[str, bytes]:
     return damaged(draw, seeds.motion(), [seeds.npy(np.zeros(3)), seeds.gaussians(12)])
 
 
-def _arrays(draw: Draw) -> tuple[str, bytes]:
+def _draw_arrays(draw: Draw) -> tuple[str, bytes]:
     arrays = dict(seeds.motion_arrays())
     done = []
     for _ in range(draw.one([1, 1, 2])):
         key = draw.one(sorted(arrays))
-        change, new = _changed(draw, arrays.pop(key))
+        change, new = _change(draw, arrays.pop(key))
         if new is not None:
             arrays[key] = new
         done.append(f"{key}: {change}")
     return "; ".join(done), seeds.npz(arrays)
 
 
-def _changed(draw: Draw, array: np.ndarray):
+def _change(draw: Draw, array: np.ndarray):
     with np.errstate(all="ignore"):
         match draw.one(["missing", "value", "value", "dtype", "dtype", "shape", "shape", "object", "text"]):
             case "missing":

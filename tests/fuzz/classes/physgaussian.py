@@ -78,8 +78,8 @@ def make(draw: Draw) -> Case:
             keys = draw.sample(sorted(GOOD), 3)
             document |= {key: any_json(draw) for key in keys}
             what, content = f"any JSON for {keys}", encoded(document)
-    return Case(what, lambda folder: _imported(folder, units), {NAME: content})
+    return Case(what, lambda folder: _import(folder, units), {NAME: content})
 
 
-def _imported(folder: Path, units: float | None):
+def _import(folder: Path, units: float | None):
     return import_physgaussian(read_json(folder / NAME), object_path="x.ply", file_units_per_metre=units)

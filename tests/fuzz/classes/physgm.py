@@ -32,8 +32,8 @@ def make(draw: Draw) -> Case:
             what, content = damaged(draw, encoded(good))
         case _:
             what, content = "any JSON", encoded(any_json(draw))
-    return Case(what, _imported, {NAME: content})
+    return Case(what, _import, {NAME: content})
 
 
-def _imported(folder: Path):
+def _import(folder: Path):
     return import_physgm(read_json(folder / NAME))

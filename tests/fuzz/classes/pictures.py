@@ -20,7 +20,7 @@ ANGLES = (40.0, 1.0001, 149.9, 1e-9, 0.0, -20.0, 179.999, 180.0, 360.0, 1e30, np
 def make(draw: Draw) -> Case:
     """One picture, or one camera of a scene."""
     if draw.chance(0.3):
-        return _scene_camera(draw)
+        return _draw_scene_camera(draw)
     eye = [0.0, -3.0, 0.5] if draw.chance(0.5) else [draw.one(PLACES) for _ in range(3)]
     target = [0.0, 0.0, 0.0] if draw.chance(0.6) else draw.one([eye, [draw.one(PLACES) for _ in range(3)]])
     up = (
@@ -29,7 +29,7 @@ def make(draw: Draw) -> Case:
         else draw.one([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], eye, [1e30, 0.0, 0.0], [0, 1e-30, 1e-30]])
     )
     fov = 40.0 if draw.chance(0.6) else draw.one(ANGLES)
-    splats, changed = _splats(draw)
+    splats, changed = _draw_splats(draw)
     what = f"eye {eye}, target {target}, up {up}, fov {fov}; {changed}"
 
     def act(_):
@@ -39,7 +39,7 @@ def make(draw: Draw) -> Case:
     return Case(what, act, refusals=(UserError, ValueError), seconds=60.0)
 
 
-def _splats(draw: Draw) -> tuple[Splats, str]:
+def _draw_splats(draw: Draw) -> tuple[Splats, str]:
     """Twelve Gaussians, some of which are of no ordinary size, place or colour."""
     rng = np.random.default_rng(1)
     arrays = {
@@ -60,7 +60,7 @@ def _splats(draw: Draw) -> tuple[Splats, str]:
         ) or "usual"
 
 
-def _scene_camera(draw: Draw) -> Case:
+def _draw_scene_camera(draw: Draw) -> Case:
     values: dict = {}
     edges = {
         "azimuth_degrees": (0.0, 90.0, 1e9, -1e300, 1e300),

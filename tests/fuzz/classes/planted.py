@@ -28,12 +28,12 @@ def _raise(error: BaseException) -> None:
     raise error
 
 
-def _spin(folder: Path) -> None:
+def _loop(folder: Path) -> None:
     while True:
         time.sleep(0.01)
 
 
-def _spin_and_swallow(folder: Path) -> None:
+def _loop_and_swallow(folder: Path) -> None:
     while True:
         try:
             while True:
@@ -42,25 +42,25 @@ def _spin_and_swallow(folder: Path) -> None:
             pass
 
 
-def _deaf(folder: Path) -> None:
+def _ignore_signals(folder: Path) -> None:
     """No signal ends it."""
     signal.signal(signal.SIGALRM, signal.SIG_IGN)
-    _spin(folder)
+    _loop(folder)
 
 
 def _hoard(folder: Path) -> Any:
     return [np.zeros(2**27) for _ in range(64)]
 
 
-def _deep(folder: Path) -> None:
-    _deep(folder)
+def _recurse(folder: Path) -> None:
+    _recurse(folder)
 
 
 def _warn(folder: Path) -> None:
     warnings.warn_explicit("overflow", RuntimeWarning, "/x/physagent_jax/somewhere.py", 3)
 
 
-def _write(name: str, content: bytes) -> Callable[[Path], Any]:
+def _make_writer(name: str, content: bytes) -> Callable[[Path], Any]:
     return lambda folder: (folder / name).write_bytes(content)
 
 
@@ -71,21 +71,21 @@ PLANTED: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("a refusal", "refused", {"act": lambda folder: _raise(UserError("no", got=1, do="Say yes"))}),
     ("an exception", "traceback", {"act": lambda folder: {}["missing"]}),
     ("an exit", "traceback", {"act": lambda folder: _raise(SystemExit(1))}),
-    ("deep recursion", "traceback", {"act": _deep}),
-    ("a hang", "hang", {"act": _spin, "seconds": 0.2}),
-    ("a hang that swallows exceptions", "hang", {"act": _spin_and_swallow, "seconds": 0.2}),
+    ("deep recursion", "traceback", {"act": _recurse}),
+    ("a hang", "hang", {"act": _loop, "seconds": 0.2}),
+    ("a hang that swallows exceptions", "hang", {"act": _loop_and_swallow, "seconds": 0.2}),
     ("too much memory", "memory", {"act": _hoard}),
     ("NaN in an array", "nonfinite", {"act": lambda folder: {"x": [np.array([1.0, np.nan])]}}),
     ("infinity in a number", "nonfinite", {"act": lambda folder: (1.0, {"a": float("inf")})}),
     ("a lost file", "lost", {"act": lambda folder: (folder / BYSTANDER).unlink()}),
-    ("a changed file", "lost", {"act": _write(BYSTANDER, b"mine now"), "own": ("out",)}),
-    ("a changed input", "lost", {"act": _write("in.json", b"{}"), "files": {"in.json": b"[]"}}),
-    ("a stray file", "litter", {"act": _write("stray", b""), "own": ("out",)}),
-    ("a temporary file", "litter", {"act": _write("out/.x.1234.json", b"{}"), "files": {"out/a": b""},
+    ("a changed file", "lost", {"act": _make_writer(BYSTANDER, b"mine now"), "own": ("out",)}),
+    ("a changed input", "lost", {"act": _make_writer("in.json", b"{}"), "files": {"in.json": b"[]"}}),
+    ("a stray file", "litter", {"act": _make_writer("stray", b""), "own": ("out",)}),
+    ("a temporary file", "litter", {"act": _make_writer("out/.x.1234.json", b"{}"), "files": {"out/a": b""},
     "own": ("out",)}),
-    ("half a JSON", "litter", {"act": _write("out.json", b'{"a": '), "own": ("out.json",)}),
-    ("half a video", "litter", {"act": _write("out.mp4", b"\0\0\0\x18ftypmp42"), "own": ("out.mp4",)}),
-    ("litter of a refusal", "litter", {"act": lambda folder: _raise(_littered(folder)), "own": ()}),
+    ("half a JSON", "litter", {"act": _make_writer("out.json", b'{"a": '), "own": ("out.json",)}),
+    ("half a video", "litter", {"act": _make_writer("out.mp4", b"\0\0\0\x18ftypmp42"), "own": ("out.mp4",)}),
+    ("litter of a refusal", "litter", {"act": lambda folder: _raise(_leave_litter(folder)), "own": ()}),
     ("nonsense accepted", "silent", {"act": lambda folder: None, "must_refuse": "nonsense"}),
     ("a wrong result", "silent", {"act": lambda folder: _raise(Breach(Fault.SILENT, "2 + 2 = 5"))}),
     ("a refusal in two lines", "wording", {"act": lambda folder: _raise(Multiline("x"))}),
@@ -95,11 +95,11 @@ PLANTED: tuple[tuple[str, str, dict[str, Any]], ...] = (
 DEADLY: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("a crash", "traceback", {"act": lambda folder: os.abort()}),
     ("a process killed", "traceback", {"act": lambda folder: os.kill(os.getpid(), signal.SIGKILL)}),
-    ("a hang that no signal ends", "hang", {"act": _deaf, "seconds": 0.2}),
+    ("a hang that no signal ends", "hang", {"act": _ignore_signals, "seconds": 0.2}),
 )
 
 
-def _littered(folder: Path) -> UserError:
+def _leave_litter(folder: Path) -> UserError:
     (folder / "begun.txt").write_text("half")
     return UserError("no")
 

@@ -75,7 +75,8 @@ OTHER = (
 def make(draw: Draw) -> Case:
     """One sentence in one scene."""
     prompt = draw.one(
-        [_sentence] * 4 + [_known, _text, _words, lambda d: d.one(OTHER), lambda d: d.one(OTHER)]
+        [_draw_sentence] * 4
+        + [_draw_known, _draw_text, _draw_words, lambda d: d.one(OTHER), lambda d: d.one(OTHER)]
     )(draw)
     frames = draw.one([49, 49, 49, 2, 3, 5, 200])
     scene = brief(
@@ -85,11 +86,11 @@ def make(draw: Draw) -> Case:
         directions=table(draw.one([0.0, 30.0, 200.0])),
     )
     shown = prompt if len(prompt) < 120 else f"{prompt[:100]}... ({len(prompt)} characters)"
-    motion = _motion(draw)
+    motion = _draw_motion(draw)
     return Case(f"{shown!r}, {frames} frames", lambda _: looped(prompt, scene, motion))
 
 
-def _sentence(draw: Draw) -> str:
+def _draw_sentence(draw: Draw) -> str:
     def clause() -> str:
         parts = [
             draw.one(VERBS),
@@ -107,7 +108,7 @@ def _sentence(draw: Draw) -> str:
     return draw.one(JOIN).join(clause() for _ in range(draw.one([1, 1, 2, 2, 3, 8])))
 
 
-def _known(draw: Draw) -> str:
+def _draw_known(draw: Draw) -> str:
     """A sentence of the agents' tests, with a few words lost, doubled or exchanged."""
     words = str(draw.one(SENTENCES)[0]).split()
     for _ in range(draw.one([1, 2, 4])):
@@ -124,16 +125,16 @@ def _known(draw: Draw) -> str:
     return " ".join(words)
 
 
-def _text(draw: Draw) -> str:
+def _draw_text(draw: Draw) -> str:
     return draw.text(60) + draw.one(["", " push it left", " drop"])
 
 
-def _words(draw: Draw) -> str:
+def _draw_words(draw: Draw) -> str:
     pool = (*VERBS, *HOW, *WHERE, *WHEN, *THINGS, *TEXTS)
     return " ".join(draw.one(pool) for _ in range(draw.randint(1, 12)))
 
 
-def _motion(draw: Draw) -> dict:
+def _draw_motion(draw: Draw) -> dict:
     """What the made-up report shows in every window."""
     nothing: dict = {}
     unseen = {"displacement": None}
@@ -149,17 +150,17 @@ def looped(prompt: str, scene: SceneBrief, motion: dict):
     report = seen_in(reply.expectations, scene.frame_count, **motion)
     history = []
     field = reply.force_field
-    _valid(field, scene)
+    _check(field, scene)
     for _ in range(2):
         failed = judge(prompt, reply, report, scene, field)
         field = rewrite(prompt, reply, failed, scene, history).force_field
         history.append(failed)
-        _valid(field, scene)
+        _check(field, scene)
     told = [(each.force_field, each.judgement) for each in history]
-    return reply, told, field, _compiled(field, scene)
+    return reply, told, field, _compile(field, scene)
 
 
-def _valid(field: ForceField, scene: SceneBrief) -> None:
+def _check(field: ForceField, scene: SceneBrief) -> None:
     """The field read back from its own text: it must be inside its schema, its clip and its range."""
     again = ForceField.model_validate_json(field.model_dump_json())
     last = scene.frame_count - 1
@@ -171,7 +172,7 @@ def _valid(field: ForceField, scene: SceneBrief) -> None:
             raise Breach(Fault.SILENT, f"a window of frames {window} in a clip of {scene.frame_count}")
 
 
-def _compiled(field: ForceField, scene: SceneBrief):
+def _compile(field: ForceField, scene: SceneBrief):
     """The field on particles that fill their box to the corners; the agents' own field is never refused."""
     axis = np.linspace(0.5, 1.5, 8, dtype=np.float32)
     rest = np.stack(np.meshgrid(axis, axis, axis), -1).reshape(-1, 3)

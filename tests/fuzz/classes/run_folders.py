@@ -21,7 +21,7 @@ RUN = "run"
 
 def make(draw: Draw) -> Case:
     """One folder with one to three files that are not as the loop left them."""
-    files, done = dict(_good()), []
+    files, done = dict(_read_good()), []
     for _ in range(draw.one([1, 1, 2, 3])):
         name = draw.one(sorted(files))
         if not name.endswith(".json") or draw.chance(0.2):
@@ -31,7 +31,7 @@ def make(draw: Draw) -> Case:
             what = "missing"
             del files[name]
         elif draw.chance(0.25):
-            schema = _schemas()[name.rsplit("/", 1)[-1]]
+            schema = _make_schemas()[name.rsplit("/", 1)[-1]]
             what, files[name] = "of the schema", encoded(of_schema(draw, schema))
         else:
             try:
@@ -41,27 +41,29 @@ def make(draw: Draw) -> Case:
         done.append(f"{name}: {what}")
     files = {f"{RUN}/{name}": content for name, content in files.items()}
     if draw.chance(0.3):
-        return Case(f"resumed: {'; '.join(done)}", _opened, files)
-    return Case(f"shown: {'; '.join(done)}", _shown, files, own=(f"{RUN}/report.html",))
+        return Case(f"resumed: {'; '.join(done)}", _open, files)
+    return Case(f"shown: {'; '.join(done)}", _show, files, own=(f"{RUN}/report.html",))
 
 
-def _shown(folder: Path):
+def _show(folder: Path):
     page = write_report(folder / RUN)
     text = Path(page).read_text(encoding="utf-8")
     if not text.rstrip().endswith("</html>"):
         raise Breach(Fault.LITTER, "the page has no end")
 
 
-def _opened(folder: Path):
-    manifest = Manifest.model_validate_json(_good()["manifest.json"])
+def _open(folder: Path):
+    manifest = Manifest.model_validate_json(_read_good()["manifest.json"])
     with RunStore.open(folder / RUN, manifest) as store:
-        models = {name: _models()[name.rsplit("/", 1)[-1]] for name in _good() if name.endswith(".json")}
+        models = {
+            name: _list_models()[name.rsplit("/", 1)[-1]] for name in _read_good() if name.endswith(".json")
+        }
         read = [store.read(name, model) for name, model in models.items()]
         return store.manifest, read
 
 
 @functools.cache
-def _good() -> dict[str, bytes]:
+def _read_good() -> dict[str, bytes]:
     with tempfile.TemporaryDirectory() as folder:
         run = build_run(Path(folder, RUN), size=32)
         found = {str(p.relative_to(run)): p.read_bytes() for p in sorted(run.rglob("*")) if p.is_file()}
@@ -69,11 +71,11 @@ def _good() -> dict[str, bytes]:
 
 
 @functools.cache
-def _schemas() -> dict[str, dict]:
-    return {name: model.model_json_schema() for name, model in _models().items()}
+def _make_schemas() -> dict[str, dict]:
+    return {name: model.model_json_schema() for name, model in _list_models().items()}
 
 
-def _models() -> dict[str, type[BaseModel]]:
+def _list_models() -> dict[str, type[BaseModel]]:
     from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
     from physagent_jax.agents.trace import Trace
     from physagent_jax.forces.schema import ForceField

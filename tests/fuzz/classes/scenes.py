@@ -125,13 +125,13 @@ def make(draw: Draw) -> Case:
         case "altered":
             what, content = altered(draw, document)
         case "part":
-            what, content = _altered_part(draw, document)
+            what, content = _alter_part(draw, document)
         case "damaged":
             what, content = damaged(draw, encoded(document))
         case "reach":
-            what, content = _reaching(draw, document)
+            what, content = _redirect_path(draw, document)
         case _:
-            drawn = of_schema(draw, _schema())
+            drawn = of_schema(draw, _make_schema())
             keep = draw.sample(sorted(drawn), min(len(drawn), draw.one([1, 1, 2, 3])))
             document |= {key: drawn[key] for key in keep if key != "source"}
             what, content = f"{', '.join(keep)} of the schema", encoded(document)
@@ -198,11 +198,11 @@ def scene(draw: Draw) -> dict:
 
 
 @functools.cache
-def _schema() -> dict:
+def _make_schema() -> dict:
     return SceneConfig.model_json_schema()
 
 
-def _altered_part(draw: Draw, document: dict) -> tuple[str, bytes]:
+def _alter_part(draw: Draw, document: dict) -> tuple[str, bytes]:
     """All changes in one part, so that rarely drawn fields get their share."""
     part = draw.one(sorted(document))
     what, content = altered(draw, {part: document[part]})
@@ -212,7 +212,7 @@ def _altered_part(draw: Draw, document: dict) -> tuple[str, bytes]:
         return what, content
 
 
-def _reaching(draw: Draw, document: dict) -> tuple[str, bytes]:
+def _redirect_path(draw: Draw, document: dict) -> tuple[str, bytes]:
     """Names of files that lead elsewhere, or nowhere."""
     paths = [p for p in places(document) if p and p[-1] in ("path", "mask_path")]
     path = draw.one(paths)
@@ -226,7 +226,7 @@ def _reaching(draw: Draw, document: dict) -> tuple[str, bytes]:
 def compiled(folder: Path):
     """What a scene file becomes: its model, its state, its camera, as the simulator would begin with them."""
     config = load_scene(folder / SCENE)
-    body = _body(config, folder)
+    body = _make_body(config, folder)
     check_cost(estimate_cost(config, body), Limits())
     scene = compile_scene(config, body, folder)
     timing = config.timing
@@ -240,17 +240,17 @@ def compiled(folder: Path):
     return config, scene.model, scene.state, scene.camera
 
 
-def _body(config: SceneConfig, folder: Path) -> Body:
+def _make_body(config: SceneConfig, folder: Path) -> Body:
     if config.source.path != seeds.OBJECT:
         return make_scene_body(config, folder)
     key = config.model_copy(update=dict(source=config.source, filling=config.filling, domain=config.domain))
-    return _usual_body(
+    return _make_usual_body(
         json.dumps([key.source.model_dump(), key.filling.model_dump(), key.domain.model_dump()])
     )
 
 
 @functools.lru_cache(maxsize=8)
-def _usual_body(parts: str) -> Body:
+def _make_usual_body(parts: str) -> Body:
     source, filling, domain = json.loads(parts)
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, seeds.OBJECT).write_bytes(seeds.gaussians())

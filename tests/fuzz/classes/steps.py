@@ -58,7 +58,9 @@ def make(draw: Draw) -> Case:
     """One model and state."""
     if draw.chance(0.2):
         changes = draw.sample(OTHER_TYPES, draw.one([1, 1, 1, 2]))
-        return Case(f"rollout with {changes}", lambda _: _agree(changes), refusals=(UserError,), seconds=60.0)
+        return Case(
+            f"rollout with {changes}", lambda _: _compare(changes), refusals=(UserError,), seconds=60.0
+        )
     if draw.chance(0.15):
         shape = draw.one(OTHER_SHAPES)
         refusals = (
@@ -66,7 +68,7 @@ def make(draw: Draw) -> Case:
             TypeError,
             ValueError,
         )  # JAX's own words for shapes that do not fit are refusals too
-        return Case(f"rollout with {shape}", lambda _: _agree([shape]), refusals=refusals, seconds=60.0)
+        return Case(f"rollout with {shape}", lambda _: _compare([shape]), refusals=refusals, seconds=60.0)
     law = draw.one([NeoHookean, NeoHookean, VonMises])
     kernels = draw.one(["auto", "auto", "reference"])
     changes: list[tuple[str, Any, bool]] = []
@@ -74,16 +76,16 @@ def make(draw: Draw) -> Case:
         changes.append((draw.one(FIELDS), draw.one(EXTREMES), draw.chance(0.5)))
     what = ", ".join(f"{name} = {value:g}{'' if whole else ' once'}" for name, value, whole in changes)
     return Case(
-        f"{law.__name__}, {kernels}: {what}", lambda _: _simulated(law, kernels, changes), seconds=60.0
+        f"{law.__name__}, {kernels}: {what}", lambda _: _simulate(law, kernels, changes), seconds=60.0
     )
 
 
 def warm_up() -> None:
     """The programs of the usual case."""
-    _simulated(NeoHookean, "auto", [])
+    _simulate(NeoHookean, "auto", [])
 
 
-def _usual(law=NeoHookean, kernels="auto") -> tuple[Model, State]:
+def _make_usual(law=NeoHookean, kernels="auto") -> tuple[Model, State]:
     """Eight particles in the middle of the domain that fly a little and are sheared a little."""
 
     def material(mu, lam):
@@ -115,8 +117,8 @@ def _set(model: Model, state: State, name: str, value) -> tuple[Model, State]:
     return model.replace(materials=(dataclasses.replace(model.materials[0], **{name: value}),)), state
 
 
-def _simulated(law, kernels: str, changes):
-    model, state = _usual(law, kernels)
+def _simulate(law, kernels: str, changes):
+    model, state = _make_usual(law, kernels)
     for name, value, whole in changes:
         array = np.array(_get(model, state, name), copy=True)
         with np.errstate(all="ignore"):
@@ -129,10 +131,10 @@ def _simulated(law, kernels: str, changes):
     ]
 
 
-def _agree(changes):
+def _compare(changes):
     """The end of a short rollout by the reference and by the kernels; both refuse, or both give the same."""
     with jax.enable_x64(True):
-        answers = [_answer(kernels, changes) for kernels in ("reference", "cpu")]
+        answers = [_advance(kernels, changes) for kernels in ("reference", "cpu")]
     refused = [answer for answer in answers if isinstance(answer, Exception)]
     if len(refused) == 1:
         which = "reference" if refused[0] is answers[0] else "kernels"
@@ -153,8 +155,8 @@ def _agree(changes):
     return other.x, other.v, other.F
 
 
-def _answer(kernels: str, changes):
-    model, state = _usual(kernels=kernels)
+def _advance(kernels: str, changes):
+    model, state = _make_usual(kernels=kernels)
     try:
         for name, change in changes:
             if name == "force":
@@ -164,13 +166,13 @@ def _answer(kernels: str, changes):
                 model = model.replace(forces=(push,))
                 continue
             array = np.asarray(_get(model, state, name))
-            model, state = _set(model, state, name, jnp.asarray(_changed(array, change)))
+            model, state = _set(model, state, name, jnp.asarray(_change(array, change)))
         return rollout(model, state, frame_count=1, substeps=2)[0]
     except (UserError, TypeError, ValueError) as error:
         return error
 
 
-def _changed(array: np.ndarray, change: str) -> np.ndarray:
+def _change(array: np.ndarray, change: str) -> np.ndarray:
     match change:
         case "one":
             return array.reshape(-1)[:1]
