@@ -28,8 +28,8 @@ def main():
     target = start + jnp.array([0.0, -1.0, 0.0])  # [m]
 
     def end(vector):
-        pushed = pa.ForceFieldParameters(actions=(dataclasses.replace(action, vector=vector),))
-        return pa.trajectory(scene, pushed).x[-1].mean(0)
+        parameters = pa.ForceFieldParameters(actions=(dataclasses.replace(action, vector=vector),))
+        return pa.trajectory(scene, parameters).x[-1].mean(0)
 
     distances = jnp.linalg.norm(jax.vmap(end)(directions) - target, axis=-1)
     return angles[int(distances.argmin())], distances

@@ -122,7 +122,7 @@ def _make_beam(numerics: Numerics, load: float, duration: float, **model) -> Pro
     cells, deep = height * _SLENDER, int(0.6 * load / 4 * height * _SLENDER) + 2
     low = ((_FREE + 0.5) * dx, (_FREE + deep) * dx)
     x = sheet((_HELD + cells - 1, height), dx, low, numerics.per_axis)
-    held = np.flatnonzero(x[:, 0] < low[0] + _HELD * dx)
+    clamp = np.flatnonzero(x[:, 0] < low[0] + _HELD * dx)
     spacing = dx / numerics.per_axis
     ends = [np.flatnonzero(x[:, 0] > x[:, 0].max() - (n + 0.5) * spacing) for n in range(2)]
     last, before = ends[0], np.setdiff1d(ends[1], ends[0])
@@ -137,7 +137,7 @@ def _make_beam(numerics: Numerics, load: float, duration: float, **model) -> Pro
         # B = q L^3 / E I with q = rho g H and I = H^3 / 12, per width
         gravity=[0, 0, -load * _E / (12 * _RHO * _LENGTH * _SLENDER**2)],
         boundaries=side_walls(dx, numerics.dtype),
-        constraints=(PrescribedMotion.fixed(jnp.asarray(held, jnp.int32), numerics.dtype),),
+        constraints=(PrescribedMotion.fixed(jnp.asarray(clamp, jnp.int32), numerics.dtype),),
         **model,
     )
     rest = np.array([low[0] + (_HELD + cells - 1) * dx, low[1] + height * dx / 2])

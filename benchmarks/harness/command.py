@@ -68,8 +68,8 @@ def main(
     Returns:
         The exit code: 1 if a row that was measured says ``"good": False``, 2 if there is no such part or job.
     """
-    held = json.loads(command.json.read_text()) if command.json.is_file() else {}
-    result = {part: section for part, section in held.items() if part in parts}
+    content = json.loads(command.json.read_text()) if command.json.is_file() else {}
+    result = {part: section for part, section in content.items() if part in parts}
     missing = [part for part in command.parts if part not in parts]
     if missing:
         say(f"there is no part {', '.join(missing)}; there are: {', '.join(parts)}")
@@ -124,9 +124,9 @@ def _is_wanted(job: Job, command: Command) -> bool:
     return not command.only or any(word in job.name for word in command.only)
 
 
-def _open_section(held: dict | None, command: Command) -> dict:
+def _open_section(section: dict | None, command: Command) -> dict:
     """A new section, or the one that rows are added to: quick rows and others do not mix."""
     keeps = command.resume or command.only
-    if held is None or not keeps or any(run["quick"] != command.quick for run in held["runs"]):
+    if section is None or not keeps or any(run["quick"] != command.quick for run in section["runs"]):
         return {"runs": [], "complete": False, "rows": []}
-    return held
+    return section

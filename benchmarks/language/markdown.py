@@ -81,9 +81,9 @@ def _compare_by(rows: Sequence[Row], key: str) -> str:
     lines = []
     for name in names:
         for split in _list_splits(rows):
-            held = [row for row in _select(rows, split) if row[key] == name]
-            if held:
-                lines.append([name, split, *_list_figures(held)[:4]])
+            group = [row for row in _select(rows, split) if row[key] == name]
+            if group:
+                lines.append([name, split, *_list_figures(group)[:4]])
     return table((key, "split", *_COLUMNS[:4]), lines)
 
 

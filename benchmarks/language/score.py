@@ -182,12 +182,12 @@ def _is_amount_right(clause: Clause, motion: ExpectedMotion, brief: SceneBrief) 
     if amount is None:
         return False
     metres = {"lengths": brief.size, "metres": 1.0}
-    (value, unit), held = clause.amount, amount.value
+    (value, unit), actual = clause.amount, amount.value
     if unit in metres and amount.unit in metres:
-        value, held = value * metres[unit], held * metres[amount.unit]
+        value, actual = value * metres[unit], actual * metres[amount.unit]
     elif unit != amount.unit:
         return False
-    return math.isclose(value, held, rel_tol=0.03)
+    return math.isclose(value, actual, rel_tol=0.03)
 
 
 def _is_count_right(clause: Clause, motion: ExpectedMotion) -> bool:
@@ -224,7 +224,7 @@ def _is_time_right(clause: Clause, motion: ExpectedMotion, reply: SemanticReply,
 
     def fits(window) -> bool:
         told = ((length, window[1] - window[0]), (start, window[0]), (end, window[1]))
-        return all(value is None or abs(value / brief.frame_dt - held) <= 1.01 for value, held in told)
+        return all(value is None or abs(value / brief.frame_dt - frame) <= 1.01 for value, frame in told)
 
     return any(map(fits, candidates))
 

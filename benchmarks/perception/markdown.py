@@ -56,16 +56,16 @@ def summarize(rows: Rows, figure: Figure) -> dict[str, float | int | None]:
     _, _, limit, error, stated, applies = figure
     due = [row for row in rows if applies(row)]
     given = [row for row in due if row.get(error) is not None]
-    held = [row for row in given if stated and row.get(stated) is not None]
+    with_bound = [row for row in given if stated and row.get(stated) is not None]
     return {
         "clips": len(due),
         "given": len(given),
         "unobservable": _compute_share([row.get(error) is None for row in due]),
         "within": _compute_share([row[error] <= limit for row in given]),
-        "covered": _compute_share([row[error] <= row[stated] for row in held]),
+        "covered": _compute_share([row[error] <= row[stated] for row in with_bound]),
         "median": float(np.median([row[error] for row in given])) if given else None,
         "ninth": float(np.quantile([row[error] for row in given], 0.9)) if given else None,
-        "stated": float(np.median([row[stated] for row in held])) if held else None,
+        "stated": float(np.median([row[stated] for row in with_bound])) if with_bound else None,
     }
 
 

@@ -132,7 +132,7 @@ class _Book:
         self.steps, self.retries, self.loss, self.lowest = 0, 0, 0.0, 0.0
         self.min_J, self.max_J, self.courant, self.fastest = 1.0, 1.0, 0.0, 0.0
         self.work, self.drop, self.impulse = 0.0, 0.0, np.zeros(3)
-        self.touched, self.pushed, self.time = False, 0.0, 0.0
+        self.touched, self.applied_impulse, self.time = False, 0.0, 0.0
         self.inertia0 = self.inertia
         self.turn = 0.0  # angular momentum that the torque asks for, about its axis
         self.worst: dict[str, float] = {"momentum": 0.0, "spin": 0.0, "grid mass": 0.0}
@@ -174,7 +174,9 @@ class _Book:
         )
         self.touched = self.touched or not inside or bool(np.abs(wall).max() > 1e-6 * self.scale)
         asked = self.scenario.magnitude if self.scenario.force != "drop" else 0.0
-        self.pushed = float(self.mass.sum()) * (asked + float(np.linalg.norm(gravity)) * float(state.time))
+        self.applied_impulse = float(self.mass.sum()) * (
+            asked + float(np.linalg.norm(gravity)) * float(state.time)
+        )
         self.impulse = self.impulse + wall + np.asarray(exchange.force_impulse, np.float64)
 
     @property
@@ -199,7 +201,7 @@ class _Book:
     @property
     def scale(self) -> float:
         """Momentum at the largest speed so far and what was pushed [kg m/s]: the round-off of both counts."""
-        return float(self.mass.sum()) * max(self.fastest, 1e-30) + self.pushed
+        return float(self.mass.sum()) * max(self.fastest, 1e-30) + self.applied_impulse
 
     def figures(self, frame: Frame) -> dict:
         """For the record."""

@@ -98,19 +98,19 @@ def make_closed_form_scaling(
         f"closed form for L = {extent:.3g} m, E = {youngs_modulus:.3g} Pa, "
         f"rho = {density:.3g} kg/m^3, T = {duration:.3g} s"
     )
-    coasting, pushed = duration, 0.5 * duration**2  # way of a blow and of a push with k = 1
+    blow_path, push_path = duration, 0.5 * duration**2  # way of a blow and of a push with k = 1
     if (decay := damping_rate * duration) > 1e-6:
-        coasting = -math.expm1(-decay) / damping_rate
-        pushed = (decay + math.expm1(-decay)) / damping_rate**2
+        blow_path = -math.expm1(-decay) / damping_rate
+        push_path = (decay + math.expm1(-decay)) / damping_rate**2
         reason += f", damping {damping_rate:.3g} /s"
     if opposition is not None:
         reason += f"; {describe_opposition(opposition)}"
     try:
         return SkillScaling(
-            translation=TRAVEL * extent / pushed,
+            translation=TRAVEL * extent / push_path,
             scale=4 * youngs_modulus * STRAIN / (density * extent),
-            impulse=TRAVEL * extent / coasting,
-            torque=TURN / pushed,
+            impulse=TRAVEL * extent / blow_path,
+            torque=TURN / push_path,
             velocity=PRESCRIBED_TRAVEL * extent / duration,
             rotation=TURN / duration,
             opposition=opposition,
@@ -273,8 +273,8 @@ class _Bound:
             self._mask = make_region_mask(timed.region, rest, f"{place}.region")
         first, last = values.window
         self.window = self.leaf(first * frame_dt), self.leaf(last * frame_dt)
-        held = getattr(timed, "held_until", None)
-        self._held_until = None if held is None else self.leaf(held * frame_dt)
+        hold_end = getattr(timed, "held_until", None)
+        self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
         self.weight = None if timed.region is None else self.leaf(self._mask)
 
     def leaf(self, value) -> jax.Array:

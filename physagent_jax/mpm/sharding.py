@@ -218,10 +218,10 @@ class ParticleLayout:
         real = np.flatnonzero(particles < len(claim))  # the others stand for no particle
         claim[particles[real]] = real
         claims = claim[self.order].reshape(self.devices, -1)
-        held = [np.flatnonzero(row >= 0) for row in claims]
-        local = np.full((self.devices, max(map(len, held))), claims.shape[1], np.int32)
+        places_per_device = [np.flatnonzero(row >= 0) for row in claims]
+        local = np.full((self.devices, max(map(len, places_per_device))), claims.shape[1], np.int32)
         which = np.full(local.shape, -1)
-        for device, places in enumerate(held):
+        for device, places in enumerate(places_per_device):
             local[device, : len(places)], which[device, : len(places)] = places, claims[device, places]
         places, which = jnp.asarray(local.ravel()), which.ravel()
         split = {

@@ -44,7 +44,7 @@ def cast_at_block(block: Block, camera: Camera) -> tuple[np.ndarray, np.ndarray]
     first, second = (-block.half_size - eye) / rays, (block.half_size - eye) / rays
     near, far = np.minimum(first, second), np.maximum(first, second)
     depth, axis = near.max(axis=2), near.argmax(axis=2)
-    met = (depth < far.min(axis=2)) & (depth > 0)
+    hit_mask = (depth < far.min(axis=2)) & (depth > 0)
     side = -np.sign(np.take_along_axis(rays, axis[..., None], axis=2)[..., 0])
     brightness = AMBIENT + (1 - AMBIENT) * np.clip(side * (block.axes @ LIGHT)[axis], 0, 1)
-    return np.where(met, depth, np.inf).astype(np.float32), brightness.astype(np.float32)
+    return np.where(hit_mask, depth, np.inf).astype(np.float32), brightness.astype(np.float32)

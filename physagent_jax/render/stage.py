@@ -133,11 +133,11 @@ def _draw_blocks(stage: Stage, camera: Camera, slope: np.ndarray, rgb: np.ndarra
     if stage.ground is not None and camera.center[2] > stage.ground:
         height = camera.center[2] - stage.ground
         ground = np.where(slope < 0, height / np.maximum(-slope, 1e-6), np.inf)
-    met = [cast_at_block(block, camera) for block in stage.blocks]
+    hits = [cast_at_block(block, camera) for block in stage.blocks]
     middle = [float(camera.forward @ (block.center - camera.center)) for block in stage.blocks]
     nearest = np.full(slope.shape, np.inf, np.float32)
-    for index in sorted(range(len(met)), key=lambda index: -middle[index]):
-        depth, brightness = met[index]
+    for index in sorted(range(len(hits)), key=lambda index: -middle[index]):
+        depth, brightness = hits[index]
         seen = np.isfinite(depth) & (depth < ground)
         rgb[seen] += OPACITY * (brightness[seen][:, None] * COLOUR - rgb[seen])
         nearest = np.where(seen, np.minimum(nearest, depth), nearest)
@@ -211,8 +211,8 @@ def _draw_ground(
     floor = (1 - lines)[..., None] * GROUND
     floor = floor + haze[..., None] * (HORIZON - floor)
     covered = jnp.clip(0.5 - slope / pixel, 0, 1)[..., None]  # the horizon's own row of pixels is mixed
-    met = (seen & (slope < 0))[..., None]
-    points = jnp.where(met, jnp.stack([x, y], axis=-1), jnp.nan)
+    hit_mask = (seen & (slope < 0))[..., None]
+    points = jnp.where(hit_mask, jnp.stack([x, y], axis=-1), jnp.nan)
     return sky + covered * (floor - sky), slope, points
 
 

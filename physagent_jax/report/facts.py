@@ -188,7 +188,7 @@ def _list_world(scene: SceneConfig) -> list[tuple[str, Child] | None]:
     transfer = scene.transfer
     damping = f", damping {format_number(transfer.damping_rate)} 1/s" if transfer.damping_rate else ""
     walls = [tag("li", describe_boundary(boundary)) for boundary in scene.boundaries]
-    held = [tag("li", describe_constraint(constraint)) for constraint in scene.constraints]
+    constraints = [tag("li", describe_constraint(constraint)) for constraint in scene.constraints]
     viewer = make_direction_table(scene.camera)
     pushes = [tag("li", describe_force_term(term, viewer)) for term in scene.forces]
     return [
@@ -200,7 +200,7 @@ def _list_world(scene: SceneConfig) -> list[tuple[str, Child] | None]:
         ("transfer", f"{transfer.scheme.upper()}{damping}"),
         ("gravity", gravity),
         ("boundaries", tag("ul", walls) if walls else "none"),
-        ("constraints", tag("ul", held)) if held else None,
+        ("constraints", tag("ul", constraints)) if constraints else None,
         ("forces", tag("ul", pushes)) if pushes else None,
     ]
 

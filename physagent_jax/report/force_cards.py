@@ -210,10 +210,10 @@ def _show_window(item: Timed, old: Timed | None, setting: Setting) -> list:
         first, last = item.active_time or (0.0, float(setting.last_frame))
         left, right = (100 * min(1.0, value / setting.last_frame) for value in (first, last))
         strip = div("strip", tag("i", style=f"left:{left:.1f}%;width:{max(1.0, right - left):.1f}%"))
-    held = item.held_until if isinstance(item, VelocityConstraint) else None
+    hold_end = item.held_until if isinstance(item, VelocityConstraint) else None
     return [
         _describe_window(item.active_time, setting.frame_dt),
-        span("quiet", f", then held until frame {format_number(held)}") if held is not None else None,
+        span("quiet", f", then held until frame {format_number(hold_end)}") if hold_end is not None else None,
         _show_previous(old, item, "active_time", _describe_window),
         strip,
     ]

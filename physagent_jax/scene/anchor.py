@@ -82,9 +82,9 @@ def _read_mask(path: Path, x_rest: np.ndarray, index: np.ndarray, gaussian_count
         raise UserError(
             f"the anchor mask {path} selects no particles", do="Set at least one Gaussian to True"
         )
-    held = np.zeros(len(x_rest), bool)
-    held[surface] = mask[index[surface]]
+    selection = np.zeros(len(x_rest), bool)
+    selection[surface] = mask[index[surface]]
     if (~surface).any():  # what is inside a held part is held with it
         nearest = KDTree(x_rest[surface]).query(x_rest[~surface])[1]
-        held[~surface] = held[surface][nearest]
-    return held
+        selection[~surface] = selection[surface][nearest]
+    return selection

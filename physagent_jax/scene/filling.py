@@ -286,10 +286,10 @@ def _compute_volumes(cells: np.ndarray, wall: np.ndarray, layer: np.ndarray, spa
         sums = _sum_blocks(half_cells, block)
         key = np.ravel_multi_index(tuple((cells // block).T), sums.shape)
         occupied, where, count = np.unique(key, return_inverse=True, return_counts=True)
-        held = sums.ravel()[occupied]
-        covered = held.sum(dtype=np.int64)
+        contents = sums.ravel()[occupied]
+        covered = contents.sum(dtype=np.int64)
         if covered >= 0.98 * total or max(sums.shape) == 1:
-            return (held / count * (total / covered * 0.5 * spacing**3))[where]
+            return (contents / count * (total / covered * 0.5 * spacing**3))[where]
         block *= 2
 
 

@@ -241,8 +241,8 @@ def test_loop_recovers_from_a_wrong_first_field(prompt):
 
 
 def toy_scene(row):
-    held = row[1] or "anchor base" in row[2] or "anchor top" in row[2]
-    return brief(anchored="base" if held else None)
+    is_anchored = row[1] or "anchor base" in row[2] or "anchor top" in row[2]
+    return brief(anchored="base" if is_anchored else None)
 
 
 def test_first_guesses_agree_with_the_skill_library():

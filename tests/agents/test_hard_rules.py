@@ -237,10 +237,10 @@ def test_gravity_makes_it_fall():
 
 
 def test_held_until_in_clip():
-    held = slab(RIGHT, RIGHT, active_time=[0, 20])
-    assert mended(constraints=[{**held, "held_until": 400}])[0].constraints[0].held_until == 48
+    constraint = slab(RIGHT, RIGHT, active_time=[0, 20])
+    assert mended(constraints=[{**constraint, "held_until": 400}])[0].constraints[0].held_until == 48
     for bad in (10, "long", float("nan")):
-        field, rules = mended(constraints=[{**held, "held_until": bad}])
+        field, rules = mended(constraints=[{**constraint, "held_until": bad}])
         assert field.constraints[0].held_until is None and "held_until_in_clip" in rules
 
 

@@ -126,8 +126,8 @@ def test_a_free_object_is_braked_before_it_turns_back():
     """Acceleration and brake cancel, so that the next push starts from rest; a held object needs no brake."""
     free = read("push it to the left, then to the right").force_field.actions
     assert [a.vector[0] for a in free] == [-1, 1, 1]
-    held = read("push it to the left, then to the right", brief(anchored="base")).force_field.actions
-    assert [a.vector[0] for a in held] == [-1, 1]
+    actions = read("push it to the left, then to the right", brief(anchored="base")).force_field.actions
+    assert [a.vector[0] for a in actions] == [-1, 1]
 
 
 @pytest.mark.parametrize("words", ["twice", "three times", ""])

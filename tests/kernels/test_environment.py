@@ -33,12 +33,12 @@ def one_line(text, variable):
 )
 def test_a_variable_that_makes_no_sense_is_refused_in_one_line(variable, value, monkeypatch, capsys):
     monkeypatch.setenv(variable, value)
-    held = jax.config.jax_compilation_cache_dir
+    folder = jax.config.jax_compilation_cache_dir
     jax.config.update("jax_compilation_cache_dir", None)
     try:
         assert main(["materials"]) == 2
     finally:
-        jax.config.update("jax_compilation_cache_dir", held)
+        jax.config.update("jax_compilation_cache_dir", folder)
     assert one_line(capsys.readouterr().err, variable)
 
 

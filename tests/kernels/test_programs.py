@@ -37,21 +37,21 @@ needs_maps = pytest.mark.skipif(not programs.count_mappings(), reason="the syste
 def test_programs_are_let_go_when_they_take_too_many_mappings():
     """And what was let go is compiled again, with the same results."""
     before = compile_programs(60)
-    held = programs.count_mappings()
-    assert not programs.release_programs(held + 1000)
-    assert programs.release_programs(held - 1)
-    assert programs.count_mappings() < held
+    mapping_count = programs.count_mappings()
+    assert not programs.release_programs(mapping_count + 1000)
+    assert programs.release_programs(mapping_count - 1)
+    assert programs.count_mappings() < mapping_count
     assert np.array_equal(compile_programs(60), before)
 
 
 @needs_maps
 def test_a_simulation_begins_by_looking_whether_there_are_too_many(monkeypatch):
     compile_programs(61)
-    held = programs.count_mappings()
-    monkeypatch.setattr(programs, "count_granted", lambda: (held - 1) / programs.SHARE)
+    mapping_count = programs.count_mappings()
+    monkeypatch.setattr(programs, "count_granted", lambda: (mapping_count - 1) / programs.SHARE)
     monkeypatch.setattr(programs, "compiled_count", programs.looked_at + programs.LOOK)
     compile_programs(61)
-    assert programs.count_mappings() < held
+    assert programs.count_mappings() < mapping_count
 
 
 def test_nothing_is_let_go_while_something_is_traced():

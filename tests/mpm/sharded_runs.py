@@ -60,7 +60,7 @@ def scene(**changes):
     arm = x - x.mean(0)
     v = 4 * jnp.stack([-arm[:, 1], arm[:, 0], 2 * arm[:, 0]], -1) - 0.5 * UP
     # All held particles are the first device's, so that the others hold none.
-    held = dataclasses.replace(
+    grip = dataclasses.replace(
         PrescribedMotion.fixed(jnp.arange(3, 10), jnp.float64),
         velocity=jnp.array([0.1, 0.0, 0.2]),
         angular_velocity=jnp.array([0.0, 1.0, 0.0]),
@@ -82,7 +82,7 @@ def scene(**changes):
             HalfSpace(0.21 * UP, UP, jnp.array(0.3), jnp.array(0.0), jnp.array(jnp.inf)),
             *model.boundaries,
         ),
-        constraints=(held, body) if counts["stone"] else (held,),
+        constraints=(grip, body) if counts["stone"] else (grip,),
         viscosity=jnp.full(count, 5.0),
     )
     return model, State.at_rest(x, v, materials)

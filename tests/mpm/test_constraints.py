@@ -34,10 +34,10 @@ def test_fixed_particles_never_move_and_hold_the_rest(x64):
         dtype=np.float64,
         gravity=jnp.array([0.0, 0.0, -1.0]),
     )
-    held = np.flatnonzero(np.asarray(state.x[:, 0]) < 0.4)
-    clamped = model.replace(constraints=(PrescribedMotion.fixed(jnp.asarray(held), jnp.float64),))
+    root = np.flatnonzero(np.asarray(state.x[:, 0]) < 0.4)
+    clamped = model.replace(constraints=(PrescribedMotion.fixed(jnp.asarray(root), jnp.float64),))
     end = run(clamped, state, 800)
-    np.testing.assert_array_equal(end.x[held], state.x[held])
+    np.testing.assert_array_equal(end.x[root], state.x[root])
     sag = float((end.x - state.x)[:, 2].min())
     assert -0.08 < sag < 0  # the free block would have fallen 0.08 m
     # Euler-Bernoulli tip deflection q L^4 / 8 EI of the free length 0.3, at most doubled dynamically.
@@ -58,8 +58,8 @@ def test_an_index_beyond_the_last_particle_stands_for_none(kind, x64):
     """Right beside the last particle, whose mass and motion a careless lookup would take for that of none."""
     model, state = block((3, 2, 2), dtype=np.float64, dt=1e-3, gravity=jnp.array([0.0, 0.0, -10.0]))
     state, count = dataclasses.replace(state, v=20 * (state.x - 0.45)[:, ::-1]), len(state.x)
-    held = np.arange(count - 12, count - 2)
-    lists = held, np.append(held, [count] * 6)
+    indices = np.arange(count - 12, count - 2)
+    lists = indices, np.append(indices, [count] * 6)
     exact, filled = (
         run(model.replace(constraints=(kind(jnp.asarray(places, jnp.int32)),)), state, 40) for places in lists
     )
@@ -123,8 +123,8 @@ def three_layers(dt=1e-3, g=2.0):
     state = dataclasses.replace(state, **{name: getattr(state, name)[keep] for name in ("x", "v", "C", "F")})
     layer = layer[keep]
     ends = (RELEASED_AFTER[layer] - 0.5) * dt
-    held = motion(np.arange(len(keep)), end=ends)
-    return model.replace(constraints=(held,)), state, layer
+    release = motion(np.arange(len(keep)), end=ends)
+    return model.replace(constraints=(release,)), state, layer
 
 
 def test_each_layer_falls_exactly_from_its_release_on(x64):
@@ -135,8 +135,8 @@ def test_each_layer_falls_exactly_from_its_release_on(x64):
     fall = 2.0 * 1e-3**2 * free_steps * (free_steps + 1) / 2
     np.testing.assert_allclose(np.asarray(state.x - end.x)[:, 2], fall, atol=1e-12)
     np.testing.assert_allclose(end.v[:, 2], -2.0 * 1e-3 * free_steps, atol=1e-11)
-    held = run(model, state, 100)  # the last layer is still where it was
-    np.testing.assert_array_equal(held.x[layer == 2], state.x[layer == 2])
+    partway = run(model, state, 100)  # the last layer is still where it was
+    np.testing.assert_array_equal(partway.x[layer == 2], state.x[layer == 2])
 
 
 def test_one_constraint_with_release_times_is_as_good_as_one_per_layer(x64):

@@ -234,10 +234,10 @@ def test_foam_overstress_relaxes_with_the_time_constant_eta_over_2_mu(x64):
     bound = np.sqrt(2 / 3) * SIGMA_Y
     start = norm(deviator(np.asarray(stress(law, F, ()))))[0] - bound
     for dt, steps in ((0.01, 7), (0.07, 1)):  # exact for a held strain, whatever the step
-        held = F
+        current = F
         for _ in range(steps):
-            held, _ = project(law, held, (), dt)
-        excess = norm(deviator(np.asarray(stress(law, held, ()))))[0] - bound
+            current, _ = project(law, current, (), dt)
+        excess = norm(deviator(np.asarray(stress(law, current, ()))))[0] - bound
         np.testing.assert_allclose(excess / start, np.exp(-0.07 / 0.05), rtol=1e-10)
     below = diagonal([0.5 * SIGMA_Y / (2 * MU), 0.0, 0.0])
     np.testing.assert_array_equal(project(law, below, (), 10.0)[0], below)

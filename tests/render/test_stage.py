@@ -55,9 +55,9 @@ def test_the_horizon_is_at_the_height_of_the_eye(elevation):
 def test_a_rolled_camera_has_a_rolled_horizon():
     level = look_at(EYE, EYE + [0, 1, 0], (0, 0, 1), fov_degrees=40, width=WIDTH, height=HEIGHT)
     camera = look_at(EYE, EYE + [0, 1, 0], (0.5, 0, 1), fov_degrees=40, width=WIDTH, height=HEIGHT)
-    met = make_backdrop(STAGE, camera).ground
+    ground = make_backdrop(STAGE, camera).ground
     assert np.isfinite(make_backdrop(STAGE, level).ground[HEIGHT // 2 + 2 :]).all()
-    left, right = (np.isfinite(met[:, column, 0]).sum() for column in (0, WIDTH - 1))
+    left, right = (np.isfinite(ground[:, column, 0]).sum() for column in (0, WIDTH - 1))
     assert abs(left - right) == pytest.approx(0.5 * WIDTH, abs=4)
 
 

@@ -70,12 +70,12 @@ def test_an_anchored_base_stays_and_the_rest_is_pushed(source, body):
         {"actions": [{"action_type": "translation", "vector": [1, 0, 0], "magnitude": 1.6}]}
     )
     made = scene(source, body, anchor=c.Anchor(kind="base", fraction=0.3), force_field=push)
-    held = places(made, made.model.constraints[0])
-    assert made.anchored == len(set(made.order[held])) > 0
+    anchor_places = places(made, made.model.constraints[0])
+    assert made.anchored == len(set(made.order[anchor_places])) > 0
     start = np.asarray(made.state.x)
-    assert start[held, 2].max() <= start[:, 2].min() + 0.3 * np.ptp(start[:, 2]) + 1e-5
+    assert start[anchor_places, 2].max() <= start[:, 2].min() + 0.3 * np.ptp(start[:, 2]) + 1e-5
     end = np.asarray(list(simulate(made.model, made.state, frame_count=4, frame_dt=0.04))[-1].state.x)
-    np.testing.assert_array_equal(end[held], start[held])
+    np.testing.assert_array_equal(end[anchor_places], start[anchor_places])
     assert (end - start)[:, 0].max() > 1e-3
 
 

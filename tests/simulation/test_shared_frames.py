@@ -46,8 +46,8 @@ def hold(kind, first, last, magnitude=1.0):
 
 def field(*items, drop=False):
     actions = tuple(item for item in items if isinstance(item, Action))
-    held = tuple(item for item in items if isinstance(item, VelocityConstraint))
-    return ForceField(default_drop=drop, actions=actions, constraints=held)
+    constraints = tuple(item for item in items if isinstance(item, VelocityConstraint))
+    return ForceField(default_drop=drop, actions=actions, constraints=constraints)
 
 
 def scene(*items, drop=False, **parts):

@@ -121,10 +121,15 @@ def _scale(cause: Cause, factor: float, last: float):
     changes: dict = {"magnitude": round(math.copysign(size, cause.item.magnitude), 4)}
     if travels(cause) and cause.item.active_time is not None:
         first, end = cause.item.active_time
-        held = getattr(cause.item, "held_until", None)
+        hold_end = getattr(cause.item, "held_until", None)
         rest = factor * abs(cause.item.magnitude) / size
-        until = clamp(float(round(first + rest * (end - first))), first + 1.0, held or max(last, first + 1.0))
-        changes |= {"active_time": (first, until), "held_until": held if held and held > until else None}
+        until = clamp(
+            float(round(first + rest * (end - first))), first + 1.0, hold_end or max(last, first + 1.0)
+        )
+        changes |= {
+            "active_time": (first, until),
+            "held_until": hold_end if hold_end and hold_end > until else None,
+        }
     return cause.item.model_copy(update=changes)
 
 

@@ -103,14 +103,14 @@ def move_ends(
     """Exactly two opposed translations of the end slabs in place of ``causes`` (paper, appendix B.2)."""
     axis = expectation.direction or causes[0].item.vector
     outward = 1.0 if expectation.kind is MotionKind.STRETCH else -1.0
-    magnitude, window, held = find_travel(causes, expectation, brief)
+    magnitude, window, hold_end = find_travel(causes, expectation, brief)
     pair = tuple(
         VelocityConstraint(
             constraint_type=ConstraintType.PARTICLE_TRANSLATION,
             vector=scale(axis, side * outward),
             magnitude=magnitude,
             active_time=window,
-            held_until=held,
+            held_until=hold_end,
             region=make_end_region(scale(axis, side), SLAB),
         )
         for side in (1.0, -1.0)
@@ -124,7 +124,7 @@ def press_between(
     """Two opposed plates in place of ``causes``; one against the ground or the fixture, where there is one."""
     axis = expectation.direction or causes[0].item.vector
     alone = stands_on_its_end(brief, axis)
-    magnitude, window, held = find_travel(causes, expectation, brief, movers=1 if alone else 2)
+    magnitude, window, hold_end = find_travel(causes, expectation, brief, movers=1 if alone else 2)
     top_is_held = brief.anchored is not None and "top" in brief.anchored
     free = brief.directions.down if not top_is_held else brief.directions.up
     towards_it = axis if cosine(axis, free) > 0 else scale(axis, -1.0)
@@ -134,7 +134,7 @@ def press_between(
             vector=way,
             magnitude=magnitude,
             active_time=window,
-            held_until=held,
+            held_until=hold_end,
         )
         for way in ((towards_it,) if alone else (axis, scale(axis, -1.0)))
     )

@@ -50,11 +50,11 @@ class RuleSemanticAgent(SemanticAgent):
 
 def _choose_kinds(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     """The reply with velocity constraints where they do what the sentence says and a force does not."""
-    held = {"base": "the base", "top": "the top", "none": None, None: brief.anchored}[reply.anchor.kind]
+    fixture = {"base": "the base", "top": "the top", "none": None, None: brief.anchored}[reply.anchor.kind]
     weightless = reply.world.gravity in ("none", "up") or reply.world.ground is False
     scene = brief.model_copy(
         update={
-            "anchored": held,
+            "anchored": fixture,
             "frame_count": reply.frame_count or brief.frame_count,
             "world": "free" if weightless else "ground" if reply.world.ground else brief.world,
         }

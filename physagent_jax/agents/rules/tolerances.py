@@ -200,9 +200,9 @@ def expect_strain(expectation: ExpectedMotion, squeeze: bool) -> Tolerance:
 
 def expect_sway(expectation: ExpectedMotion, anchored: bool, *, end: bool = False) -> Tolerance:
     """Half of the peak-to-peak excursion [body lengths]."""
-    held = anchored and not end
-    band = pick_band(SWAY_HELD if held else SWAY, expectation.strength, "body lengths to either side")
-    return band.scaled(_PART if expectation.partial and not end else 1.0, least=0.008 if held else 0.015)
+    is_held = anchored and not end
+    band = pick_band(SWAY_HELD if is_held else SWAY, expectation.strength, "body lengths to either side")
+    return band.scaled(_PART if expectation.partial and not end else 1.0, least=0.008 if is_held else 0.015)
 
 
 def expect_fall(expectation: ExpectedMotion, seconds: float = 2.0) -> Tolerance:

@@ -94,11 +94,11 @@ class PrescribedMotion(Constraint):
         own = jax.tree.map(lambda part: part[p], s)
         mass = model.mass.at[p].get(mode="fill", fill_value=0)
         share = scatter_mass(own, model.grid, jnp.where(self.active(time + _CLOCK * model.dt), mass, 0))
-        held = sum_devices(share, model.axis) > 0.5 * node_mass
+        node_mask = sum_devices(share, model.axis) > 0.5 * node_mass
         x, y, z = model.grid.node_positions(velocity.dtype)
         nodes = jnp.stack(jnp.broadcast_arrays(x, y, z), axis=-1)
         places = (own.base + model.grid.origin) * model.grid.dx - own.offsets[..., 0]
-        return jnp.where(held[..., None], self.locate(model, places).field(nodes), velocity)
+        return jnp.where(node_mask[..., None], self.locate(model, places).field(nodes), velocity)
 
     def after_g2p(self, model: Model, before: State, after: State) -> State:
         """Puts the held particles exactly where the prescription has them."""

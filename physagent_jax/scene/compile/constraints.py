@@ -45,9 +45,9 @@ def compile_constraints(config: c.SceneConfig, rest: np.ndarray, mass: np.ndarra
                 )
             case c.ParticleRelease():
                 inside, times = _compute_release_times(rest, constraint, place)
-                held = _make_motion(inside, constraint, STILL, STILL, STILL)
-                ends = np.pad(times, (0, len(held.particles) - len(times)))
-                motions.append(dataclasses.replace(held, end=to_array(ends)))
+                motion = _make_motion(inside, constraint, STILL, STILL, STILL)
+                ends = np.pad(times, (0, len(motion.particles) - len(times)))
+                motions.append(dataclasses.replace(motion, end=to_array(ends)))
     return tuple(forces), tuple(motions)
 
 

@@ -111,7 +111,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     rest, volume = _find_rest(body, order)
     materials, share = materials.permute(order), buckets.split_mass(order)
     whole = materials.density * body.particles.volume[order]  # mass of a particle with all its copies
-    held = select_anchored(
+    anchor_mask = select_anchored(
         config.anchor,
         rest,
         body.particles.gaussian_index[order],
@@ -121,7 +121,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     forces, constraints = compile_forces(config, body, rest, volume)
     imposed, prescribed = compile_constraints(config, rest, whole)
     bodies = tuple(RigidBody(buckets.find_places(mask)) for mask in materials.find_rigid_bodies())
-    if (still := held | materials.find_stationary()).any():
+    if (still := anchor_mask | materials.find_stationary()).any():
         prescribed = (*prescribed, PrescribedMotion.fixed(buckets.find_places(still)))
     falling = config.force_field.default_drop or config.always_gravity
     model = Model(
@@ -147,7 +147,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     substeps = _count_substeps(config, model, state)
     model = model.replace(dt=to_device(config.timing.frame_dt / substeps, DTYPE))
     camera = make_reference_camera(config.camera, config.rendering, config.domain)
-    anchored = int(held @ share + 0.5)
+    anchored = int(anchor_mask @ share + 0.5)
     return CompiledScene(config, body, model, state, substeps, camera, order, anchored, len(bodies))
 
 

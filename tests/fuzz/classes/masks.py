@@ -31,10 +31,10 @@ def _select_anchored(folder: Path, exact: bool):
     rng = np.random.default_rng(0)
     index = np.concatenate([np.arange(COUNT), np.full(10, -1)])
     x, anchor = rng.uniform(size=(len(index), 3)), Anchor(kind="mask", mask_path=NAME)
-    held = select_anchored(anchor, x, index, folder, gaussian_count=COUNT if exact else None)
-    if held.shape != (len(index),) or held.dtype != bool or not held.any():
-        raise Breach(Fault.SILENT, f"held {held.dtype} {held.shape}, {held.sum()} particles")
-    return held
+    selection = select_anchored(anchor, x, index, folder, gaussian_count=COUNT if exact else None)
+    if selection.shape != (len(index),) or selection.dtype != bool or not selection.any():
+        raise Breach(Fault.SILENT, f"held {selection.dtype} {selection.shape}, {selection.sum()} particles")
+    return selection
 
 
 def _damage(draw: Draw, good: np.ndarray) -> tuple[str, bytes]:

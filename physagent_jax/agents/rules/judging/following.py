@@ -114,8 +114,8 @@ def _check_duration(
     signal = measure_signal(expectation, view, first, view.last)
     if len(signal) < 5:
         return [make_unseen_check(index, expectation, "its course is not known", question)]
-    held = view.anchored or expectation.kind in (*AXIAL, MotionKind.SWAY)
-    if held:
+    is_held = view.anchored or expectation.kind in (*AXIAL, MotionKind.SWAY)
+    if is_held:
         largest = max(abs(v) for _, v in signal)
         level = (0.2 if expectation.kind is MotionKind.SWAY else 0.6) * largest
         away = [t for t, v in signal if abs(v) >= level]

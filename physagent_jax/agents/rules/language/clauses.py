@@ -173,11 +173,13 @@ def _add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> 
             negated = True
         elif mention.kind is MentionKind.VERB and (negated or not _is_absorbed(clause, mention, fresh)):
             participle = not mention.form.endswith("ing")
-            held = participle and (kept or fresh and _is_bare_hold(clause))  # "hold it bent", "keep it bent"
-            if clause.verb is not None and not held and (negated or not _is_replaceable(clause.verb)):
+            is_hold = participle and (
+                kept or fresh and _is_bare_hold(clause)
+            )  # "hold it bent", "keep it bent"
+            if clause.verb is not None and not is_hold and (negated or not _is_replaceable(clause.verb)):
                 clause = Clause(Join.AND)
                 clauses.append(clause)
-            clause.stays = held and get_verb(mention).effect in _HOLDABLE
+            clause.stays = is_hold and get_verb(mention).effect in _HOLDABLE
             clause.verb, clause.negated, negated = mention, negated, False
             clause.mentions.append(mention)
         elif mention.kind is MentionKind.CAUSE:
