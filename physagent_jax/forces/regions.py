@@ -1,7 +1,8 @@
-"""Which particles a region means."""
+"""Which particles a region means, and what acts on them alone."""
 
 from __future__ import annotations
 
+import jax
 import numpy as np
 
 from physagent_jax.core.errors import UserError
@@ -40,3 +41,13 @@ def make_region_mask(region: Region, rest: np.ndarray, origin: str = "region") -
             do="Regions are fractions of the bounding box: (0,0,0) is its low corner, (1,1,1) its high corner",
         )
     return mask
+
+
+def confine(value: jax.Array, weight: jax.Array | None) -> jax.Array:
+    """``value`` times the region's weight.
+
+    Args:
+        value: One per particle, shape (n, ...).
+        weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
+    """
+    return value if weight is None else weight.reshape(-1, *[1] * (value.ndim - 1)) * value

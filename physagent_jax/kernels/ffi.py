@@ -12,6 +12,7 @@ a kernel takes to compile.
 from __future__ import annotations
 
 import ctypes
+from functools import cache
 from typing import Any
 
 import jax
@@ -23,7 +24,9 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.kernels import ahead, store
 from physagent_jax.kernels.numbers import NO_WRAPPERS
+from physagent_jax.kernels.threads import thread_count
 
 HANDLER = types.int64(types.int64)
 """Signature of a handler: the address of the call frame, and 0 for success."""
@@ -37,11 +40,16 @@ _VERSION_WORD = 3  # XLA_FFI_Api_Version.major_version and .minor_version, withi
 _VERSION = 0 + (1 << 32)  # 0.1, the oldest that all supported versions of jaxlib accept
 
 
-def register(name: str, handler) -> None:
-    """Makes a Numba ``cfunc`` with signature `HANDLER` callable as ``jax.ffi.ffi_call(name, ...)`` on CPU."""
+@cache
+def register_target(name: str, function) -> str:
+    """Makes ``function``, a handler, callable as ``jax.ffi.ffi_call(name, ...)`` on CPU, compiled if need be."""
+    thread_count()  # starts the threads: compiled code from the disk asks for them as it is loaded
+    ahead.wait_for(name)
+    handler = store.load_or_compile(name, HANDLER, function)
     new_capsule = ctypes.pythonapi.PyCapsule_New
     new_capsule.restype, new_capsule.argtypes = ctypes.py_object, (ctypes.c_void_p,) + (ctypes.c_char_p,) * 2
     jax.ffi.register_ffi_target(name, new_capsule(handler.address, None, None), platform="cpu")
+    return name
 
 
 def check_operands(

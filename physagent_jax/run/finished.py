@@ -19,8 +19,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.output.motion_file import Motion, read_motion
 from physagent_jax.output.video import read_video
 from physagent_jax.perception.schema import MotionReport
-from physagent_jax.run.best import find_best_round
-from physagent_jax.run.manifest import Manifest
+from physagent_jax.run.manifest import Manifest, find_best_round
 from physagent_jax.run.refused import REFUSED, RefusedReading, RefusedReadings
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.run.store import PLAIN_VIDEO, PROBE, REPORT, VIDEO

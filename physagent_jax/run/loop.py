@@ -30,10 +30,9 @@ from physagent_jax.perception.schema import MotionReport
 from physagent_jax.render.camera import Camera
 from physagent_jax.run.agent_calls import AgentCalls
 from physagent_jax.run.artifacts import write_best, write_rollout, write_verdict
-from physagent_jax.run.best import find_best_round
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.key_frames import VideoKeyFrames
-from physagent_jax.run.manifest import Stages
+from physagent_jax.run.manifest import Stages, find_best_round
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.prompt import make_prompt, read_mask
 from physagent_jax.run.provenance import hash_settings, make_manifest

@@ -26,11 +26,13 @@ run/refused.json                       `run.refused.RefusedReadings`: of no run 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import PurePosixPath
 from typing import Annotated
 
 from pydantic import Field, field_validator
 
+from physagent_jax.agents.schema import Judgement, Verdict
 from physagent_jax.core.strict import Strict
 
 FORMAT = 3
@@ -134,3 +136,12 @@ class Manifest(Strict):
             if path.is_absolute() or ".." in path.parts or not path.parts:
                 raise ValueError(f"`files` are relative to the run folder and inside it (got {name!r})")
         return value
+
+
+def find_best_round(judgements: Sequence[Judgement]) -> int:
+    """Index of the highest score, the first of equals; without scores the first success, else the last round."""
+    scores = [judgement.score for judgement in judgements if judgement.score is not None]
+    if len(scores) == len(judgements):
+        return scores.index(max(scores))
+    verdicts = [judgement.verdict for judgement in judgements]
+    return verdicts.index(Verdict.SUCCESS) if Verdict.SUCCESS in verdicts else len(verdicts) - 1

@@ -11,7 +11,7 @@ import numpy as np
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope, Scalar
-from physagent_jax.forces.terms.region import confine
+from physagent_jax.forces.regions import confine
 from physagent_jax.mpm.fields import PER_PARTICLE
 
 _HIGHEST = jax.lax.Precision.HIGHEST  # phases of many radians do not survive a shortened mantissa

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.forces.terms.region import confine
+from physagent_jax.forces.regions import confine
 from physagent_jax.mpm.fields import END, PER_PARTICLE, START
 
 

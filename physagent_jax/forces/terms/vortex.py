@@ -9,7 +9,7 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope, Scalar
-from physagent_jax.forces.terms.region import confine
+from physagent_jax.forces.regions import confine
 from physagent_jax.mpm.fields import PER_PARTICLE
 from physagent_jax.mpm.linalg import cross, skew
 

@@ -12,14 +12,13 @@ from numba import njit
 
 from physagent_jax.kernels import ffi
 from physagent_jax.kernels.numbers import BODY
-from physagent_jax.kernels.target import register_target
 from physagent_jax.mpm.kernels.adjoint import g2p_adjoint, p2g_adjoint
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
 
 
 def register_handler(kernel: str, precision: str) -> str:
     """Name under which XLA can call "p2g", "g2p" or an "_adjoint" of theirs in "float32" or "float64"."""
-    return register_target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
+    return ffi.register_target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
 
 
 @njit(**BODY)

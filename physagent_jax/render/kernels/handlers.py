@@ -7,13 +7,12 @@ from __future__ import annotations
 import numpy as np
 
 from physagent_jax.kernels import ffi
-from physagent_jax.kernels.target import register_target
 from physagent_jax.render.kernels.blend import blend, blend_backward
 
 
 def register_handler(kernel: str) -> str:
     """Name under which XLA can call "blend" or "blend_backward", both in float32."""
-    return register_target(
+    return ffi.register_target(
         f"physagent_{kernel}", {"blend": _blend, "blend_backward": _blend_backward}[kernel]
     )
 

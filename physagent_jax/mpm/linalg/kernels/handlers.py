@@ -9,13 +9,12 @@ from numba import njit
 
 from physagent_jax.kernels import ffi
 from physagent_jax.kernels.numbers import BODY
-from physagent_jax.kernels.target import register_target
 from physagent_jax.mpm.linalg.kernels.svd import compose, decompose
 
 
 def register_handler(kernel: str, precision: str) -> str:
     """Name under which XLA can call "decompose" or "compose" in "float32" or "float64"."""
-    return register_target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
+    return ffi.register_target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
 
 
 @njit(**BODY)
