@@ -71,7 +71,7 @@ def load_object(
     Raises:
         UserError: The file cannot be used, or a value is out of range.
     """
-    spec = _valid(
+    spec = _validate(
         object=dict(path=str(path), up=up, kind=kind, opacity_threshold=opacity_threshold, extent=extent),
         prompt="",
         preset=preset,
@@ -133,7 +133,7 @@ def build_scene(
         friction=friction,
         ledger=ledger,
     )
-    run = resolve(_valid(**changed))
+    run = resolve(_validate(**changed))
     for text in run.warnings:
         warnings.warn(text, UserWarning, stacklevel=2)
     template, why = run.template, None
@@ -144,7 +144,7 @@ def build_scene(
         if reply.world.gravity is None:
             template, why = hold_if_toppling(template, loaded.body)
     else:
-        field = _force_field(force_field)
+        field = _make_force_field(force_field)
         template, why = hold_if_toppling(template, loaded.body)
     if why is not None:
         warnings.warn(why, UserWarning, stacklevel=2)
@@ -206,7 +206,7 @@ def synthesize(
     return open_run(store.path)
 
 
-def _valid(**fields: Any) -> RunSpec:
+def _validate(**fields: Any) -> RunSpec:
     try:
         return RunSpec.model_validate(fields)
     except ValidationError as error:
@@ -214,7 +214,7 @@ def _valid(**fields: Any) -> RunSpec:
         raise format_validation_error(error, "arguments", RunSpec, do=do) from None
 
 
-def _force_field(value: ForceField | Mapping[str, Any] | None) -> ForceField:
+def _make_force_field(value: ForceField | Mapping[str, Any] | None) -> ForceField:
     if isinstance(value, BaseModel | None):
         return value if isinstance(value, ForceField) else ForceField()
     try:

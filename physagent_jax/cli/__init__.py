@@ -19,7 +19,7 @@ def main(arguments: list[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     debug = "--debug" in arguments
     arguments = [argument for argument in arguments if argument != "--debug"]
-    simulates = _computes(arguments) and arguments[0] in ("run", "simulate")
+    simulates = _is_computing(arguments) and arguments[0] in ("run", "simulate")
     try:
         with allow_stopping() if simulates else nullcontext():
             return _execute(arguments, simulates)
@@ -29,7 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
     except (UserError, OSError, MemoryError) as error:
         if debug:
             raise
-        print(f"physagent: {_as_user_error(error)}", file=sys.stderr)
+        print(f"physagent: {_to_user_error(error)}", file=sys.stderr)
         return 2
     except KeyboardInterrupt as stop:
         resumes = "; the same command takes the run up again" if arguments[:1] == ["run"] else ""
@@ -40,7 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _execute(arguments: list[str], simulates: bool) -> int:
     accept_any_character()
     check_arguments(arguments)
-    if _computes(arguments):
+    if _is_computing(arguments):
         from physagent_jax.cli import environment
 
         environment.prepare()
@@ -73,13 +73,13 @@ def join_options(arguments: list[str]) -> list[str]:
     return glued
 
 
-def _computes(arguments: list[str]) -> bool:
+def _is_computing(arguments: list[str]) -> bool:
     """Whether a command needs devices and caches; help texts and schemas come whatever state those are in."""
     helped = not arguments or bool({"-h", "--help"} & set(arguments))
     return not helped and arguments[0] not in ("schema", "report")
 
 
-def _as_user_error(error: UserError | OSError | MemoryError) -> UserError:
+def _to_user_error(error: UserError | OSError | MemoryError) -> UserError:
     """What to tell; the one place for refusals of the operating system that no reader or writer has foreseen."""
     if isinstance(error, UserError):
         return error

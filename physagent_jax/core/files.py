@@ -131,7 +131,7 @@ def write_new(contents: Mapping[Path, bytes], *, overwrite: bool) -> None:
     """
     for path, content in contents.items():
         _check_replaceable(path)
-        if not overwrite and os.path.lexists(path) and not _holds(path, content):
+        if not overwrite and os.path.lexists(path) and not _has_content(path, content):
             raise UserError(
                 f"{path} exists and holds something else",
                 do="Choose another --out, or pass --overwrite to replace it",
@@ -140,7 +140,7 @@ def write_new(contents: Mapping[Path, bytes], *, overwrite: bool) -> None:
         write_bytes(path, content)
 
 
-def _holds(path: Path, content: bytes) -> bool:
+def _has_content(path: Path, content: bytes) -> bool:
     try:
         return path.is_file() and path.stat().st_size == len(content) and path.read_bytes() == content
     except OSError:

@@ -12,8 +12,8 @@ _LISTED = 12  # names at most that a message lists in full
 
 def find_nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
     """Up to ``count`` of the ``known`` names that ``name`` may be a misspelling of, the nearest first."""
-    by_key = {_key(each): each for each in known}
-    close = difflib.get_close_matches(_key(name[:80]), by_key, n=count, cutoff=0.6)
+    by_key = {_normalise(each): each for each in known}
+    close = difflib.get_close_matches(_normalise(name[:80]), by_key, n=count, cutoff=0.6)
     return [by_key[each] for each in close]
 
 
@@ -39,5 +39,5 @@ def explain_unknown_name(what: str, name: object, known: Iterable[str], do: str 
     return UserError(f"{what} is not known", got=repr(name)[:80], do=f"{hint} {do}".strip())
 
 
-def _key(name: str) -> str:
+def _normalise(name: str) -> str:
     return name.strip().lower().replace("-", "_").replace(" ", "_")

@@ -35,7 +35,7 @@ def read_npy(path: str | Path, *, most: int, what: str) -> np.ndarray:
     """
     with open_regular(path, most=most, what=what) as file:
         size = os.fstat(file.fileno()).st_size
-        return _array(file, size, f"{what} {shorten(path)}")
+        return _read_array(file, size, f"{what} {shorten(path)}")
 
 
 def read_npz(path: str | Path, keys: Iterable[str], *, most: int, what: str) -> dict[str, np.ndarray]:
@@ -52,7 +52,9 @@ def read_npz(path: str | Path, keys: Iterable[str], *, most: int, what: str) -> 
                 found = [entry for entry in archive.infolist() if entry.filename in entries]
                 if sum(entry.file_size for entry in found) > most:
                     raise UserError(f"{place} is too large to be unpacked", got=f"more than {most:,} bytes")
-                return {entries[e.filename]: _member(archive, e, f"{place}: {e.filename}") for e in found}
+                return {
+                    entries[e.filename]: _read_member(archive, e, f"{place}: {e.filename}") for e in found
+                }
         except UserError:
             raise
         # RuntimeError and NotImplementedError: encrypted, or packed in another way than NumPy does.
@@ -60,12 +62,12 @@ def read_npz(path: str | Path, keys: Iterable[str], *, most: int, what: str) -> 
             raise UserError(f"cannot read {place}", got=shorten(error), do="Write it again") from None
 
 
-def _member(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, place: str) -> np.ndarray:
+def _read_member(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, place: str) -> np.ndarray:
     with archive.open(entry) as file:
-        return _array(file, entry.file_size, place)
+        return _read_array(file, entry.file_size, place)
 
 
-def _array(file: IO[bytes], size: int, place: str) -> np.ndarray:
+def _read_array(file: IO[bytes], size: int, place: str) -> np.ndarray:
     """The array in ``size`` bytes."""
     try:
         start = file.read(min(size, 64 * 2**10))  # a header is far shorter
@@ -76,7 +78,7 @@ def _array(file: IO[bytes], size: int, place: str) -> np.ndarray:
             f"cannot read {place}", got=f"format {error}", do="Save it with `numpy.save`"
         ) from None
     except _BROKEN as error:
-        raise _no_array(place, error) from None
+        raise _make_error(place, error) from None
     if dtype.hasobject:
         raise UserError(f"{place} holds Python objects", got=dtype, do="Save an array of numbers")
     count = math.prod(shape) if all(side >= 0 for side in shape) else -1
@@ -87,9 +89,9 @@ def _array(file: IO[bytes], size: int, place: str) -> np.ndarray:
     try:
         return np.frombuffer(data, dtype, count).reshape(shape, order="F" if fortran else "C")
     except (ValueError, OverflowError) as error:  # items of no bytes, or axes that NumPy cannot have
-        raise _no_array(place, error) from None
+        raise _make_error(place, error) from None
 
 
-def _no_array(place: str, error: Exception) -> UserError:
+def _make_error(place: str, error: Exception) -> UserError:
     reason = f"no array of NumPy: {shorten(error, 80)}"
     return UserError(f"cannot read {place}", got=reason, do="Save it with `numpy.save`")

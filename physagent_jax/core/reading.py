@@ -78,7 +78,7 @@ def open_regular(path: str | Path, *, most: int, what: str = "the file") -> io.B
         return os.fdopen(handle, "rb")
     os.close(handle)
     if stat.S_ISREG(status.st_mode):
-        raise _too_large(what, shown, status.st_size, most)
+        raise _make_size_error(what, shown, status.st_size, most)
     kind = next((name for holds, name in _KINDS if holds(status.st_mode)), "no regular file")
     raise UserError(f"cannot read {what} {shown}", got=kind, do="Give a regular file")
 
@@ -99,7 +99,7 @@ def read_bytes(path: str | Path, *, most: int, what: str = "the file") -> bytes:
                 f"cannot read {what} {shorten(path)}", got=error.strerror or error, do="Check the disk"
             ) from None
     if len(data) > most:  # the system told another size, as for what it makes up while it is read
-        raise _too_large(what, shorten(path), len(data), most)
+        raise _make_size_error(what, shorten(path), len(data), most)
     return data
 
 
@@ -119,7 +119,7 @@ def check_counts(place: str, what: str, count: int, each: float, available: int)
     if count < 0 or count * each > available:
         raise UserError(
             f"{place} is truncated or damaged: it announces more than it holds",
-            got=f"{_plain(count)} {what} of {each:g} bytes or more in {max(available, 0):,} bytes",
+            got=f"{_format_count(count)} {what} of {each:g} bytes or more in {max(available, 0):,} bytes",
             do="Copy or export the file again",
         )
 
@@ -144,7 +144,7 @@ def decode_json(data: bytes, origin: str) -> Any:
             holds a number that is not finite, is an integer beyond 64 bits or has more than `JSON_DIGITS` digits.
     """
     if len(data) > JSON_BYTES:
-        raise _too_large("the JSON of", origin, len(data), JSON_BYTES)
+        raise _make_size_error("the JSON of", origin, len(data), JSON_BYTES)
     for mark, name in _MARKS.items():
         if data.startswith(mark):
             raise UserError(
@@ -184,7 +184,7 @@ def decode_json(data: bytes, origin: str) -> Any:
             f"{origin} is not valid JSON", got=error, do="Mend the file or make it anew"
         ) from None
     except RecursionError:
-        raise _too_deep(origin) from None
+        raise _make_depth_error(origin) from None
     _check_depth(decoded, origin)
     if "\\ud" in text.lower():
         _check_text(decoded, origin)
@@ -207,7 +207,7 @@ def read_yaml(path: str | Path, *, what: str = "the file") -> Any:
         decoded = None if references else yaml.safe_load(text)
         plain = json.dumps(decoded)
     except RecursionError:
-        raise _too_deep(origin) from None
+        raise _make_depth_error(origin) from None
     except (yaml.YAMLError, ValueError, TypeError, OverflowError) as error:
         raise UserError(f"{origin} is not YAML of plain values", got=shorten(error), do="Mend it") from None
     if references:
@@ -229,7 +229,7 @@ def _check_depth(decoded: Any, origin: str) -> None:
     while level := [each for each in level if isinstance(each, dict | list)]:
         depth += 1
         if depth > JSON_DEPTH:
-            raise _too_deep(origin)
+            raise _make_depth_error(origin)
         level = [inner for each in level for inner in (each.values() if isinstance(each, dict) else each)]
 
 
@@ -280,7 +280,7 @@ def format_validation_error(
     extra = f" ({more} more problem{'s' if more > 1 else ''})" if more else ""
     got = first["input"]
     shown = repr(got) if isinstance(got, str | int | float | list | tuple | None) else type(got).__name__
-    hint = suggest(*_misspelt(first, schema))
+    hint = suggest(*_find_misspelt(first, schema))
     return UserError(
         f"{origin}: field `{field}`: {message}{extra}",
         got=shorten(shown, _SHOWN),
@@ -288,13 +288,13 @@ def format_validation_error(
     )
 
 
-def _misspelt(complaint: Any, schema: type[BaseModel] | None) -> tuple[str, list[str]]:
+def _find_misspelt(complaint: Any, schema: type[BaseModel] | None) -> tuple[str, list[str]]:
     """The word that was not understood, and those that would have been."""
     context = complaint.get("ctx", {})
     match complaint["type"]:
         case "extra_forbidden" if schema is not None:
             *place, word = complaint["loc"]
-            return str(word), sorted(_keys_at(schema, place))
+            return str(word), sorted(_list_keys(schema, place))
         case "enum" | "literal_error":
             return str(complaint["input"]), re.findall(r"'([^']*)'", str(context["expected"]))
         case "union_tag_invalid":
@@ -302,20 +302,20 @@ def _misspelt(complaint: Any, schema: type[BaseModel] | None) -> tuple[str, list
     return "", []
 
 
-def _keys_at(annotation: Any, place: list) -> set[str]:
+def _list_keys(annotation: Any, place: list) -> set[str]:
     """Keys that the schema has at a place in the data; a member of a union goes by its tag."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         fields = annotation.model_fields
         if not place:
             return set(fields)
         if place[0] in fields:
-            return _keys_at(fields[place[0]].annotation, place[1:])
+            return _list_keys(fields[place[0]].annotation, place[1:])
         tags = {field.default for field in fields.values() if isinstance(field.default, str)}
-        return _keys_at(annotation, place[1:]) if place[0] in tags else set()
+        return _list_keys(annotation, place[1:]) if place[0] in tags else set()
     arguments = [each for each in get_args(annotation) if each is not Ellipsis]
     if get_origin(annotation) in (tuple, list, dict):
         place = place[1:]
-    return set().union(*(_keys_at(each, place) for each in arguments))
+    return set().union(*(_list_keys(each, place) for each in arguments))
 
 
 # --- words ---------------------------------------------------------------------------------------------
@@ -328,11 +328,11 @@ def shorten(text: object, length: int = 200) -> str:
     return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
-def _plain(count: int) -> str:
+def _format_count(count: int) -> str:
     return f"{count:,}" if abs(count) < 2**64 else "more than 2^64"
 
 
-def _too_large(what: str, shown: str, size: int, most: int) -> UserError:
+def _make_size_error(what: str, shown: str, size: int, most: int) -> UserError:
     return UserError(
         f"{what} {shown} is too large to be read",
         got=f"{size:,} bytes, at most {most:,} are read",
@@ -340,5 +340,5 @@ def _too_large(what: str, shown: str, size: int, most: int) -> UserError:
     )
 
 
-def _too_deep(origin: str) -> UserError:
+def _make_depth_error(origin: str) -> UserError:
     return UserError(f"{origin} is nested too deeply", do=f"Use at most {JSON_DEPTH} levels")

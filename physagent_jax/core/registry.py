@@ -57,7 +57,7 @@ class Registry:
 
 def _check_options(what: str, options: Mapping[str, Any], factory: Callable[..., Any]) -> None:
     """Raises what is wrong with the names of ``options`` before ``factory`` is called: errors inside are its own."""
-    taken = _parameters(factory)
+    taken = _list_parameters(factory)
     if not any(each.kind is each.VAR_KEYWORD for each in taken):
         names = [each.name for each in taken if each.kind in (each.POSITIONAL_OR_KEYWORD, each.KEYWORD_ONLY)]
         unknown = [name for name in options if name not in names]
@@ -75,7 +75,7 @@ def _check_options(what: str, options: Mapping[str, Any], factory: Callable[...,
 _COLLECTING = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
 
 
-def _parameters(factory: Callable[..., Any]) -> list[inspect.Parameter]:
+def _list_parameters(factory: Callable[..., Any]) -> list[inspect.Parameter]:
     """What ``factory`` is called with.
 
     A class that derives from a protocol and has no ``__init__`` of its own inherits `typing`'s until it is first made

@@ -31,13 +31,13 @@ def unwrap(rotations: list[np.ndarray | None]) -> list[np.ndarray | None]:
             continue
         vector = Rotation.from_matrix(matrix).as_rotvec()
         angle = float(np.linalg.norm(vector))
-        axis = vector / angle if angle > 1e-9 else _unit(previous)
+        axis = vector / angle if angle > 1e-9 else _normalise(previous)
         turns = np.round((previous @ axis - angle) / (2 * np.pi))
         previous = (angle + 2 * np.pi * turns) * axis
         vectors.append(previous)
     return vectors
 
 
-def _unit(vector: np.ndarray) -> np.ndarray:
+def _normalise(vector: np.ndarray) -> np.ndarray:
     length = np.linalg.norm(vector)
     return vector / length if length > 1e-9 else np.array([0.0, 0.0, 1.0])

@@ -51,7 +51,7 @@ def quats_scales_to_covariances(quats: jax.Array, scales: jax.Array) -> jax.Arra
         Upper triangles (xx, xy, xz, yy, yz, zz) [m^2], shape (n, 6).
     """
     M = quat_to_matrix(quats) * scales[:, None, :]
-    return _outer_upper(M, M)
+    return _multiply_upper(M, M)
 
 
 def transform_covariances(F: jax.Array, covariances: jax.Array) -> jax.Array:
@@ -75,7 +75,7 @@ def transform_covariances(F: jax.Array, covariances: jax.Array) -> jax.Array:
         ],
         axis=-2,
     )
-    return _outer_upper(FS, F)
+    return _multiply_upper(FS, F)
 
 
 def covariance_matrices(covariances: np.ndarray | jax.Array) -> np.ndarray:
@@ -109,7 +109,7 @@ def decompose_covariances(covariances: np.ndarray | jax.Array) -> tuple[np.ndarr
     return matrix_to_quat(axes), scales
 
 
-def _outer_upper(A: jax.Array, B: jax.Array) -> jax.Array:
+def _multiply_upper(A: jax.Array, B: jax.Array) -> jax.Array:
     """Upper triangles of the symmetric products A B^T, shape (n, 6)."""
     pairs = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
     return jnp.stack([sum(A[:, i, k] * B[:, j, k] for k in range(3)) for i, j in pairs], axis=-1)

@@ -36,7 +36,7 @@ def cap_elongation(splats: Splats, rest_scales: np.ndarray, size: float) -> Spla
     covariances = np.asarray(splats.covariances)
     rest_ratio, easy = rest[:, 2] / np.maximum(rest[:, 1], 1e-12), EASY_STRETCH * rest[:, 2]
     limit = np.maximum(easy, np.minimum(MOST_STRETCH * rest[:, 2], MOST_SHARE * size))
-    scales = np.sqrt(np.maximum(_eigenvalues(covariances), 0))
+    scales = np.sqrt(np.maximum(_compute_eigenvalues(covariances), 0))
     along_first = _limit_first(scales, easy, rest_ratio, limit)
     capped = scales[:, 2] > along_first * (1 + 1e-4)
     if not capped.any():
@@ -60,7 +60,7 @@ def _limit_first(
     return np.maximum(easy, np.minimum(limit, by_ratio))
 
 
-def _eigenvalues(covariances: np.ndarray) -> np.ndarray:
+def _compute_eigenvalues(covariances: np.ndarray) -> np.ndarray:
     """Of symmetric matrices, ascending, shape (n, 3): in closed form, which is fast enough for every frame.
 
     Smith, "Eigenvalues of a symmetric 3 x 3 matrix", Communications of the ACM 4 (1961).

@@ -66,7 +66,7 @@ def use_cpu(kernels: Kernels | None = None) -> bool:
     kernels = kernels or _chosen.get()
     if kernels == "reference":
         return False
-    missing = _missing()
+    missing = _explain_missing()
     if kernels == "cpu" and missing:
         raise UserError(f'`kernels="cpu"` cannot be used: {missing}', do='Use "auto" or "reference"')
     return not missing
@@ -86,7 +86,7 @@ def describe_kernels(kernels: Kernels) -> str:
     return f"cpu ({thread_count()} threads)"
 
 
-def _missing() -> str:
+def _explain_missing() -> str:
     """Why there are no CPU kernels; "" if there are."""
     if find_platform() != "cpu":
         return f"JAX runs on {find_platform()}"

@@ -80,16 +80,16 @@ def check_operands(
 @intrinsic(prefer_literal=True)
 def get_operand(typing, frame, index, number, rank):
     """An operand as a C-ordered array of ``number``, a NumPy class: of its own rank, or flat for rank 1."""
-    return _array(frame, index, number, rank, _FRAME_OPERANDS)
+    return _build_array(frame, index, number, rank, _FRAME_OPERANDS)
 
 
 @intrinsic(prefer_literal=True)
 def get_result(typing, frame, index, number, rank):
     """A result as a C-ordered array of ``number``, a NumPy class: of its own rank, or flat for rank 1."""
-    return _array(frame, index, number, rank, _FRAME_RESULTS)
+    return _build_array(frame, index, number, rank, _FRAME_RESULTS)
 
 
-def _array(frame, index, number, rank, buffers: int):
+def _build_array(frame, index, number, rank, buffers: int):
     array, size = types.Array(number.dtype, rank.literal_value, "C"), number.dtype.bitwidth // 8
 
     def generate(context, builder, signature, arguments):
@@ -99,7 +99,7 @@ def _array(frame, index, number, rank, buffers: int):
         )
         extents = _load(builder, buffer, _BUFFER_EXTENTS)
         if array.ndim == 1:
-            shape = [_product(builder, extents, _load(builder, buffer, _BUFFER_RANK))]
+            shape = [_multiply_words(builder, extents, _load(builder, buffer, _BUFFER_RANK))]
         else:
             shape = [_load(builder, extents, axis) for axis in range(array.ndim)]
         strides = [_WORD(size)]
@@ -111,7 +111,7 @@ def _array(frame, index, number, rank, buffers: int):
     return array(frame, index, number, rank), generate
 
 
-def _product(builder, address, count):
+def _multiply_words(builder, address, count):
     """Of ``count`` words from ``address`` on."""
     total = cgutils.alloca_once_value(builder, _WORD(1))
     with cgutils.for_range(builder, count) as loop:

@@ -25,7 +25,7 @@ def make_private_folder(*parts: str, base: Path | None = None) -> Path:
     Where that is impossible, or would not be private, one in the folder for temporary files serves, and if that is
     somebody else's too, a new one that nobody finds again.
     """
-    folder = (base or _users()).joinpath(*parts)
+    folder = (base or _find_user_folder()).joinpath(*parts)
     if is_usable(folder):
         return folder
     user = os.geteuid() if hasattr(os, "geteuid") else "user"
@@ -51,7 +51,7 @@ def is_usable(folder: Path) -> bool:
     return True
 
 
-def _users() -> Path:
+def _find_user_folder() -> Path:
     base = os.environ.get("XDG_CACHE_HOME")
     return Path(base or os.path.expanduser("~/.cache")) / "physagent_jax"
 

@@ -46,7 +46,7 @@ def load(typing, array, index):
     lanes = Lanes(array.dtype)
 
     def generate(context, builder, signature, arguments):
-        pointer = _pointer(context, builder, signature.args[0], arguments, lanes)
+        pointer = _find_pointer(context, builder, signature.args[0], arguments, lanes)
         return builder.load(pointer, align=array.dtype.bitwidth // 8)
 
     return lanes(array, types.intp), generate
@@ -58,7 +58,7 @@ def load_batch(typing, array, index):
     lanes = Lanes(array.dtype, BATCH)
 
     def generate(context, builder, signature, arguments):
-        pointer = _pointer(context, builder, signature.args[0], arguments, lanes)
+        pointer = _find_pointer(context, builder, signature.args[0], arguments, lanes)
         return builder.load(pointer, align=array.dtype.bitwidth // 8)
 
     return lanes(array, types.intp), generate
@@ -69,7 +69,7 @@ def store(typing, array, index, value):
     """Writes lanes to ``array[index : index + n]``, n being their number."""
 
     def generate(context, builder, signature, arguments):
-        pointer = _pointer(context, builder, signature.args[0], arguments, value)
+        pointer = _find_pointer(context, builder, signature.args[0], arguments, value)
         builder.store(arguments[2], pointer, align=array.dtype.bitwidth // 8)
         return context.get_dummy_value()
 
@@ -116,7 +116,7 @@ def deinterleave(typing, a, b):
 
     def generate(context, builder, signature, arguments):
         parts = [
-            builder.shuffle_vector(*arguments, _shuffle_mask(range(d, 2 * ROW, _NODE))) for d in range(_NODE)
+            builder.shuffle_vector(*arguments, _make_mask(range(d, 2 * ROW, _NODE))) for d in range(_NODE)
         ]
         return context.make_tuple(builder, result, parts)
 
@@ -130,13 +130,13 @@ def interleave(typing, a, b, c, d):
 
     def generate(context, builder, signature, arguments):
         a, b, c, d = arguments
-        everything = _shuffle_mask(range(2 * BATCH))
+        everything = _make_mask(range(2 * BATCH))
         ab = builder.shuffle_vector(a, b, everything)
         cd = builder.shuffle_vector(c, d, everything)
         half = ROW // _NODE
         parts = [
             builder.shuffle_vector(
-                ab, cd, _shuffle_mask([n * BATCH + k for k in range(k0, k0 + half) for n in range(_NODE)])
+                ab, cd, _make_mask([n * BATCH + k for k in range(k0, k0 + half) for n in range(_NODE)])
             )
             for k0 in (0, half)
         ]
@@ -213,8 +213,8 @@ def transpose(typing, a, b, c):
         a, b, c = arguments
         rows = []
         for k in range(3):
-            pair = builder.shuffle_vector(a, b, _shuffle_mask([k, _NODE + k, k, k]))
-            rows.append(builder.shuffle_vector(pair, c, _shuffle_mask([0, 1, _NODE + k, 3])))
+            pair = builder.shuffle_vector(a, b, _make_mask([k, _NODE + k, k, k]))
+            rows.append(builder.shuffle_vector(pair, c, _make_mask([0, 1, _NODE + k, 3])))
         return context.make_tuple(builder, result, rows)
 
     return result(a, a, a), generate
@@ -233,7 +233,7 @@ def load_rows(typing, array, index):
             3,
             5,
         ):  # the third from within the second, so as not to read beyond the ninth number
-            pointer = _pointer(context, builder, signature.args[0], arguments, vector, offset)
+            pointer = _find_pointer(context, builder, signature.args[0], arguments, vector, offset)
             loaded.append(builder.load(pointer, align=array.dtype.bitwidth // 8))
         loaded[2] = _shuffle(builder, loaded[2], [1, 2, 3, 3])
         return context.make_tuple(builder, result, loaded)
@@ -247,9 +247,9 @@ def store_rows(typing, array, index, a, b, c):
 
     def generate(context, builder, signature, arguments):
         a, b, c = arguments[2:]
-        tail = builder.shuffle_vector(b, c, _shuffle_mask([2, _NODE, _NODE + 1, _NODE + 2]))
+        tail = builder.shuffle_vector(b, c, _make_mask([2, _NODE, _NODE + 1, _NODE + 2]))
         for offset, vector in ((0, a), (3, b), (5, tail)):
-            pointer = _pointer(context, builder, signature.args[0], arguments, signature.args[2], offset)
+            pointer = _find_pointer(context, builder, signature.args[0], arguments, signature.args[2], offset)
             builder.store(vector, pointer, align=array.dtype.bitwidth // 8)
         return context.get_dummy_value()
 
@@ -294,7 +294,7 @@ def concatenate(typing, a, b):
     both = Lanes(a.dtype, 2 * a.count)
 
     def generate(context, builder, signature, arguments):
-        return builder.shuffle_vector(*arguments, _shuffle_mask(range(both.count)))
+        return builder.shuffle_vector(*arguments, _make_mask(range(both.count)))
 
     return both(a, a), generate
 
@@ -496,7 +496,7 @@ _define_operator(operator.mul, "fmul")
 _define_operator(operator.truediv, "fdiv")
 
 
-def _pointer(context, builder, array_type, arguments, lanes: Lanes, offset: int = 0):
+def _find_pointer(context, builder, array_type, arguments, lanes: Lanes, offset: int = 0):
     array = context.make_array(array_type)(context, builder, arguments[0])
     index = builder.add(arguments[1], arguments[1].type(offset)) if offset else arguments[1]
     address = builder.gep(array.data, [index])
@@ -520,8 +520,8 @@ def _shuffle_numbers(pattern: list[int]):
 
 
 def _shuffle(builder, vector, pattern):
-    return builder.shuffle_vector(vector, ir.Constant(vector.type, ir.Undefined), _shuffle_mask(pattern))
+    return builder.shuffle_vector(vector, ir.Constant(vector.type, ir.Undefined), _make_mask(pattern))
 
 
-def _shuffle_mask(pattern):
+def _make_mask(pattern):
     return ir.Constant(ir.VectorType(_INDEX, len(pattern)), [_INDEX(k) for k in pattern])

@@ -44,16 +44,16 @@ def cast_like(typing, constant, number):
 @intrinsic
 def smallest_normal(typing, number):
     """About the smallest normal number of the precision of ``number``."""
-    return _constant(number, {32: 1.2e-38, 64: 2.3e-308})
+    return _make_constant(number, {32: 1.2e-38, 64: 2.3e-308})
 
 
 @intrinsic
 def roundoff(typing, number):
     """Half the distance from 1 to the next number of the precision of ``number``."""
-    return _constant(number, {32: 2.0**-24, 64: 2.0**-53})
+    return _make_constant(number, {32: 2.0**-24, 64: 2.0**-53})
 
 
-def _constant(number, by_width: dict[int, float]):
+def _make_constant(number, by_width: dict[int, float]):
     def generate(context, builder, signature, arguments):
         return context.get_constant(number, by_width[number.bitwidth])
 

@@ -79,18 +79,18 @@ def _keep_numba_in(folder: Path | None) -> Iterator[None]:
 
 def seal(folder: Path) -> None:
     """Notes the digests of a folder's files, as the last thing that is written into it."""
-    (folder / _SEAL).write_text(json.dumps(_digests(folder)))
+    (folder / _SEAL).write_text(json.dumps(_compute_digests(folder)))
 
 
 def _is_sealed(folder: Path) -> bool:
     """Whether all files of a folder are as they were written."""
     try:
-        return json.loads((folder / _SEAL).read_bytes()) == _digests(folder)
+        return json.loads((folder / _SEAL).read_bytes()) == _compute_digests(folder)
     except (OSError, ValueError, RecursionError):
         return False
 
 
-def _digests(folder: Path) -> dict[str, str]:
+def _compute_digests(folder: Path) -> dict[str, str]:
     files = sorted(path for path in folder.rglob("*.nb?") if path.is_file())
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 

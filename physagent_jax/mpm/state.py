@@ -157,13 +157,13 @@ class State:
         """
         return State(
             x=x,
-            **_at_rest(x) | ({} if v is None else {"v": v}),
+            **_make_rest_fields(x) | ({} if v is None else {"v": v}),
             history=tuple(material.initial_history() for material in materials),
         )
 
 
 @jax.jit
-def _at_rest(x: jax.Array) -> dict[str, jax.Array]:
+def _make_rest_fields(x: jax.Array) -> dict[str, jax.Array]:
     count, dtype = x.shape[0], x.dtype
     return dict(
         v=jnp.zeros_like(x),

@@ -40,11 +40,11 @@ GRADIENT_LIMIT = 0.3  # of |grad v| dt: det(I + dt grad v) > 0 needs < 1
 
 def stable_dt(model: Model, state: State) -> jax.Array:
     """The closed-form bound dt_c [s] at the current deformation, least over the particles; inf if nothing is stiff."""
-    return _stable_dt(_drop_window_shape(model), state)
+    return _compute_stable_dt(_drop_window_shape(model), state)
 
 
 @jax.jit
-def _stable_dt(model: Model, state: State) -> jax.Array:
+def _compute_stable_dt(model: Model, state: State) -> jax.Array:
     stiffness = map_materials(model, state, lambda material, F, history: material.stiffness(F, history))
     inertia = model.mass / model.volume * model.grid.dx**2  # [Pa s^2]
     damping = 0.0 if model.viscosity is None else 16 * model.viscosity / inertia
@@ -56,11 +56,11 @@ def _stable_dt(model: Model, state: State) -> jax.Array:
 
 def kinematic_dt(model: Model, state: State, horizon: jax.Array) -> jax.Array:
     """The advection and velocity-gradient limits [s], with the speed that forces can add within ``horizon`` [s]."""
-    return _kinematic_dt(_drop_window_shape(model), state, horizon)
+    return _compute_kinematic_dt(_drop_window_shape(model), state, horizon)
 
 
 @jax.jit
-def _kinematic_dt(model: Model, state: State, horizon: jax.Array) -> jax.Array:
+def _compute_kinematic_dt(model: Model, state: State, horizon: jax.Array) -> jax.Array:
     acceleration = jnp.broadcast_to(body_acceleration(model, state), state.v.shape)
     speed = jnp.linalg.norm(state.v, axis=-1) + horizon * jnp.linalg.norm(acceleration, axis=-1)
     gradient = jnp.sqrt((state.C**2).sum((-1, -2)))

@@ -97,7 +97,7 @@ def make_round_card(
         div("split", div("clip", video), _show_forces(round_, previous, setting)),
         _describe_reuse(round_),
         _show_overlay(round_),
-        _judgement(round_.judgement),
+        _show_judgement(round_.judgement),
         _show_rewrite(round_.rewrite, round_.number + 1),
         show_agent_traces(
             {"planner": round_.planner_trace, "executor": round_.executor_trace}, round_.failed_calls
@@ -156,10 +156,10 @@ def _show_overlay(round_: FinishedRound) -> Markup | None:
     )
 
 
-def _judgement(judgement: Judgement | None) -> list[Markup | None] | Markup:
+def _show_judgement(judgement: Judgement | None) -> list[Markup | None] | Markup:
     if judgement is None:
         return note_missing("The planner\u2019s judgement of this round is missing.")
-    rows = [_check(check) for check in judgement.checks]
+    rows = [_show_check(check) for check in judgement.checks]
     suggestion = None
     if judgement.suggestion:
         suggestion = div(
@@ -181,7 +181,7 @@ def _judgement(judgement: Judgement | None) -> list[Markup | None] | Markup:
     return [title, checks, tag("p", note, class_="quiet"), suggestion]
 
 
-def _check(check: Check) -> list[Child]:
+def _show_check(check: Check) -> list[Child]:
     kind, word = MARKS[check.passed]
     remedy = tag("small", check.remedy, class_="remedy") if check.remedy else None
     result = span(f"result {kind}", word)

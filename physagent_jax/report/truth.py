@@ -18,7 +18,7 @@ DECIMALS = 3
 def make_truth_table(report: MotionReport, truth: TrueMotion) -> Markup:
     """What perception measured beside what the particles did, at the end of the clip and over it."""
     head = ["measure", "perceived", "true", "difference", "unit"]
-    rows = make_table(head, _rows(report, truth), numeric=(1, 2, 3))
+    rows = make_table(head, _list_rows(report, truth), numeric=(1, 2, 3))
     return div("truth", tag("p", NOTE, class_="truth-note"), rows)
 
 
@@ -31,23 +31,23 @@ def measure_centroid_error(report: MotionReport, truth: TrueMotion) -> tuple[flo
     return math.sqrt(sum(d * d for d in distances) / len(distances)), max(distances)
 
 
-def _rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]]:
+def _list_rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]]:
     last = min(len(report.centroid), len(truth.centroid)) - 1
-    yield _row("Longest extent in frame 0", report.object_size, truth.object_size, "m")
+    yield _make_row("Longest extent in frame 0", report.object_size, truth.object_size, "m")
     if last < 0:
         return
     end = report.centroid[last]
     for axis, name in enumerate("xyz"):
         seen = None if end is None else end[axis]
         title = f"Displacement along {name} in frame {last}"
-        yield _row(title, seen, truth.centroid[last][axis], "body lengths")
-    farthest = _farthest(report.centroid), _farthest(truth.centroid)
-    yield _row("Farthest from the start", *farthest, "body lengths")
-    rotation = _at(report.rotation_degrees, last), _at(truth.rotation_degrees, last)
-    yield _row(f"Rotation in frame {last}", *rotation, "degrees")
-    volume = _at(report.volume_ratio, last), _at(truth.volume_ratio, last)
-    yield _row(f"Volume in frame {last}", *volume, "of frame 0")
-    yield from _stretch_rows(report, truth)
+        yield _make_row(title, seen, truth.centroid[last][axis], "body lengths")
+    farthest = _find_farthest(report.centroid), _find_farthest(truth.centroid)
+    yield _make_row("Farthest from the start", *farthest, "body lengths")
+    rotation = _get_at(report.rotation_degrees, last), _get_at(truth.rotation_degrees, last)
+    yield _make_row(f"Rotation in frame {last}", *rotation, "degrees")
+    volume = _get_at(report.volume_ratio, last), _get_at(truth.volume_ratio, last)
+    yield _make_row(f"Volume in frame {last}", *volume, "of frame 0")
+    yield from _list_stretch_rows(report, truth)
     error = measure_centroid_error(report, truth)
     if error is not None:
         mean, largest = error
@@ -59,10 +59,10 @@ def _rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]]:
             format_fixed(largest, DECIMALS),
             "body lengths",
         ]
-    yield from _stated_rows(report)
+    yield from _list_stated_rows(report)
 
 
-def _stated_rows(report: MotionReport) -> Iterator[list[str]]:
+def _list_stated_rows(report: MotionReport) -> Iterator[list[str]]:
     """How far off perception says that it may be: the differences above should be smaller in nine of ten runs."""
     stated = report.uncertainty
     for name, value, unit in (
@@ -74,7 +74,7 @@ def _stated_rows(report: MotionReport) -> Iterator[list[str]]:
             yield [f"Half width stated by perception: {name}", "", "", format_fixed(value, DECIMALS), unit]
 
 
-def _stretch_rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]]:
+def _list_stretch_rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]]:
     """Stretch over the longest window that begins at frame 0, along the world axes.
 
     Perception's tensor describes the object before its turn, the true extents after it: past `ALIGNED_DEGREES` the
@@ -86,7 +86,7 @@ def _stretch_rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]
     aligned = (whole.rotation_degrees or 0.0) <= ALIGNED_DEGREES
     for axis, name in enumerate("xyz"):
         seen = None if whole.stretch is None else whole.stretch[axis][axis]
-        row = _row(
+        row = _make_row(
             f"Stretch along {name} in frame {whole.last}", seen, truth.stretch[whole.last][axis], "of frame 0"
         )
         if seen is not None and not aligned:
@@ -94,21 +94,21 @@ def _stretch_rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]
         yield row
 
 
-def _row(name: str, seen: float | None, true: float | None, unit: str) -> list[str]:
+def _make_row(name: str, seen: float | None, true: float | None, unit: str) -> list[str]:
     if seen is None or true is None:
         shown = "not observable" if seen is None else format_fixed(seen, DECIMALS)
         return [name, shown, format_fixed(true, DECIMALS), UNKNOWN, unit]
-    return [name, format_fixed(seen, DECIMALS), format_fixed(true, DECIMALS), _signed(seen - true), unit]
+    return [name, format_fixed(seen, DECIMALS), format_fixed(true, DECIMALS), _sign(seen - true), unit]
 
 
-def _signed(value: float) -> str:
+def _sign(value: float) -> str:
     text = format_fixed(value, DECIMALS)
     return text if value <= 0 or float(text) == 0 else f"+{text}"
 
 
-def _at(values: Sequence[float | None], index: int) -> float | None:
+def _get_at(values: Sequence[float | None], index: int) -> float | None:
     return values[index] if index < len(values) else None
 
 
-def _farthest(path: Sequence[Sequence[float] | None]) -> float | None:
+def _find_farthest(path: Sequence[Sequence[float] | None]) -> float | None:
     return max((math.hypot(*point) for point in path if point is not None), default=None)

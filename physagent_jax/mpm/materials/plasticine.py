@@ -54,14 +54,14 @@ class Plasticine(HenckyPlasticity):
         del dt
         deviation, norm = deviator(eps)
         q = math.sqrt(1.5) * 2 * self.mu * norm
-        excess = relative_excess(q, _remaining_yield_stress(self, history))
+        excess = relative_excess(q, _compute_yield_stress(self, history))
         slope = 3 * self.mu - self.softening
         stable = slope > 0
         fraction = jnp.where(stable, excess * 3 * self.mu / jnp.where(stable, slope, 1), jnp.sign(excess))
         fraction = jnp.where(fraction < 1, fraction, 1)
         after = history + fraction * q / (3 * self.mu)
         trace = eps.sum(0)
-        torn = (_remaining_yield_stress(self, after) <= 0) & (trace > math.log(TORN))
+        torn = (_compute_yield_stress(self, after) <= 0) & (trace > math.log(TORN))
         forgotten = jnp.where(torn, trace - math.log(TORN), 0) / 3
         return -deviation * fraction - forgotten, after
 
@@ -69,7 +69,7 @@ class Plasticine(HenckyPlasticity):
         """Principal Kirchhoff stresses [Pa], shape (3, n)."""
         bulk = self.lam + 2 / 3 * self.mu
         deviation, _ = deviator(eps)
-        pressure = bulk * _tension_free(eps, self, history)
+        pressure = bulk * _cut_tension(eps, self, history)
         return 2 * self.mu * deviation + pressure
 
 
@@ -82,14 +82,14 @@ def softening_from_deviator_norm(softening: ArrayLike) -> jax.Array:
     return 1.5 * jnp.asarray(softening)
 
 
-def _remaining_yield_stress(material: Plasticine, alpha: jax.Array) -> jax.Array:
+def _compute_yield_stress(material: Plasticine, alpha: jax.Array) -> jax.Array:
     return jnp.maximum(material.yield_stress - material.softening * alpha, 0)
 
 
-def _tension_free(eps: jax.Array, material: Plasticine, alpha: jax.Array) -> jax.Array:
+def _cut_tension(eps: jax.Array, material: Plasticine, alpha: jax.Array) -> jax.Array:
     """tr(eps), without its tensile part where the yield stress is used up."""
     trace = eps.sum(0)
-    return jnp.where((_remaining_yield_stress(material, alpha) > 0) | (trace < 0), trace, 0)
+    return jnp.where((_compute_yield_stress(material, alpha) > 0) | (trace < 0), trace, 0)
 
 
 def _energy(s: jax.Array, parameters: tuple[Plasticine, jax.Array]) -> Principal:
@@ -97,7 +97,7 @@ def _energy(s: jax.Array, parameters: tuple[Plasticine, jax.Array]) -> Principal
     eps = jnp.log(s)
     bulk = material.lam + 2 / 3 * material.mu
     deviation, _ = deviator(eps)
-    volumetric = 0.5 * bulk * _tension_free(eps, material, alpha) ** 2
+    volumetric = 0.5 * bulk * _cut_tension(eps, material, alpha) ** 2
     return Principal(scalar=volumetric + material.mu * (deviation**2).sum(0))
 
 

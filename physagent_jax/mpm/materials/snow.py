@@ -50,11 +50,11 @@ class Snow(Hyperelastic):
 
     def energy(self, F: jax.Array, history: History) -> jax.Array:
         """Strain energy per rest volume [J/m^3], shape (n,)."""
-        return self._elastic(self.hardening_factor(history)).energy(F)
+        return self._harden(self.hardening_factor(history)).energy(F)
 
     def stress(self, F: jax.Array, history: History) -> jax.Array:
         """Kirchhoff stress [Pa], shape (n, 3, 3)."""
-        return self._elastic(self.hardening_factor(history)).stress(F)
+        return self._harden(self.hardening_factor(history)).stress(F)
 
     def stiffness(self, F: jax.Array, history: History) -> jax.Array:
         """`FixedCorotated`'s bound with the hardening cap, at the largest stretch that `project` lets pass.
@@ -62,7 +62,7 @@ class Snow(Hyperelastic):
         It holds for the coming steps too, however much the snow is compacted in them.
         """
         stretch = jnp.maximum(singular_values(F), (1 + self.critical_stretch)[:, None])
-        return self._elastic(self.hardening_cap).stiffness(stretch[..., None] * jnp.eye(3, dtype=F.dtype))
+        return self._harden(self.hardening_cap).stiffness(stretch[..., None] * jnp.eye(3, dtype=F.dtype))
 
     def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
         """Clamps the singular values; the history is the plastic volume ratio J_p."""
@@ -76,7 +76,7 @@ class Snow(Hyperelastic):
         result = spectral(_clamp_and_stress, F, (self, history))
         return result.change, result.scalar, result.spatial
 
-    def _elastic(self, factor: jax.Array) -> FixedCorotated:
+    def _harden(self, factor: jax.Array) -> FixedCorotated:
         return FixedCorotated(self.mu * factor, self.lam * factor)
 
 
