@@ -30,7 +30,6 @@ from physagent_jax.kernels.lanes import (
     rotate,
     splat,
     splat_like,
-    store,
     store_rows,
     tile,
     transpose,
@@ -62,6 +61,7 @@ from physagent_jax.mpm.kernels.transfer import (
     momentum,
     neo_hookean_stress,
     product,
+    scatter_rows,
     sum_plane,
     triple,
 )
@@ -99,7 +99,7 @@ def scatter_bars(x, F, velocity, origin, dt, dx, bars, new_x, new_F, nodes, tota
     """`g2p_adjoint` of the particles ``first`` to ``last``."""
     bar_x, bar_v, bar_C, bar_F = bars
     old_F, flat_C, flat_F, result_F = flatten(F), flatten(bar_C), flatten(bar_F), flatten(new_F)
-    zero, rows, by_dt = cast_like(0, dx), NUMBERS * shape[2], cast_like(0, dx)
+    zero, by_dt = cast_like(0, dx), cast_like(0, dx)
     still = pack((zero, zero, zero))
     k, step = splat_like(cast_like(4, dx) / dx, still), splat_like(dt, still)
     for p in range(first, last):
@@ -128,17 +128,7 @@ def scatter_bars(x, F, velocity, origin, dt, dx, bars, new_x, new_F, nodes, tota
         r0, r1, r2 = transpose(g0, g1, g2)
         by_dt += inner(moved, v) + (inner(d0, r0) + inner(d1, r1) + inner(d2, r2))
         along = repeat(Z)
-        row0, next_x, next_y = along * row, along * next_x, along * next_y
-        row1 = row0 + next_y
-        row2 = row1 + next_y
-        for i in range(3):
-            w = extract(X, i)
-            o0 = start + i * shape[1] * rows
-            o1, o2 = o0 + rows, o0 + 2 * rows
-            store(nodes, o0, load(nodes, o0) + splat(w * Y[0]) * row0)
-            store(nodes, o1, load(nodes, o1) + splat(w * Y[1]) * row1)
-            store(nodes, o2, load(nodes, o2) + splat(w * Y[2]) * row2)
-            row0, row1, row2 = row0 + next_x, row1 + next_x, row2 + next_x
+        scatter_rows(nodes, start, shape, X, Y, along * row, along * next_x, along * next_y)
     total[0], total[1], total[2], total[3] = zero, zero, zero, by_dt
 
 

@@ -122,7 +122,7 @@ def sum_plane(private, touched, nodes, i, shape):
 @njit(**OPTIONS)
 def scatter(x, v, C, tau, mu, lam, mass, volume, dv, origin, dt, dx, options, nodes, shape, first, last):
     """Adds the particles ``first`` to ``last`` to ``nodes``, a flat array with four numbers per node."""
-    zero, rows, (classical, neo_hookean) = cast_like(0, dx), NUMBERS * shape[2], options
+    zero, (classical, neo_hookean) = cast_like(0, dx), options
     kick = dv[0], dv[1], dv[2]
     for p in range(first, last):
         start, f0, f1, f2 = locate_stencil(x, p, origin, dx, shape)
@@ -134,21 +134,31 @@ def scatter(x, v, C, tau, mu, lam, mass, volume, dv, origin, dt, dx, options, no
         t0, t1, t2 = neo_hookean_stress(tau, mu[p], lam[p], p) if neo_hookean else load_columns(tau, p)
         a0, a1, a2 = affine(t0, t1, t2, k, C, m * dx, p)
         q = momentum(v, kick, m, a0, a1, a2, p, f0, f1, f2)
-        row0 = tile(q, m) * along + tile(a2, zero) * repeat((zero, Z[1], Z[2] + Z[2]))
-        next_x, next_y = tile(a0, zero) * along, tile(a1, zero) * along
-        row1 = row0 + next_y
-        row2 = row1 + next_y
-        for i in range(3):
-            w = extract(X, i)
-            o0 = start + i * shape[1] * rows
-            o1, o2 = o0 + rows, o0 + 2 * rows
-            store(nodes, o0, load(nodes, o0) + splat(w * Y[0]) * row0)
-            store(nodes, o1, load(nodes, o1) + splat(w * Y[1]) * row1)
-            store(nodes, o2, load(nodes, o2) + splat(w * Y[2]) * row2)
-            row0, row1, row2 = row0 + next_x, row1 + next_x, row2 + next_x
+        row = tile(q, m) * along + tile(a2, zero) * repeat((zero, Z[1], Z[2] + Z[2]))
+        scatter_rows(nodes, start, shape, X, Y, row, tile(a0, zero) * along, tile(a1, zero) * along)
         if classical:
             dX, dY, dZ = spline_derivative(f0), spline_derivative(f1), spline_derivative(f2)
             scatter_force(t0, t1, t2, impulse, X, Y, Z, dX, dY, dZ, nodes, start, shape)
+
+
+@njit(**INLINE)
+def scatter_rows(nodes, start, shape, X, Y, row0, next_x, next_y):
+    """Adds w_x w_y times a row of values along z to each of a stencil's nine rows of nodes.
+
+    The rows' values are affine in the place: ``row0`` is the lowest one's, ``next_x`` and ``next_y`` are what the next
+    one along x and along y adds. All three have the weights along z in them.
+    """
+    rows = NUMBERS * shape[2]
+    row1 = row0 + next_y
+    row2 = row1 + next_y
+    for i in range(3):
+        w = extract(X, i)
+        o0 = start + i * shape[1] * rows
+        o1, o2 = o0 + rows, o0 + 2 * rows
+        store(nodes, o0, load(nodes, o0) + splat(w * Y[0]) * row0)
+        store(nodes, o1, load(nodes, o1) + splat(w * Y[1]) * row1)
+        store(nodes, o2, load(nodes, o2) + splat(w * Y[2]) * row2)
+        row0, row1, row2 = row0 + next_x, row1 + next_x, row2 + next_x
 
 
 @njit(**INLINE)
