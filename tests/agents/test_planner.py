@@ -9,7 +9,15 @@ from physagent_jax.agents.rules import tolerances
 from physagent_jax.agents.rules.judging.collateral import find_eigenvalues
 from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.rules.tolerances import list_windows
-from physagent_jax.agents.schema import Amount, ExpectedMotion, MotionKind, SemanticReply, Verdict
+from physagent_jax.agents.schema import (
+    Amount,
+    ExpectedMotion,
+    MotionKind,
+    ObstacleRequest,
+    SemanticReply,
+    Verdict,
+    WorldRequest,
+)
 from physagent_jax.core.turning import find_turning_points
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.schema import PartMotion, Uncertainty
@@ -158,6 +166,25 @@ def test_a_free_thing_that_comes_back_was_not_pushed_there():
     """Net displacement counts, not the farthest favourable instant."""
     seen = show(lambda t: (-0.6 * math.sin(math.pi * t / LAST), 0, 0))
     assert not passes(expected(), seen)
+
+
+def test_what_a_wall_throws_back_was_thrown_there():
+    """The rebound is the wall's doing, if the wall was met; another wall, or one that was not met, excuses nothing."""
+    thrown = expected(direction=RIGHT, sudden=True)
+
+    def world(direction):
+        return WorldRequest(obstacles=(ObstacleRequest(direction=direction, distance=0.6),))
+
+    def bounce(reach):
+        return show(lambda t: (0.1 * t if 0.1 * t < reach else max(2 * reach - 0.1 * t, -1.0), 0, 0))
+
+    assert not passes(thrown, bounce(0.6))
+    assert passes(thrown, bounce(0.6), world=world(RIGHT))
+    assert not passes(thrown, bounce(0.3), world=world(RIGHT))
+    assert not passes(thrown, bounce(0.6), world=world(LEFT))
+    assert not passes(expected(direction=LEFT, sudden=True), bounce(0.6), world=world(RIGHT))
+    near = WorldRequest(obstacles=(ObstacleRequest(direction=RIGHT, distance=0.0),))
+    assert not passes(thrown, show(), world=near)
 
 
 @pytest.mark.parametrize(

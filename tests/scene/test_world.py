@@ -13,7 +13,7 @@ from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
-from physagent_jax.scene.fuse import fuse
+from physagent_jax.scene.fuse import estimate_sweep, fuse
 
 
 def resolved(path, **parts):
@@ -98,6 +98,26 @@ def test_obstacles_stand_where_the_sentence_has_them(robot_path, body, direction
     assert (corners @ away).min() - (x @ away).max() == pytest.approx(0.4 * body.extent, abs=2e-3)
     if not direction[2]:
         assert corners[:, 2].min() == pytest.approx(x[:, 2].min(), abs=0.02)
+
+
+def test_the_camera_has_room_for_what_a_wall_throws_back(robot_path, body):
+    throw = ForceField.model_validate(
+        {
+            "actions": [
+                {"action_type": "impulse", "vector": [1, 0, 0], "magnitude": 1.6, "active_time": [0, 1]}
+            ]
+        }
+    )
+    wall = WorldRequest(obstacles=(ObstacleRequest(direction=(1.0, 0.0, 0.0), distance=0.4),))
+    low, high = body.low[0], body.high[0]
+    spans = {}
+    for name, said in (("free", None), ("wall", wall)):
+        x = estimate_sweep(fused(robot_path, body, throw, world="free", said=said), body)[:, 0]
+        spans[name] = ((low - x.min()) / body.extent, (x.max() - high) / body.extent)
+    room = spans["free"][0]  # around what does not move that way at all
+    gone = spans["free"][1] - room
+    assert spans["wall"][1] == pytest.approx(room + 0.4, abs=0.05)  # as a path of frames meets it
+    assert spans["wall"][0] == pytest.approx(room + gone - 2 * 0.4, abs=0.05)
 
 
 def test_the_clip_is_as_long_as_the_sentence_needs_unless_the_user_says(robot_path):

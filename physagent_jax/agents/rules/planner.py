@@ -29,7 +29,9 @@ class RulePlanner(PlannerAgent):
     def judge(self, context: AgentContext, seen: Observation) -> Reply[Judgement]:
         """Compares the report with what is expected of the sentence; see `protocols.PlannerAgent`."""
         expectations = context.expectations
-        view = View(seen.report, context.brief, expectations, seen.force_field, _has_gravity(context, seen))
+        reading, gravity = context.reading, _has_gravity(context, seen)
+        obstacles = reading.world.obstacles if reading else ()
+        view = View(seen.report, context.brief, expectations, seen.force_field, gravity, obstacles)
         checks = make_checks(view)
         unsure = context.reading.unsure if context.reading else ()
         success = bool(checks) and all(check.passed for check in checks) and not unsure

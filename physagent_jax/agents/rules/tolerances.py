@@ -21,6 +21,7 @@ between the words' strengths (0.4, 1.0, 1.6) limits go geometrically.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -40,6 +41,7 @@ LARGEST_OVERLAP_OF_TURNS = 2.0
 _LARGEST_GAIN = 10.0  # beyond it the response is not proportional anyway
 _SETTLE = 1 / 3  # of a later stillness that may still show what came before it
 _PART = 0.3  # how much less the whole shows if only a part is acted on
+REACHED = 0.8  # of the way to an obstacle, from where on it counts as met
 _UNHURRIED = 1.0  # [s] what lasts for less time may do less
 _STRENGTHS = (0.4, 1.0, 1.6)
 
@@ -109,6 +111,11 @@ class Tolerance:
         if self.low <= 0:
             return f"at most {self.high:.2g} {self.unit}"
         return f"{self.low:.3g} to {self.high:.3g} {self.unit}"
+
+    def limited(self, most: float) -> Tolerance:
+        """The same where something stands in the way at the distance ``most``."""
+        most = max(most, LEAST)
+        return dataclasses.replace(self, low=min(self.low, REACHED * most), target=min(self.target, most))
 
     def scaled(self, low: float = 1.0, target: float | None = None, least: float = 0.0) -> Tolerance:
         """The same with the lower limit (and the target) multiplied, but the limit not below ``least``."""

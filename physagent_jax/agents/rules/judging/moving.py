@@ -53,6 +53,13 @@ def _cut_at_turning_point(course: Course, direction: Vector) -> Course:
     return [(t, add([p, scale(place, -1.0)])) for t, p in course if t >= start]
 
 
+def _cut_at_obstacle(course: Course, direction: Vector, distance: float) -> Course:
+    """Until an obstacle is met: what comes after that is the obstacle's doing."""
+    end, place = max(course[1:], key=lambda point: dot(point[1], direction))
+    met = dot(place, direction) >= tolerances.REACHED * distance
+    return [point for point in course if point[0] <= end] if met else course
+
+
 def check_move(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
     """Displacement: direction of the first response, direction of the path, distance, and whether it is kept."""
     end, why = find_track(expectation, view)
@@ -67,9 +74,11 @@ def check_move(index: int, expectation: ExpectedMotion, view: View) -> list[Chec
     own, raw, drift = follow(expectation, view, until, end)
     if not own:
         return [make_unseen_check(index, expectation, _explain_lost(view, first, until))]
+    obstacle, direction = view.find_obstacle(expectation), expectation.direction
+    if obstacle is not None and direction is not None:
+        own, raw = (_cut_at_obstacle(course, direction, obstacle.distance) for course in (own, raw))
     within = [point for point in own if point[0] <= last]
     peak_frame, peak = find_farthest(within if view.anchored and len(within) > 1 and not lasting else own)
-    direction = expectation.direction
     rises = view.gravity and direction is not None and dot(direction, view.brief.directions.up) > 0.5
     if rises and direction is not None:  # it has to come down again, and may land lower
         peak_frame, peak = max(own, key=lambda point: dot(point[1], direction))
@@ -83,6 +92,8 @@ def check_move(index: int, expectation: ExpectedMotion, view: View) -> list[Chec
         drift=coasting,
         end=end is not None,
     )
+    if obstacle is not None:
+        tolerance = tolerance.limited(obstacle.distance)
     lost = next((t for t in range(first, until + 1) if view.report.centroid[t] is None), None)
     if lost is not None and 0 < along < tolerance.low:
         return [make_unseen_check(index, expectation, _explain_lost(view, first, until))]

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from physagent_jax.agents.matching import agrees, find_causes, share_time
 from physagent_jax.agents.rules import tolerances
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.agents.schema import ExpectedMotion, MotionKind, ObstacleRequest, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, cross, dot, norm, normalise, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import ForceField
@@ -22,6 +22,7 @@ _TO_SIGMA = (
 )  # half width of an interval that holds the truth in nine of ten clips -> standard deviation
 _UNKNOWN = Uncertainty(displacement=0.04, rotation=8.0, axis=12.0, stretch=0.08, frequency=0.2)
 _ALONG_END = 0.65  # cosine: the end nearest to a direction that lies between two of them is taken
+_IN_THE_WAY = 0.7  # cosine
 _BOTH = 0.5  # cosine: directions more than 60 degrees apart can be told apart
 
 
@@ -33,6 +34,7 @@ class View:
         report, brief, expectations: What was seen, where, and what was asked.
         force_field: Names what to change; never a yardstick.
         gravity: Whether things that are let go fall.
+        obstacles: What the sentence puts in the way.
     """
 
     report: MotionReport
@@ -40,6 +42,7 @@ class View:
     expectations: tuple[ExpectedMotion, ...]
     force_field: ForceField
     gravity: bool = False
+    obstacles: tuple[ObstacleRequest, ...] = ()
 
     @property
     def anchored(self) -> bool:
@@ -67,6 +70,13 @@ class View:
         later = [begin for begin in begins if begin >= last - 1]
         between = [begin for begin in begins if begin > first]
         return max(last, min(later)) if later else last if between else self.last
+
+    def find_obstacle(self, expectation: ExpectedMotion) -> ObstacleRequest | None:
+        """What the sentence puts in this motion's way."""
+        way = expectation.direction
+        return next(
+            (each for each in self.obstacles if way and cosine(each.direction, way) > _IN_THE_WAY), None
+        )
 
     def seconds(self, first: int, last: int) -> float:
         """Duration of frames first..last [s]."""
