@@ -3,6 +3,7 @@
 import json
 
 import pytest
+import trimesh
 
 from physagent_jax.cli import main
 
@@ -64,3 +65,21 @@ def test_a_missing_object_is_refused(tmp_path, capsys):
     """As for a run."""
     assert main(["plan", "--object", str(tmp_path / "gone.ply"), "push it left"]) == 2
     assert "gone.ply" in capsys.readouterr().err
+
+
+def test_a_plan_says_what_of_the_object_is_loose_and_how_it_is_damped(tmp_path, capsys):
+    """Known once the object is loaded, long before anything is simulated."""
+    apart = trimesh.util.concatenate(
+        [
+            trimesh.creation.box([0.4, 0.4, 0.4]),
+            trimesh.creation.box([0.2, 0.2, 0.2]).apply_translation([0.9, 0, 0]),
+        ]
+    )
+    apart.export(tmp_path / "pair.obj")
+    said = json.loads(
+        plan(capsys, tmp_path / "pair.obj", "push it to the left", "--json", "--kind", "pillow")
+    )
+    (loose,) = [each for each in said["assumptions"] if "joined to the rest by nothing" in each]
+    assert "1 piece(s)" in loose and "0.4" in loose
+    (damped,) = [each for each in said["assumptions"] if "damping ratio" in each]
+    assert "`--damping-ratio` 0.1" in damped

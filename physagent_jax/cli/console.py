@@ -7,6 +7,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from physagent_jax.agents.schema import Judgement, SemanticReply, Verdict
 from physagent_jax.cli import stopping
+from physagent_jax.cli.options import name_options
 from physagent_jax.run.observer import Observer
 
 stderr = Console(stderr=True, highlight=False, soft_wrap=True)
@@ -59,6 +60,7 @@ class ConsoleObserver(Observer):
 
     def __init__(self):
         self._bar: FrameBar | None = None
+        self.told: set[str] = set()  # warnings that were printed
 
     def stage(self, text: str) -> None:
         """Prints the stage; its frames, if any, get a bar. Raises as `FrameBar`."""
@@ -80,6 +82,15 @@ class ConsoleObserver(Observer):
             stderr.print(f"  [yellow]not understood:[/] {_escape(', '.join(reply.not_understood))}")
         for doubt in reply.unsure:
             stderr.print(f"  [yellow]unsure:[/] {_escape(doubt)}")
+
+    def assumed(self, text: str) -> None:
+        """Prints it beside what was assumed of the sentence."""
+        stderr.print(f"  assumed: {_escape(name_options(text))}")
+
+    def warned(self, text: str) -> None:
+        """Prints it, while the run can still be stopped."""
+        self.told.add(text)
+        warn(name_options(text))
 
     def judged(self, index: int, judgement: Judgement) -> None:
         """Prints the planner's verdict and its suggestion."""

@@ -31,6 +31,7 @@ OPTIONS = {
     "material.youngs_modulus": "--youngs-modulus",
     "material.poissons_ratio": "--poissons-ratio",
     "material.density": "--density",
+    "material.damping_ratio": "--damping-ratio",
     "anchor.kind": "--anchor",
     "anchor.mask_path": "--anchor-mask",
     "camera.azimuth_degrees": "--azimuth",

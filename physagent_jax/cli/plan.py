@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -16,6 +17,7 @@ from physagent_jax.scene.presets import PresetName
 
 if TYPE_CHECKING:
     from physagent_jax.agents.schema import SceneBrief, SemanticReply
+    from physagent_jax.run.resolve import ResolvedRun
 
 
 @dataclasses.dataclass(frozen=True)
@@ -67,11 +69,28 @@ class Plan:
         reader = agents_of(run.spec).semantic
         reply = reader.compile(AgentContext(self.prompt, brief, describe_skills())).value
         after = make_brief(run.with_reply(reply), frames_fixed=run.frames_fixed)
+        found = [name_options(text) for text in examine_object(run, reply)]
+        reply = reply.model_copy(update=dict(notes=(*reply.notes, *found)))
         if self.json_line:
             print(json.dumps(to_json(reply, after)))
         else:
             print("\n".join(describe_plan(reply, after)))
         return 0
+
+
+def examine_object(run: ResolvedRun, reply: SemanticReply) -> list[str]:
+    """What a run would say of the object before it simulates anything: loose pieces, toppling, damping."""
+    from physagent_jax.scene.body import make_body
+    from physagent_jax.scene.fuse import damp, hold_if_toppling
+
+    template, why = run.with_reply(reply), None
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", UserWarning)
+        body = make_body(template.source, template.preset.filling, template.preset.domain, run.base_dir)
+    if reply.world.gravity is None:
+        template, why = hold_if_toppling(template, body)
+    told = [str(each.message) for each in caught]
+    return [text for text in (*told, why, damp(template, body)[1]) if text is not None]
 
 
 def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:

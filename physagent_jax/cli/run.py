@@ -67,6 +67,8 @@ class Run:
     """nu; default: the material's."""
     density: float | None = None
     """[kg/m^3]; default: the material's."""
+    damping_ratio: float | None = None
+    """Share of critical damping of the object's lowest mode, 0 to 1; default: its kind's, if that costs little."""
     world: Literal["ground", "free"] = "free"
     """ground: it stands on the ground and gravity acts, unless the sentence says otherwise; free: it floats."""
     friction: float | None = None
@@ -139,7 +141,7 @@ class Run:
             observer.close()
         report = write_report(store.path)
         for text in store.manifest.warnings:
-            if text not in run.warnings:
+            if text not in run.warnings and text not in observer.told:
                 warn(text)
         summary = summarise(store, time.perf_counter() - begun)
         if self.json_line:

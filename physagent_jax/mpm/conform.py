@@ -63,6 +63,7 @@ def conform(model: Model, state: State) -> tuple[Model, State]:
         mass=real("model.mass", (count,)),
         volume=real("model.volume", (count,)),
         viscosity=None if model.viscosity is None else real("model.viscosity", (count,)),
+        damping_rate=None if _is_nothing(model.damping_rate) else real("model.damping_rate", ()),
         materials=tuple(
             _conform_per_particle(type(material).__name__, material, material.count, dtype)
             for material in model.materials
@@ -119,6 +120,11 @@ def _count_particles(material: Any) -> int:
         raise UserError(
             f"the parameters of {type(material).__name__} must be arrays with one number per particle"
         ) from error
+
+
+def _is_nothing(value: Any) -> bool:
+    """Whether it is known to be zero before anything is traced, so that it can be skipped."""
+    return value is None or (isinstance(value, float | int) and value == 0)
 
 
 def _conform_grid(grid: Grid) -> Grid:

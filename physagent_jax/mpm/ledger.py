@@ -19,9 +19,10 @@ import jax.numpy as jnp
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.energy import kinetic_energy, total_energy
 from physagent_jax.mpm.linalg import cofactor, determinant, matmul, transpose
+from physagent_jax.mpm.materials import viscous_stress
 from physagent_jax.mpm.reductions import sum_devices
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.step import StepTrace, damp_affine, map_materials, viscous_stress
+from physagent_jax.mpm.step import StepTrace, damp_affine, map_materials
 
 
 @register_dataclass
@@ -137,5 +138,5 @@ def _measure_viscous(model: Model, before: State, trace: StepTrace) -> jax.Array
     if model.viscosity is None:
         return jnp.zeros((), before.x.dtype)
     end = trace.gathered
-    tau = viscous_stress(model.viscosity, before) + viscous_stress(model.viscosity, end)
+    tau = viscous_stress(model.viscosity, before.C, before.F) + viscous_stress(model.viscosity, end.C, end.F)
     return 0.5 * model.dt * sum_devices((model.volume[:, None, None] * tau * end.C).sum(), model.axis)

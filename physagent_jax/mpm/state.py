@@ -83,7 +83,7 @@ class Model:
         stress_form: How stress acts on nodes and grad v is read: "mls" (4 / dx^2 w_i (x_i - x), C; Hu et al. 2018)
             or "gradient" (grad w_i, the classical form), static.
         rpic_damping: 0 = APIC, 1 = only the rotational part of C; static.
-        damping_rate: Global damping of grid velocities [1/s], static; 0 = none (skipped).
+        damping_rate: Global damping of grid velocities [1/s], scalar; None = none (skipped).
         wall: Cells from the domain's faces at which particles are stopped, static. One: matter rests up to 1.5 cells
             deep in the walls of `boundaries.DomainBox`, and its stencil needs half a cell.
         kernels: "auto", "reference" or "cpu" (see `physagent_jax.kernels`), static; forward-mode derivatives need
@@ -105,7 +105,7 @@ class Model:
     transfer: Literal["apic", "pic"] = dataclasses.field(default="apic", metadata=_STATIC)
     stress_form: Literal["mls", "gradient"] = dataclasses.field(default="mls", metadata=_STATIC)
     rpic_damping: float = dataclasses.field(default=0.0, metadata=_STATIC)
-    damping_rate: float = dataclasses.field(default=0.0, metadata=_STATIC)
+    damping_rate: jax.Array | float | None = None
     wall: int = dataclasses.field(default=1, metadata=_STATIC)
     kernels: Literal["auto", "reference", "cpu"] = dataclasses.field(default="auto", metadata=_STATIC)
     axis: str | None = dataclasses.field(default=None, metadata=_STATIC)
@@ -116,8 +116,9 @@ class Model:
                 raise explain_unknown_name(f"`Model.{name}`", getattr(self, name), known)
         if not 0 <= self.rpic_damping <= 1:
             raise UserError("`Model.rpic_damping` must be within [0, 1]", got=self.rpic_damping)
-        if not 0 <= self.damping_rate < math.inf:
-            raise UserError("`Model.damping_rate` must be finite and not negative", got=self.damping_rate)
+        rate = self.damping_rate
+        if isinstance(rate, float | int) and not 0 <= rate < math.inf:
+            raise UserError("`Model.damping_rate` must be finite and not negative", got=rate)
         if self.wall < 1:
             raise UserError("`Model.wall` must be 1 or more: a stencil needs the room", got=self.wall)
 

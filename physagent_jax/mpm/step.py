@@ -16,8 +16,8 @@ from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import constraints, kernels, materials, reductions, transfer
 from physagent_jax.mpm.conform import as_field, conform
 from physagent_jax.mpm.health import Health, measure_health
-from physagent_jax.mpm.linalg import determinant, transpose
-from physagent_jax.mpm.materials import NeoHookean
+from physagent_jax.mpm.linalg import transpose
+from physagent_jax.mpm.materials import NeoHookean, viscous_stress
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import stencil
@@ -74,8 +74,7 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
         forced = dataclasses.replace(state, v=v, C=affine(model, state))
         constrained = constraints.before_p2g(model, forced)
     with jax.named_scope("p2g"):
-        total = tau if model.viscosity is None else tau + viscous_stress(model.viscosity, state)
-        nodes = scatter(model, state, constrained, total)
+        nodes = scatter(model, state, constrained, tau)
         nodes = reductions.sum_devices(nodes, model.axis)  # one grid, whichever device a particle is on
     with jax.named_scope("grid_update"):
         node_mass, free = nodes[..., 3], grid_velocity(model, nodes)
@@ -99,21 +98,27 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
 
 
 def scatter(model: Model, state: State, constrained: State, tau: jax.Array) -> jax.Array:
-    """Momentum and mass at the nodes, shape (nx, ny, nz, 4); ``constrained`` is ``state`` after forces, constraints."""
+    """Momentum and mass at the nodes, shape (nx, ny, nz, 4), with the stress ``tau`` and viscosity.
+
+    ``constrained`` is ``state`` after forces and constraints.
+    """
     v, dv = constrained.v, jnp.zeros(3, constrained.v.dtype)
     if not model.forces and not model.constraints:  # gravity alone need not go through memory
         v, dv = state.v, model.dt * body_acceleration(model, state)
     form, grid, inputs = model.stress_form, model.grid, (model.mass, model.volume, dv, model.dt)
-    if not kernels.use_cpu(model.kernels):
-        return transfer.p2g(form, grid, constrained.x, v, constrained.C, tau, *inputs)
-    cpu, law = kernels.load_cpu_kernels(), model.materials[0]
-    if (
-        type(law) is NeoHookean and len(model.materials) == 1 and model.viscosity is None
-    ):  # a subclass may differ
+    eta, law = model.viscosity, model.materials[0]
+    use_cpu = kernels.use_cpu(model.kernels)
+    if use_cpu and type(law) is NeoHookean and len(model.materials) == 1:  # a subclass may differ
         # The kernel makes this stress on the way, and ``tau`` is never computed: XLA sees that nobody reads it.
+        cpu = kernels.load_cpu_kernels()
         lame = (jnp.broadcast_to(parameter, model.mass.shape) for parameter in (law.mu, law.lam))
-        return cpu.p2g_neo_hookean(form, grid, constrained.x, v, constrained.C, constrained.F, *lame, *inputs)
-    return cpu.p2g(form, grid, constrained.x, v, constrained.C, tau, *inputs)
+        particles = constrained.x, v, constrained.C, constrained.F, *lame
+        if eta is None:
+            return cpu.p2g_neo_hookean(form, grid, *particles, *inputs)
+        return cpu.p2g_kelvin_voigt(form, grid, *particles, eta, state.C, *inputs)
+    total = tau if eta is None else tau + viscous_stress(eta, state.C, state.F)
+    p2g = kernels.load_cpu_kernels().p2g if use_cpu else transfer.p2g
+    return p2g(form, grid, constrained.x, v, constrained.C, total, *inputs)
 
 
 def gather(model: Model, state: State, velocity: jax.Array) -> transfer.Moved:
@@ -154,14 +159,6 @@ def kirchhoff_stress(model: Model, state: State) -> jax.Array:
     """Kirchhoff stress without viscosity [Pa], shape (n, 3, 3), each block of particles by its own material."""
     tau = map_materials(model, state, lambda material, F, history: material.stress(F, history))
     return as_field(tau, state.F, "stresses")
-
-
-def viscous_stress(viscosity: jax.Array, state: State) -> jax.Array:
-    """Newtonian Kirchhoff stress 2 eta J dev(sym grad v) [Pa], shape (n, 3, 3)."""
-    D = 0.5 * (state.C + transpose(state.C))
-    mean = (D[:, 0, 0] + D[:, 1, 1] + D[:, 2, 2])[:, None, None] / 3
-    deviator = D - mean * jnp.eye(3, dtype=D.dtype)
-    return (2 * viscosity * determinant(state.F))[:, None, None] * deviator
 
 
 def respond(
@@ -250,7 +247,7 @@ def apply_boundaries(model: Model, velocity: jax.Array, time: jax.Array) -> jax.
 
 def damp(model: Model, velocity: jax.Array) -> jax.Array:
     """Node velocities after the global damping of one substep."""
-    return velocity * jnp.exp(-model.damping_rate * model.dt) if model.damping_rate > 0 else velocity
+    return velocity if model.damping_rate is None else velocity * jnp.exp(-model.damping_rate * model.dt)
 
 
 def stop_at_walls(model: Model, state: State, health: Health) -> tuple[State, Health]:

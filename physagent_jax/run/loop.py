@@ -45,7 +45,7 @@ from physagent_jax.scene.coarse import coarsen
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import CameraConfig, SceneConfig
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
-from physagent_jax.scene.fuse import SceneTemplate, fuse, hold_if_toppling
+from physagent_jax.scene.fuse import SceneTemplate, damp, fuse, hold_if_toppling
 from physagent_jax.simulation.ahead import compile_ahead
 from physagent_jax.simulation.recording import RestartCache
 from physagent_jax.simulation.simulate import simulate_scene
@@ -248,6 +248,8 @@ class _Loop:
             warnings.simplefilter("always", UserWarning)
             body = make_body(template.source, preset.filling, preset.domain, self._run.base_dir)
         self._warnings = tuple(dict.fromkeys(str(warning.message) for warning in caught))
+        for text in self._warnings:
+            self.observer.warned(text)
         return body
 
     def apply_reply(self, reply: SemanticReply, body: Body) -> SceneTemplate:
@@ -258,7 +260,11 @@ class _Loop:
         self._template = self._run.with_reply(reply)
         if reply.world.gravity is None:
             self._template, why = hold_if_toppling(self._template, body)
-            self._warnings += () if why is None else (why,)
+            if why is not None:
+                self._warnings += (why,)
+                self.observer.warned(why)
+        if (note := damp(self._template, body)[1]) is not None:
+            self.observer.assumed(note)
         return self._template
 
     def probe(self, template: SceneTemplate, body: Body, reply: SemanticReply) -> ForceField:

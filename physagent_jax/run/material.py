@@ -19,6 +19,7 @@ from physagent_jax.scene.presets import Preset
 from physagent_jax.scene.priors import choose_material
 
 AFFORDABLE = 10_000  # substeps of a clip that `--soften_material auto` aims at
+_VALUES = ("youngs_modulus", "poissons_ratio", "density", "damping_ratio")
 EXPENSIVE = 100_000  # substeps of a clip beyond which a warning is due; usual runs take some thousands
 
 
@@ -81,7 +82,7 @@ def _choose_of_model(model: MaterialModel, prior: Material) -> Material:
 
 def _apply_values(choice: MaterialChoice, material: Material) -> Material:
     """The material with the values that are chosen one by one."""
-    values = {name: getattr(choice, name) for name in ("youngs_modulus", "poissons_ratio", "density")}
+    values = {name: getattr(choice, name) for name in _VALUES}
     given = {name: value for name, value in values.items() if value is not None}
     if not given:
         return material

@@ -14,6 +14,12 @@ class Observer:
     def understood(self, reply: SemanticReply) -> None:
         """The sentence was read."""
 
+    def assumed(self, text: str) -> None:
+        """Something was assumed of the object before anything is simulated."""
+
+    def warned(self, text: str) -> None:
+        """Something about the object came up that the user should know before anything is simulated."""
+
     def frame(self, done: int, total: int) -> None:
         """``done`` of ``total`` frames are simulated and rendered."""
 

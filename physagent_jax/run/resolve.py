@@ -17,11 +17,18 @@ from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
 from physagent_jax.scene.anchor import MASK_BYTES
 from physagent_jax.scene.broad_side import find_broad_side
 from physagent_jax.scene.card import ObjectCard, load_card
-from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Source
+from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, Source
+from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.fuse import SceneTemplate
 from physagent_jax.scene.load import hash_file
 from physagent_jax.scene.presets import PRESETS, Preset
-from physagent_jax.scene.priors import choose_anchor, choose_damping, find_kind, guess_kind
+from physagent_jax.scene.priors import (
+    choose_anchor,
+    choose_damping,
+    choose_damping_ratio,
+    find_kind,
+    guess_kind,
+)
 from physagent_jax.scene.world import WORLDS, Obstacle, World
 
 _PRESET_PARTS = ("domain", "filling", "timing", "transfer", "rendering")
@@ -103,6 +110,7 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
             world=WORLDS[spec.world],
             friction=_choose_friction(spec),
             damping_rate=choose_damping(source.kind),
+            damping_ratio=_choose_damping_ratio(spec, source.kind, preset, material),
             ledger=spec.ledger,
         )
     except ValidationError as error:
@@ -181,6 +189,13 @@ def resolve_world(world: World, said: WorldRequest) -> World:
     return dataclasses.replace(world, gravity=gravity, ground=ground, obstacles=obstacles)
 
 
+def _choose_damping_ratio(spec: RunSpec, kind: str, preset: Preset, material: Material) -> float:
+    """That of the kind, for its own matter in a preset that has no drag of its own."""
+    named = spec.material.name is not None or spec.material.physgm is not None
+    takes = "damping_ratio" in MODEL_PARAMETERS[material.model]
+    return choose_damping_ratio(kind) if takes and not named and not preset.transfer.damping_rate else 0.0
+
+
 def _choose_friction(spec: RunSpec) -> float:
     if spec.friction is not None:
         return spec.friction
@@ -220,5 +235,6 @@ def _describe_identity(template: SceneTemplate) -> dict:
         "camera": template.camera.model_dump(mode="json"),
         "anchor": template.anchor.model_dump(mode="json", exclude={"mask_path"}),
         "damping_rate": template.damping_rate,
+        "damping_ratio": template.damping_ratio,
         "friction": template.friction,
     }

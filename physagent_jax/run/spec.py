@@ -64,6 +64,8 @@ class MaterialChoice(Strict):
         youngs_modulus: E [Pa]; None = the material's.
         poissons_ratio: nu; None = the material's.
         density: [kg/m^3]; None = the material's.
+        damping_ratio: Share of critical damping of the object's lowest mode, in [0, 1]; None = the material's, else as
+            much of its kind's as costs few substeps (`scene.damping`).
     """
 
     name: str | None = None
@@ -72,6 +74,7 @@ class MaterialChoice(Strict):
     youngs_modulus: float | None = None
     poissons_ratio: float | None = None
     density: float | None = None
+    damping_ratio: float | None = None
 
     @model_validator(mode="after")
     def _check_one_of(self) -> MaterialChoice:

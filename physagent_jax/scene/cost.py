@@ -13,6 +13,7 @@ from pathlib import Path
 from physagent_jax.core.errors import UserError
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.config import SceneConfig
+from physagent_jax.scene.damping import find_scene_slowdown
 from physagent_jax.scene.materials.cost import stable_step
 
 # Seconds on two cores, measured (docs/throughput.md, docs/startup.md); a pixel's are those of drawing it, of
@@ -69,6 +70,7 @@ def estimate_cost(config: SceneConfig, body: Body, video_size: tuple[int, int] |
     if timing.substep_dt == "auto":
         materials = (config.material, *(region.material for region in config.material_regions))
         step = timing.safety * min(stable_step(material, domain.dx) for material in materials)
+        step /= find_scene_slowdown(config, body.particles.x, body.particles.volume)
     else:
         step = timing.substep_dt
     substeps = max(timing.duration / step, timing.frame_count - 1)

@@ -20,7 +20,15 @@ from physagent_jax.scene.config import (
     Source,
 )
 from physagent_jax.scene.config.material import MaterialModel
+from physagent_jax.scene.damping import (
+    MOST_SLOWER,
+    compute_viscosity,
+    find_affordable_ratio,
+    find_lowest_mode,
+    find_slowdown,
+)
 from physagent_jax.scene.presets import Preset
+from physagent_jax.scene.priors import explain_damping_ratio
 from physagent_jax.scene.world import (
     FREE,
     World,
@@ -49,6 +57,7 @@ class SceneTemplate:
         world: What surrounds the object.
         friction: Of ground and obstacles.
         damping_rate: Drag of the surrounding air [1/s]; the preset's holds if it is larger.
+        damping_ratio: Of what nobody has chosen one for (`Material.damping_ratio`), as far as it costs few substeps.
         ledger: Whether exchanged energy and momentum are recorded.
     """
 
@@ -62,6 +71,7 @@ class SceneTemplate:
     world: World = FREE
     friction: float = 0.0
     damping_rate: float = 0.0
+    damping_ratio: float = 0.0
     ledger: bool = False
 
 
@@ -105,7 +115,7 @@ def fuse(
         preset=template.preset_name,
         source=template.source,
         filling=preset.filling,
-        material=material,
+        material=damp(template, body)[0],
         domain=preset.domain,
         timing=preset.timing,
         transfer=preset.transfer.model_copy(update=dict(damping_rate=damping_rate)),
@@ -127,6 +137,34 @@ def fuse(
     if keep is not None and shows_points(points, keep, config.rendering):
         camera = keep
     return config.model_copy(update=dict(camera=camera))
+
+
+def damp(template: SceneTemplate, body: Body) -> tuple[Material, str | None]:
+    """The template's material with its damping ratio, and what the user should know of it.
+
+    A ratio that nobody has chosen holds as far as it costs few substeps; drag, for what is held, costs none.
+    """
+    material, wanted = template.material, template.damping_ratio
+    chosen = material.damping_ratio is not None or material.viscosity is not None
+    ratio = (material.damping_ratio or 0.0) if chosen else wanted
+    if not ratio:
+        return material, None
+    note = None
+    if template.anchor.kind == "none":
+        dx, particles = template.preset.domain.dx, body.particles
+        mode = find_lowest_mode(particles.x, particles.volume, np.zeros(particles.count, bool), material)
+        times = find_slowdown(compute_viscosity(ratio, material, mode), material, dx)
+        if chosen and times > MOST_SLOWER:
+            note = f"a damping ratio of {ratio:g} takes {times:.1f} times as many substeps as none"
+        elif not chosen and (ratio := find_affordable_ratio(wanted, material, mode, dx)) < wanted:
+            note = (
+                f"motion dies out with a damping ratio of {ratio:g}; its kind's {wanted:g} would take {times:.1f} "
+                f"times as many substeps as none, and is there for `material.damping_ratio` {wanted:g}"
+            )
+    if chosen:
+        return material, note
+    reasons = material.reason, f"damping: {explain_damping_ratio(template.source.kind)}", note
+    return material.changed(damping_ratio=ratio, reason="; ".join(filter(None, reasons))), note
 
 
 def hold_if_toppling(template: SceneTemplate, body: Body) -> tuple[SceneTemplate, str | None]:

@@ -8,6 +8,11 @@ per cent (instrument). Densities are those of the real matter including its pore
 Matter that does not spring back has its own law. Its strength, too, is chosen against the weight of 1 m, rho g L:
 clay and metal bear their own weight and are dented by a fall from half a body length, which presses with rho c v,
 several times that. `scene.materials` holds true values.
+
+Damping ratios do not depend on stiffness and are those of the real matter, to within a factor of two, as the sources
+of loss factors differ: Lakes 2009, Viscoelastic Materials; Cremer, Heckl & Petersson 2005, Structure-Borne Sound;
+Allard & Atalla 2009, Propagation of Sound in Porous Media; Bucur 2006, Acoustics of Wood; Fung 1993, Biomechanics;
+Clark & Ross-Murphy 1987, Adv. Polym. Sci. 83, 57; Moore & Maguire 2005, Trees 19, doi 10.1007/s00468-004-0387-y.
 """
 
 from __future__ import annotations
@@ -42,6 +47,9 @@ class Prior:
         rooted: Whether the foot is held unless the prompt says otherwise; the reason, or None.
         base_fraction: Height of the held foot over the object's.
         damping_rate: Drag of the surrounding air on it [1/s].
+        damping_ratio: Share of critical damping of its lowest mode (`scene.damping`), half the loss factor; 0 where
+            yielding, friction or viscosity stop it anyway. Where an object is held, what the air takes is part of it.
+        damping_source: Where that ratio is from.
         model: Constitutive model.
         parameters: Its own parameters, as in `Material`.
     """
@@ -54,6 +62,8 @@ class Prior:
     rooted: str | None = None
     base_fraction: float = 0.12
     damping_rate: float = 0.0
+    damping_ratio: float = 0.0
+    damping_source: str = ""
     model: MaterialModel = MaterialModel.NEO_HOOKEAN
     parameters: Mapping[str, float] = dataclasses.field(default_factory=dict)
 
@@ -65,6 +75,8 @@ PRIORS: dict[str, Prior] = {
         6e4, 0.42, 1000.0,
         "a gel is mostly water (1000 kg/m^3, nearly incompressible); table gelatine has E of 1 to 20 kPa at 10 cm, "
         "ten times that at 1 m sags and quivers alike (E / rho g L is what matters)",
+        damping_ratio=0.05,
+        damping_source="a gel stores ten times what it loses or more (Clark & Ross-Murphy 1987): a loss factor of 0.1",
     ),
     "plant": Prior(
         ("plant", "ficus", "flower", "tree", "bonsai", "rose", "tulip", "carnation", "orchid", "cactus", "bush",
@@ -74,64 +86,88 @@ PRIORS: dict[str, Prior] = {
         "sways at between 1 and 2 Hz, as real ones do",
         rooted="plants are rooted: the pot or the foot of the stem does not move",
         base_fraction=0.2,
-        damping_rate=1.2,  # leaves: damping ratios of swaying trees are near 0.1 (at 1.2 Hz: rate / 2 omega = 0.08)
+        damping_rate=1.2,  # drag of the leaves: at 1.2 Hz a ratio of 1.2 / (2 omega) = 0.08
+        damping_ratio=0.1,
+        damping_source="trees in leaf have ratios from 0.08 up, bare stems 0.01 to 0.08 (Moore & Maguire 2005)",
     ),
     "food": Prior(
         ("loaf", "bread", "cake", "food", "bun", "toast", "muffin", "donut", "doughnut", "cookie", "burger",
          "sandwich", "pizza", "pancake", "baguette", "pie", "cheese"),
         5e4, 0.25, 250.0,
         "bread is an open foam (250 kg/m^3, low nu); crumb has E of 2 to 30 kPa",
+        damping_ratio=0.1,
+        damping_source="crumb is a soft open foam: as upholstery foam",
     ),
     "pillow": Prior(
         ("pillow", "cushion", "bolster", "mattress", "sofa", "couch", "beanbag", "sponge", "foam", "marshmallow"),
         1.5e4, 0.2, 60.0,
         "upholstery foam: 20 to 80 kg/m^3, E of 10 to 50 kPa, nearly no lateral strain",
+        damping_ratio=0.1,
+        damping_source="flexible polyurethane foam has loss factors of 0.1 to 0.3 (Allard & Atalla 2009)",
     ),
     "cloth": Prior(
         ("cloth", "fabric", "towel", "flag", "curtain", "shirt", "dress", "scarf", "blanket", "rope", "ribbon"),
         1e4, 0.2, 200.0,
         "soft enough to fold; cells are thicker than any cloth, so E stands for bending, chosen for visible motion",
+        damping_ratio=0.1,
+        damping_source="yarns rub on each other: as soft foam, an estimate",
     ),
     "ball": Prior(
         ("ball", "balloon", "basketball", "football", "globe"),
         5e4, 0.35, 200.0,
         "a soft rubber ball that squashes visibly when it lands; chosen for visible motion",
+        damping_ratio=0.05,
+        damping_source="rubber has loss factors about 0.1 (Lakes 2009)",
     ),
     "animal": Prior(
         ("animal", "cow", "spot", "bunny", "rabbit", "bear", "wolf", "dog", "cat", "horse", "duck", "bird", "fish",
          "dragon", "elephant", "pig", "sheep", "fox", "lion", "frog", "dinosaur", "armadillo"),
         4e4, 0.4, 500.0,
         "soft tissue or a plush toy: muscle at rest has E of 10 to 100 kPa; chosen for visible motion",
+        damping_ratio=0.1,
+        damping_source="soft tissue loses a fifth of what it stores in a cycle or more (Fung 1993)",
     ),
     "instrument": Prior(
         ("guitar", "violin", "cello", "ukulele", "banjo", "instrument", "drum", "piano", "trumpet"),
         2e5, 0.3, 300.0,
         "a hollow wooden body (300 kg/m^3); wood is 1e5 times stiffer: chosen for visible motion",
+        damping_ratio=0.01,
+        damping_source="spruce and maple have loss factors of 0.01 to 0.02 (Bucur 2006)",
     ),
     "robot": Prior(
         ("robot", "playbot", "android", "drone", "mech", "droid", "machine"),
         1e5, 0.3, 300.0,
         "a hollow shell as of plastic (300 kg/m^3); plastic is 1e4 times stiffer: chosen for visible motion",
+        damping_ratio=0.02,
+        damping_source="stiff plastics have loss factors of 0.01 to 0.1 (Lakes 2009)",
     ),
     "furniture": Prior(
         ("chair", "table", "stool", "desk", "shelf", "lamp", "bench", "bed", "cabinet"),
         2e5, 0.3, 400.0,
         "wood with hollows (400 kg/m^3); wood is 1e4 times stiffer: chosen for visible motion",
+        damping_ratio=0.02,
+        damping_source="wood, 0.01, and its joints as much again",
     ),
     "vessel": Prior(
         ("cup", "mug", "vase", "pot", "bottle", "bowl", "glass", "teapot", "jar", "jug"),
         2e5, 0.3, 500.0,
         "thin walls around air; ceramics are 1e5 times stiffer: chosen for visible motion",
+        damping_ratio=0.002,
+        damping_source="glass and ceramics ring: loss factors of a few thousandths (Cremer, Heckl & Petersson 2005)",
     ),
     "vehicle": Prior(
         ("car", "truck", "lego", "plane", "airplane", "boat", "ship", "train", "bike", "bicycle", "bulldozer"),
         2e5, 0.3, 300.0,
         "a hollow shell (300 kg/m^3), far softer than the real one: chosen for visible motion",
+        damping_ratio=0.02,
+        damping_source="sheet and plastic ring less for their joints: built structures have 0.01 to 0.05",
     ),
     "toy": Prior(
         ("toy", "doll", "figurine", "puppet", "teddy", "plush", "statue", "person", "man", "woman", "head"),
         5e4, 0.35, 300.0,
         "soft vinyl or plush; chosen for visible motion",
+        damping_ratio=0.05,
+        damping_source="soft vinyl: as rubber",
     ),
     "metal": Prior(
         ("metal", "can", "tin", "bucket", "kettle", "pan", "foil", "wire", "spoon", "steel", "copper",
@@ -176,6 +212,8 @@ PRIORS: dict[str, Prior] = {
     UNKNOWN: Prior(
         (), 5e4, 0.3, 200.0,
         "nothing is known of the object: PhysGaussian's default density, a stiffness chosen for visible motion",
+        damping_ratio=0.02,
+        damping_source="between metal and rubber",
     ),
 }  # fmt: skip
 
@@ -238,6 +276,16 @@ def choose_material(kind: str) -> Material:
 def choose_damping(kind: str) -> float:
     """Drag of the surrounding air on an object of ``kind`` [1/s] (`Transfer.damping_rate`)."""
     return PRIORS.get(kind, PRIORS[UNKNOWN]).damping_rate
+
+
+def choose_damping_ratio(kind: str) -> float:
+    """Share of critical damping of the lowest mode of an object of ``kind`` (`Material.damping_ratio`)."""
+    return PRIORS.get(kind, PRIORS[UNKNOWN]).damping_ratio
+
+
+def explain_damping_ratio(kind: str) -> str:
+    """Where `choose_damping_ratio` is from."""
+    return PRIORS.get(kind, PRIORS[UNKNOWN]).damping_source
 
 
 def choose_anchor(

@@ -116,6 +116,28 @@ def test_the_adjoint_with_a_neo_hookean_stress_equals_the_reference(form, dtype,
         close(each, other, TOLERANCE[dtype])
 
 
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+@pytest.mark.parametrize("form", ["mls", "gradient"])
+def test_p2g_with_viscosity_and_its_adjoint_equal_the_reference(form, dtype, x64):
+    """The stress of a viscous neo-Hookean body, made on the way; the rate of strain is not the C that is carried."""
+    c, rng = cloud(3001, dtype), np.random.default_rng(2)
+    x, v, C, _, *rest = p2g_operands(c)
+    mu, lam, viscosity = (jnp.asarray(rng.uniform(1e3, 2e3, 3001), dtype) for _ in range(3))
+    rate = jnp.asarray(rng.normal(size=(3001, 3, 3)), dtype)
+    operands = x, v, C, c["F"], mu, lam, viscosity, rate, *rest
+
+    def reference(x, v, C, F, mu, lam, viscosity, rate, *rest):
+        tau = materials.NeoHookean(mu, lam).stress(F) + materials.viscous_stress(viscosity, rate, F)
+        return transfer.p2g(form, GRID, x, v, C, tau, *rest)
+
+    def kernel(*o):
+        return cpu.p2g_kelvin_voigt(form, GRID, *o)
+
+    close(jax.jit(kernel)(*operands), reference(*operands), TOLERANCE[dtype])
+    for each, other in zip(pull(kernel, operands), pull(reference, operands), strict=True):
+        close(each, other, TOLERANCE[dtype])
+
+
 def test_adjoints_repeat_bit_by_bit():
     c = cloud(3001, "float32")
 

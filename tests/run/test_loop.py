@@ -6,6 +6,7 @@ import os
 
 import numpy as np
 import pytest
+import trimesh
 
 from physagent_jax.agents.protocols import ExecutorAgent, PlannerAgent
 from physagent_jax.agents.schema import Check, Judgement, Rewrite, Verdict
@@ -18,7 +19,9 @@ from physagent_jax.output.motion_file import read_motion
 from physagent_jax.output.video import read_video
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.backends.colour import ColorSegmenter
+from physagent_jax.report.html import write_report
 from physagent_jax.run.manifest import Manifest
+from physagent_jax.run.observer import Observer
 from physagent_jax.simulation.record import SimulationRecord
 from tests.run.specs import made, small, with_rules
 
@@ -314,3 +317,22 @@ def test_a_prompt_for_a_segmenter_that_takes_none_is_refused_before_the_run_begi
     with pytest.raises(UserError, match="means nothing to this segmenter .got RgbdSegmenter."):
         made(prompted(robot_path, {"points": [[0.5, 0.5]]}), tmp_path / "run", scripted([1.0]))
     assert not (tmp_path / "run" / "manifest.json").exists()
+
+
+def test_a_loose_piece_is_told_before_anything_is_simulated(tmp_path):
+    """What is too far from the rest to be joined to it: on the way, in the record, and on the page."""
+    far = trimesh.creation.box([0.2, 0.2, 0.2]).apply_translation([0.9, 0, 0])
+    trimesh.util.concatenate([trimesh.creation.box([0.4, 0.4, 0.4]), far]).export(tmp_path / "pair.obj")
+    told = []
+
+    class Watch(Observer):
+        def warned(self, text):
+            told.append(text)
+
+        def frame(self, done, total):
+            assert told
+
+    store = made(small(tmp_path / "pair.obj", rounds=1), tmp_path / "run", observer=Watch())
+    (loose,) = [text for text in told if "joined to the rest by nothing" in text]
+    assert loose in store.manifest.warnings
+    assert "joined to the rest by nothing" in write_report(store.path).read_text()

@@ -18,6 +18,7 @@ from physagent_jax.mpm.kernels.adjoint import TOTALS
 from physagent_jax.mpm.kernels.handlers import register_handler
 from physagent_jax.mpm.kernels.transfer import HEALTH_FIELDS, NUMBERS, PADDING
 from physagent_jax.mpm.materials.neo_hookean import NeoHookean
+from physagent_jax.mpm.materials.viscous import viscous_stress
 from physagent_jax.mpm.state import Grid
 
 _BY_NUMBER = (3, 0, 1, 2)  # how the kernels want arrays over the grid, major to minor
@@ -26,25 +27,36 @@ _BY_NUMBER = (3, 0, 1, 2)  # how the kernels want arrays over the grid, major to
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
 def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, dv, dt) -> jax.Array:
     """As `transfer.p2g`."""
-    nothing = jnp.zeros(1, x.dtype)
-    return _scatter(form, grid, x, v, C, tau, nothing, nothing, mass, volume, dv, dt, neo_hookean=False)
+    return _scatter(form, grid, x, v, C, tau, mass, volume, dv, dt)
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
 def p2g_neo_hookean(form: str, grid: Grid, x, v, C, F, mu, lam, mass, volume, dv, dt) -> jax.Array:
     """`p2g` with the stress of `materials.NeoHookean`, which never goes through memory."""
-    return _scatter(form, grid, x, v, C, F, mu, lam, mass, volume, dv, dt, neo_hookean=True)
+    return _scatter(form, grid, x, v, C, F, mass, volume, dv, dt, lame=(mu, lam))
 
 
-def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, dv, dt, *, neo_hookean: bool) -> jax.Array:
-    count = len(x)
+@partial(jax.custom_vjp, nondiff_argnums=(0,))
+def p2g_kelvin_voigt(
+    form: str, grid: Grid, x, v, C, F, mu, lam, viscosity, rate, mass, volume, dv, dt
+) -> jax.Array:
+    """`p2g_neo_hookean` with `materials.viscous_stress` at the velocity gradient ``rate`` [1/s], shape (n, 3, 3)."""
+    return _scatter(form, grid, x, v, C, F, mass, volume, dv, dt, lame=(mu, lam), viscous=(viscosity, rate))
+
+
+def _scatter(form, grid, x, v, C, tau, mass, volume, dv, dt, *, lame=None, viscous=None) -> jax.Array:
+    """``tau`` is F where ``lame`` are the parameters of a neo-Hookean law."""
+    count, nothing = len(x), jnp.zeros(1, x.dtype)
+    mu, lam = lame or (nothing, nothing)
+    viscosity, rate = viscous or (nothing, C)
     _check(
         "p2g",
         grid,
-        dict(x=x, v=v, C=C, tau=tau, mu=mu, lam=lam, mass=mass, volume=volume, dv=dv),
+        dict(x=x, v=v, C=C, tau=tau, mu=mu, lam=lam, viscosity=viscosity, rate=rate)
+        | dict(mass=mass, volume=volume, dv=dv),
         dict(x=(count, 3), v=(count, 3), C=(count, 3, 3), tau=(count, 3, 3), mass=(count,), volume=(count,))
-        | dict.fromkeys(("mu", "lam"), (count,) if neo_hookean else (1,))
-        | dict(dv=(3,)),
+        | dict.fromkeys(("mu", "lam"), (count,) if lame else (1,))
+        | dict(viscosity=(count,) if viscous else (1,), rate=(count, 3, 3), dv=(3,)),
     )
     parts, size = thread_count(), NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
     nodes = jax.ShapeDtypeStruct((*grid.shape, NUMBERS), x.dtype)
@@ -55,8 +67,9 @@ def _scatter(form, grid, x, v, C, tau, mu, lam, mass, volume, dv, dt, *, neo_hoo
         vmap_method="sequential",
         output_layouts=(_BY_NUMBER, None),
     )
-    scalars = _stack_scalars(x.dtype, dt, grid.dx, form == "gradient", neo_hookean)
-    return call(x, v, C, tau, mu, lam, mass, volume, dv, grid.origin, scalars)[0]
+    options = form == "gradient", lame is not None, viscous is not None
+    scalars = _stack_scalars(x.dtype, dt, grid.dx, *options)
+    return call(x, v, C, tau, mu, lam, viscosity, rate, mass, volume, dv, grid.origin, scalars)[0]
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0, 1))
@@ -164,6 +177,22 @@ def _p2g_neo_hookean_backward(form, residuals, cotangent):
     return (None, *jax.vjp(reference, *operands)[1](cotangent))
 
 
+def _p2g_kelvin_voigt_forward(form, grid, *operands):
+    return p2g_kelvin_voigt(form, grid, *operands), (grid, operands)
+
+
+def _p2g_kelvin_voigt_backward(form, residuals, cotangent):
+    grid, operands = residuals
+
+    def unfused(
+        x, v, C, F, mu, lam, viscosity, rate, *others
+    ):  # the stress through memory; `p2g` has an adjoint
+        tau = NeoHookean(mu, lam).stress(F) + viscous_stress(viscosity, rate, F)
+        return p2g(form, grid, x, v, C, tau, *others)
+
+    return (None, *jax.vjp(unfused, *operands)[1](cotangent))
+
+
 def _g2p_forward(form, wall, grid, *operands):
     return g2p(form, wall, grid, *operands), (grid, operands)
 
@@ -199,4 +228,5 @@ def _describe_padded_grid(grid: Grid, dtype) -> jax.ShapeDtypeStruct:
 
 p2g.defvjp(_p2g_forward, _p2g_backward)
 p2g_neo_hookean.defvjp(_p2g_neo_hookean_forward, _p2g_neo_hookean_backward)
+p2g_kelvin_voigt.defvjp(_p2g_kelvin_voigt_forward, _p2g_kelvin_voigt_backward)
 g2p.defvjp(_g2p_forward, _g2p_backward)

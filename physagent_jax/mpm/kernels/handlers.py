@@ -23,22 +23,25 @@ def register_handler(kernel: str, precision: str) -> str:
 
 @njit(**BODY)
 def _p2g(frame, number):
-    scalars = ffi.get_operand(frame, 10, number, 1)
+    scalars = ffi.get_operand(frame, 12, number, 1)
     p2g(
         ffi.get_operand(frame, 0, number, 2),
         ffi.get_operand(frame, 1, number, 2),
         ffi.get_operand(frame, 2, number, 3),
         ffi.get_operand(frame, 3, number, 3),
-        ffi.get_operand(frame, 4, number, 1),
-        ffi.get_operand(frame, 5, number, 1),
-        ffi.get_operand(frame, 6, number, 1),
-        ffi.get_operand(frame, 7, number, 1),
+        (
+            ffi.get_operand(frame, 4, number, 1),
+            ffi.get_operand(frame, 5, number, 1),
+            ffi.get_operand(frame, 6, number, 1),
+            ffi.get_operand(frame, 7, number, 3),
+        ),
         ffi.get_operand(frame, 8, number, 1),
-        ffi.get_operand(frame, 9, np.int32, 1),
+        ffi.get_operand(frame, 9, number, 1),
+        ffi.get_operand(frame, 10, number, 1),
+        ffi.get_operand(frame, 11, np.int32, 1),
         scalars[0],
         scalars[1],
-        scalars[2] != 0,
-        scalars[3] != 0,
+        (scalars[2] != 0, scalars[3] != 0, scalars[4] != 0),
         ffi.get_result(frame, 0, number, 4),
         ffi.get_result(frame, 1, number, 2),
     )

@@ -62,14 +62,16 @@ HEALTH_FIELDS = 7  # as `mpm.health.Health`, in its order
 
 
 @njit(parallel=True, **OPTIONS)
-def p2g(x, v, C, tau, mu, lam, mass, volume, dv, origin, dt, dx, classical, neo_hookean, nodes, private):
+def p2g(x, v, C, tau, law, mass, volume, dv, origin, dt, dx, options, nodes, private):
     """Fills ``nodes`` with momentum and mass; ``private`` has room for a grid and `PADDING` per thread.
 
     All nodes' first numbers come first in ``nodes``, then the second ones, and so on: what XLA does with them it can
     vectorise then. Particles want them side by side.
 
-    Where every material is neo-Hookean, ``tau`` is F and the stress is made on the way: it never goes through memory.
-    ``dv`` is added to all velocities on the way.
+    ``options`` are whether the stress form is the classical one, and whether every material is neo-Hookean: then
+    ``tau`` is F and the stress is made on the way, so that it never goes through memory; and whether it is viscous as
+    well. ``law`` is mu, lam, viscosity and the velocity gradient on which that acts. ``dv`` is added to all velocities
+    on the way.
     """
     shape, parts = nodes.shape, private.shape[0]
     plane, numbers = NUMBERS * shape[1] * shape[2], flatten(nodes)
@@ -80,8 +82,7 @@ def p2g(x, v, C, tau, mu, lam, mass, volume, dv, origin, dt, dx, classical, neo_
         touched[part, 0], touched[part, 1] = low, high
         own = private[part]
         clear(own, low * plane, max(low, high) * plane + PADDING)
-        options = classical, neo_hookean
-        scatter(x, v, C, tau, mu, lam, mass, volume, dv, origin, dt, dx, options, own, shape, first, last)
+        scatter(x, v, C, tau, law, mass, volume, dv, origin, dt, dx, options, own, shape, first, last)
     for i in prange(shape[0]):
         sum_plane(private, touched, numbers, np.int64(i), shape)
 
@@ -120,9 +121,10 @@ def sum_plane(private, touched, nodes, i, shape):
 
 
 @njit(**OPTIONS)
-def scatter(x, v, C, tau, mu, lam, mass, volume, dv, origin, dt, dx, options, nodes, shape, first, last):
+def scatter(x, v, C, tau, law, mass, volume, dv, origin, dt, dx, options, nodes, shape, first, last):
     """Adds the particles ``first`` to ``last`` to ``nodes``, a flat array with four numbers per node."""
-    zero, (classical, neo_hookean) = cast_like(0, dx), options
+    zero, (classical, neo_hookean, viscous) = cast_like(0, dx), options
+    mu, lam, viscosity, rate = law
     kick = dv[0], dv[1], dv[2]
     for p in range(first, last):
         start, f0, f1, f2 = locate_stencil(x, p, origin, dx, shape)
@@ -132,6 +134,8 @@ def scatter(x, v, C, tau, mu, lam, mass, volume, dv, origin, dt, dx, options, no
         m, impulse = mass[p], -dt * volume[p] / dx
         k = zero if classical else cast_like(4, dx) * impulse
         t0, t1, t2 = neo_hookean_stress(tau, mu[p], lam[p], p) if neo_hookean else load_columns(tau, p)
+        if viscous:
+            t0, t1, t2 = add_viscous_stress(t0, t1, t2, tau, rate, viscosity[p], p)
         a0, a1, a2 = affine(t0, t1, t2, k, C, m * dx, p)
         q = momentum(v, kick, m, a0, a1, a2, p, f0, f1, f2)
         row = tile(q, m) * along + tile(a2, zero) * repeat((zero, Z[1], Z[2] + Z[2]))
@@ -367,6 +371,21 @@ def neo_hookean_stress(F, mu, lam, p):
         (mu * dot(a, a) + pressure, ab, ac),
         (ab, mu * dot(b, b) + pressure, bc),
         (ac, bc, mu * dot(c, c) + pressure),
+    )
+
+
+@njit(**INLINE)
+def add_viscous_stress(t0, t1, t2, F, C, viscosity, p):
+    """Columns t of a stress with that of `materials.viscous_stress`."""
+    J = determinant(load_row(F, p, 0), load_row(F, p, 1), load_row(F, p, 2))
+    a, b, c = load_row(C, p, 0), load_row(C, p, 1), load_row(C, p, 2)
+    k, third = viscosity * J, (a[0] + b[1] + c[2]) / cast_like(3, viscosity)
+    ab, ac, bc = k * (a[1] + b[0]), k * (a[2] + c[0]), k * (b[2] + c[1])
+    twice = k + k
+    return (
+        (t0[0] + twice * (a[0] - third), t0[1] + ab, t0[2] + ac),
+        (t1[0] + ab, t1[1] + twice * (b[1] - third), t1[2] + bc),
+        (t2[0] + ac, t2[1] + bc, t2[2] + twice * (c[2] - third)),
     )
 
 

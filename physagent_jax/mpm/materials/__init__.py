@@ -16,6 +16,7 @@ from physagent_jax.mpm.materials.plasticine import (
 from physagent_jax.mpm.materials.rigid import Rigid as Rigid
 from physagent_jax.mpm.materials.snow import Snow as Snow
 from physagent_jax.mpm.materials.viscoplastic import Viscoplastic as Viscoplastic
+from physagent_jax.mpm.materials.viscous import viscous_stress as viscous_stress
 from physagent_jax.mpm.materials.von_mises import VonMises as VonMises
 from physagent_jax.mpm.materials.von_mises import (
     hardening_from_deviator_norm as hardening_from_deviator_norm,

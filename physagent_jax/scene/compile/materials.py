@@ -12,6 +12,7 @@ from physagent_jax.mpm import materials as m
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile.select import select_box, to_array
+from physagent_jax.scene.damping import Mode, compute_viscosity
 
 _ORDER = {model: rank for rank, model in enumerate(c.MaterialModel)}
 
@@ -71,9 +72,21 @@ class ParticleMaterials:
             blocks.append(_BUILDERS[first.model](block, first))
         return tuple(blocks)
 
-    def viscosity(self) -> jax.Array | None:
-        """Newtonian viscosity of fluids and damping of solids [Pa s], shape (n,); None if there is none."""
+    @property
+    def damped(self) -> bool:
+        """Whether a damping ratio is given for any of the particles."""
+        return bool(self.get_values("damping_ratio").any())
+
+    def viscosity(self, mode: Mode | None = None) -> jax.Array | None:
+        """Newtonian viscosity of fluids and damping of solids [Pa s], shape (n,); None if there is none.
+
+        Args:
+            mode: The object's lowest mode, in which damping ratios of a free object hold.
+        """
         viscosity = self.get_values("viscosity")
+        if mode is not None and not mode.held:
+            made = [compute_viscosity(each.damping_ratio or 0.0, each, mode) for each in self.choices]
+            viscosity = viscosity + np.array(made)[self.choice]
         return to_array(viscosity) if viscosity.any() else None
 
     def find_stationary(self) -> np.ndarray:

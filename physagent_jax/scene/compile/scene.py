@@ -35,6 +35,7 @@ from physagent_jax.scene.compile.equilibrium import balance_weight
 from physagent_jax.scene.compile.forces import compile_forces, compile_skills
 from physagent_jax.scene.compile.materials import ParticleMaterials
 from physagent_jax.scene.compile.select import DTYPE
+from physagent_jax.scene.damping import compute_drag, find_lowest_mode
 
 
 @dataclasses.dataclass(frozen=True)
@@ -123,6 +124,12 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     bodies = tuple(RigidBody(buckets.find_places(mask)) for mask in materials.find_rigid_bodies())
     if (still := anchor_mask | materials.find_stationary()).any():
         prescribed = (*prescribed, PrescribedMotion.fixed(buckets.find_places(still)))
+    mode = find_lowest_mode(rest, volume, still, config.material) if materials.damped else None
+    drag = config.transfer.damping_rate
+    if mode is not None and mode.held:  # the air's is part of it
+        drag = max(
+            drag, compute_drag(np.average(materials.get_values("damping_ratio"), weights=volume), mode)
+        )
     falling = config.force_field.default_drop or config.always_gravity
     model = Model(
         grid=Grid.whole(config.domain.size, config.domain.cells),
@@ -134,11 +141,11 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         forces=(*forces, *imposed),
         boundaries=compile_boundaries(config, base_dir),
         constraints=(*bodies, *constraints, *prescribed),
-        viscosity=materials.viscosity(),
+        viscosity=materials.viscosity(mode),
         transfer=config.transfer.scheme,
         stress_form=config.transfer.stress_form,
         rpic_damping=config.transfer.rpic_damping,
-        damping_rate=config.transfer.damping_rate,
+        damping_rate=to_device(drag, DTYPE) if drag else None,
     )
     state = State.at_rest(to_device(rest), materials=model.materials)
     balanced = balance_weight(model, state, still, config, body)

@@ -37,16 +37,17 @@ class MaterialModel(enum.StrEnum):
 _REQUIRED = "required"
 _DERIVED = "derived from E and nu"
 _VISCOSITY = {"viscosity": None}
+_DAMPING = {"damping_ratio": None, **_VISCOSITY}
 
 # What each model takes besides E, nu and density, with its default (None = not used unless given).
 MODEL_PARAMETERS: Mapping[MaterialModel, Mapping[str, Any]] = {
-    MaterialModel.NEO_HOOKEAN: _VISCOSITY,
-    MaterialModel.FIXED_COROTATED: _VISCOSITY,
-    MaterialModel.HENCKY: _VISCOSITY,
-    MaterialModel.VON_MISES: {"yield_stress": _REQUIRED, "hardening_modulus": 0.0, **_VISCOSITY},
-    MaterialModel.PLASTICINE: {"yield_stress": _REQUIRED, "softening_modulus": 0.0, **_VISCOSITY},
+    MaterialModel.NEO_HOOKEAN: _DAMPING,
+    MaterialModel.FIXED_COROTATED: _DAMPING,
+    MaterialModel.HENCKY: _DAMPING,
+    MaterialModel.VON_MISES: {"yield_stress": _REQUIRED, "hardening_modulus": 0.0, **_DAMPING},
+    MaterialModel.PLASTICINE: {"yield_stress": _REQUIRED, "softening_modulus": 0.0, **_DAMPING},
     MaterialModel.DRUCKER_PRAGER: {"friction_angle": 30.0, "cohesion": 0.0, **_VISCOSITY},
-    MaterialModel.VISCOPLASTIC: {"yield_stress": _REQUIRED, "plastic_viscosity": 0.0, **_VISCOSITY},
+    MaterialModel.VISCOPLASTIC: {"yield_stress": _REQUIRED, "plastic_viscosity": 0.0, **_DAMPING},
     # Stomakhin et al. 2013, table 2; their hardening has no cap, an explicit step needs one.
     MaterialModel.SNOW: {
         "critical_compression": 2.5e-2,
@@ -88,7 +89,9 @@ class Material(Strict):
         poissons_ratio: nu, in [0, 0.499).
         density: Mass density [kg/m^3].
         reason: Where these values come from, for the report.
-        viscosity: Newtonian viscosity of a fluid, Kelvin-Voigt damping of a solid [Pa s].
+        damping_ratio: Share of critical damping of the object's own lowest mode, whose swing dies out as
+            exp(-zeta w t); half the loss factor. What the simulation makes of it: `scene.damping`.
+        viscosity: Newtonian viscosity of a fluid, Kelvin-Voigt damping of a solid [Pa s]; in place of a ratio.
         yield_stress: Uniaxial von Mises yield stress [Pa]; required where a model has one.
         hardening_modulus: Its growth per equivalent plastic strain [Pa]; default 0.
         softening_modulus: Its loss per equivalent plastic strain [Pa]; default 0.
@@ -108,6 +111,7 @@ class Material(Strict):
     poissons_ratio: float = Field(default=0.3, ge=0, lt=0.499)
     density: Annotated[float, Field(ge=1e-3, le=1e6)] = 200.0
     reason: str = ""
+    damping_ratio: Annotated[float, Field(ge=0, le=1)] | None = None
     viscosity: _Viscosity | None = None
     yield_stress: _Strength | None = None
     hardening_modulus: _Modulus | None = None
@@ -147,6 +151,8 @@ class Material(Strict):
                 raise ValueError(f"`{name}` has no meaning for `{self.model}` (its own parameters: {known})")
             if not given and takes.get(name) == _REQUIRED:
                 raise ValueError(f"`{self.model}` needs `{name}`")
+        if self.damping_ratio is not None and self.viscosity is not None:
+            raise ValueError("`damping_ratio` and `viscosity` both say how motion dies out: give one of them")
         return self
 
     def changed(self, **changes: Any) -> Material:

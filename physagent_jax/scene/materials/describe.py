@@ -5,6 +5,7 @@ from __future__ import annotations
 from physagent_jax.scene.config.material import ELASTIC_MODELS, OPTIONAL_PARAMETERS, Material
 
 _NAMES = {
+    "damping_ratio": ("damping ratio", ""),
     "viscosity": ("viscosity", "Pa s"),
     "yield_stress": ("yield stress", "Pa"),
     "hardening_modulus": ("hardening modulus", "Pa"),
