@@ -90,6 +90,6 @@ def check_explicit_dt(dt: float, bound: float) -> None:
     if dt > bound:
         raise UserError(
             f"`substep_dt` = {dt:.3g} s is above the stable bound of {bound:.3g} s for this material and grid",
-            do=f'Use `substep_dt` <= {0.9 * bound:.2g}, or "auto", or a softer or denser material, or fewer grid '
-            "cells; `force_substep` runs it nevertheless",
+            do=f'Use `substep_dt` <= {0.9 * bound:.2g}, or "auto", or a softer, denser or less damped material, or '
+            "fewer grid cells; `force_substep` runs it nevertheless",
         )

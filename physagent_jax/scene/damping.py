@@ -139,7 +139,7 @@ def _find_cantilever_frequency(s: np.ndarray, y: np.ndarray, volume: np.ndarray,
     """Rayleigh's quotient of the deflection along y of a beam along s, both [m], shape (n,)."""
     size = np.cbrt(volume.mean())
     start, end = s.min() - 0.5 * size, s.max() + 0.5 * size
-    count = min(_MOST_SECTIONS, max(2, int((end - start) / (2 * size))))
+    count = min(_MOST_SECTIONS, max(2, round((end - start) / (2 * size))))
     h = (end - start) / count
     index = np.minimum(((s - start) / h).astype(int), count - 1)
     filled = np.bincount(index, volume, count)
