@@ -80,6 +80,6 @@ def test_a_plan_says_what_of_the_object_is_loose_and_how_it_is_damped(tmp_path, 
         plan(capsys, tmp_path / "pair.obj", "push it to the left", "--json", "--kind", "pillow")
     )
     (loose,) = [each for each in said["assumptions"] if "joined to the rest by nothing" in each]
-    assert "1 piece(s)" in loose and "0.4" in loose
+    assert "1 piece(s)" in loose and "at 0.50 L" in loose
     (damped,) = [each for each in said["assumptions"] if "damping ratio" in each]
     assert "`--damping-ratio` 0.1" in damped

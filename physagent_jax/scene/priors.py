@@ -87,8 +87,8 @@ PRIORS: dict[str, Prior] = {
         rooted="plants are rooted: the pot or the foot of the stem does not move",
         base_fraction=0.2,
         damping_rate=1.2,  # drag of the leaves: at 1.2 Hz a ratio of 1.2 / (2 omega) = 0.08
-        damping_ratio=0.1,
-        damping_source="trees in leaf have ratios from 0.08 up, bare stems 0.01 to 0.08 (Moore & Maguire 2005)",
+        damping_ratio=0.2,
+        damping_source="trees in leaf have ratios from 0.08 to nearly 1, bare ones 0.01 to 0.08 (Moore & Maguire 2005)",
     ),
     "food": Prior(
         ("loaf", "bread", "cake", "food", "bun", "toast", "muffin", "donut", "doughnut", "cookie", "burger",

@@ -33,6 +33,7 @@ OTHERS = {
     "material.youngs_modulus": 2e4,
     "material.poissons_ratio": 0.1,
     "material.density": 300.0,
+    "material.damping_ratio": 0.05,
     "anchor.kind": "top",
     "camera.azimuth_degrees": 30.0,
     "camera.elevation_degrees": 30.0,

@@ -64,6 +64,8 @@ def test_parameters_of_other_models_are_refused_by_name(model):
         with pytest.raises(ValidationError, match=f"`{name}` has no meaning for `{model}`"):
             of_model(model, **{name: VALUES[name]})
     own = {name: VALUES[name] for name in MODEL_PARAMETERS[model]}
+    if "damping_ratio" in own:  # in place of a viscosity
+        del own["viscosity"]
     material = of_model(model, **own)
     assert all(getattr(material, name) == value for name, value in own.items())
 

@@ -25,7 +25,7 @@ from tests.fuzz.drawing import RAW, TEXTS, Draw, altered, at, damaged, encoded, 
 SCENE, SOLID, MASK = "scene.json", "solid.stl", "mask.npy"
 CENTRE, HALF = [1.0, 1.0, 1.0], [0.6, 0.6, 0.6]
 MATERIALS = [
-    {"model": "neo_hookean"}, {"model": "fixed_corotated", "viscosity": 1.0}, {"model": "hencky"},
+    {"model": "neo_hookean"}, {"model": "fixed_corotated", "viscosity": 1.0}, {"model": "hencky", "damping_ratio": 0.1},
     {"model": "von_mises", "yield_stress": 2e3, "hardening_modulus": 10.0},
     {"model": "plasticine", "yield_stress": 2e3, "softening_modulus": 10.0},
     {"model": "drucker_prager", "friction_angle": 35.0, "cohesion": 10.0},

@@ -323,7 +323,7 @@ def _compile_strike(
             strength,
             _make_impulse_window(part[0]),
         )
-    if _needs_brake(event, after, builder) and count == 1:
+    if _needs_brake(event, after, builder) and count == 1 and not builder.grounded:  # else friction stops it
         stop = _make_impulse_window(window[1] - _IMPULSE_FRAMES)
         builder.add_action(event, ActionType.IMPULSE, scale(event.direction, -1.0), strength, stop)
         builder.add_note("The object is free and would drift on: it is braked before what follows.")

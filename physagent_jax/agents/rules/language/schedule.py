@@ -21,6 +21,9 @@ _STILL_SHARE = 0.5  # stillness at the end needs less of the clip than what come
 _SMALLEST_SHARE = 0.1  # of a run of events, kept for those without a told length
 STEP = 1.5  # [s] that a step of a sequence takes, and settling
 _STROKE = 0.75  # [s] that each of several strokes or swings takes at least
+_SWING = (
+    4.0  # [s] in which what is held swings until it is still: a plant of 1 Hz with a damping ratio of 0.2
+)
 _REST = 0.5  # [s] after a motion by a quantity, in which it is seen to be reached
 LONGEST = 10.0  # [s] of a clip that a sentence can ask for
 
@@ -97,6 +100,8 @@ def _find_needs(slots: list[Slot], brief: SceneBrief, anchored: bool) -> None:
             usual = (
                 STEP if len(slots) > 1 or event.stays else min(brief.frame_dt * (brief.frame_count - 1), 2.0)
             )
+            if event.effect is Effect.STILL and anchored:
+                usual = _SWING
             seconds = max(seconds, usual, _STROKE * (event.repeat.count or 1))
             effort = find_effort(event.amount, event.effect, brief)
             if effort is not None and not anchored:
