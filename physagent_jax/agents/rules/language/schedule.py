@@ -100,7 +100,7 @@ def _find_needs(slots: list[Slot], brief: SceneBrief, anchored: bool) -> None:
             usual = (
                 STEP if len(slots) > 1 or event.stays else min(brief.frame_dt * (brief.frame_count - 1), 2.0)
             )
-            if event.effect is Effect.STILL and anchored:
+            if event.effect is Effect.STILL and len(slots) > 1 and (anchored or brief.world == "ground"):
                 usual = _SWING
             seconds = max(seconds, usual, _STROKE * (event.repeat.count or 1))
             effort = find_effort(event.amount, event.effect, brief)
