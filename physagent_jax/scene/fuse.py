@@ -191,8 +191,9 @@ def stands(template: SceneTemplate, *, drop: bool) -> bool:
 def estimate_sweep(config: SceneConfig, body: Body) -> np.ndarray:
     """Corners of where an unopposed object would be during the clip, for the camera [m], shape (m, 3).
 
-    Only a guess for the framing: pushes and blows integrated as for a free body, thrown back by upright walls, and cut
-    off where the camera should no longer follow.
+    Only a guess for the framing: pushes and blows integrated as for a free body, cut off where the camera should no
+    longer follow. What meets an upright wall may come back as far as that: the blow was made up for friction, which a
+    rebound through the air does not feel.
     """
     low, high, extent = body.low, body.high, body.extent
     centre, half = 0.5 * (low + high), 0.5 * (high - low)
@@ -204,7 +205,7 @@ def estimate_sweep(config: SceneConfig, body: Body) -> np.ndarray:
     path = compute_free_path(
         config.force_field, scaling, frame_dt=timing.frame_dt, frame_count=timing.frame_count
     )
-    path = _reflect_at_walls(path, config, body)
+    path = _stop_at_walls(path, config, body, limit)
     reach = np.linalg.norm(path, axis=1)
     path = path * np.minimum(1.0, limit / np.maximum(reach, 1e-12))[:, None]
     points = [corners + shift for shift in (path.min(0), path.max(0), np.zeros(3))]
@@ -215,12 +216,13 @@ def estimate_sweep(config: SceneConfig, body: Body) -> np.ndarray:
     return np.concatenate(points)
 
 
-def _reflect_at_walls(path: np.ndarray, config: SceneConfig, body: Body) -> np.ndarray:
-    """Displacements, shape (T, 3) [m], mirrored where they would lead into an upright wall, as of an elastic body."""
+def _stop_at_walls(path: np.ndarray, config: SceneConfig, body: Body, rebound: float) -> np.ndarray:
+    """Displacements, shape (T, 3) [m], that end where upright walls are met, and how far the object may come back."""
     for boundary in config.boundaries:
         if isinstance(boundary, HalfSpace) and abs(boundary.normal[2]) < 0.5:
             normal = np.asarray(boundary.normal, float)
             gap = float(((np.asarray(body.particles.x, float) - boundary.point) @ normal).min())
             beyond = np.maximum(-(path @ normal) - max(gap, 0.0), 0.0)
-            path = path + 2.0 * beyond[:, None] * normal
+            if beyond.any():
+                path = np.concatenate([path + beyond[:, None] * normal, rebound * normal[None]])
     return path
