@@ -6,6 +6,7 @@ import dataclasses
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.gaussians.cloud import Splats
@@ -49,7 +50,6 @@ class Projected:
     extents: jax.Array
 
 
-@jax.jit
 def project(splats: Splats, camera: Camera) -> Projected:
     """Projects Gaussians with the local affine approximation of the pinhole camera.
 
@@ -62,16 +62,23 @@ def project(splats: Splats, camera: Camera) -> Projected:
         splats: Gaussians in world space.
         camera: Pinhole camera.
     """
+    size = np.asarray([camera.width, camera.height], splats.means.dtype)
+    return _project(splats, camera.viewmat, camera.K, size)
+
+
+@jax.jit
+def _project(splats: Splats, view, K, size) -> Projected:
+    """The program behind `project`, one for pictures of any ``size`` [px], shape (2,)."""
     splats, finite = _drop_nans(splats)
     dtype = splats.means.dtype
-    view, K = jnp.asarray(camera.viewmat, dtype), jnp.asarray(camera.K, dtype)
+    view, K = jnp.asarray(view, dtype), jnp.asarray(K, dtype)
     W = view[:3, :3]
     x, y, depths = (sum(W[i, j] * splats.means[:, j] for j in range(3)) + view[i, 3] for i in range(3))
     in_front = depths > NEAR_PLANE
     z = jnp.where(in_front, depths, 1.0)  # keeps the unused branch and its derivatives finite
     means2d = jnp.stack([K[0, 0] * x / z + K[0, 2], K[1, 1] * y / z + K[1, 2]], axis=-1)
 
-    a, b, c = _project_covariances(splats.covariances, W, K, x / z, y / z, z, camera)
+    a, b, c = _project_covariances(splats.covariances, W, K, size, x / z, y / z, z)
     det = a * c - b * b
     visible = finite & in_front & (det > 0) & (splats.opacities >= ALPHA_MIN)
     det = jnp.where(visible, det, 1.0)
@@ -112,13 +119,14 @@ def _drop_nans(splats: Splats) -> tuple[Splats, jax.Array]:
     return clean, finite
 
 
-def _project_covariances(covariances, W, K, x_over_z, y_over_z, z, camera):
+def _project_covariances(covariances, W, K, size, x_over_z, y_over_z, z):
     """Entries xx, xy, yy of the covariances in the image, with the blur [px^2]."""
     focal_x, focal_y = K[0, 0], K[1, 1]
-    margin_x = _JACOBIAN_LIMIT * 0.5 * camera.width / focal_x
-    margin_y = _JACOBIAN_LIMIT * 0.5 * camera.height / focal_y
-    u = jnp.clip(x_over_z, -K[0, 2] / focal_x - margin_x, (camera.width - K[0, 2]) / focal_x + margin_x)
-    v = jnp.clip(y_over_z, -K[1, 2] / focal_y - margin_y, (camera.height - K[1, 2]) / focal_y + margin_y)
+    width, height = size[0], size[1]
+    margin_x = _JACOBIAN_LIMIT * 0.5 * width / focal_x
+    margin_y = _JACOBIAN_LIMIT * 0.5 * height / focal_y
+    u = jnp.clip(x_over_z, -K[0, 2] / focal_x - margin_x, (width - K[0, 2]) / focal_x + margin_x)
+    v = jnp.clip(y_over_z, -K[1, 2] / focal_y - margin_y, (height - K[1, 2]) / focal_y + margin_y)
     # The two rows of J W, with J = [[fx / z, 0, -fx x / z^2], [0, fy / z, -fy y / z^2]].
     row_x = [focal_x / z * (W[0, j] - u * W[2, j]) for j in range(3)]
     row_y = [focal_y / z * (W[1, j] - v * W[2, j]) for j in range(3)]

@@ -180,8 +180,9 @@ def draw(
     return RenderedImage(rgb * valid, depth * valid, alpha * valid), lists.total
 
 
-@functools.partial(jax.jit, static_argnums=(1, 2))
+@jax.jit
 def _count_pairs(projected: Projected, width: int, height: int) -> jax.Array:
+    """For pictures of any size: neither of them is static."""
     return count_pairs(find_tile_rectangles(projected, width, height, TILE_SIZE))
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import dataclasses
 import warnings
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NoReturn
 
@@ -332,22 +333,26 @@ class _Loop:
         if recording.reused_frames:
             folder = series.store.round_folder(index).relative_to(self._store.path).as_posix()
             self._reused[folder] = recording.reused_frames
-        with self._watch("write"):
-            earnest = series.store is self._store
-            frames = self._run.spec.save.frames and earnest
-            write_rollout(series.store, index, scene, recording, save_motion=earnest, save_frames=frames)
-        self.observer.stage(f"{name}: measuring the motion")
-        windows = self._agents.planner.windows(context)
-        with self._watch("perceive"):
-            seen = perceive(
-                recording.rgb,
-                recording.depth,
-                scene.camera,
-                frame_dt=config.timing.frame_dt,
-                windows=windows,
-                backends=self._backends,
-                prompt=self._make_segment_prompt(scene.camera),
+        earnest = series.store is self._store
+        frames = self._run.spec.save.frames and earnest
+        with ThreadPoolExecutor(1) as pool:
+            writing = pool.submit(
+                write_rollout, series.store, index, scene, recording, save_motion=earnest, save_frames=frames
             )
+            self.observer.stage(f"{name}: measuring the motion")
+            windows = self._agents.planner.windows(context)
+            with self._watch("perceive"):
+                seen = perceive(
+                    recording.rgb,
+                    recording.depth,
+                    scene.camera,
+                    frame_dt=config.timing.frame_dt,
+                    windows=windows,
+                    backends=self._backends,
+                    prompt=self._make_segment_prompt(scene.camera),
+                )
+            with self._watch("write"):
+                writing.result()
         key_frames = VideoKeyFrames(series.store.round_folder(index) / PLAIN_VIDEO)
         observation = Observation(force_field, seen.report, key_frames)
         answer = self._ask(series.store, f"iterations/{index}/", "planner", "judge", context, observation)

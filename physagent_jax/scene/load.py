@@ -11,8 +11,7 @@ from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.formats.ply import read_ply
 from physagent_jax.gaussians.formats.ply_header import MOST_BYTES, read_ply_header
 from physagent_jax.scene.config import Source
-from physagent_jax.scene.mesh import gaussians_from_mesh
-from physagent_jax.scene.mesh_files import MESH_SUFFIXES
+from physagent_jax.scene.config.source import MESH_SUFFIXES
 
 # Formats of splat viewers that are not read here.
 _OTHER_SPLATS = {
@@ -43,6 +42,8 @@ def load_object(source: Source, base_dir: str | Path) -> GaussianCloud:
             do="Restore the file, or remove `source.sha256` from the scene",
         )
     if _is_mesh(path):
+        from physagent_jax.scene.mesh import gaussians_from_mesh  # trimesh takes long to import
+
         return gaussians_from_mesh(path, count=source.surface_samples, seed=0, up=source.up)
     return read_ply(path, opacity_threshold=source.opacity_threshold)
 

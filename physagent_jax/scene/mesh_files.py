@@ -17,10 +17,9 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import explain_unknown_name
 from physagent_jax.core.reading import MIB, check_counts, read_bytes, shorten
 from physagent_jax.gaussians.formats.ply_header import read_ply_header
+from physagent_jax.scene.config.source import MESH_SUFFIXES, MOST_MESH_BYTES
 from physagent_jax.scene.gltf_check import check_glb, check_gltf
 
-MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".stl", ".off")
-MOST_BYTES = 512 * MIB
 _MOST_TEXTURE = 256 * MIB
 _FARTHEST = 1e12  # in the file's units; float32 holds its square
 
@@ -43,7 +42,7 @@ def read_mesh(path: str | Path) -> trimesh.Trimesh:
     suffix = path.suffix.lower()
     if suffix not in (".ply", *MESH_SUFFIXES):
         raise explain_unknown_name(f"the kind of mesh of {shorten(path)}", suffix, (".ply", *MESH_SUFFIXES))
-    data = read_bytes(path, most=MOST_BYTES, what="the mesh file")
+    data = read_bytes(path, most=MOST_MESH_BYTES, what="the mesh file")
     beside = _Beside(path)
     data = _check(data, path, suffix, beside)
     try:

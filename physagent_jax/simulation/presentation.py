@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.core.arrays import to_device
+from physagent_jax.core.threads import map_ahead
 from physagent_jax.gaussians.binding import deform
 from physagent_jax.gaussians.elongation import cap_elongation
-from physagent_jax.render import choose_batch_size, render_all
+from physagent_jax.render import choose_batch_size, render
 from physagent_jax.render.stage import compose, make_backdrop
 from physagent_jax.scene.body import Body
+from physagent_jax.scene.compile.buckets import pad_gaussians, round_up
 from physagent_jax.scene.config import SceneConfig
 from physagent_jax.scene.presentation import find_stage, place_cameras, resize
 
@@ -30,8 +32,8 @@ def draw_presentation(
         F: Their deformation gradients, shape (T, n, 3, 3).
         size: Width and height [px].
 
-    Yields:
-        Pictures, uint8, shape (height, width, 3).
+    Returns:
+        Pictures, one after another; a few are drawn ahead; uint8, shape (height, width, 3).
 
     Raises:
         UserError: A picture does not fit into memory.
@@ -39,24 +41,21 @@ def draw_presentation(
     rendering = resize(config.rendering, size)
     cameras = place_cameras(config, x, rendering)
     stage = find_stage(config, 0.5 * (body.low + body.high), body.extent)
-    scales = np.asarray(body.cloud.scales)
-    backdrop = make_backdrop(stage, cameras[0])
-    at_once = choose_batch_size()
-    for first in range(0, len(x), at_once):
-        part = range(first, min(first + at_once, len(x)))
-        deformed = [
-            deform(
-                body.cloud,
-                body.binding,
-                jnp.asarray(x[index], jnp.float32),
-                jnp.asarray(F[index], jnp.float32),
-                body.placement.rotation,
-            )
-            for index in part
-        ]
-        splats = [cap_elongation(each, scales, body.extent) for each in deformed]
-        images = render_all(splats, [cameras[index] for index in part], background=BLACK)
-        for index, image, drawn in zip(part, images, splats, strict=True):
-            if backdrop.camera is not cameras[index]:
-                backdrop = make_backdrop(stage, cameras[index])
-            yield compose(image, drawn, backdrop)
+    # Sizes as `CompiledScene.gaussians` and its model have them, so that the simulation's program deforms these too.
+    cloud, binding = pad_gaussians(body.cloud.of_least_degree(), body.binding)
+    missing = round_up(x.shape[1]) - x.shape[1]
+    scales = np.asarray(cloud.scales)
+    still = make_backdrop(stage, cameras[0])
+
+    def draw(index: int) -> np.ndarray:
+        moved = (
+            to_device(np.concatenate([each[index], each[index, -1:].repeat(missing, axis=0)]), np.float32)
+            for each in (x, F)
+        )
+        deformed = deform(cloud, binding, *moved, body.placement.rotation)
+        splats = cap_elongation(deformed, scales, body.extent)
+        image = render(splats, cameras[index], background=BLACK)
+        backdrop = still if cameras[index] is cameras[0] else make_backdrop(stage, cameras[index])
+        return compose(image, splats, backdrop)
+
+    return map_ahead(draw, range(len(x)), choose_batch_size())

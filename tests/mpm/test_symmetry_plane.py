@@ -11,6 +11,8 @@ from physagent_jax.mpm import step
 from physagent_jax.mpm.boundaries import SymmetryPlane
 from tests.mpm.blocks import block
 
+advance = jax.jit(step)
+
 
 @pytest.mark.parametrize(("axis", "side"), [(0, 1), (0, -1), (2, 1)])
 def test_half_a_body_moves_as_the_whole(axis, side, x64):
@@ -37,7 +39,7 @@ def test_half_a_body_moves_as_the_whole(axis, side, x64):
     )
     half = jax.tree.map(lambda a: a[before] if a.ndim else a, state)
     for _ in range(40):
-        state, half = step(model, state), step(half_model, half)
+        state, half = advance(model, state), advance(half_model, half)
     assert np.abs(np.asarray(state.x)[before] - np.asarray(x + middle)[before]).max() > 1e-3
     np.testing.assert_allclose(half.x, np.asarray(state.x)[before], atol=1e-12)
     np.testing.assert_allclose(half.F, np.asarray(state.F)[before], atol=1e-11)
@@ -51,6 +53,6 @@ def test_matter_cannot_leave_the_plane_nor_pass_it(x64):
     )  # fmt: skip
     state = dataclasses.replace(state, v=jnp.broadcast_to(jnp.array([0.0, 0.2, 0.0]), state.v.shape))
     for _ in range(20):
-        state = step(model, state)
+        state = advance(model, state)
     np.testing.assert_allclose(state.v, np.broadcast_to([0.0, 0.2, 0.0], state.v.shape), atol=1e-12)
     assert float(state.x[:, 0].min()) > 0.3

@@ -193,7 +193,7 @@ def test_what_is_no_mesh_is_refused_by_its_field(tmp_path):
 
 def test_a_mesh_is_sampled_once_until_its_file_changes(ball_path, monkeypatch):
     first = compiled(ball_path, scale=0.2, position=[0.5, 0.5, 0.5])
-    monkeypatch.setattr("physagent_jax.scene.compile.boundaries.sample", None)  # would fail if called
+    monkeypatch.setattr("physagent_jax.scene.signed_distance.sample", None)  # would fail if called
     again = compiled(ball_path, scale=0.2, position=[0.5, 0.5, 0.5])
     np.testing.assert_array_equal(first.values, again.values)
     monkeypatch.undo()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import physagent_jax as pa
+from physagent_jax.gaussians.binding import deform
 from physagent_jax.output.video import read_video
 from physagent_jax.simulation.presentation import draw_presentation
 from tests.run.specs import made, small
@@ -41,6 +42,12 @@ def test_without_a_ground_the_backdrop_is_plain(dropped):
     pictures = draw(dropped, boundaries=free).astype(float)
     edge = pictures[0, :, [0, -1]]
     assert np.abs(np.diff(edge, axis=1)).max() < 4
+
+
+def test_the_program_that_deforms_is_the_simulations(dropped):
+    compiled = deform._cache_size()
+    draw(dropped)
+    assert deform._cache_size() == compiled > 0
 
 
 def test_a_run_leaves_one_video_for_people_and_a_plain_one_per_round(tmp_path, robot_path):

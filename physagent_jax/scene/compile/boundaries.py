@@ -13,9 +13,8 @@ from physagent_jax.core.reading import check_regular
 from physagent_jax.mpm import Contact, boundaries
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile.select import to_array
-from physagent_jax.scene.mesh_files import MOST_BYTES
+from physagent_jax.scene.config.source import MOST_MESH_BYTES
 from physagent_jax.scene.placement import find_extra_rotation
-from physagent_jax.scene.signed_distance import load_solid, sample
 
 
 def compile_boundaries(config: c.SceneConfig, base_dir: str | Path) -> tuple:
@@ -85,7 +84,7 @@ def _sample(mesh: c.Mesh, domain: c.Domain, place: str, base_dir: str | Path):
     """A mesh on a grid like the simulation's: all of it if it moves, else what lies in the domain."""
     path = Path(base_dir) / mesh.path
     try:
-        check_regular(path, most=MOST_BYTES, what="the mesh file")
+        check_regular(path, most=MOST_MESH_BYTES, what="the mesh file")
     except UserError as error:
         raise UserError(f"`{place}.path`: {error.what}", got=error.got, do=error.do) from None
     reach = (-np.inf, np.inf) if any(mesh.velocity) else (0.0, domain.size)
@@ -95,6 +94,8 @@ def _sample(mesh: c.Mesh, domain: c.Domain, place: str, base_dir: str | Path):
 
 @lru_cache(maxsize=8)  # a run compiles its scene anew for every force field that it tries
 def _sample_once(path: Path, stamp: int, place: str, placed: tuple, dx: float, low: float, high: float):
+    from physagent_jax.scene.signed_distance import load_solid, sample  # trimesh takes long to import
+
     del stamp  # part of the key: the file may have changed
     scale, position, degrees, axes = placed
     triangles = load_solid(path, f"{place}.path") @ (scale * find_extra_rotation(degrees, axes)).T

@@ -18,6 +18,7 @@ import dataclasses
 import warnings
 from typing import Any
 
+import jax
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
@@ -203,7 +204,7 @@ class _Balance:
 
     def _compute_stress_force(self, F) -> np.ndarray:
         state = dataclasses.replace(self._state, F=to_device(F, np.float32))
-        tau = np.asarray(kirchhoff_stress(self._model, state), np.float64)
+        tau = np.asarray(jax.jit(kirchhoff_stress)(self._model, state), np.float64)
         return self._divergence @ (self._volume[:, None, None] * tau).reshape(-1, 3)
 
     def _apply_stiffness(self, u) -> np.ndarray:

@@ -9,6 +9,8 @@ from pydantic import Field, model_validator
 from physagent_jax.core.strict import Number, Seed, Strict
 from physagent_jax.scene.config.common import Length, Path, Point, RotationAxes, Rotations, SignedAxis
 
+MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".stl", ".off")
+MOST_MESH_BYTES = 512 * 2**20
 _Threshold = Annotated[float, Field(ge=1e-6, le=1e6)]
 
 
