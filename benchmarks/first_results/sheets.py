@@ -17,8 +17,8 @@ from physagent_jax.output.video import read_video
 FRAMES, PER_SHEET = 7, 6
 WIDTH = 240  # of a frame [px]
 MOST_BYTES = 400_000
+_GAP = 2  # between frames [px]
 _LINE, _QUALITIES = 26, (88, 80, 70, 60, 50, 40)
-_WHITE, _BLACK = (255, 255, 255), (0, 0, 0)
 
 
 def write_sheets(folder: Path, rows: Sequence[Row], runs: Path) -> list[Path]:
@@ -58,16 +58,15 @@ def draw_strip(frames: np.ndarray, labels: Sequence[str], caption: str) -> np.nd
         caption: The line above, plain ASCII.
     """
     strip = np.full((_LINE, FRAMES * WIDTH, 3), 255, np.uint8)
-    _write(strip, caption, (6, 18), 0.5, _BLACK)
+    _write(strip, caption, (6, 18), 0.5)
     if not len(frames):
         return strip
     height = round(WIDTH * frames.shape[1] / frames.shape[2])
     pictures = np.full((height, FRAMES * WIDTH, 3), 255, np.uint8)
     for place, (frame, label) in enumerate(zip(frames, labels, strict=True)):
-        small = cv2.resize(frame, (WIDTH, height), interpolation=cv2.INTER_AREA)
-        for colour, thickness in ((_BLACK, 3), (_WHITE, 1)):  # readable on any ground
-            _write(small, label, (5, height - 6), 0.4, colour, thickness)
-        pictures[:, place * WIDTH : (place + 1) * WIDTH] = small
+        small = cv2.resize(frame, (WIDTH - _GAP, height), interpolation=cv2.INTER_AREA)
+        _write(small, label, (5, height - 6), 0.4)
+        pictures[:, place * WIDTH : (place + 1) * WIDTH - _GAP] = small
     return np.concatenate([strip, pictures])
 
 
@@ -105,7 +104,5 @@ def _read_strip(row: Row, folder: Path) -> np.ndarray:
     return draw_strip(frames, labels, caption + f", from the truth {row['true_verdict']}")
 
 
-def _write(
-    picture: np.ndarray, text: str, at: tuple[int, int], size: float, colour: tuple, thickness: int = 1
-) -> None:
-    cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, size, colour, thickness, cv2.LINE_AA)
+def _write(picture: np.ndarray, text: str, at: tuple[int, int], size: float) -> None:
+    cv2.putText(picture, text, at, cv2.FONT_HERSHEY_SIMPLEX, size, (0, 0, 0), 1, cv2.LINE_AA)

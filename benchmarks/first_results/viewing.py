@@ -1,4 +1,4 @@
-"""What a person saw in a video, kept beside the video's digest: a remark on another video says nothing of this one."""
+"""What is seen in a video by who looks at it, kept beside the video's digest: a remark on another video says nothing of this one."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ UNSEEN = "not looked at"
 
 
 class Remark(Strict):
-    """What a person says of a sentence's video.
+    """What is said of a sentence's video by who looked at it.
 
     Attributes:
         video: Digest of the video; None = the sentence was refused, and there is none.
