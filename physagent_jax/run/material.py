@@ -11,7 +11,7 @@ from physagent_jax.core.names import find_nearest
 from physagent_jax.core.reading import read_json
 from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.config import Material, MaterialModel
-from physagent_jax.scene.config.material import WITHOUT_STRESS
+from physagent_jax.scene.config.material import MODEL_PARAMETERS, WITHOUT_STRESS
 from physagent_jax.scene.materials import LIBRARY, count_substeps, find_material, soften_material, stable_step
 from physagent_jax.scene.materials.soften import explain_softening, find_softening
 from physagent_jax.scene.physgm import import_physgm
@@ -91,6 +91,11 @@ def _apply_values(choice: MaterialChoice, material: Material) -> Material:
         raise UserError(
             f"{', '.join(f'`material.{name}`' for name in idle)}: a {material.model} body has no stiffness",
             do="Leave it out, or choose another material",
+        )
+    if "damping_ratio" in given and "damping_ratio" not in MODEL_PARAMETERS[material.model]:
+        raise UserError(
+            f"`material.damping_ratio`: what {material.model} does to motion is not a damping ratio",
+            do="Leave it out, or choose an elastic material",
         )
     reason = f"{', '.join(given)} chosen, the rest: {material.reason}"
     return material.changed(**given, reason=reason)

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from benchmarks.cases.bar import FreeBar
 from benchmarks.cases.base import Numerics, fit_damped_cosine, run
 from benchmarks.cases.cantilever import CantileverSwing, first_frequency
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.mpm import stable_dt
 from physagent_jax.run.resolve import resolve
@@ -251,6 +252,12 @@ def test_a_run_takes_its_kinds_ratio_as_far_as_that_costs_little(robot_path, bod
 ])  # fmt: skip
 def test_presets_with_drag_named_materials_and_what_flows_have_none_unless_asked(parts, robot_path, body):
     assert not damp(resolved(robot_path, **parts).template, body)[0].damping_ratio
+
+
+@pytest.mark.parametrize("name", ["water", "dry_sand", "rigid"])
+def test_a_ratio_for_what_has_no_swing_is_refused_by_name(name, robot_path):
+    with pytest.raises(UserError, match="`material.damping_ratio`"):
+        resolved(robot_path, material={"name": name, "damping_ratio": 0.1})
 
 
 def test_a_ratio_may_be_asked_for_in_the_papers_preset(robot_path, body):
