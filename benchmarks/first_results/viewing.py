@@ -1,4 +1,4 @@
-"""What is seen in a video by who looks at it, kept beside the video's digest: a remark on another video says nothing of this one."""
+"""What is seen in a video, written by hand and kept with the video's digest: of another video it says nothing."""
 
 from __future__ import annotations
 
