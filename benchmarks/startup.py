@@ -146,8 +146,9 @@ with those that the run before left.
 Compilation is {found["share_of_compilation"]:.0%} of the first result's time (aim: at most {AIM:.0%}).
 
 Seconds per stage, as the run's manifest has them. "compile" is the time that stages spent waiting for compilers or
-loading what these made before, and belongs to no other stage; "write" is what the run waited for its files, most of which are
-written beside perception; "rest" is Python starting up and shutting down, and the report's page.
+loading what these made before, and belongs to no other stage; "write" is what the run waited for its
+files, most of which are written beside perception; "rest" is Python starting up and shutting down, and the
+report's page.
 """
     lines = []
     for row in rows:

@@ -33,12 +33,11 @@ def prepare() -> None:
             "`JAX_DISABLE_JIT` runs a simulation operation by operation, which would take hours",
             do="Unset it",
         )
-    from physagent_jax.kernels import programs
     from physagent_jax.kernels.compile_cache import enable_compile_cache
 
     enable_compile_cache()
     try:
-        programs.start_quick_to_compile()
+        jax.devices()
     except (RuntimeError, AssertionError) as error:  # the latter for "cuda" where its plugin is not installed
         raise UserError(
             "JAX finds no such device",

@@ -30,27 +30,8 @@ LOOK = 16  # programs compiled between two looks: counting mappings takes some 2
 _MISMATCH = re.compile(rb"[^\n]*cpu_aot_loader[^\n]*Target machine feature \+([\w.-]+) is not[^\n]*\n")
 _TUNING = (b"prefer-", b"fast-")  # how to generate code, not which instructions a processor has
 
-QUICK_TO_COMPILE = "--xla_cpu_use_fusion_emitters=false" if jax.__version_info__ < (0, 11) else ""
-
 compiled_count = looked_at = 0
 _reading = Lock()
-
-
-def start_quick_to_compile() -> None:
-    """Starts JAX so that XLA makes loops in the older of its two ways: half the time to compile, as fast to run.
-
-    For this process, not for those that it starts; nothing may have been computed before. XLA reads its flags once,
-    ends the program at one that it does not know, and lets the last of several hold: the user's.
-    """
-    given = os.environ.get("XLA_FLAGS")
-    if QUICK_TO_COMPILE:
-        os.environ["XLA_FLAGS"] = f"{QUICK_TO_COMPILE} {given or ''}".strip()
-    try:
-        jax.devices()
-    finally:
-        os.environ.pop("XLA_FLAGS", None)
-        if given is not None:
-            os.environ["XLA_FLAGS"] = given
 
 
 def release_programs(mappings: int | None = None) -> bool:

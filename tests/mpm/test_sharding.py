@@ -12,10 +12,9 @@ import pytest
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.terms import UniformAcceleration
-from physagent_jax.kernels import programs
 from physagent_jax.mpm import PrescribedMotion, rollout, rollout_sharded, simulate, step
 from physagent_jax.mpm.sharding import ParticleLayout
-from tests.conftest import REPOSITORY
+from tests.conftest import QUICK_TO_COMPILE, REPOSITORY
 from tests.mpm.blocks import block
 
 
@@ -26,7 +25,7 @@ def computed(which, file):
         JAX_PLATFORMS="cpu",
         JAX_ENABLE_X64="1",
         JAX_DISABLE_MOST_OPTIMIZATIONS="1",  # compiling takes longer than running
-        XLA_FLAGS=f"--xla_force_host_platform_device_count=4 {programs.QUICK_TO_COMPILE}".strip(),
+        XLA_FLAGS=f"--xla_force_host_platform_device_count=4 {QUICK_TO_COMPILE}".strip(),
     )
     command = [sys.executable, "-m", "tests.mpm.sharded_runs", which, str(file)]
     done = subprocess.run(command, cwd=REPOSITORY, env=variables, capture_output=True, text=True)
