@@ -25,9 +25,11 @@ from physagent_jax.run.resolve import ResolvedRun, resolve
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.body import Body, make_body, make_scene_body
 from physagent_jax.scene.compile import CompiledScene, compile_scene
+from physagent_jax.scene.config import Source
 from physagent_jax.scene.cost import Limits
-from physagent_jax.scene.fuse import fuse, hold_if_toppling
+from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.scene_file import read_scene
+from physagent_jax.scene.standing import make_stand
 
 
 @dataclasses.dataclass(frozen=True)
@@ -36,10 +38,12 @@ class LoadedObject:
 
     Attributes:
         spec: How it was loaded.
+        source: How it was placed.
         body: Gaussians, particles, and how they hang together.
     """
 
     spec: RunSpec
+    source: Source
     body: Body
 
 
@@ -79,9 +83,8 @@ def load_object(
         seed=seed,
     )
     template = resolve(spec).template
-    return LoadedObject(
-        spec.located("."), make_body(template.source, template.preset.filling, template.preset.domain, ".")
-    )
+    body = make_body(template.source, template.preset.filling, template.preset.domain, ".")
+    return LoadedObject(spec.located("."), template.source, body)
 
 
 def build_scene(
@@ -92,7 +95,7 @@ def build_scene(
     material: str | Mapping[str, Any] | None = None,
     anchor: str | Mapping[str, Any] = "auto",
     camera: Mapping[str, Any] | None = None,
-    world: str = "free",
+    world: str = "ground",
     friction: float | None = None,
     frame_count: int | None = None,
     width: int | None = None,
@@ -134,20 +137,20 @@ def build_scene(
         ledger=ledger,
     )
     run = resolve(_validate(**changed))
+    run = dataclasses.replace(run, template=dataclasses.replace(run.template, source=loaded.source))
     for text in run.warnings:
         warnings.warn(text, UserWarning, stacklevel=2)
-    template, why = run.template, None
+    template, stated = run.template, False
     if prompt:
         context = AgentContext(prompt, make_brief(template, frames_fixed=run.frames_fixed), describe_skills())
         reply = agents_of(run.spec).semantic.compile(context).value
-        template, field = run.with_reply(reply), reply.force_field
-        if reply.world.gravity is None:
-            template, why = hold_if_toppling(template, loaded.body)
+        template, field, stated = run.with_reply(reply), reply.force_field, reply.world.gravity is not None
     else:
         field = _make_force_field(force_field)
-        template, why = hold_if_toppling(template, loaded.body)
-    if why is not None:
-        warnings.warn(why, UserWarning, stacklevel=2)
+    if not stated:
+        template, notes = make_stand(template, loaded.body, keep_material=run.spec.material.says_stiffness)
+        for text in notes:
+            warnings.warn(text, UserWarning, stacklevel=2)
     return compile_scene(fuse(template, loaded.body, field), loaded.body, run.base_dir)
 
 

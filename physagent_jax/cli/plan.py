@@ -81,16 +81,17 @@ class Plan:
 def examine_object(run: ResolvedRun, reply: SemanticReply) -> list[str]:
     """What a run would say of the object before it simulates anything: loose pieces, toppling, damping."""
     from physagent_jax.scene.body import make_body
-    from physagent_jax.scene.fuse import damp, hold_if_toppling
+    from physagent_jax.scene.fuse import damp
+    from physagent_jax.scene.standing import make_stand
 
-    template, why = run.with_reply(reply), None
+    template, notes = run.with_reply(reply), ()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", UserWarning)
         body = make_body(template.source, template.preset.filling, template.preset.domain, run.base_dir)
     if reply.world.gravity is None:
-        template, why = hold_if_toppling(template, body)
-    told = [str(each.message) for each in caught]
-    return [text for text in (*told, why, damp(template, body)[1]) if text is not None]
+        template, notes = make_stand(template, body, keep_material=run.spec.material.says_stiffness)
+    told = [*(str(each.message) for each in caught), *notes]
+    return told if (note := damp(template, body)[1]) is None else [*told, note]
 
 
 def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:

@@ -69,7 +69,7 @@ class Run:
     """[kg/m^3]; default: the material's."""
     damping_ratio: float | None = None
     """Share of critical damping of the object's lowest mode, 0 to 1; default: its kind's, if that costs little."""
-    world: Literal["ground", "free"] = "free"
+    world: Literal["ground", "free"] = "ground"
     """ground: it stands on the ground and gravity acts, unless the sentence says otherwise; free: it floats."""
     friction: float | None = None
     """Of the ground; default: that of a dry floor (0.4), and none in the free world."""

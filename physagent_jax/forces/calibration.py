@@ -49,8 +49,12 @@ field of four tenths of gravity does to a plant of 1 m (2 L / T^2)."""
 # --- what M = 1 usually shows of what is held; a quantity in the sentence sets M in proportion ------------------------
 # What viewers expect does not follow from these numbers: see `agents.rules.tolerances`.
 
-EXPECTED_HELD_SHIFT = 0.2
+EXPECTED_HELD_SHIFT = 0.17
 """[L] by which the centre of something held moves when it is pushed."""
+
+HELD_RANGE = 8.0
+"""[1] how many times more or less than 2 L / `HELD_TIME`^2 a push of something held may be: what is stiffer is not bent
+visibly, what is softer is not blown away."""
 
 EXPECTED_HELD_TURN = 25.0
 """[degrees] by which something held turns: it twists and springs back."""

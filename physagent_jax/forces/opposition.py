@@ -1,7 +1,8 @@
 """What a push, a blow or a turn needs in addition where friction and weight work against it.
 
 The way s that M asks for is what counts: M = 1 means the same visible motion on the ground as in empty space. A push
-overcomes what opposes it and moves the object by what is left; when it ends, friction stops it. A blow gives the speed
+overcomes what opposes it and moves the object by what is left; when it ends, friction stops it. Weight is made up for
+here, friction while it acts (`forces.terms.friction`), because what it takes is seen only then. A blow gives the speed
 whose way is M s: with a deceleration c, v = sqrt(2 c M s), or v = M s / T + c T / 2 if it is still moving after T. So a
 throw rises by M s and comes down. Closed forms; what a part alone is given is not changed, since it moves against the
 rest of the object rather than over the ground.
@@ -22,21 +23,27 @@ _TINY = 1e-12
 def find_deceleration(opposition: Opposition, direction):
     """Deceleration of what moves along ``direction``, unit vector, shape (3,) [m/s^2]."""
     xp = _to_numpy(direction)
+    return opposition.weight * xp.maximum(direction[2], 0.0) + find_friction(opposition, direction)
+
+
+def find_friction(opposition: Opposition, direction):
+    """Deceleration by friction alone of what moves along ``direction``, unit vector, shape (3,) [m/s^2]."""
+    xp = _to_numpy(direction)
     up = direction[2]
     flat = xp.sqrt(xp.maximum(1 - up**2, 0.0))
-    return opposition.weight * xp.maximum(up, 0.0) + xp.where(up < RISES, opposition.friction * flat, 0.0)
+    return xp.where(up < RISES, opposition.friction * flat, 0.0)
 
 
-def oppose_push(opposition: Opposition | None, k: float, magnitude, direction):
-    """Acceleration along ``direction`` of a push of ``magnitude`` [m/s^2]; k M where nothing opposes it."""
+def oppose_push(opposition: Opposition | None, k, magnitude, direction):
+    """Acceleration along ``direction`` of a push of ``magnitude`` but for friction [m/s^2]."""
     if opposition is None:
         return k * magnitude
     xp = _to_numpy(magnitude)
     sign = xp.sign(magnitude)
-    return k * magnitude + sign * find_deceleration(opposition, sign * direction)
+    return k * magnitude + sign * opposition.weight * xp.maximum(sign * direction[2], 0.0)
 
 
-def oppose_blow(opposition: Opposition | None, k: float, magnitude, direction):
+def oppose_blow(opposition: Opposition | None, k, magnitude, direction):
     """Velocity change along ``direction`` of a blow of ``magnitude`` [m/s]; k M where nothing opposes it."""
     if opposition is None:
         return k * magnitude
@@ -50,15 +57,17 @@ def oppose_blow(opposition: Opposition | None, k: float, magnitude, direction):
     return sign * xp.where(way < 0.5 * c * time**2, stopped, passing)
 
 
-def oppose_turn(opposition: Opposition | None, k: float, magnitude, axis):
-    """Angular acceleration about ``axis`` of a turn of ``magnitude`` [rad/s^2]; k M where nothing opposes it."""
+def oppose_turn(opposition: Opposition | None, k, magnitude, axis):
+    """Angular acceleration about ``axis`` of a turn of ``magnitude`` but for friction [rad/s^2]."""
     if opposition is None:
         return k * magnitude
     xp = _to_numpy(magnitude)
-    upright = axis[2] ** 2
-    return k * magnitude + xp.sign(magnitude) * (
-        opposition.turning * upright + opposition.tipping * (1 - upright)
-    )
+    return k * magnitude + xp.sign(magnitude) * opposition.tipping * (1 - axis[2] ** 2)
+
+
+def find_rubbing(opposition: Opposition, axis):
+    """Angular deceleration by friction of what spins about ``axis``, unit vector, shape (3,) [rad/s^2]."""
+    return opposition.turning * axis[2] ** 2
 
 
 def describe_opposition(opposition: Opposition) -> str:

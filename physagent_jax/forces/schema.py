@@ -184,6 +184,25 @@ class Opposition(Strict):
     time: Positive
 
 
+_Compliance = Annotated[float, Field(ge=-1e6, le=1e6)]  # [s^2]
+_ComplianceRow = tuple[_Compliance, _Compliance, _Compliance]
+
+
+class Holding(Strict):
+    """How far what is held somewhere gives way (`scene.compliance`); pushes and blows are scaled by it.
+
+    Attributes:
+        compliance: Mean displacement per uniform acceleration [s^2], rows answer the world's axes.
+        shift: How far M = 1 is to move its centre [m].
+        least, most: Limits of what a push's k may be [m/s^2].
+    """
+
+    compliance: tuple[_ComplianceRow, _ComplianceRow, _ComplianceRow]
+    shift: Positive
+    least: Positive
+    most: Positive
+
+
 class SkillScaling(Strict):
     """What a magnitude of 1 means in SI units; recorded in a scene, so that it replays exactly.
 
@@ -196,6 +215,7 @@ class SkillScaling(Strict):
         rotation: Of ``enforce_particle_rotation`` [rad/s]; by default a quarter turn in two seconds.
         opposition: What works against the motion, which pushes, blows and turns of the whole object make up for;
             None = nothing.
+        holding: How far it gives way where it is held, which pushes and blows of either kind go by; None = not known.
         reason: How they were found.
     """
 
@@ -206,6 +226,7 @@ class SkillScaling(Strict):
     velocity: Positive
     rotation: Positive = TURN / 2
     opposition: Opposition | None = None
+    holding: Holding | None = None
     reason: str = ""
 
 

@@ -45,7 +45,15 @@ from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error
 from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, STRAIN, STRETCH_RAMP, TRAVEL, TURN
-from physagent_jax.forces.opposition import describe_opposition, oppose_blow, oppose_push, oppose_turn
+from physagent_jax.forces.holding import find_blow_scale, find_push_scale
+from physagent_jax.forces.opposition import (
+    describe_opposition,
+    find_friction,
+    find_rubbing,
+    oppose_blow,
+    oppose_push,
+    oppose_turn,
+)
 from physagent_jax.forces.parameters import ActionParameters, Array, ForceFieldParameters, check_entries
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.schema import (
@@ -53,11 +61,19 @@ from physagent_jax.forces.schema import (
     ActionType,
     ConstraintType,
     ForceField,
+    Holding,
     Opposition,
     SkillScaling,
     VelocityConstraint,
 )
-from physagent_jax.forces.terms import Stretch, Torque, UniformAcceleration, VelocityChange
+from physagent_jax.forces.terms import (
+    PushCompensation,
+    Stretch,
+    Torque,
+    TurnCompensation,
+    UniformAcceleration,
+    VelocityChange,
+)
 from physagent_jax.mpm.boundaries import HalfSpace
 from physagent_jax.mpm.constraints import MovingPlate, PrescribedMotion
 
@@ -79,6 +95,7 @@ def make_closed_form_scaling(
     duration: float,
     damping_rate: float = 0.0,
     opposition: Opposition | None = None,
+    holding: Holding | None = None,
 ) -> SkillScaling:
     """The k of the table above for a free object; with damping, those that move it as far.
 
@@ -90,6 +107,7 @@ def make_closed_form_scaling(
         damping_rate: Rate d at which velocities decay [1/s]: a push k then moves by k (d T - 1 + e^(-d T)) / d^2
             instead of k T^2 / 2, a blow k by k (1 - e^(-d T)) / d instead of k T.
         opposition: What else works against the motion.
+        holding: How far the object gives way where it is held.
 
     Raises:
         UserError: These values give accelerations beyond what float32 can compute with.
@@ -105,6 +123,8 @@ def make_closed_form_scaling(
         reason += f", damping {damping_rate:.3g} /s"
     if opposition is not None:
         reason += f"; {describe_opposition(opposition)}"
+    if holding is not None:
+        reason += f"; held: a push or blow of 1 is to move its centre by {holding.shift:.3g} m"
     try:
         return SkillScaling(
             translation=TRAVEL * extent / push_path,
@@ -114,6 +134,7 @@ def make_closed_form_scaling(
             velocity=PRESCRIBED_TRAVEL * extent / duration,
             rotation=TURN / duration,
             opposition=opposition,
+            holding=holding,
             reason=reason,
         )
     except ValidationError as error:
@@ -156,14 +177,15 @@ def compile_force_field(
     for index, (action, values) in enumerate(zip(field.actions, parameters.actions)):
         place = f"force_field.actions[{index}]"
         bound = _Bound(action, values, place, rest, volume, frame_dt, frame_count)
-        forces.append(_get_skill(action, scaling, bound))
+        forces += [_get_skill(action, scaling, bound), *_overcome_friction(action, scaling, bound)]
     for index, (constraint, values) in enumerate(zip(field.constraints, parameters.constraints)):
         place = f"force_field.constraints[{index}]"
         bound = _Bound(constraint, values, place, rest, volume, frame_dt, frame_count)
         match constraint.constraint_type:
             case ConstraintType.PARTICLE_IMPULSE:
                 opposition = scaling.opposition if constraint.region is None else None
-                blow = oppose_blow(opposition, scaling.impulse, *bound.directed)
+                k = find_blow_scale(scaling.holding, scaling.impulse, bound.values.vector)
+                blow = oppose_blow(opposition, k, *bound.directed)
                 forces.append(bound.change_velocity(blow))
             case ConstraintType.PARTICLE_TRANSLATION:
                 k = scaling.velocity * (1.0 if constraint.region is None else bound.width())
@@ -229,16 +251,40 @@ def _get_skill(action: Action, scaling: SkillScaling, bound: _Bound):
     opposition = scaling.opposition if action.region is None else None
     match action.action_type:
         case ActionType.TRANSLATION:
-            push = oppose_push(opposition, scaling.translation, *bound.directed)
+            k = find_push_scale(scaling.holding, scaling.translation, bound.values.vector)
+            push = oppose_push(opposition, k, *bound.directed)
             return UniformAcceleration(bound.along(push), start, end, weight)
         case ActionType.IMPULSE:
-            return bound.apply_impulse(oppose_blow(opposition, scaling.impulse, *bound.directed))
+            k = find_blow_scale(scaling.holding, scaling.impulse, bound.values.vector)
+            return bound.apply_impulse(oppose_blow(opposition, k, *bound.directed))
         case ActionType.TORQUE:
             turn = oppose_turn(opposition, scaling.torque, *bound.directed)
             return Torque(axis, bound.leaf(turn), start, end, weight)
         case ActionType.SCALE:
             strength = bound.leaf(scaling.scale * magnitude / bound.stress_concentration())
             return Stretch(axis, strength, start, end, STRETCH_RAMP * (end - start), weight)
+
+
+def _overcome_friction(
+    action: Action, scaling: SkillScaling, bound: _Bound
+) -> list[PushCompensation | TurnCompensation]:
+    """What a push or a turn of the whole object adds over the ground."""
+    opposition, vector, magnitude = scaling.opposition, bound.values.vector, bound.values.magnitude
+    if opposition is None or action.region is not None:
+        return []
+    xp = jnp if _is_traced(magnitude) else np
+    size, way = xp.abs(magnitude), xp.sign(magnitude) * vector
+    drag = bound.leaf(opposition.damping_rate)
+    match action.action_type:
+        case ActionType.TRANSLATION if opposition.friction:
+            friction, push = find_friction(opposition, way), scaling.translation * size
+            kind = PushCompensation
+        case ActionType.TORQUE if opposition.turning:
+            friction, push = find_rubbing(opposition, way), scaling.torque * size
+            kind = TurnCompensation
+        case _:
+            return []
+    return [kind(bound.leaf(way), bound.leaf(friction), bound.leaf(push), drag, *bound.window)]
 
 
 class _Bound:

@@ -46,7 +46,8 @@ from physagent_jax.scene.coarse import coarsen
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import CameraConfig, SceneConfig
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
-from physagent_jax.scene.fuse import SceneTemplate, damp, fuse, hold_if_toppling
+from physagent_jax.scene.fuse import SceneTemplate, damp, fuse
+from physagent_jax.scene.standing import make_stand
 from physagent_jax.simulation.ahead import compile_ahead
 from physagent_jax.simulation.recording import RestartCache
 from physagent_jax.simulation.simulate import simulate_scene
@@ -256,14 +257,15 @@ class _Loop:
     def apply_reply(self, reply: SemanticReply, body: Body) -> SceneTemplate:
         """The scene template with what the sentence says about holding, the world and the clip's length.
 
-        An object that cannot stand as it was captured is held, unless the sentence wants gravity.
+        An object that cannot stand as it was captured is held or made stiffer, unless the sentence wants gravity.
         """
         self._template = self._run.with_reply(reply)
         if reply.world.gravity is None:
-            self._template, why = hold_if_toppling(self._template, body)
-            if why is not None:
-                self._warnings += (why,)
-                self.observer.warned(why)
+            chosen = self._run.spec.material.says_stiffness
+            self._template, notes = make_stand(self._template, body, keep_material=chosen)
+            self._warnings += notes
+            for note in notes:
+                self.observer.warned(note)
         if (note := damp(self._template, body)[1]) is not None:
             self.observer.assumed(note)
         return self._template

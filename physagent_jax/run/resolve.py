@@ -20,6 +20,7 @@ from physagent_jax.scene.card import ObjectCard, load_card
 from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, Source
 from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.fuse import SceneTemplate
+from physagent_jax.scene.level import level
 from physagent_jax.scene.load import hash_file
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
@@ -98,6 +99,8 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
     try:
         preset = resolve_preset(spec)
         source = _make_source(spec, card, path, sha256)
+        anchor = resolve_anchor(spec.anchor, source.kind, base_dir=base_dir)
+        source, turned = level(source, preset.domain) if _stands(spec, anchor) else (source, None)
         material, warnings = resolve_material(spec.material, source.kind, preset, base_dir=base_dir)
         template = SceneTemplate(
             prompt=spec.prompt,
@@ -105,7 +108,7 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
             preset=preset,
             source=source,
             material=material,
-            anchor=resolve_anchor(spec.anchor, source.kind, base_dir=base_dir),
+            anchor=anchor,
             camera=_make_camera(spec.camera, card, source, preset.domain),
             world=WORLDS[spec.world],
             friction=_choose_friction(spec),
@@ -117,6 +120,7 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
         raise format_validation_error(
             error, origin, do="`physagent schema scene` prints the ranges"
         ) from None
+    warnings += () if turned is None else (turned,)
     if spec.object.up is None and card.up is None:
         warnings += (
             "the file's up axis is not known: +z assumed; pass --up if the object lies or stands on its head",
@@ -194,6 +198,11 @@ def _choose_damping_ratio(spec: RunSpec, kind: str, preset: Preset, material: Ma
     named = spec.material.name is not None or spec.material.physgm is not None
     takes = "damping_ratio" in MODEL_PARAMETERS[material.model]
     return choose_damping_ratio(kind) if takes and not named and not preset.transfer.damping_rate else 0.0
+
+
+def _stands(spec: RunSpec, anchor: Anchor) -> bool:
+    """Whether nothing but the ground holds the object up."""
+    return spec.world == "ground" and anchor.kind == "none"
 
 
 def _choose_friction(spec: RunSpec) -> float:

@@ -82,6 +82,11 @@ class MaterialChoice(Strict):
             raise ValueError("`physgm` and `name` both say what the object is made of: give one of them")
         return self
 
+    @property
+    def says_stiffness(self) -> bool:
+        """Whether somebody has chosen how stiff it is."""
+        return any(each is not None for each in (self.name, self.physgm, self.soften, self.youngs_modulus))
+
 
 class AnchorChoice(Strict):
     """What is held fixed.
@@ -266,7 +271,7 @@ class RunSpec(Strict):
     material: MaterialChoice = MaterialChoice()
     anchor: AnchorChoice = AnchorChoice()
     camera: CameraChoice = CameraChoice()
-    world: Literal["ground", "free"] = "free"
+    world: Literal["ground", "free"] = "ground"
     friction: Friction | None = None
     agents: AgentChoice = AgentChoice()
     perception: PerceptionChoice = PerceptionChoice()

@@ -7,10 +7,11 @@ import dataclasses
 import numpy as np
 
 from physagent_jax.forces import calibration
-from physagent_jax.forces.schema import ForceField
+from physagent_jax.forces.schema import ForceField, Holding
 from physagent_jax.forces.skills import compute_free_path, make_closed_form_scaling
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.camera import frame_camera, shows_points
+from physagent_jax.scene.compliance import find_compliance
 from physagent_jax.scene.config import (
     Anchor,
     CameraConfig,
@@ -33,13 +34,11 @@ from physagent_jax.scene.world import (
     FREE,
     World,
     build_boundaries,
-    explain_toppling,
     find_gravity,
     find_opposition,
 )
 
 SEEN_SAG = 1e-3  # rho g L / E below which an object is as straight as without weight
-FLOWS = (MaterialModel.FLUID, MaterialModel.DRUCKER_PRAGER, MaterialModel.SNOW)
 CAN_STAND = (MaterialModel.NEO_HOOKEAN, MaterialModel.FIXED_COROTATED, MaterialModel.HENCKY)
 
 
@@ -109,6 +108,7 @@ def fuse(
             drop=drop,
             friction=template.friction,
         ),
+        holding=find_holding(template, body) if held else None,
     )
     config = SceneConfig(
         prompt=template.prompt,
@@ -167,16 +167,6 @@ def damp(template: SceneTemplate, body: Body) -> tuple[Material, str | None]:
     return material.changed(damping_ratio=ratio, reason="; ".join(filter(None, reasons))), note
 
 
-def hold_if_toppling(template: SceneTemplate, body: Body) -> tuple[SceneTemplate, str | None]:
-    """The template without gravity and ground where the object could not stand there, and why."""
-    flows = template.material.model in FLOWS
-    why = explain_toppling(template.world, body, template.anchor, flows=flows)
-    if why is None:
-        return template, None
-    world = dataclasses.replace(template.world, gravity="none", ground=False)
-    return dataclasses.replace(template, world=world), why
-
-
 def stands(template: SceneTemplate, *, drop: bool) -> bool:
     """Whether the object rests under its own weight when the clip begins, and so much of it that it would be seen.
 
@@ -186,6 +176,22 @@ def stands(template: SceneTemplate, *, drop: bool) -> bool:
     borne = anchor.kind != "none" or (world.ground and not drop)
     sag = material.density * calibration.GRAVITY * template.source.extent / material.youngs_modulus
     return world.gravity == "down" and borne and sag > SEEN_SAG and material.model in CAN_STAND
+
+
+def find_holding(template: SceneTemplate, body: Body) -> Holding | None:
+    """How far the held object gives way; None where it does not bend elastically or cannot be told."""
+    if template.material.model not in CAN_STAND:
+        return None
+    compliance = find_compliance(body, template.material, template.anchor)
+    if compliance is None:
+        return None
+    k = 2 * calibration.TRAVEL * body.extent / calibration.HELD_TIME**2
+    return Holding(
+        compliance=compliance,
+        shift=calibration.EXPECTED_HELD_SHIFT * body.extent,
+        least=k / calibration.HELD_RANGE,
+        most=k * calibration.HELD_RANGE,
+    )
 
 
 def estimate_sweep(config: SceneConfig, body: Body) -> np.ndarray:

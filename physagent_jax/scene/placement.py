@@ -63,7 +63,7 @@ class Placement:
 def place(cloud: GaussianCloud, source: Source, domain: Domain) -> tuple[GaussianCloud, Placement]:
     """Crops, rotates, scales and centres a loaded cloud.
 
-    The order is PhysGaussian's: extra rotations, crop, then (ours) ``up`` onto +z, then the plain bounding
+    The order is PhysGaussian's: extra rotations, crop, then (ours) ``up`` onto +z and ``tilt``, then the plain bounding
     box of the centres is scaled to ``source.extent`` and centred.
 
     Args:
@@ -79,7 +79,7 @@ def place(cloud: GaussianCloud, source: Source, domain: Domain) -> tuple[Gaussia
     """
     turn = find_extra_rotation(source.rotation_degrees, source.rotation_axes)
     cloud = _crop(cloud, turn, source.crop)
-    rotation = find_up_rotation(source.up) @ turn
+    rotation = find_tilt_rotation(source.tilt) @ find_up_rotation(source.up) @ turn
     turned = np.asarray(cloud.means, np.float64) @ rotation.T
     if not np.isfinite(turned).all():
         raise UserError("the object has Gaussians whose centre is not finite", do="Export the file again")
@@ -103,6 +103,11 @@ def find_up_rotation(up: SignedAxis) -> np.ndarray:
     """The shortest proper rotation that brings ``up`` onto +z, shape (3, 3); +x stays for z and y axes."""
     axis, degrees = _TO_PLUS_Z[up]
     return _find_exact(Rotation.from_euler(axis, degrees, degrees=True))
+
+
+def find_tilt_rotation(tilt: tuple[float, float]) -> np.ndarray:
+    """The rotation by a vector in the world's x-y plane [degrees], shape (3, 3)."""
+    return _find_exact(Rotation.from_rotvec([*tilt, 0.0], degrees=True))
 
 
 def find_extra_rotation(degrees: tuple[float, ...], axes: tuple[int, ...]) -> np.ndarray:

@@ -106,13 +106,17 @@ def find_footprint(body: Body) -> np.ndarray:
 
 def find_overhang(body: Body) -> float:
     """How far the mass centre is beyond the edge of what the object stands on [L]; negative = it stands."""
-    feet = find_footprint(body)
     centre = np.average(body.particles.x[:, :2], axis=0, weights=body.particles.volume)
+    return measure_overhang(find_footprint(body), centre) / body.extent
+
+
+def measure_overhang(feet: np.ndarray, centre: np.ndarray) -> float:
+    """How far ``centre`` (2,) is beyond the hull of ``feet`` (m, 2), both seen from above [m]; negative = inside."""
     try:
         hull = ConvexHull(feet)
     except (QhullError, ValueError):  # a point or an edge
-        return float(np.linalg.norm(feet.mean(0) - centre)) / body.extent
-    return float((hull.equations[:, :2] @ centre + hull.equations[:, 2]).max()) / body.extent
+        return float(np.linalg.norm(feet.mean(0) - centre))
+    return float((hull.equations[:, :2] @ centre + hull.equations[:, 2]).max())
 
 
 def explain_toppling(world: World, body: Body, anchor: Anchor, *, flows: bool) -> str | None:

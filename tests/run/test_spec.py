@@ -37,7 +37,7 @@ OTHERS = {
     "anchor.kind": "top",
     "camera.azimuth_degrees": 30.0,
     "camera.elevation_degrees": 30.0,
-    "world": "ground",
+    "world": "free",
     "camera.follow": True,
     "friction": 0.5,
     "perception.prompt": {"frame": 3, "points": [[0.5, 0.25]], "labels": [True], "box": [0.1, 0.1, 0.9, 0.9]},

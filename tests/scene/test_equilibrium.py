@@ -12,7 +12,8 @@ from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import compile_scene
-from physagent_jax.scene.fuse import fuse, hold_if_toppling
+from physagent_jax.scene.fuse import fuse
+from physagent_jax.scene.standing import make_stand
 from physagent_jax.simulation.simulate import simulate_frames
 
 
@@ -31,8 +32,8 @@ def scene_of(path, *, frames=20, cells=48, particles=3000, field=None, **parts):
     run = resolve(RunSpec.model_validate(spec))
     template = run.template
     body = make_body(template.source, template.preset.filling, template.preset.domain, ".")
-    template, why = hold_if_toppling(template, body)
-    return compile_scene(fuse(template, body, field or ForceField()), body), why
+    template, notes = make_stand(template, body, keep_material=run.spec.material.says_stiffness)
+    return compile_scene(fuse(template, body, field or ForceField()), body), notes
 
 
 def farthest(scene):
@@ -44,8 +45,8 @@ def farthest(scene):
 
 
 def test_jelly_stands_as_it_was_captured(pillar):
-    scene, why = scene_of(pillar)
-    assert why is None and scene.config.start == "equilibrium"
+    scene, notes = scene_of(pillar)
+    assert not notes and scene.config.start == "equilibrium"
     assert farthest(scene) < 0.005
     eye = to_device(np.broadcast_to(np.eye(3, dtype=np.float32), scene.state.F.shape))
     unstressed = dataclasses.replace(scene, state=dataclasses.replace(scene.state, F=eye))
@@ -75,7 +76,7 @@ def test_a_held_plant_keeps_its_pose(pillar):
 
 def test_what_falls_or_floats_bears_nothing(pillar):
     for field, parts in ((ForceField(default_drop=True), {}), (None, {"world": "free"})):
-        scene, _ = scene_of(pillar, frames=2, field=field, **parts)
+        scene, _ = scene_of(pillar, frames=2, field=field, world=parts.get("world", "ground"))
         assert scene.config.start == "unstressed"
         np.testing.assert_array_equal(scene.state.F, np.broadcast_to(np.eye(3), scene.state.F.shape))
     sand, _ = scene_of(pillar, frames=2, material={"name": "sand"})
@@ -83,6 +84,6 @@ def test_what_falls_or_floats_bears_nothing(pillar):
 
 
 def test_what_stands_on_its_tip_is_held_and_says_so(robot_path):
-    scene, why = scene_of(robot_path, frames=2, particles=1500, object={"path": str(robot_path)})
-    assert why is not None and "beyond what it stands on" in why
+    scene, notes = scene_of(robot_path, frames=2, particles=1500, object={"path": str(robot_path)})
+    assert len(notes) == 1 and "beyond what it stands on" in notes[0]
     assert not scene.config.always_gravity and len(scene.config.boundaries) == 1

@@ -7,7 +7,15 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from physagent_jax.core.strict import Number, Seed, Strict
-from physagent_jax.scene.config.common import Length, Path, Point, RotationAxes, Rotations, SignedAxis
+from physagent_jax.scene.config.common import (
+    Degrees,
+    Length,
+    Path,
+    Point,
+    RotationAxes,
+    Rotations,
+    SignedAxis,
+)
 
 MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".stl", ".off")
 MOST_MESH_BYTES = 512 * 2**20
@@ -23,6 +31,8 @@ class Source(Strict):
         name: What the object is called; from the file name if empty.
         kind: Class with a physical prior ("plant", "food", "robot", ...); see `scene.priors`.
         up: The file's own up axis; rotated onto +z.
+        tilt: Rotation after that about the world's x and y axes together, a rotation vector [degrees], with which the
+            object stands level (`scene.level`).
         opacity_threshold: Gaussians with a lower opacity are dropped.
         crop: Keep only (xmin, xmax, ymin, ymax, zmin, zmax) in file units, before anything else but
             ``rotation_degrees``.
@@ -38,6 +48,7 @@ class Source(Strict):
     name: str = ""
     kind: str = "object"
     up: SignedAxis = "+z"
+    tilt: tuple[Degrees, Degrees] = (0.0, 0.0)
     opacity_threshold: float = Field(default=0.02, ge=0, lt=1)
     crop: tuple[Number, Number, Number, Number, Number, Number] | None = None
     rotation_degrees: Rotations = ()

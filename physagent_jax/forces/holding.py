@@ -1,0 +1,43 @@
+"""What a push or a blow needs where the object is held and bends.
+
+With C the mean displacement per uniform acceleration (`scene.compliance`), a steady push a along v moves the centre by
+a v.C v, and a sudden one swings to up to twice that, less what damping takes. A blow dv sets the lowest mode going,
+w^2 = 1 / (v.C v): it swings to dv / w.
+"""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+import numpy as np
+from jax.core import Tracer
+
+from physagent_jax.forces.schema import Holding
+
+OVERSHOOT = 1.6  # of a sudden push, over where it would come to rest; between 1 (slow or damped) and 2
+
+
+def find_push_scale(holding: Holding | None, k: float, direction):
+    """k of a push along ``direction``, unit vector, shape (3,) [m/s^2]; ``k`` where nothing is known of the holding."""
+    if holding is None:
+        return k
+    xp = jnp if isinstance(direction, Tracer) else np
+    wanted = holding.shift / (OVERSHOOT * _find_way(holding, direction, xp))
+    return xp.clip(wanted, holding.least, holding.most)
+
+
+def find_blow_scale(holding: Holding | None, k: float, direction):
+    """k of a blow along ``direction`` [m/s]; as `find_push_scale`, whose limits hold for it in proportion."""
+    if holding is None:
+        return k
+    xp = jnp if isinstance(direction, Tracer) else np
+    way = _find_way(holding, direction, xp)
+    limited = xp.clip(
+        holding.shift / way, holding.least, holding.most
+    )  # [m/s^2], as of a push that is no longer sudden
+    return xp.sqrt(holding.shift * limited)
+
+
+def _find_way(holding: Holding, direction, xp):
+    """v.C v [s^2]."""
+    matrix = xp.asarray(holding.compliance)
+    return xp.maximum(direction @ matrix @ direction, 1e-9)

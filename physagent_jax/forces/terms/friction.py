@@ -1,0 +1,110 @@
+"""What a push or a turn adds to overcome friction, as a hand does: as much as it takes, while it takes it.
+
+Friction compensation as servo drives have it: the friction to be expected is fed forward, and the velocity that is
+lacking, or in excess, is fed back,
+
+    a = clip(a_f + (v_ref - v) / TAU, 0, 2 a_f),   v_ref = a_0 (1 - exp(-d s)) / d after a time s,
+
+v the velocity of the mass centre along the way and v_ref what the push a_0 alone gives a body with drag d from rest.
+Feeding forward alone does not do: friction is many times the push that is to be left, so that an error of a few per
+cent of it doubles the way; it reaches the middle of a soft object only once a shear wave has come up from the ground;
+and what rolls meets hardly any. Force and velocity are conjugate (the same for all particles, and its mean), so that
+the feedback damps and cannot excite the object's own modes.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.forces.terms.rigid import mass_centre
+from physagent_jax.mpm.fields import END, START
+from physagent_jax.mpm.linalg import cross
+from physagent_jax.mpm.protocols import window_fraction
+from physagent_jax.mpm.reductions import sum_particles
+
+TAU = 0.01  # [s] in which a velocity that is lacking is made up for
+SLOWEST = 4.0  # [substeps] that this takes at least
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True)
+class PushCompensation:
+    """Overcomes friction along a direction.
+
+    Attributes:
+        direction: Unit vector, shape (3,).
+        friction: To be expected [m/s^2], scalar.
+        push: Acceleration that is to be left [m/s^2], scalar.
+        damping_rate: Of the velocity [1/s], scalar.
+        start, end: Window [s], scalars.
+    """
+
+    direction: jax.Array
+    friction: jax.Array
+    push: jax.Array
+    damping_rate: jax.Array
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
+
+    def acceleration(self, x, v, mass, time, dt):
+        """Mean over the substep [m/s^2], shape (n, 3)."""
+        velocity = mass_centre(v, mass) @ self.direction
+        wanted = _find_velocity(self.push, self.damping_rate, time - self.start)
+        size = _compensate(self.friction, wanted - velocity, dt)
+        field = size * window_fraction(time, dt, self.start, self.end) * self.direction
+        return jnp.broadcast_to(field, x.shape)
+
+    def gradient(self, x, time, dt):
+        """None: uniform."""
+        del x, time, dt
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True)
+class TurnCompensation:
+    """Overcomes the friction of a spin about an axis through the mass centre.
+
+    Attributes:
+        axis: Unit vector (right-hand rule), shape (3,).
+        friction: Angular deceleration to be expected [rad/s^2], scalar.
+        turn: Angular acceleration that is to be left [rad/s^2], scalar.
+        damping_rate: Of velocities [1/s], scalar.
+        start, end: Window [s], scalars.
+    """
+
+    axis: jax.Array
+    friction: jax.Array
+    turn: jax.Array
+    damping_rate: jax.Array
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
+
+    def acceleration(self, x, v, mass, time, dt):
+        """Mean over the substep [m/s^2], shape (n, 3)."""
+        arm = cross(jnp.broadcast_to(self.axis, x.shape), x - mass_centre(x, mass))
+        inertia = sum_particles((mass * (arm**2).sum(1)).sum())
+        spin = sum_particles((mass * (arm * v).sum(1)).sum()) / inertia
+        wanted = _find_velocity(self.turn, self.damping_rate, time - self.start)
+        size = _compensate(self.friction, wanted - spin, dt)
+        return size * window_fraction(time, dt, self.start, self.end) * arm
+
+    def gradient(self, x, time, dt):
+        """None: what the particles' own rows of it would add is a hundredth of the turn's."""
+        del x, time, dt
+
+
+def _find_velocity(acceleration: jax.Array, damping_rate: jax.Array, time: jax.Array) -> jax.Array:
+    """What a steady ``acceleration`` gives from rest against drag in ``time`` [s]."""
+    time = jnp.maximum(time, 0.0)
+    decay = damping_rate * time
+    # (1 - exp(-x)) / x, also at x = 0
+    share = jnp.where(decay > 1e-4, -jnp.expm1(-decay) / jnp.maximum(decay, 1e-4), 1.0 - 0.5 * decay)
+    return acceleration * time * share
+
+
+def _compensate(friction: jax.Array, lacking: jax.Array, dt: jax.Array) -> jax.Array:
+    return jnp.clip(friction + lacking / jnp.maximum(TAU, SLOWEST * dt), 0.0, 2.0 * friction)

@@ -1,0 +1,173 @@
+"""Linear elasticity on the grid nodes under particles: small displacements that answer forces.
+
+The same nodes, weights and gradients as the simulation's (`mpm.transfer`), in double precision. Node motions that no
+particle's strain sees are tied to the linear field of each particle over them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+TIE = 0.002  # stiffness against motions of nodes that no particle's strain sees, over that of the material
+INNER_ROUNDS = 500  # of conjugate gradients
+INNER_SHARE = 0.02  # of the residual that they leave
+LEAST_MASS = 1e-4  # of the mean node's: lighter ones on the fringe carry nothing that particles feel
+
+
+class GridElasticity:
+    """The elastic forces of a body at its nodes.
+
+    Attributes:
+        weight: Particles x nodes, the interpolation weights, and ``spread`` its transpose.
+        gradient: 3 particles x nodes, dH/du of the displacement gradient, and ``divergence`` its transpose.
+        height: Of the nodes above the domain's lower face [m], shape (m,).
+        mass: Of the nodes [kg], shape (m,).
+        dx: Their distance [m].
+        light: Nodes that carry nothing, shape (m,).
+    """
+
+    def __init__(self, x, volume, mass, mu, lam, *, dx: float, form: str, share: float = INNER_SHARE):
+        """Arrays of one entry per particle in SI units; ``form`` is `Model.stress_form`; ``share`` as `INNER_SHARE`."""
+        x = np.asarray(x, np.float64)
+        self._volume, self._mu, self._lam = (np.asarray(each, np.float64) for each in (volume, mu, lam))
+        self._share, self.dx = share, dx
+        nodes, weights, reach = _make_stencil(x, dx, form)
+        flat = (nodes[..., 0] * 2**20 + nodes[..., 1]) * 2**20 + nodes[..., 2]
+        unique, inverse = np.unique(flat, return_inverse=True)
+        count, inverse = len(x), inverse.reshape(len(x), -1)
+        rows = np.repeat(np.arange(count), inverse.shape[1])
+        shape = (count, len(unique))
+        self.weight = csr_matrix((weights.ravel(), (rows, inverse.ravel())), shape)
+        rows = (3 * np.arange(count)[:, None, None] + np.arange(3)).repeat(inverse.shape[1], 1)
+        columns = np.repeat(inverse[..., None], 3, axis=2)
+        self.gradient = csr_matrix((reach.ravel(), (rows.ravel(), columns.ravel())), (3 * count, len(unique)))
+        self.spread, self.divergence = csr_matrix(self.weight.T), csr_matrix(self.gradient.T)
+        self.height = (unique % 2**20) * dx
+        self._particle_mass = np.asarray(mass, np.float64)
+        self.mass = self.spread @ self._particle_mass
+        self.light = self.mass < LEAST_MASS * self.mass.mean()
+        self._tie = TIE * self._volume * (self._lam + 2 * self._mu) * 4 / dx**2
+        self._tied = (self.spread @ self._tie)[:, None]
+        self._slope_stiffness = 0.25 * dx**2 * np.repeat(self._tie, 3)[:, None]
+        self._diagonal = self._find_diagonal()
+
+    def find_gradient(self, u) -> np.ndarray:
+        """Displacement gradients of the particles, shape (n, 3, 3), for displacements of the nodes (m, 3) [m]."""
+        # H[p, a, b] = sum u_a g_b
+        return (self.gradient @ u).reshape(-1, 3, 3).transpose(0, 2, 1)
+
+    def compute_force(self, tau) -> np.ndarray:
+        """Forces at the nodes (m, 3) [N] of Kirchhoff stresses (n, 3, 3) [Pa]."""
+        return self.divergence @ (self._volume[:, None, None] * tau).reshape(-1, 3)
+
+    def compute_tie_force(self, u) -> np.ndarray:
+        """What ties nodes to the linear field of each particle over them, where strains do not see them move."""
+        slopes = self.gradient @ u
+        return self._tie_nodes(u) - self.divergence @ (self._slope_stiffness * slopes)
+
+    def compute_stress(self, u) -> np.ndarray:
+        """Linear elasticity's stresses (n, 3, 3) [Pa] for displacements ``u`` of the nodes [m]."""
+        return self._find_stress(self.gradient @ u)
+
+    def apply_stiffness(self, u) -> np.ndarray:
+        """Linear elasticity's forces at the nodes (m, 3) [N] for displacements ``u`` [m], and the tie's."""
+        slopes = self.gradient @ u
+        stress = self._volume[:, None, None] * self._find_stress(slopes)
+        return self.divergence @ (stress.reshape(-1, 3) - self._slope_stiffness * slopes) + self._tie_nodes(u)
+
+    def find_strain(self, stress) -> np.ndarray:
+        """The linear strains (n, 3, 3) of stresses [Pa]: the inverse law."""
+        trace = np.trace(stress, axis1=1, axis2=2)
+        share = self._lam / (2 * self._mu + 3 * self._lam) * trace
+        strain = stress.copy()
+        strain[:, range(3), range(3)] -= share[:, None]
+        return strain / (2 * self._mu)[:, None, None]
+
+    def _find_stress(self, slopes) -> np.ndarray:
+        H = slopes.reshape(-1, 3, 3)  # transposed; the stress is symmetric
+        stress = self._mu[:, None, None] * (H + H.transpose(0, 2, 1))
+        stress[:, range(3), range(3)] += (self._lam * np.trace(H, axis1=1, axis2=2))[:, None]
+        return stress
+
+    def _tie_nodes(self, u) -> np.ndarray:
+        return self._tied * u - self.spread @ (self._tie[:, None] * (self.weight @ u))
+
+    def measure_acceleration(self, force) -> float:
+        """Root mean square acceleration [m/s^2] that ``force`` (m, 3) [N] gives the particles, by mass."""
+        felt = self.weight @ (force / np.maximum(self.mass, 1e-30)[:, None])
+        return float(np.sqrt(np.average((felt**2).sum(1), weights=self._particle_mass)))
+
+    def measure_work(self, force) -> float:
+        """Root of the work [J] that ``force`` (m, 3) [N] could do if each node moved alone."""
+        return float(np.sqrt((force**2 / self._diagonal).sum()))
+
+    def find_borne(self, support) -> np.ndarray:
+        """Nodes that particles join to one of ``support``, shape (m,)."""
+        count, nodes = self.weight.get_shape()
+        joined = coo_matrix(self.weight)
+        graph = coo_matrix(
+            (np.ones(joined.nnz), (joined.row, count + joined.col)), shape=(count + nodes,) * 2
+        )
+        labels = connected_components(graph, directed=False)[1][count:]
+        return np.isin(labels, np.unique(labels[support]))
+
+    def solve(self, force, free, rounds: int = INNER_ROUNDS) -> tuple[np.ndarray, int]:
+        """Displacements [m] that answer ``force`` [N], by conjugate gradients, and how many rounds these took.
+
+        Args:
+            force: Shape (m, 3), zero where nothing can move.
+            free: Components that can move, shape (m, 3).
+            rounds: At most.
+        """
+        x, r = np.zeros_like(force), force.copy()
+        z = r / self._diagonal
+        p, rz = z.copy(), (r * z).sum()
+        enough = self._share**2 * rz
+        done = 0
+        for done in range(rounds):  # noqa: B007
+            if rz <= enough:
+                break
+            answer = np.where(free, self.apply_stiffness(p), 0.0)
+            curvature = (p * answer).sum()
+            if curvature <= 0:
+                break
+            alpha = rz / curvature
+            x, r = x + alpha * p, r - alpha * answer
+            z = r / self._diagonal
+            rz, before = (r * z).sum(), rz
+            p = z + (rz / before) * p
+        return x, done
+
+    def _find_diagonal(self) -> np.ndarray:
+        squared = self.divergence.multiply(self.divergence).tocsr()  # nodes x (particle, axis)
+        mu, lam = self._volume * self._mu, self._volume * self._lam
+        columns = []
+        for axis in range(3):
+            weight = np.repeat(mu[:, None], 3, axis=1)
+            weight[:, axis] += mu + lam
+            columns.append(squared @ weight.ravel())
+        return np.maximum(np.stack(columns, axis=1) + self._tied, 1e-30)
+
+
+def _make_stencil(x: np.ndarray, dx: float, form: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes (n, 27, 3), weights (n, 27) and g_ip [1/m] (n, 27, 3) of particles at ``x``, as `mpm.transfer` has them."""
+    scaled = x / dx
+    low = np.floor(scaled - 0.5)
+    f = scaled - low
+    weights = np.stack([0.5 * (1.5 - f) ** 2, 0.75 - (f - 1.0) ** 2, 0.5 * (f - 0.5) ** 2], axis=-1)
+    slopes = np.stack([f - 1.5, 2.0 - 2.0 * f, f - 0.5], axis=-1) / dx
+    grid = np.stack(np.meshgrid(*[np.arange(3)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    each = np.stack([weights[:, axis, grid[:, axis]] for axis in range(3)], axis=-1)
+    weight = each.prod(-1)
+    if form == "mls":
+        offset = (grid[None] - f[:, None]) * dx
+        reach = (4 / dx**2) * weight[..., None] * offset
+    else:
+        slope = np.stack([slopes[:, axis, grid[:, axis]] for axis in range(3)], axis=-1)
+        others = np.stack(
+            [each[..., 1] * each[..., 2], each[..., 0] * each[..., 2], each[..., 0] * each[..., 1]], -1
+        )
+        reach = slope * others
+    return low[:, None].astype(np.int64) + grid, weight, reach

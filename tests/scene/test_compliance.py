@@ -1,0 +1,90 @@
+"""How far held bars give way, against the theory of bars, and what pushes then do."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from physagent_jax.forces import calibration
+from physagent_jax.forces.holding import OVERSHOOT, find_blow_scale, find_push_scale
+from physagent_jax.forces.schema import ForceField, Holding
+from physagent_jax.scene.compliance import measure_compliance
+from physagent_jax.scene.config import Anchor, Material
+from physagent_jax.simulation.simulate import simulate_frames
+from tests.scene.test_equilibrium import scene_of
+from tests.scene.test_standing import template_of
+
+E, RHO, WIDTH = 2e5, 300.0, 0.24
+BASE = Anchor(kind="base", fraction=0.1)
+
+
+@pytest.fixture(scope="module")
+def bar(tmp_path_factory):
+    path = tmp_path_factory.mktemp("bar") / "thing.obj"
+    trimesh.creation.box((WIDTH, WIDTH, 1.0)).export(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def compliance(bar):
+    _, body, _ = template_of(bar, overrides={"max_particles": 8000, "cells": 96})
+    material = Material(youngs_modulus=E, poissons_ratio=0.0, density=RHO)
+    found = measure_compliance(body, material, BASE)
+    assert found is not None
+    return np.array(found)
+
+
+def test_along_its_axis_it_gives_way_as_a_bar_does(compliance):
+    free = 0.9
+    assert compliance[2, 2] == pytest.approx(RHO * free**2 / (3 * E), rel=0.25)  # the grid is coarse
+
+
+def test_across_its_axis_it_bends_as_a_beam_does(compliance):
+    free = 0.9
+    bending = 12 * RHO * free**4 / (20 * E * WIDTH**2)
+    shear = RHO * free**2 / (3 * (5 / 6) * (E / 2))  # Timoshenko's, of a square section
+    for axis in (0, 1):
+        assert compliance[axis, axis] == pytest.approx(bending + shear, rel=0.2)
+    assert np.abs(compliance - np.diag(np.diag(compliance))).max() < 0.05 * compliance[0, 0]
+
+
+def test_nothing_held_or_all_of_it_has_none(bar):
+    _, body, _ = template_of(bar)
+    material = Material(youngs_modulus=E, poissons_ratio=0.3, density=RHO)
+    assert measure_compliance(body, material, Anchor(kind="none")) is None
+    everything = Anchor(kind="box", point=(2, 2, 2), half_size=(2, 2, 2))
+    assert measure_compliance(body, material, everything) is None
+
+
+def test_a_push_is_what_moves_it_so_far_within_limits():
+    holding = Holding(
+        compliance=((0.02, 0, 0), (0, 0.001, 0), (0, 0, 1e-6)), shift=0.17, least=0.5, most=33.0
+    )
+    x, y, z = np.eye(3)
+    assert find_push_scale(holding, 1.0, x) == pytest.approx(0.17 / (OVERSHOOT * 0.02))
+    assert find_push_scale(holding, 1.0, z) == 33.0
+    assert find_push_scale(None, 1.0, x) == 1.0
+    assert find_blow_scale(holding, 1.0, x) == pytest.approx(0.17 / np.sqrt(0.02))
+    assert find_blow_scale(holding, 1.0, z) == pytest.approx(np.sqrt(0.17 * 33.0))
+    assert find_blow_scale(None, 1.0, y) == 1.0
+
+
+@pytest.mark.parametrize("youngs_modulus", [6e4, 6e5])
+@pytest.mark.parametrize("kind", ["translation", "impulse"])
+def test_soft_and_stiff_bars_are_bent_alike(bar, kind, youngs_modulus):
+    window = {} if kind == "translation" else {"active_time": (0, 2)}
+    field = ForceField.model_validate(
+        {"actions": [{"action_type": kind, "vector": [-1, 0, 0], "magnitude": 1.0, **window}]}
+    )
+    scene, _ = scene_of(
+        bar,
+        frames=40,
+        cells=64,
+        field=field,
+        world="free",
+        anchor={"kind": "base"},
+        material={"youngs_modulus": youngs_modulus, "density": RHO},
+    )
+    rest = np.asarray(scene.state.x)
+    way = max(-(np.asarray(frame.state.x) - rest)[:, 0].mean() for frame in simulate_frames(scene))
+    # A blow of two frames is as long as a stiff bar takes to swing: it does less than one in an instant.
+    assert 0.55 < way / calibration.EXPECTED_HELD_SHIFT < 1.35
