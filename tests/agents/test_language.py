@@ -356,3 +356,14 @@ def test_a_twist_reaches_its_angle(degrees):
         first, last = constraint.active_time
         turn = calibration.TURN / reference * abs(constraint.magnitude) * (last - first) * scene.frame_dt
         assert math.degrees(turn) == pytest.approx(degrees / 2, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    ["the robot is floating in space and slowly spins", "floating in space, the robot slowly spins"],
+)
+def test_floating_is_where_it_is_and_not_what_has_to_be_still(sentence):
+    reply = read(sentence)
+    assert [each.kind.value for each in reply.expectations] == ["rotate"]
+    assert reply.world.gravity == "none" and not reply.unsure
+    assert [each.kind.value for each in read("the robot floats in space").expectations] == ["still"]

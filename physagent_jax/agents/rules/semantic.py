@@ -232,7 +232,7 @@ def _read_events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Even
 
 
 def _put_under_gravity(event: Event, clause: Clause, gravity: Gravity) -> Event:
-    """What gravity pulls down falls; what floats in zero gravity is still."""
+    """What gravity pulls down falls; what floats in zero gravity is still, unless something else moves it."""
     told = bool(clause.select(MentionKind.DIRECTION, MentionKind.FROM))
     if (
         clause.select(MentionKind.GRAVITY)
@@ -242,7 +242,8 @@ def _put_under_gravity(event: Event, clause: Clause, gravity: Gravity) -> Event:
     ):
         return replace(event, verb=VERBS["fall"], phrase="fall", direction=None)
     if gravity == "none" and event.phrase in ("float", "hover", "levitate") and not told:
-        return replace(event, verb=VERBS["motionless"], phrase="motionless", direction=None)
+        resting = replace(VERBS["motionless"], generic=True)
+        return replace(event, verb=resting, phrase="motionless", direction=None)
     return event
 
 
