@@ -39,5 +39,5 @@ def find_blow_scale(holding: Holding | None, k: float, direction):
 
 def _find_way(holding: Holding, direction, xp):
     """v.C v [s^2]."""
-    matrix = xp.asarray(holding.compliance)
-    return xp.maximum(direction @ matrix @ direction, 1e-9)
+    matrix, v = xp.asarray(holding.compliance), xp.asarray(direction)
+    return xp.maximum(v @ matrix @ v, 1e-9)  # what is stiffer than that is at the limit anyway

@@ -74,14 +74,14 @@ def describe_opposition(opposition: Opposition) -> str:
     """What is made up for, in words."""
     parts = []
     if opposition.friction:
-        parts.append(f"friction of {opposition.friction:.3g} m/s^2")
+        parts.append(f"friction of {opposition.friction:.3g} m/s^2 (for pushes while they act)")
     if opposition.weight:
         parts.append(f"weight of {opposition.weight:.3g} m/s^2")
     if opposition.turning:
         parts.append(f"friction of a spin of {opposition.turning:.3g} rad/s^2")
     if opposition.tipping:
         parts.append(f"standing upright with {opposition.tipping:.3g} rad/s^2")
-    return "made up for in closed form: " + ", ".join(parts) if parts else "nothing opposes it"
+    return "made up for: " + ", ".join(parts) if parts else "nothing opposes it"
 
 
 def _to_numpy(value):

@@ -124,7 +124,10 @@ def make_closed_form_scaling(
     if opposition is not None:
         reason += f"; {describe_opposition(opposition)}"
     if holding is not None:
-        reason += f"; held: a push or blow of 1 is to move its centre by {holding.shift:.3g} m"
+        reason += (
+            f"; held: a push or blow of 1 is to move its centre by {holding.shift:.3g} m, with {holding.least:.3g} to "
+            f"{holding.most:.3g} m/s^2"
+        )
     try:
         return SkillScaling(
             translation=TRAVEL * extent / push_path,

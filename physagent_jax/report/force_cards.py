@@ -8,6 +8,7 @@ from typing import Any
 
 from physagent_jax.agents.schema import DirectionTable
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, describe_meaning
+from physagent_jax.forces.holding import find_blow_scale, find_push_scale
 from physagent_jax.forces.schema import (
     Action,
     ActionType,
@@ -198,10 +199,14 @@ def _show_physical(item: Timed, scaling: SkillScaling | None) -> Markup | None:
         name = item.action_type.value
     else:
         name = _SCALED_BY[item.constraint_type]
-    one = getattr(scaling, name)
+    one, meaning = getattr(scaling, name), describe_meaning(name)
+    if scaling.holding is not None and name in ("translation", "impulse"):
+        find_scale = find_push_scale if name == "translation" else find_blow_scale
+        one = float(find_scale(scaling.holding, one, item.vector))
+        meaning = f"what is held is to move by {format_number(scaling.holding.shift)} m"
     unit = UNITS[name]
     text = f"{format_number(abs(item.magnitude) * one)} {unit} (1 means {format_number(one)})"
-    return span("quiet", text, title=f"1 means {describe_meaning(name)}")
+    return span("quiet", text, title=f"1 means {meaning}")
 
 
 def _show_window(item: Timed, old: Timed | None, setting: Setting) -> list:

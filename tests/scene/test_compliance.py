@@ -1,5 +1,7 @@
 """How far held bars give way, against the theory of bars, and what pushes then do."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import trimesh
@@ -7,6 +9,8 @@ import trimesh
 from physagent_jax.forces import calibration
 from physagent_jax.forces.holding import OVERSHOOT, find_blow_scale, find_push_scale
 from physagent_jax.forces.schema import ForceField, Holding
+from physagent_jax.forces.skills import make_closed_form_scaling
+from physagent_jax.report.force_cards import make_force_cards, read_setting
 from physagent_jax.scene.compliance import measure_compliance
 from physagent_jax.scene.config import Anchor, Material
 from physagent_jax.simulation.simulate import simulate_frames
@@ -66,6 +70,25 @@ def test_a_push_is_what_moves_it_so_far_within_limits():
     assert find_blow_scale(holding, 1.0, x) == pytest.approx(0.17 / np.sqrt(0.02))
     assert find_blow_scale(holding, 1.0, z) == pytest.approx(np.sqrt(0.17 * 33.0))
     assert find_blow_scale(None, 1.0, y) == 1.0
+
+
+def test_the_report_shows_the_push_that_acts():
+    holding = Holding(
+        compliance=((0.02, 0, 0), (0, 0.001, 0), (0, 0, 1e-6)), shift=0.17, least=0.5, most=33.0
+    )
+    scaling = make_closed_form_scaling(
+        extent=1.0, youngs_modulus=E, density=RHO, duration=0.7, holding=holding
+    )
+    field = ForceField.model_validate(
+        {"actions": [{"action_type": "translation", "vector": [1, 0, 0], "magnitude": 1.0}]}
+    )
+
+    def show(scaling):
+        return str(make_force_cards(field, dataclasses.replace(read_setting(None), scaling=scaling)))
+
+    assert "1 means 5.3" in show(scaling)  # 0.17 / (1.6 x 0.02), not 2 / 0.7^2 = 4.1
+    free = make_closed_form_scaling(extent=1.0, youngs_modulus=E, density=RHO, duration=0.7)
+    assert "1 means 4.08" in show(free)
 
 
 @pytest.mark.parametrize("youngs_modulus", [6e4, 6e5])

@@ -87,13 +87,14 @@ class TurnCompensation:
         """Mean over the substep [m/s^2], shape (n, 3)."""
         arm = cross(jnp.broadcast_to(self.axis, x.shape), x - mass_centre(x, mass))
         inertia = sum_particles((mass * (arm**2).sum(1)).sum())
-        spin = sum_particles((mass * (arm * v).sum(1)).sum()) / inertia
+        # All mass on the axis has no inertia, and no spin either: the floor only avoids 0/0.
+        spin = sum_particles((mass * (arm * v).sum(1)).sum()) / jnp.maximum(inertia, jnp.finfo(x.dtype).tiny)
         wanted = _find_velocity(self.turn, self.damping_rate, time - self.start)
         size = _compensate(self.friction, wanted - spin, dt)
         return size * window_fraction(time, dt, self.start, self.end) * arm
 
     def gradient(self, x, time, dt):
-        """None: what the particles' own rows of it would add is a hundredth of the turn's."""
+        """None: the turn within particles, (dx / size)^2 of the torque, is left to the feedback."""
         del x, time, dt
 
 
