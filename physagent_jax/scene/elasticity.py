@@ -1,18 +1,25 @@
 """Linear elasticity on the grid nodes under particles: small displacements that answer forces.
 
-The same nodes, weights and gradients as the simulation's (`mpm.transfer`), in double precision. Node motions that no
-particle's strain sees are tied to the linear field of each particle over them.
+The same nodes, weights and gradients as the simulation's (`mpm.transfer`), as sparse matrices in double precision;
+where there are many particles, equations are solved by the transfers themselves (`scene.conjugate`). Node motions that
+no particle's strain sees are tied to the linear field of each particle over them.
 """
 
 from __future__ import annotations
+
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
+from physagent_jax.core.arrays import to_device
+from physagent_jax.scene import conjugate
+
 TIE = 0.002  # stiffness against motions of nodes that no particle's strain sees, over that of the material
 INNER_ROUNDS = 500  # of conjugate gradients
 INNER_SHARE = 0.02  # of the residual that they leave
+WORTH_COMPILING = 8000  # particles from which on conjugate gradients are a compiled program
 LEAST_MASS = 1e-4  # of the mean node's: lighter ones on the fringe carry nothing that particles feel
 
 
@@ -31,6 +38,7 @@ class GridElasticity:
     def __init__(self, x, volume, mass, mu, lam, *, dx: float, form: str, share: float = INNER_SHARE):
         """Arrays of one entry per particle in SI units; ``form`` is `Model.stress_form`; ``share`` as `INNER_SHARE`."""
         x = np.asarray(x, np.float64)
+        self._x, self._form = x, form
         self._volume, self._mu, self._lam = (np.asarray(each, np.float64) for each in (volume, mu, lam))
         self._share, self.dx = share, dx
         nodes, weights, reach = _make_stencil(x, dx, form)
@@ -44,7 +52,8 @@ class GridElasticity:
         columns = np.repeat(inverse[..., None], 3, axis=2)
         self.gradient = csr_matrix((reach.ravel(), (rows.ravel(), columns.ravel())), (3 * count, len(unique)))
         self.spread, self.divergence = csr_matrix(self.weight.T), csr_matrix(self.gradient.T)
-        self.height = (unique % 2**20) * dx
+        self._nodes = np.stack([unique >> 40, (unique >> 20) % 2**20, unique % 2**20], axis=-1)
+        self.height = self._nodes[:, 2] * dx
         self._particle_mass = np.asarray(mass, np.float64)
         self.mass = self.spread @ self._particle_mass
         self.light = self.mass < LEAST_MASS * self.mass.mean()
@@ -121,6 +130,8 @@ class GridElasticity:
             free: Components that can move, shape (m, 3).
             rounds: At most.
         """
+        if len(self._x) >= WORTH_COMPILING:
+            return self._solve_compiled(force, free, rounds)
         x, r = np.zeros_like(force), force.copy()
         z = r / self._diagonal
         p, rz = z.copy(), (r * z).sum()
@@ -139,6 +150,45 @@ class GridElasticity:
             rz, before = (r * z).sum(), rz
             p = z + (rz / before) * p
         return x, done
+
+    def _solve_compiled(self, force, free, rounds: int) -> tuple[np.ndarray, int]:
+        """`solve` in single precision, by the simulation's transfers."""
+        stiffness, place = self._stiffness
+
+        def spread(values, fill=0.0):
+            out = np.full((*stiffness.grid.shape, values.shape[-1]), fill, values.dtype)
+            out[place] = values
+            return out
+
+        # In single precision the square of a small force is none.
+        scale = np.abs(force).max() or 1.0
+        u, done = conjugate.solve(
+            stiffness,
+            to_device(spread(force / scale), np.float32),
+            to_device(spread(free, False)),
+            np.float32(self._share),
+            np.int32(rounds),
+        )
+        return np.asarray(u, np.float64)[place] * scale, int(done)
+
+    @cached_property
+    def _stiffness(self) -> tuple[conjugate.Stiffness, tuple]:
+        """For `_solve_compiled`, and where the nodes lie in its window."""
+        grid = conjugate.make_window(self._nodes, self.dx)
+        place = tuple((self._nodes - np.asarray(grid.origin)).T)
+        tied, diagonal = np.zeros((*grid.shape, 1)), np.ones((*grid.shape, 3))
+        tied[place], diagonal[place] = self._tied, self._diagonal
+        arrays = dict(
+            x=self._x,
+            mu=self._volume * self._mu,
+            lam=self._volume * self._lam,
+            tie=self._tie,
+            slope=self._slope_stiffness[::3, 0],
+            tied=tied,
+            diagonal=diagonal,
+        )
+        on_device = {name: to_device(each, np.float32) for name, each in arrays.items()}
+        return conjugate.Stiffness(grid=grid, form=self._form, **on_device), place
 
     def _find_diagonal(self) -> np.ndarray:
         squared = self.divergence.multiply(self.divergence).tocsr()  # nodes x (particle, axis)

@@ -34,7 +34,7 @@ from physagent_jax.scene.elasticity import INNER_ROUNDS, GridElasticity
 GOOD_ENOUGH = 4e-3  # of gravity: what the particles' acceleration may be that is left
 POOR = 0.06  # of gravity, beyond which the pose is not said to be in equilibrium
 ROUNDS = 20  # in which nodes lift off the ground, slide on it, and the rest is balanced
-ALL_ROUNDS = 600  # of conjugate gradients in all: some seconds with 20,000 particles
+ALL_ROUNDS = 2000  # of conjugate gradients in all: seconds with 20,000 particles that stand on thin legs
 LAW_ROUNDS = 8  # in which stretches are found that have the stresses
 MOST_STRAIN = 0.2  # by which such a round may change any stretch
 
