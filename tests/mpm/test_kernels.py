@@ -2,6 +2,7 @@
 
 import dataclasses
 import logging
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -24,7 +25,7 @@ TOLERANCE = {"float32": 1e-5, "float64": 1e-13}  # round-off of sums in another 
 GRID = Grid(jnp.array([3, 4, 5], jnp.int32), (12, 9, 14), 0.05, 60)
 
 
-def cloud(count, dtype, seed=0):
+def cloud(count, dtype=np.float64, seed=0):
     """Particles in `GRID`, with F, C and stress of all kinds."""
     rng = np.random.default_rng(seed)
     low = (np.asarray(GRID.origin) + 1) * GRID.dx
@@ -76,17 +77,20 @@ def pull(function, operands, seed=1):
     return back(jax.tree.map(lambda leaf: jnp.asarray(rng.normal(size=leaf.shape), leaf.dtype), results))
 
 
-@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def pulls_equal(kernel, reference, operands):
+    """`pull` of a kernel in both precisions against that of the reference in double precision."""
+    expected = pull(reference, operands)
+    for dtype, tolerance in TOLERANCE.items():
+        got = pull(kernel, [operand.astype(dtype) for operand in operands])
+        for each, other in zip(got, expected, strict=True):
+            assert each.dtype == dtype
+            close(each, other, tolerance)
+
+
 @pytest.mark.parametrize("form", ["mls", "gradient"])
 @pytest.mark.parametrize("count", [1, 7, 3001])
-def test_adjoints_equal_the_derivatives_of_the_reference(count, form, dtype, x64):
+def test_adjoints_equal_the_derivatives_of_the_reference(count, form, x64):
     """By every operand, the step and the shared velocity change among them, particles in no order."""
-    c = cloud(count, dtype)
-    operands = p2g_operands(c)
-    got = pull(lambda *o: cpu.p2g(form, GRID, *o), operands)
-    expected = pull(lambda *o: transfer.p2g(form, GRID, *o), operands)
-    for each, other in zip(got, expected, strict=True):
-        close(each, other, TOLERANCE[dtype])
 
     def moved(g2p):
         def particles(*o):
@@ -95,47 +99,39 @@ def test_adjoints_equal_the_derivatives_of_the_reference(count, form, dtype, x64
 
         return particles
 
-    got, expected = pull(moved(cpu.g2p), g2p_operands(c)), pull(moved(transfer.g2p), g2p_operands(c))
-    for each, other in zip(got, expected, strict=True):
-        close(each, other, TOLERANCE[dtype])
+    pulls_equal(partial(cpu.p2g, form, GRID), partial(transfer.p2g, form, GRID), p2g_operands(cloud(count)))
+    pulls_equal(moved(cpu.g2p), moved(transfer.g2p), g2p_operands(cloud(count)))
 
 
-@pytest.mark.parametrize("dtype", ["float32", "float64"])
 @pytest.mark.parametrize("form", ["mls", "gradient"])
-def test_the_adjoint_with_a_neo_hookean_stress_equals_the_reference(form, dtype, x64):
-    c, rng = cloud(3001, dtype), np.random.default_rng(2)
+def test_the_adjoint_with_a_neo_hookean_stress_equals_the_reference(form, x64):
+    c, rng = cloud(3001), np.random.default_rng(2)
     x, v, C, _, *rest = p2g_operands(c)
-    mu, lam = (jnp.asarray(rng.uniform(1e3, 2e3, 3001), dtype) for _ in range(2))
-    operands = x, v, C, c["F"], mu, lam, *rest
+    mu, lam = (jnp.asarray(rng.uniform(1e3, 2e3, 3001)) for _ in range(2))
 
     def reference(x, v, C, F, mu, lam, *rest):
         return transfer.p2g(form, GRID, x, v, C, materials.NeoHookean(mu, lam).stress(F), *rest)
 
-    got, expected = pull(lambda *o: cpu.p2g_neo_hookean(form, GRID, *o), operands), pull(reference, operands)
-    for each, other in zip(got, expected, strict=True):
-        close(each, other, TOLERANCE[dtype])
+    pulls_equal(partial(cpu.p2g_neo_hookean, form, GRID), reference, (x, v, C, c["F"], mu, lam, *rest))
 
 
-@pytest.mark.parametrize("dtype", ["float32", "float64"])
 @pytest.mark.parametrize("form", ["mls", "gradient"])
-def test_p2g_with_viscosity_and_its_adjoint_equal_the_reference(form, dtype, x64):
+def test_p2g_with_viscosity_and_its_adjoint_equal_the_reference(form, x64):
     """The stress of a viscous neo-Hookean body, made on the way; the rate of strain is not the C that is carried."""
-    c, rng = cloud(3001, dtype), np.random.default_rng(2)
+    c, rng = cloud(3001), np.random.default_rng(2)
     x, v, C, _, *rest = p2g_operands(c)
-    mu, lam, viscosity = (jnp.asarray(rng.uniform(1e3, 2e3, 3001), dtype) for _ in range(3))
-    rate = jnp.asarray(rng.normal(size=(3001, 3, 3)), dtype)
+    mu, lam, viscosity = (jnp.asarray(rng.uniform(1e3, 2e3, 3001)) for _ in range(3))
+    rate = jnp.asarray(rng.normal(size=(3001, 3, 3)))
     operands = x, v, C, c["F"], mu, lam, viscosity, rate, *rest
 
     def reference(x, v, C, F, mu, lam, viscosity, rate, *rest):
         tau = materials.NeoHookean(mu, lam).stress(F) + materials.viscous_stress(viscosity, rate, F)
         return transfer.p2g(form, GRID, x, v, C, tau, *rest)
 
-    def kernel(*o):
-        return cpu.p2g_kelvin_voigt(form, GRID, *o)
-
-    close(jax.jit(kernel)(*operands), reference(*operands), TOLERANCE[dtype])
-    for each, other in zip(pull(kernel, operands), pull(reference, operands), strict=True):
-        close(each, other, TOLERANCE[dtype])
+    kernel = partial(cpu.p2g_kelvin_voigt, form, GRID)
+    for dtype, tolerance in TOLERANCE.items():
+        close(jax.jit(kernel)(*(o.astype(dtype) for o in operands)), reference(*operands), tolerance)
+    pulls_equal(kernel, reference, operands)
 
 
 def test_adjoints_repeat_bit_by_bit():
