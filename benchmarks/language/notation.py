@@ -1,4 +1,4 @@
-"""The lines of `sentences.txt`: a sentence, and what a person understands by it.
+"""The lines of a file of sentences: a sentence, and what a person understands by it.
 
     sentence => reading || another reading that is as good
 
@@ -23,7 +23,9 @@ import itertools
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-SENTENCES = Path(__file__).with_name("sentences.txt")
+# Authors and the share of their sentences that is held back (one in ...). The second had read neither the parser nor the
+# first one's sentences when writing.
+FILES = {"first": ("sentences.txt", 3), "second": ("second_author.txt", 2)}
 UNITS = {"deg": "degrees", "x": "factor", "L": "lengths", "m": "metres"}
 
 
@@ -69,6 +71,7 @@ class Sentence:
         text, object_name, group: The sentence, what it is about and which kind of sentence it is.
         expected: The readings as they are written.
         readings: The same, parsed; what may be left out is there in one and missing in another.
+        author: Who wrote it, one of `FILES`.
     """
 
     text: str
@@ -76,16 +79,19 @@ class Sentence:
     group: str
     expected: str
     readings: tuple[Reading, ...] = field(repr=False, default=())
+    author: str = "first"
 
     @property
     def split(self) -> str:
-        """Which split: "test" for a third of the sentences, by their hash; "development" for the others."""
-        return "test" if hashlib.sha256(self.text.encode()).digest()[0] % 3 == 0 else "development"
+        """Which split: "test" for the author's share that is held back, by the hash; "development" for the others."""
+        share = FILES[self.author][1]
+        return "test" if hashlib.sha256(self.text.encode()).digest()[0] % share == 0 else "development"
 
 
-def read_sentences(path: Path = SENTENCES) -> list[Sentence]:
-    """All sentences of the file."""
+def read_sentences(author: str = "first") -> list[Sentence]:
+    """All sentences of an author, one of `FILES`."""
     sentences, group, name = [], "", ""
+    path = Path(__file__).with_name(FILES[author][0])
     for line in path.read_text(encoding="utf-8").splitlines():
         line = line.strip()
         if not line or line.startswith("//"):
@@ -101,7 +107,7 @@ def read_sentences(path: Path = SENTENCES) -> list[Sentence]:
                 for alternative in expected.split(" || ")
                 for each in expand_options(parse_reading(alternative.strip()))
             )
-            sentences.append(Sentence(text, name, group, expected, readings))
+            sentences.append(Sentence(text, name, group, expected, readings, author))
     return sentences
 
 

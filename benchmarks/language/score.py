@@ -24,8 +24,23 @@ KINDS = {
     "jelly": "jelly",
     "loaf": "food",
     "robot": "robot",
+    "orchid": "plant",
+    "horse": "animal",
+    "violin": "instrument",
+    "bread": "food",
+    "teddy": "toy",
+    "vase": "vessel",
+    "chair": "furniture",
+    "jacket": "object",
+    "scan": "object",  # a file name that does not say what it is
 }
-LONG_AXES = {"loaf": (1.0, 0.0, 0.0), "guitar": (0.0, 0.0, 1.0)}  # the others have none to speak of
+LENGTHWISE, UPRIGHT = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+LONG_AXES = {
+    "loaf": LENGTHWISE,
+    "bread": LENGTHWISE,
+    "guitar": UPRIGHT,
+    "violin": UPRIGHT,
+}  # the others have none
 SIZE = 1.6  # [m] so that metres are not lengths
 SLIGHT, STRONG = 0.7, 1.2  # strength up to and from which a motion is called so
 ALIKE = 0.97  # cosine of directions that are the same to a viewer
@@ -41,7 +56,7 @@ def make_scene(object_name: str) -> SceneBrief:
     return SceneBrief(
         object_name=object_name,
         object_kind=KINDS[object_name],
-        anchored="it is rooted" if object_name == "plant" else None,
+        anchored="it is rooted" if KINDS[object_name] == "plant" else None,
         frame_count=50,
         frame_dt=0.04,
         size=SIZE,

@@ -5,7 +5,14 @@ import collections
 import pytest
 
 from benchmarks.language.__main__ import LIMIT, compile_sentence, read_split
-from benchmarks.language.notation import Reading, Sentence, expand_options, parse_reading, read_sentences
+from benchmarks.language.notation import (
+    FILES,
+    Reading,
+    Sentence,
+    expand_options,
+    parse_reading,
+    read_sentences,
+)
 from benchmarks.language.score import get_answer, make_scene, score
 from physagent_jax.agents.schema import (
     Amount,
@@ -40,17 +47,21 @@ def wrong(expected: str, given: SemanticReply | None) -> set[str]:
     return {name for name, right in score(sentence(expected), given, ROBOT) if not right}
 
 
-def test_the_file_is_large_and_split_by_hash():
-    """At least 300 different sentences, all of them readable, about a third held back."""
-    sentences = read_sentences()
-    assert len(sentences) >= 300
+@pytest.mark.parametrize(("author", "held_back"), [("first", 1 / 3), ("second", 1 / 2)])
+def test_the_files_are_large_and_split_by_hash(author, held_back):
+    """Hundreds of different sentences, all of them readable, about the stated share held back."""
+    sentences = read_sentences(author)
+    assert len(sentences) >= 150
     assert all(each.readings for each in sentences)
     twice = [
         text for text, n in collections.Counter((s.text, s.object_name) for s in sentences).items() if n > 1
     ]
     assert not twice
     share = sum(each.split == "test" for each in sentences) / len(sentences)
-    assert 0.25 < share < 0.42
+    assert abs(share - held_back) < 0.09
+    assert not {s.text for s in sentences} & {
+        s.text for other in FILES if other != author for s in read_sentences(other)
+    }
 
 
 @pytest.mark.parametrize(
