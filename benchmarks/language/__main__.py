@@ -1,7 +1,8 @@
 """`python -m benchmarks.language [--quick] --json OUT [--markdown MD]`: sentences read as a person reads them.
 
-What a sentence says was written by hand before the parser was made to read it. A third of the first author's sentences and
-half of the second's, by their hash, are test splits: no rule is made for them, and they are not looked at one by one.
+What a sentence says was written by hand before the parser was made to read it. A third of the first author's
+sentences and half of the second's, by their hash, are test splits: no rule is made for them, and they are not looked at
+one by one.
 """
 
 from __future__ import annotations
@@ -16,15 +17,13 @@ import tyro
 from benchmarks import harness
 from benchmarks.harness import Job, Row
 from benchmarks.language.markdown import document
-from benchmarks.language.notation import FILES, Sentence, read_sentences
+from benchmarks.language.notation import FILES, LIMIT, Sentence, read_sentences
 from benchmarks.language.score import get_answer, make_scene, score
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.rules.semantic import RuleSemanticAgent
 from physagent_jax.agents.schema import SceneBrief, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
-
-LIMIT = 0.03  # of a split's sentences that may be misread without a word
 
 
 @dataclasses.dataclass(frozen=True)
@@ -38,19 +37,12 @@ class Command(harness.Command):
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
-    jobs = [
-        Job(
-            f"{author} author, {split}",
-            partial(
-                read_split,
-                [each for each in read_sentences(author) if each.split == split][
-                    :: 4 if command.quick else 1
-                ],
-            ),
-        )
-        for author in FILES
-        for split in ("development", "test")
-    ]
+    jobs = []
+    for author in FILES:
+        sentences = read_sentences(author)[:: 4 if command.quick else 1]
+        for split in ("development", "test"):
+            held = [sentence for sentence in sentences if sentence.split == split]
+            jobs.append(Job(f"{author} author, {split}", partial(read_split, held)))
     return harness.main(command, {"sentences": lambda: jobs}, document)
 
 

@@ -4,9 +4,10 @@ import collections
 
 import pytest
 
-from benchmarks.language.__main__ import LIMIT, compile_sentence, read_split
+from benchmarks.language.__main__ import compile_sentence, read_split
 from benchmarks.language.notation import (
     FILES,
+    LIMIT,
     Reading,
     Sentence,
     expand_options,
@@ -59,9 +60,8 @@ def test_the_files_are_large_and_split_by_hash(author, held_back):
     assert not twice
     share = sum(each.split == "test" for each in sentences) / len(sentences)
     assert abs(share - held_back) < 0.09
-    assert not {s.text for s in sentences} & {
-        s.text for other in FILES if other != author for s in read_sentences(other)
-    }
+    others = {s.text for other in FILES if other != author for s in read_sentences(other)}
+    assert not others & {s.text for s in sentences}
 
 
 @pytest.mark.parametrize(
