@@ -15,6 +15,7 @@ from physagent_jax.agents.schema import (
     SemanticReply,
 )
 from physagent_jax.agents.vectors import add, cosine, cross, normalise
+from physagent_jax.scene.priors import list_nouns
 
 Fields = list[tuple[str, bool]]
 KINDS = {
@@ -56,6 +57,7 @@ def make_scene(object_name: str) -> SceneBrief:
     return SceneBrief(
         object_name=object_name,
         object_kind=KINDS[object_name],
+        object_nouns=list_nouns(KINDS[object_name]),
         anchored="it is rooted" if KINDS[object_name] == "plant" else None,
         frame_count=50,
         frame_dt=0.04,

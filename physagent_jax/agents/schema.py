@@ -59,6 +59,7 @@ class SceneBrief(Strict):
     Attributes:
         object_name: What the object is called ("robot", "plant", ...), from the file name or the user.
         object_kind: Class with a physical prior: "plant", "food", "jelly", "robot", "instrument", "animal", "object".
+        object_nouns: Nouns that may name it beside its name: those of its kind, or of all kinds if that is unknown.
         anchored: What is held fixed, in words; None if the object is free.
         frame_count: Number of frames of the clip.
         frames_fixed: Whether the user fixed that number; else the semantic agent may ask for another
@@ -73,6 +74,7 @@ class SceneBrief(Strict):
 
     object_name: str
     object_kind: str = "object"
+    object_nouns: tuple[str, ...] = ()
     anchored: str | None = None
     frame_count: int = Field(ge=1, le=10_000)
     frames_fixed: bool = False

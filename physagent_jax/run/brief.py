@@ -6,6 +6,7 @@ from physagent_jax.agents.schema import DirectionTable, SceneBrief
 from physagent_jax.scene.broad_side import find_long_axis
 from physagent_jax.scene.camera import find_viewer_directions
 from physagent_jax.scene.fuse import SceneTemplate
+from physagent_jax.scene.priors import list_nouns
 
 
 def make_brief(template: SceneTemplate, *, frames_fixed: bool = False) -> SceneBrief:
@@ -19,6 +20,7 @@ def make_brief(template: SceneTemplate, *, frames_fixed: bool = False) -> SceneB
     return SceneBrief(
         object_name=template.source.name,
         object_kind=template.source.kind,
+        object_nouns=list_nouns(template.source.kind),
         anchored=None if anchor.kind == "none" else anchor.reason or anchor.kind,
         frame_count=timing.frame_count,
         frames_fixed=frames_fixed,

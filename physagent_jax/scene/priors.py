@@ -258,6 +258,13 @@ def guess_kind(name: str) -> str:
     return UNKNOWN
 
 
+def list_nouns(kind: str) -> tuple[str, ...]:
+    """Nouns for objects of a kind; those of every kind where it is `UNKNOWN` or not listed."""
+    if kind in PRIORS and kind != UNKNOWN:
+        return PRIORS[kind].words
+    return tuple(word for prior in PRIORS.values() for word in prior.words)
+
+
 def choose_material(kind: str) -> Material:
     """The material prior of a kind; that of `UNKNOWN` for one that is not listed."""
     prior = PRIORS.get(kind, PRIORS[UNKNOWN])

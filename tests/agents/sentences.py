@@ -178,7 +178,7 @@ SENTENCES = [
         "translation right +1 0-48; torque away +1 0-48",
         "move right; rotate away",
     ),
-    ("turn it upside down", "", "torque toward +1 0-48", "rotate toward"),
+    ("turn it upside down", "", "torque toward +1.6 0-24; torque away +1.6 24-48", "rotate toward"),
     ("stir the soup counterclockwise", "", "torque up +1 0-48", "rotate up"),
     ("rotate about the horizontal axis", "", "torque right +1 0-48", "rotate right"),
     ("rotate it counterclockwise seen from above", "", "torque up +1 0-48", "rotate up"),
@@ -570,7 +570,7 @@ SENTENCES = [
         "impulse right +1.3 0-1 on middle",
         "move right",
     ),
-    ("the sand castle collapses", "", "drop", "fall"),
+    ("the robot collapses", "", "drop", "fall"),
     (
         "The chair slides across the floor to the right and comes to a stop.",
         "",

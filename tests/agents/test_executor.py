@@ -29,6 +29,7 @@ UNSEEN = {  # parts against each other: the report measures the whole object
 
 TOO_SHORT = {  # so much, or so many actions, in two seconds: M = 1.6 is not enough for them to be seen
     "twist it half a turn",
+    "turn it upside down",
     "pushed to the left, then to the right",
     "during the first half push left, during the second half push right",
     "the robot moves to the right and then back to the left",

@@ -136,6 +136,10 @@ def test_the_semantic_agent_chooses_and_says_so():
     assert any("ends are moved apart" in note for note in reply.notes)
     places = {item.field.partition(".")[0] for item in reply.evidence}
     assert places <= {"actions[0]", "constraints[0]"} and len(places) == 2
+    values = {item.field: item.value for item in reply.evidence}
+    assert values["constraints[0].constraint_type"] == ends[0].constraint_type.value
+    assert values["constraints[0].magnitude"] == f"{ends[0].magnitude:g}"
+    assert "constraints[0].action_type" not in values
     standing = brief(world="ground")
     assert compiled("stretch it vertically", standing).force_field.constraints == ()
     assert len(compiled("stretch it vertically in zero gravity", standing).force_field.constraints) == 2

@@ -367,3 +367,54 @@ def test_floating_is_where_it_is_and_not_what_has_to_be_still(sentence):
     assert [each.kind.value for each in reply.expectations] == ["rotate"]
     assert reply.world.gravity == "none" and not reply.unsure
     assert [each.kind.value for each in read("the robot floats in space").expectations] == ["still"]
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "push it left, more strongly than before",
+        "it spins faster and faster",
+        "hit it three times, each time harder",
+        "push it left, and a second later push it right",
+        "every second, hit it from the right",
+        "spin it 3 times per second",
+        "tear it in two",
+        "it rises: it gets 25% taller",
+        "push it left or lift it",
+        "push it left or right and then up or down",
+        "throw it over the wall",
+        "rotate it around its head",
+        "raise one end of it",
+        "lay it on its side",
+        "it sits on a swing",
+        "do everything but rotate it",
+        "push it, but not to the left",
+        "an earthquake! it trembles",
+        "push it clockwise",
+        "drop it three times",
+        "it grows to the left",
+        "push it for two seconds to the left and for one second to the right",
+        "move it left by the same amount",
+    ],
+)
+def test_a_construction_without_a_reading_is_no_guess(prompt):
+    """Words that are known one by one say nothing in these, and the reply says so."""
+    assert read(prompt, ground()).unsure
+
+
+def test_what_stays_put_is_held_and_a_pause_is_still():
+    """A held end is no motion of its own; holding for a time, before something else, is stillness."""
+    reply = read("twist the top while the bottom stays put", ground())
+    assert reply.anchor.kind == "base" and not reply.unsure
+    kinds = [m.kind for m in read("lift it, hold it for one second, then drop it", ground()).expectations]
+    assert kinds == [MotionKind.MOVE, MotionKind.STILL, MotionKind.FALL]
+    together = read("while it falls, it rotates", ground()).expectations
+    assert together[0].window == together[1].window
+
+
+def test_a_share_says_by_how_much_or_to_what():
+    """Parts of a size after "by" are taken off; "three times taller" is a size, not a count."""
+    assert first("press it down by a third of its height").amount.value == pytest.approx(2 / 3)
+    assert first("press it down to a third of its height").amount.value == pytest.approx(1 / 3)
+    assert first("make it three times taller").amount.value == 3
+    assert first("turn it upside down").amount.value == 180

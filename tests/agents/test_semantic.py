@@ -112,7 +112,20 @@ def test_unknown_words_are_reported():
 def test_assumptions_are_noted():
     """What the sentence leaves open is said."""
     assert read("push the robot").notes == ("'push': no direction given, assumed left.",)
-    assert "taken to be the object" in read("push the elephant left").notes[0]
+
+
+def test_a_noun_is_the_object_if_its_file_or_kind_says_so():
+    """A name that says nothing leaves it to the sentence; else a noun is the object's own, or one of its kind."""
+    scan = read("the sand castle collapses", brief(object_name="scan_04"))
+    assert "'sand castle' is taken to be the object" in scan.notes[0] and not scan.unsure
+    assert read("push the elephant left").unsure == ("'elephant' is not understood.",)
+    loaf = brief(object_name="loaf", object_kind="food", object_nouns=("loaf", "bread", "head"))
+    for prompt in ("squeeze the bread", "squeeze bread", "squeeze the loaf of bread"):
+        assert not read(prompt, loaf).unsure
+    assert read("squeeze the bread of the loaf", loaf).unsure
+    assert read("push the head left", loaf).expectations[0].partial
+    assert read("push the loaf's head left", loaf).expectations[0].partial
+    assert read("the robot moves in a circle", brief(object_name="scan_04")).unsure
 
 
 def test_opposite_ends_of_a_sequence_do_not_overlap():

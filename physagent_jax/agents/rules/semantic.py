@@ -9,13 +9,14 @@ from typing import Literal
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
-from physagent_jax.agents.rules.language.builder import ForceFieldBuilder
+from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, describe_skill
 from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb, read_clauses
 from physagent_jax.agents.rules.language.compilation import compile_slots
 from physagent_jax.agents.rules.language.doubts import find_doubts, is_mostly_unknown, list_unknown
 from physagent_jax.agents.rules.language.events import Event, ValueSource, interpret, resolve_obstacles
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind, find_mentions
 from physagent_jax.agents.rules.language.modifiers import GROUND_WORDS, OPPOSITE_GRAVITY, Join
+from physagent_jax.agents.rules.language.naming import collect_object_words
 from physagent_jax.agents.rules.language.schedule import schedule
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 from physagent_jax.agents.schema import (
@@ -30,6 +31,7 @@ from physagent_jax.agents.schema import (
 from physagent_jax.agents.trace import Reply
 from physagent_jax.agents.vectors import dot
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.schema import ForceField
 
 EXAMPLES = (
     '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'
@@ -63,10 +65,7 @@ def _choose_kinds(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     if not choice.reasons:
         return reply
     places = find_new_places(reply.force_field, choice.force_field)
-    evidence = []
-    for item in reply.evidence:
-        place, dot_, rest = item.field.partition(".")
-        evidence.append(item.model_copy(update={"field": places.get(place, place) + dot_ + rest}))
+    evidence = [_follow(item, places, choice.force_field) for item in reply.evidence]
     return reply.model_copy(
         update={
             "force_field": choice.force_field,
@@ -76,6 +75,18 @@ def _choose_kinds(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     )
 
 
+def _follow(item: Evidence, places: dict[str, str], force_field: ForceField) -> Evidence:
+    """Evidence of an action as that of what stands for it: its new place, and what is there now."""
+    place, dot_, name = item.field.partition(".")
+    new = places.get(place, place)
+    group, _, index = new.rstrip("]").partition("[")
+    if group != "constraints":
+        return item.model_copy(update={"field": new + dot_ + name})
+    name = "constraint_type" if name == "action_type" else name
+    values = describe_skill(force_field.constraints[int(index)])
+    return item.model_copy(update={"field": f"{new}.{name}", "value": values.get(name, item.value)})
+
+
 def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     """What the sentence means in the paper's four skills, all of them body forces.
 
@@ -83,7 +94,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
         UserError: Nothing in it, or too little of it, can be understood.
     """
     _check_text(prompt)
-    names = _collect_object_words(brief)
+    names = collect_object_words(prompt, brief)
     mentions = find_mentions(prompt, names)
     clauses = read_clauses(mentions)
     gravity = _read_gravity(mentions)
@@ -114,7 +125,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     solids = [m for m in mentions if m.kind is MentionKind.SOLID]
     if len(solids) > len(builder.obstacles):
         builder.unsure.append(f"Where '{solids[-1].words}' is, is not understood.")
-    for doubt in find_doubts(mentions, names, unknown, clauses):
+    for doubt in find_doubts(mentions, names, unknown, clauses, brief):
         if doubt not in builder.unsure:
             builder.unsure.append(doubt)
     return SemanticReply(
@@ -148,14 +159,6 @@ def _check_text(prompt: str) -> None:
             got=ascii(strange),
             do=f"Type the sentence anew, for example {EXAMPLES}",
         )
-
-
-def _collect_object_words(brief: SceneBrief) -> frozenset[str]:
-    """The object's name and kind, singular and plural."""
-    words = (
-        "".join(c if c.isalnum() else " " for c in f"{brief.object_name} {brief.object_kind}").lower().split()
-    )
-    return frozenset(words) | {word + "s" for word in words}
 
 
 def _shorten(prompt: str) -> str:
@@ -210,6 +213,8 @@ def _read_events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Even
                 clause, None, builder.brief
             )  # "there is a wall on its right"
             continue
+        if _names_held_end(clause, clauses):
+            continue  # "while the bottom stays put": what is held
         if clause.negated:
             builder.add_note(f"'{clause.words}' is negated: it does not happen.")
             continue
@@ -256,7 +261,7 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
         acted = any(e.effect not in (Effect.STILL, Effect.RELEASE) for e in result)
         falls_next = index + 1 < len(events) and events[index + 1].effect is Effect.FALL
         up = builder.brief.directions.up
-        last = result[-1] if result else None
+        last = next((e for e in reversed(result) if e.effect is not Effect.STILL), None)
         if event.effect is Effect.RELEASE and last is not None and last.direction is not None:
             raised = last.effect is Effect.PUSH and dot(last.direction, up) > 0.5
             if raised and builder.grounded and not builder.anchored and event.phrase in _LETS_FALL:
@@ -319,10 +324,17 @@ def _choose_anchor(clauses: list[Clause]) -> AnchorRequest:
             return AnchorRequest(
                 kind="none" if clause.negated else _find_held_end(clause, verb.holds), words=words
             )
-        still = verb.effect is Effect.STILL or (clause.negated and verb.effect is not Effect.STILL)
-        if still and find_places(clause) and (clause is clauses[0] or clause.join is not Join.THEN):
+        if _names_held_end(clause, clauses):
             return AnchorRequest(kind=_find_held_end(clause, None), words=words)
     return AnchorRequest()
+
+
+def _names_held_end(clause: Clause, clauses: list[Clause]) -> bool:
+    """Whether a clause says of a part that it does not move while the rest does."""
+    verb = get_verb(clause.head)
+    still = verb.effect is Effect.STILL or (clause.negated and verb.effect is not Effect.STILL)
+    held = still and _find_held_end(clause, None) is not None
+    return held and (clause is clauses[0] or clause.join is not Join.THEN)
 
 
 def _find_held_end(clause: Clause, otherwise: End) -> End:

@@ -53,7 +53,7 @@ def find_target(quantity: Quantity, verb: Verb, before: Amount | None) -> Target
         return Target(Amount(value=value, unit="lengths"))
     if unit == "metres" and effect in _TRAVELS:
         return Target(Amount(value=value, unit="metres"))
-    if unit == "share" and effect in _TRAVELS and quantity.dimension:
+    if unit == "share" and effect in _TRAVELS and quantity.dimension and not quantity.goal:
         return Target(Amount(value=value, unit="lengths"))
     if unit == "share" and effect in _SCALES and quantity.dimension != "volume":
         return _find_scale(quantity, verb)

@@ -19,7 +19,7 @@ from physagent_jax.agents.schema import (
 from physagent_jax.agents.vectors import clamp
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import Action, ActionType, ForceField, is_too_short
+from physagent_jax.forces.schema import Action, ActionType, ForceField, VelocityConstraint, is_too_short
 
 MAX_ACTIONS = 60  # more would only slow the simulation; no sentence for a clip of a few seconds needs them
 
@@ -77,13 +77,7 @@ class ForceFieldBuilder:
             return
         index = len(self.actions)
         self.actions.append(action)
-        values = {
-            "action_type": kind.value,
-            "vector": _format(vector),
-            "magnitude": f"{self.actions[-1].magnitude:g}",
-            "active_time": _format(self.actions[-1].active_time),
-            "region": getattr(event.region, "kind", ""),
-        }
+        values = describe_skill(self.actions[-1])
         for name, source in event.sources.items():
             if name in values:
                 self.evidence.append(
@@ -154,6 +148,21 @@ class ForceFieldBuilder:
     def build(self) -> ForceField:
         """The result."""
         return ForceField(default_drop=self.default_drop, actions=tuple(self.actions))
+
+
+def describe_skill(skill: Action | VelocityConstraint) -> dict[str, str]:
+    """What a skill holds, field by field, in words."""
+    kind = (
+        {"action_type": skill.action_type.value}
+        if isinstance(skill, Action)
+        else {"constraint_type": skill.constraint_type.value}
+    )
+    return kind | {
+        "vector": _format(skill.vector),
+        "magnitude": f"{skill.magnitude:g}",
+        "active_time": _format(skill.active_time),
+        "region": getattr(skill.region, "kind", ""),
+    }
 
 
 def _format(values: Vector | Window | None) -> str:

@@ -42,6 +42,7 @@ _OPPOSITES: tuple[tuple[Names, Names], ...] = (
     (("up",), ("down",)),
     (("toward",), ("away",)),
 )
+_DURING = frozenset({"while", "whilst", "as"})
 _SEPARATE_EFFECTS = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
 
 
@@ -110,6 +111,8 @@ def _split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]
             assert isinstance(mention.value, Join)
             if any(m.kind is not MentionKind.FUNCTION for m in segments[-1][1]):
                 segments.append((mention.value, []))
+            elif len(segments) == 1 and mention.phrase in _DURING:
+                segments[-1] = (Join.WHILE, segments[-1][1])
             elif len(segments) > 1 or mention.value in (Join.BEFORE, Join.AFTER):
                 segments[-1] = (max(segments[-1][0], mention.value, key=rank.index), segments[-1][1])
         else:
@@ -350,6 +353,12 @@ def _apply_holding(clauses: list[Clause]) -> list[Clause]:
         if clause.negated or not _is_bare_hold(clause) or clause.select(MentionKind.ANCHOR):
             result.append(clause)
             continue
+        if follows is not None and clause.select(MentionKind.TIME) and clause.verb is not None:
+            clause.verb = replace(
+                clause.verb, value=VERBS["wait"], phrase="wait"
+            )  # "hold it for a second, then"
+            result.append(clause)
+            continue
         moved = last is not None and not last.negated and get_verb(last.head).effect in _HOLDABLE
         if moved and clause.join is not Join.WHILE:
             assert last is not None
@@ -424,6 +433,8 @@ def _sort_clauses(clauses: list[Clause]) -> list[Clause]:
         if clause.join is Join.BEFORE and index == 0 and len(clauses) > 1:
             held_back = clause
             continue
+        if index == 1 and clauses[0].join is Join.WHILE and clause.join is Join.COMMA:
+            clause.join = Join.WHILE  # "while it falls, it rotates"
         if clause.join is Join.AFTER and ordered:
             ordered.insert(len(ordered) - 1, clause)
             clause.join, ordered[-1].join = ordered[-1].join, Join.THEN

@@ -7,8 +7,11 @@ acts) are no doubt.
 from __future__ import annotations
 
 from physagent_jax.agents.rules.language.clauses import Clause, get_verb
+from physagent_jax.agents.rules.language.constructions import find_constructions
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
-from physagent_jax.agents.rules.language.modifiers import LOCATIONS, PARTS
+from physagent_jax.agents.rules.language.modifiers import LOCATIONS, PARTS, Place
+from physagent_jax.agents.rules.language.naming import is_telling
+from physagent_jax.agents.rules.language.tokens import FORMS
 from physagent_jax.agents.rules.language.verbs import CAUSES, Effect
 from physagent_jax.agents.schema import SceneBrief
 
@@ -24,6 +27,25 @@ UNPLACED_PARTS = frozenset(
 # Other things, when something is done to them; elsewhere they are who or what acts.
 THINGS = frozenset({"ball", "hammer", "rope", "string", "stick"})
 _LEAST_WORDS, _MOST_UNKNOWN = 3, 0.5
+PREPOSITIONS = frozenset(
+    (
+        "in on to into onto at by for from with within under over against through across along about around off near "
+        "upon like until towards toward"
+    ).split()
+)
+_TELLING = (
+    MentionKind.DIRECTION,
+    MentionKind.FROM,
+    MentionKind.AXIS,
+    MentionKind.PLANE,
+    MentionKind.SIDES,
+    MentionKind.SENSE,
+    MentionKind.PLACE,
+    MentionKind.EXCLUDED,
+    MentionKind.REPEAT,
+    MentionKind.TIME,
+    MentionKind.REVERSAL,
+)
 _PAIRS = frozenset({"two", "three", "four", "both", "several"})
 
 
@@ -32,6 +54,7 @@ def list_unknown(
 ) -> tuple[list[str], list[str]]:
     """Unknown content words, and notes; a noun is taken for the object if the sentence does not name it otherwise."""
     named = any(mention.phrase in names for mention in mentions)
+    may_be_named = not is_telling(brief.object_name)
     unknown: list[str] = []
     taken: list[str] = []
     for index, mention in enumerate(mentions):
@@ -44,7 +67,11 @@ def list_unknown(
         )  # "its corners", "the arms"
         if _is_describing_part(mentions, index) or word in UNPLACED_PARTS or owned:
             unknown.append(word)
-        elif word.isalpha() and (before in taken or not (named or taken) and before in DETERMINERS):
+        elif (
+            word.isalpha()
+            and may_be_named
+            and (before in taken or not (named or taken) and _is_done_to(mentions, index))
+        ):
             taken.append(word)  # "the castle", "the sand castle"
         elif word not in taken and not _is_decorating(mentions, index, names):
             unknown.append(word)
@@ -61,11 +88,16 @@ def is_mostly_unknown(mentions: list[Mention], unknown: list[str]) -> bool:
 
 
 def find_doubts(
-    mentions: list[Mention], names: frozenset[str], unknown: list[str], clauses: list[Clause]
+    mentions: list[Mention],
+    names: frozenset[str],
+    unknown: list[str],
+    clauses: list[Clause],
+    brief: SceneBrief,
 ) -> list[str]:
     """Plain sentences about what was not understood and would change the motion."""
     doubts = [f"'{word}' is not understood." for word in unknown]
     named = any(mention.phrase in names for mention in mentions)
+    own = brief.object_name.lower().split()
     for index, mention in enumerate(mentions):
         before = _get_phrase(mentions, index - 1)
         following = mentions[index + 1] if index + 1 < len(mentions) else None
@@ -118,6 +150,19 @@ def find_doubts(
     doubts += [
         f"What '{m.words}' counts is not understood." for m in _find_loose_quantities(mentions, clauses)
     ]
+    doubts += [
+        f"What '{m.words}' belongs to is not understood."
+        for clause in clauses
+        if clause.head is None
+        for m in clause.select(*_TELLING)
+    ]
+    if not any(mention.phrase in own for mention in mentions):
+        doubts += [
+            f"Whether '{m.words}' is the whole object or a part of it is not known."
+            for m in mentions
+            if isinstance(m.value, Place) and m.phrase in brief.object_nouns and m.phrase not in PARTS
+        ]
+    doubts += find_constructions(mentions, clauses)
     return list(dict.fromkeys(doubts))
 
 
@@ -170,12 +215,29 @@ def _is_decorating(mentions: list[Mention], index: int, names: frozenset[str]) -
     while first > 0 and _is_adjective(mentions[first - 1]):
         first -= 1
     determined = _get_phrase(mentions, first - 1) in DETERMINERS | {"two", "three", "some"}
-    if determined and _get_phrase(mentions, first - 2) == "by":
+    if determined and _get_phrase(mentions, first - 2) == "by" and _is_passive(mentions[: first - 2]):
         return True  # "is lifted by a crane"
     begins = first - 1 <= 0
     acts = after is not None and after.kind is MentionKind.VERB and not after.form.endswith("ing")
     done_to = any(m.phrase in names or m.phrase in ("it", "him", "her") for m in mentions[behind:])
     return determined and begins and acts and done_to  # "the baker presses the bread"
+
+
+def _is_done_to(mentions: list[Mention], index: int) -> bool:
+    """Whether a noun with its article stands as a subject or an object, not after a preposition: "in a circle"."""
+    return _get_phrase(mentions, index - 1) in DETERMINERS and (
+        _get_phrase(mentions, index - 2) not in PREPOSITIONS
+    )
+
+
+def _is_passive(mentions: list[Mention]) -> bool:
+    """Whether the last verb tells what is done to the object: "is lifted", not "move it left"."""
+    verbs = [mention for mention in mentions if mention.kind is MentionKind.VERB]
+    if not verbs:
+        return True
+    return FORMS.get(verbs[-1].form) != verbs[-1].form or any(
+        mention.form in ("is", "are", "gets", "being", "be") for mention in mentions[:-1]
+    )
 
 
 def _is_adjective(mention: Mention) -> bool:

@@ -22,7 +22,14 @@ from physagent_jax.agents.rules.language.modifiers import Join, Names, Place, Re
 from physagent_jax.agents.rules.language.quantities import Quantity
 from physagent_jax.agents.rules.language.solids import Solid
 from physagent_jax.agents.rules.language.timing import TimeSpan
-from physagent_jax.agents.rules.language.verbs import PICTURE_PLANE_TURNS, TUMBLES, VERBS, Effect, Verb
+from physagent_jax.agents.rules.language.verbs import (
+    PICTURE_PLANE_TURNS,
+    TUMBLES,
+    TURNED_OVER,
+    VERBS,
+    Effect,
+    Verb,
+)
 from physagent_jax.agents.schema import Amount, ObstacleRequest, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, cross, dot, normalise, scale
 from physagent_jax.core.strict import Vector
@@ -32,6 +39,33 @@ from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region
 _WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 ASSUMED = "left"
 _SIDE_NAMES = frozenset({("left",), ("right",), ("up",), ("down",), ("toward",), ("away",)})
+
+_WAYS = frozenset({MentionKind.DIRECTION, MentionKind.FROM})
+_LINES = _WAYS | {MentionKind.AXIS, MentionKind.PLANE}
+_PARTED = frozenset({MentionKind.PLACE, MentionKind.EXCLUDED})
+_TURNING = frozenset({MentionKind.SENSE, MentionKind.VIEW})
+_ALL_SIDES = frozenset({MentionKind.SIDES})
+_TELLING = (*_LINES, *_PARTED, *_TURNING, *_ALL_SIDES)
+# What each effect makes use of; the rest of `_TELLING` beside it is not understood.
+_USED: dict[Effect, frozenset[MentionKind]] = {
+    Effect.PUSH: _LINES | _PARTED | _ALL_SIDES,
+    Effect.LEAN: _LINES | _PARTED,
+    Effect.SWAY: _LINES | _PARTED | _ALL_SIDES,
+    Effect.SCALE: _LINES | _PARTED | _ALL_SIDES,
+    Effect.SWELL: _PARTED | _ALL_SIDES,
+    Effect.STRIKE: _LINES | _PARTED | _ALL_SIDES,
+    Effect.BURST: _ALL_SIDES,
+    Effect.TURN: _LINES | _PARTED | _TURNING,
+    Effect.ROLL: _LINES,
+    Effect.FALL: _WAYS,
+    Effect.TOPPLE: _WAYS,
+    Effect.JUMP: _LINES,
+    Effect.HOLD: frozenset(_TELLING),
+    Effect.RELEASE: _WAYS | _PARTED,
+    Effect.STILL: _PARTED,
+}
+_TOWARDS = (Effect.PUSH, Effect.STRIKE, Effect.SCALE, Effect.LEAN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE)
+_ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST)
 
 
 @dataclass(frozen=True)
@@ -113,6 +147,8 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
     words = _quote(clause)
     strength, strength_source = _resolve_strength(clause, verb, before if clause.inherited else None)
     place = next(iter(find_places(clause)), None)
+    if verb.effect is Effect.FALL and place is not None and place.names == ("down",):
+        place = None  # "lands on its feet", as it stood
     direction, repeat, direction_source, notes = _resolve_direction(clause, verb, phrase, place, brief)
     if verb.effect in (Effect.BURST, Effect.STRIKE, Effect.PUSH, Effect.SWAY, Effect.SCALE, Effect.SWELL):
         verb = _choose_by_direction(verb, clause, direction_source)
@@ -138,6 +174,8 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         # "spin three times" counts turns
         target = Target(Amount(value=360.0 * repeat.count, unit="degrees"))
         repeat = replace(repeat, count=None)
+    if phrase in TURNED_OVER and target.amount is None:
+        target = Target(Amount(value=180.0, unit="degrees"))
     if target.everywhere:
         verb, direction = replace(verb, effect=Effect.SWELL), None
     elif target.names and not clause.select(MentionKind.DIRECTION, MentionKind.FROM):
@@ -160,6 +198,7 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
             doubts.append(
                 f"What '{clause.select(MentionKind.REVERSAL)[0].words}' is opposed to is not understood."
             )
+    doubts += _find_unused(clause, verb)
     whole_part, region_doubts = _resolve_part(clause, verb, place, brief)
     region, part, excludes = whole_part
     doubts += region_doubts
@@ -193,6 +232,20 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         tuple(notes),
         tuple(doubts),
     )
+
+
+def _find_unused(clause: Clause, verb: Verb) -> list[str]:
+    """What the clause says of where, which way and how often that means nothing for what its verb does."""
+    unused = [m for m in clause.select(*_TELLING) if m.kind not in _USED[verb.effect]]
+    if verb.effect is Effect.FALL:
+        unused = [m for m in unused if not (isinstance(m.value, Place) and m.value.names == ("down",))]
+    counted = verb.effect in _ONCE and any((r.count or 1) > 1 or r.alternate for r in find_repeats(clause))
+    unused += clause.select(MentionKind.REPEAT) if counted else []
+    lengths = [m for m in clause.select(MentionKind.TIME) if isinstance(m.value, TimeSpan) and m.value.length]
+    counts = [m for m in clause.select(MentionKind.REPEAT) if isinstance(m.value, Repeat) and m.value.count]
+    for several in (lengths, counts):
+        unused += several[1:]
+    return [f"What '{m.words}' means for '{clause.words}' is not understood." for m in unused]
 
 
 def _resolve_amount(clause: Clause, verb: Verb, before: Event | None) -> tuple[Target, list[str]]:
@@ -338,7 +391,7 @@ def _resolve_direction(
         total = normalise(_sum_directions(repeat.names, brief))
         source = ValueSource(clause.select(MentionKind.REPEAT)[0].words, "to and fro, this way first")
         repeat = replace(repeat, alternate=verb.effect is not Effect.SCALE)
-    elif solids and verb.effect in (Effect.PUSH, Effect.STRIKE, Effect.SCALE):
+    elif solids and verb.effect in _TOWARDS:
         names = solids[0].names or (ASSUMED,)
         total = normalise(_sum_directions(names, brief))
         words = clause.select(MentionKind.SOLID)[0].words

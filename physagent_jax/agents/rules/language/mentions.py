@@ -266,6 +266,10 @@ class MentionParser:
         matches = [(e, used) for e, used in matches if not self._is_noun(e, at)]
         if not matches:
             return None
+        if token.text == "up" and self._get_text(at + 1) == "to" and match_quantity(self.tokens, at + 2):
+            return self._make_mention(
+                MentionKind.FUNCTION, None, "up to", [at, at + 1]
+            )  # "by up to 20 degrees"
         (words, kind, value), used = max(
             matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0])
         )
@@ -318,8 +322,10 @@ class MentionParser:
             "forth",
         ):
             return True  # "swings back and forth" does not swing back
-        if phrase.endswith(" over") and self._is_over_and_over(at):
+        if phrase.endswith(" over") and kind is MentionKind.VERB and self._is_over_and_over(at):
             return True  # "push it over and over" does not push it over
+        if phrase.endswith("~ over") and self._is_over_something(at):
+            return True  # nor does "push it over 3 seconds", "over the edge"
         if kind is not MentionKind.VERB or len(words) > 1:
             return False
         if text in v.CAUSES:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
@@ -329,6 +335,13 @@ class MentionParser:
     def _is_over_and_over(self, at: int) -> bool:
         texts = [token.text for token in self.tokens[at : at + LONGEST_GAP + 6]]
         return any(texts[i : i + 3] == ["over", "and", "over"] for i in range(len(texts)))
+
+    def _is_over_something(self, at: int) -> bool:
+        over = next(
+            (i for i in range(at, len(self.tokens)) if self.tokens[i].text == "over"), len(self.tokens)
+        )
+        behind = self._get_text(over + 1)
+        return behind in _DETERMINERS or parse_number(self.tokens, over + 1) is not None
 
     def _is_locating_cause(self, words: tuple[str, ...]) -> bool:
         """Whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""

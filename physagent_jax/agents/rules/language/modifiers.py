@@ -112,7 +112,7 @@ AXES: dict[str, Names] = _spread(
 # An axis named as the plane of the motion: rotation in it is about its normal.
 PLANES: dict[str, Names] = _spread(
     {
-        "horizontally, sideways, sideway, laterally": ("right",),
+        "horizontally, sideways, sideway, laterally, to the side, to one side": ("right",),
         "vertically": ("up",),
         "diagonally": ("up", "left"),
     }
@@ -170,9 +170,9 @@ DEGREES: dict[str, float] = _spread(
 COMPARATIVES: dict[str, float] = _spread(
     {
         "harder, stronger, more strongly, faster, more violently, more forcefully, more, quicker, "
-        "speed up, with more force": 1.4,
+        "speed up, speed ~ up, with more force": 1.4,
         "gentler, softer, weaker, more gently, slower, more slowly, less, slow down, lighter, "
-        "more softly": 0.6,
+        "more softly, slow ~ down": 0.6,
     }
 )
 
@@ -247,7 +247,8 @@ GRAVITY: dict[str, str] = _spread(
         "weightless, weightlessly, weightlessness, zero gravity, in space, outer space, in zero g, "
         "in mid air, in midair, held in the air, hold ~ in the air, floating in the air, gravity off, "
         "gravity stops, gravity vanishes, gravity disappears, gravity ceases, gravity is off, "
-        "gravity is switched off, gravity is turned off, turn off gravity, "
+        "gravity is switched off, gravity is turned off, turn off gravity, turn off the gravity, turn gravity off, "
+        "turn the gravity off, switch gravity off, switch the gravity off, switch off the gravity, "
         "switch off gravity": "none",
         "gravity is reversed, gravity reversed, reversed gravity, reverse gravity, reverse the gravity, "
         "gravity is inverted, inverted gravity, gravity is upside down, gravity upside down, "

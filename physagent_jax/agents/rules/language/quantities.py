@@ -107,6 +107,7 @@ class Quantity:
         dimension: Of a share: "length", "height", "width", "depth", "size", "volume", "far", "strength", or "".
         relative: It says by how much, not to what.
         acts: It says by itself that the size changes ("doubles its height", "becomes twice as tall").
+        goal: It says to where ("to twice its height").
     """
 
     value: float
@@ -114,6 +115,7 @@ class Quantity:
     dimension: str = ""
     relative: bool = False
     acts: bool = False
+    goal: bool = False
 
 
 def match_quantity(tokens: list[Token], at: int) -> tuple[Quantity, int] | None:
@@ -207,7 +209,11 @@ def _match_unit(
         return Quantity(value, "share", dimension, acts=True), behind
     found, dimension = _match_dimension(tokens, at)
     if dimension and not bare and _get(tokens, at) in _OWNERS:
-        return Quantity(value, "share", dimension), found
+        return Quantity(
+            value, "share", dimension, relative and part, goal=_get(tokens, start - 2) == "to"
+        ), found
+    if times and unit in _COMPARED:  # "three times taller"
+        return Quantity(value, "share"), at
     if times and value != round(value):
         return Quantity(value, "share"), at  # "stretch it 1.5 times"
     if relative and part and _get(tokens, at) not in UNITS:

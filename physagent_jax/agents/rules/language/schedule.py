@@ -163,6 +163,8 @@ def follows(before: Event, event: Event) -> bool:
 
 def contrary(before: Event, event: Event) -> bool:
     """Whether two events joined by "and" would cancel if they happened together ("squeezed and stretched")."""
+    if before.effect in (Effect.STRIKE, Effect.JUMP) and event.effect is Effect.FALL:
+        return True  # "jumps and lands"
     if before.effect is Effect.PUSH and before.phrase != event.phrase and event.effect is Effect.FALL:
         return True  # "lifted and dropped"
     if before.effect is not event.effect:

@@ -51,7 +51,8 @@ def match_time(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
         )
     if word in ("during", "in", "over", "throughout"):
         return _parse_part_of_clip(tokens, at + 1)
-    if word not in ("a", "an") and (bare := _parse_quantity(tokens, at)) and bare[0].unit != "clip":
+    counted = word not in ("a", "an") or (at > 0 and tokens[at - 1].lemma in ("wait", "pause"))
+    if counted and (bare := _parse_quantity(tokens, at)) and bare[0].unit != "clip":
         return (
             None if _get_word(tokens, bare[1]) in ("later", "after") else (TimeSpan(length=bare[0]), bare[1])
         )

@@ -88,7 +88,8 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     ("soar, take off", Verb(_D.PUSH, strength=1.3, direction="up")),
     ("lower, sink, descend, set down, set ~ down, put down, put ~ down", Verb(_D.PUSH, direction="down")),
     # the upper end goes somewhere
-    ("bend, lean, tilt, tip, droop", Verb(_D.LEAN)),
+    ("bend, lean, tilt, tip", Verb(_D.LEAN)),
+    ("droop", Verb(_D.LEAN, direction="down")),
     ("bow, slump", Verb(_D.LEAN, direction="toward")),
     # to and fro
     ("sway, swing, rock, oscillate", Verb(_D.SWAY)),
@@ -167,7 +168,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         "let go, let ~ go, release, rebound, recoil, recover, relax, spring back, snap back, "
         "swing back, bounce back, come back, return, go back, move back to, let ~ spring back, "
         "let ~ snap back, let ~ swing back, let loose, regain its shape, let ~ relax, "
-        "let ~ recover, set free, die down, subside, calm down, fall back, free itself",
+        "let ~ recover, set free, leave alone, leave ~ alone, die down, subside, calm down, fall back, free itself",
         Verb(_D.RELEASE),
     ),
     ("stand, sit, stay, remain, rest, lie", Verb(_D.STILL, generic=True)),
@@ -282,6 +283,8 @@ CAUSES = _build_table(_CAUSE_ROWS)
 PICTURE_PLANE_TURNS = frozenset({"rotate", "revolve", "flip", "tumble", "cartwheel", "somersault", "roll"})
 # Their direction is where the top goes.
 TUMBLES = frozenset({"flip", "tumble", "somersault", "cartwheel", "turn over", "turn ~ over"})
+# They turn by half a turn unless the sentence says otherwise.
+TURNED_OVER = frozenset({"turn upside down", "turn ~ upside down"})
 # After "the", these are things rather than verbs ("the rock rocks").
 NOUNS_AFTER_THE = frozenset(
     {

@@ -1,0 +1,196 @@
+"""Constructions that the grammar has no reading for, although it knows each of their words.
+
+Taken word by word they would say something else: "over the wall", "around its neck", "faster and faster", "left or
+right", "everything but rotate". A rule here holds for a construction, whatever the words in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from physagent_jax.agents.rules.language.clauses import Clause, get_verb
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.modifiers import NUMBERS, UNITS, WHOLE_WORDS, Join
+
+_MOTIONS = (MentionKind.VERB, MentionKind.CAUSE)
+_WAYS = (MentionKind.DIRECTION, MentionKind.FROM, MentionKind.AXIS, MentionKind.PLANE, MentionKind.SENSE)
+_CHOOSABLE = (*_MOTIONS, *_WAYS, MentionKind.PLACE)
+_ARTICLES = frozenset({"the", "a", "an", "its", "his", "her", "their", "this", "that", "my", "your"})
+_DOERS = frozenset({"people", "persons", "hands", "fingers", "fists", "plates"})
+# Before a part or a solid: where it goes along, not what is acted on or run into.
+_PAST = frozenset(
+    "around about over under above below along across through behind beside past near between beyond".split()
+)
+_GOALS = frozenset({"to", "toward", "towards", "into", "onto", "from"})
+_NAMELESS_PARTS = frozenset({"end", "ends", "part", "parts", "side", "corner", "edge"})
+_POSTURES = frozenset({"stand", "sit", "lay", "lie", "rest"})
+
+
+def find_constructions(mentions: list[Mention], clauses: list[Clause]) -> list[str]:
+    """Plain sentences about constructions that were not understood."""
+    doubts = [doubt for index in range(len(mentions)) for rule in _RULES for doubt in rule(mentions, index)]
+    return doubts + _find_restated(clauses)
+
+
+def _find_comparison(mentions: list[Mention], index: int) -> list[str]:
+    """Says "harder than before", "faster and faster", "each time harder"."""
+    mention = mentions[index]
+    if mention.form == "than":
+        return ["What is compared by 'than' is not understood."]
+    doubled = _get_phrase(mentions, index + 1) == "and" and _get_phrase(mentions, index + 2) == mention.phrase
+    if doubled and mention.kind is not MentionKind.JOIN:
+        return [f"How it changes by '{mention.words} and {mention.words}' is not understood."]
+    each = any(other.form in ("each", "every") for other in mentions[max(index - 3, 0) : index + 4])
+    if mention.kind is MentionKind.COMPARATIVE and each:
+        return [f"How '{mention.words}' grows from time to time is not understood."]
+    return []
+
+
+def _find_delay(mentions: list[Mention], index: int) -> list[str]:
+    """Says "a second later", "every second"."""
+    mention, before = mentions[index], _get_phrase(mentions, index - 1)
+    loose = mention.kind is MentionKind.FUNCTION and mention.form in UNITS
+    if loose and before in (*NUMBERS, "another"):
+        return [f"When '{before} {mention.words}' is, is not understood."]
+    rate = mention.kind is MentionKind.TIME and before in ("every", "each")
+    if rate or mention.form == "per" or loose and before in ("every", "each", "per"):
+        return [f"How often '{before} {mention.words}' is, is not understood."]
+    return []
+
+
+def _find_loose_number(mentions: list[Mention], index: int) -> list[str]:
+    """Says "in two"; how many do it ("two people") does not matter."""
+    mention = mentions[index]
+    counts = mention.kind is MentionKind.FUNCTION and NUMBERS.get(mention.form, 0) >= 2
+    if counts and _get_phrase(mentions, index + 1) not in _DOERS:
+        return [f"What '{mention.words}' counts is not understood."]
+    return []
+
+
+def _find_explanation(mentions: list[Mention], index: int) -> list[str]:
+    """Says "it rises: it gets taller"."""
+    if mentions[index].words == ":" and _has_motion(mentions[:index]) and _has_motion(mentions[index:]):
+        return ["Whether what stands behind ':' happens besides is not understood."]
+    return []
+
+
+def _find_choice(mentions: list[Mention], index: int) -> list[str]:
+    """Says "left or right", "push or pull it"; "neither ... or" is a list."""
+    before, after = _find_telling(mentions, index, -1), _find_telling(mentions, index, 1)
+    if mentions[index].form != "or" or before is None or after is None:
+        return []
+    if before.kind not in _CHOOSABLE or after.kind not in _CHOOSABLE:
+        return []
+    if any(m.kind is MentionKind.NOT for m in mentions[:index]):
+        return []
+    return [f"Which of '{before.words}' or '{after.words}' is meant is not understood."]
+
+
+def _find_passage(mentions: list[Mention], index: int) -> list[str]:
+    """Says "over the wall", "around its neck"."""
+    mention = mentions[index]
+    before = index - 1
+    while before >= 0 and mentions[before].phrase in _ARTICLES:
+        before -= 1
+    preposition = _get_phrase(mentions, before)
+    along = mention.kind is MentionKind.SOLID and mentions[before].form in ("down", "up")
+    along = along or mention.kind is MentionKind.PLACE and preposition in _GOALS
+    if mention.kind in (MentionKind.PLACE, MentionKind.SOLID) and (preposition in _PAST or along):
+        return [f"What '{preposition} {mention.words}' means is not understood."]
+    return []
+
+
+def _find_nameless_part(mentions: list[Mention], index: int) -> list[str]:
+    """Says "one end of it", "on its side"."""
+    mention, before = mentions[index], _get_phrase(mentions, index - 1)
+    if mention.kind is MentionKind.FUNCTION and mention.form in _NAMELESS_PARTS:
+        if before in _ARTICLES | {"one", "other"}:
+            return [f"Which part '{before} {mention.words}' is, is not understood."]
+    return []
+
+
+def _find_posture(mentions: list[Mention], index: int) -> list[str]:
+    """Says "lay it on its back", "stand the robot up": something is done, and not stillness."""
+    mention = mentions[index]
+    if mention.kind is not MentionKind.VERB or mention.form not in _POSTURES:
+        return []
+    behind = mentions[index + 1] if index + 1 < len(mentions) else None
+    imperative = index == 0 or mentions[index - 1].kind is MentionKind.JOIN
+    if imperative and behind is not None and behind.phrase in _ARTICLES | {"it", "him", "them"}:
+        return [f"What '{mention.words}' does is not understood."]
+    return []
+
+
+def _find_thing(mentions: list[Mention], index: int) -> list[str]:
+    """Says "on a swing": a thing, although the word is a verb elsewhere."""
+    mention = mentions[index]
+    placed = _get_phrase(mentions, index - 1) in _ARTICLES and _get_phrase(mentions, index - 2) in (
+        "on",
+        "under",
+    )
+    if mention.kind is MentionKind.VERB and placed:
+        return [f"There is no {mention.words} here."]
+    return []
+
+
+def _find_omission(mentions: list[Mention], index: int) -> list[str]:
+    """Says "everything but rotate it"."""
+    mention, after = mentions[index], _find_telling(mentions, index, 1)
+    leaves_out = mention.value is Join.BUT and _get_phrase(mentions, index - 1) in WHOLE_WORDS
+    if leaves_out and after is not None and after.kind in _MOTIONS:
+        return [f"What is left when '{after.words}' is left out is not understood."]
+    return []
+
+
+def _find_denial(mentions: list[Mention], index: int) -> list[str]:
+    """Says "not to the left" and no other way: the one that is assumed might be the same."""
+    mention, denied = mentions[index], _find_telling(mentions, index, 1)
+    if mention.kind is not MentionKind.NOT or denied is None or denied.kind not in _WAYS:
+        return []
+    if any(m.kind is denied.kind and m is not denied for m in mentions):
+        return []
+    return [f"What is to be in place of what '{mention.words} {denied.words}' rules out is not understood."]
+
+
+def _find_restated(clauses: list[Clause]) -> list[str]:
+    """Says "an earthquake! It trembles": a cause by itself, and then the like of it."""
+    doubts = []
+    for cause, clause in zip(clauses, clauses[1:]):
+        alone = cause.verb is None and cause.cause is not None and not cause.negated
+        done = clause.verb is not None and clause.cause is None and not clause.negated
+        if alone and done and get_verb(cause.cause).effect is get_verb(clause.verb).effect:
+            doubts.append(f"Whether '{cause.words}' and '{clause.words}' are one thing is not understood.")
+    return doubts
+
+
+_RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
+    _find_comparison,
+    _find_delay,
+    _find_loose_number,
+    _find_explanation,
+    _find_choice,
+    _find_passage,
+    _find_nameless_part,
+    _find_posture,
+    _find_thing,
+    _find_omission,
+    _find_denial,
+)
+
+
+def _find_telling(mentions: list[Mention], index: int, step: int) -> Mention | None:
+    """The next mention that is no article or the like; ``step`` is -1 for the one before."""
+    at = index + step
+    while 0 <= at < len(mentions):
+        if mentions[at].kind is not MentionKind.FUNCTION:
+            return mentions[at]
+        at += step
+    return None
+
+
+def _has_motion(mentions: list[Mention]) -> bool:
+    return any(mention.kind in _MOTIONS for mention in mentions)
+
+
+def _get_phrase(mentions: list[Mention], index: int) -> str:
+    return mentions[index].phrase if 0 <= index < len(mentions) else ""

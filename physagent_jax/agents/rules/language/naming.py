@@ -1,0 +1,59 @@
+"""What the object is called in a sentence: by its name, or by a noun for things of its kind."""
+
+from __future__ import annotations
+
+import re
+
+from physagent_jax.agents.rules.language.modifiers import FUNCTION_WORDS, PLACES
+from physagent_jax.agents.rules.language.tokens import FORMS, tokenise
+from physagent_jax.agents.schema import SceneBrief
+
+# Names of files that do not say what is in them; nor do digits, or words of one or two letters.
+_SAYING_NOTHING = frozenset(
+    (
+        "asset assets capture cloud data export final gaussian gaussians image img input mesh model object output "
+        "photo picture point pointcloud points recording result sample scan scene splat splats test thing untitled"
+    ).split()
+)
+
+
+def collect_object_words(prompt: str, brief: SceneBrief) -> frozenset[str]:
+    """The words of ``prompt`` that name the object: its name and kind, or a noun for its kind, singular and plural.
+
+    A noun that the lexicon has another meaning for is none, nor is one beside the object's own name, unless both are
+    one name ("the teddy bear", "the loaf of bread"): then it is a part, or another thing.
+    """
+    own = set(_add_plurals(_split(f"{brief.object_name} {brief.object_kind}")))
+    nouns = {w for w in _add_plurals(brief.object_nouns) if not _has_other_meaning(w)}
+    tokens = tokenise(prompt)
+    texts = [token.text for token in tokens]
+    places = [at for at, text in enumerate(texts) if text in own]
+    if not places:
+        return frozenset(own | nouns)
+    beside = set()
+    for at in places:
+        beside.update(texts[max(at - 1, 0) : at])
+        if texts[at - 1 : at] == ["of"]:
+            beside.update(texts[max(at - 2, 0) : at - 1])
+        if not tokens[at].possessive:
+            beside.update(texts[at + 1 : at + 2])
+        if texts[at + 1 : at + 2] == ["of"]:
+            beside.update(texts[at + 2 : at + 3])
+    return frozenset(own | (beside & nouns))
+
+
+def is_telling(name: str) -> bool:
+    """Whether a name says what the object is; a noun that is not its own is then hardly the object."""
+    return any(len(word) > 2 and word.isalpha() and word not in _SAYING_NOTHING for word in _split(name))
+
+
+def _split(name: str) -> list[str]:
+    return re.findall(r"[^\W\d_]+", name.lower())
+
+
+def _add_plurals(words) -> list[str]:
+    return [form for word in words for form in (word, word + "s", word + "es")]
+
+
+def _has_other_meaning(word: str) -> bool:
+    return word in FUNCTION_WORDS or word in PLACES or word in FORMS
