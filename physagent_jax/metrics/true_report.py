@@ -13,8 +13,17 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.rotations import polar, unwrap
 from physagent_jax.metrics.pieces import count_pieces
 from physagent_jax.perception import timing
+from physagent_jax.perception.extents import describe_extents
 from physagent_jax.perception.fit import Affine
-from physagent_jax.perception.schema import Box, Matrix, MotionReport, PartMotion, Quality, Uncertainty
+from physagent_jax.perception.schema import (
+    Box,
+    Extent,
+    Matrix,
+    MotionReport,
+    PartMotion,
+    Quality,
+    Uncertainty,
+)
 from physagent_jax.perception.windows import Frames, measure_window
 from physagent_jax.perception.words import ViewerWords, describe_motion
 from physagent_jax.render.camera import Camera
@@ -74,7 +83,8 @@ def report_true_motion(
         depth_shown=np.ones(count, bool),
         reasons={topic: [""] * count for topic in ("centroid", "rotation", "box")},
     )
-    turn = _to_degrees(frames.rotation_from(0, count - 1))
+    turns = frames.rotation_from(0, count - 1)
+    turn = _to_degrees(turns)
     report = MotionReport(
         frame_count=count,
         frame_dt=frame_dt,
@@ -90,6 +100,7 @@ def report_true_motion(
             Box(low=_to_vector(a), high=_to_vector(b))
             for a, b in zip((low - center) / size, (high - center) / size)
         ),
+        extents=_measure_extents(x, turns, size, camera, up),
         parts=_measure_ends(x, size),
         pieces=tuple(count_pieces(x, np.stack([pose.matrix for pose in poses]), size)),
         uncertainty=Uncertainty(displacement=0.0, rotation=0.0, axis=0.0, stretch=0.0, frequency=0.0),
@@ -131,6 +142,15 @@ def _fit(x: np.ndarray) -> list[Affine]:
         residual = np.sqrt(np.mean(np.sum((x[0] @ matrix.T + offset - frame) ** 2, axis=1)))
         poses.append(Affine(matrix, offset, polar(matrix)[0], float(residual)))
     return poses
+
+
+def _measure_extents(
+    x: np.ndarray, turns: list[np.ndarray | None], size: float, camera: Camera | None, up: Sequence[float]
+) -> tuple[Extent, ...]:
+    """Along all of the viewer's directions, hidden ones too; world axes without a camera."""
+    axes = np.eye(3) if camera is None else np.stack([axis for _, axis in ViewerWords(camera, up).axes()])
+    low, high = np.percentile(x @ axes.T, [STRAY, 100 - STRAY], axis=1)
+    return describe_extents((high - low) / size, axes, turns, 0.0)
 
 
 def _measure_ends(x: np.ndarray, size: float) -> tuple[PartMotion, ...]:

@@ -7,7 +7,8 @@ import dataclasses
 import numpy as np
 
 from physagent_jax.perception import lift
-from physagent_jax.perception.fit import estimate_hidden_spread
+from physagent_jax.perception.extents import measure_lengths
+from physagent_jax.perception.fit import Affine, estimate_hidden_spread
 from physagent_jax.perception.follow import Path
 from physagent_jax.perception.windows import Frames
 from physagent_jax.render.camera import Camera
@@ -20,8 +21,12 @@ THINNEST = 0.03
 """Box edges are taken as at least this long, so that a flat front gives no infinite ratio [body lengths]."""
 LOOSEST = 0.05
 """Parts that are this far off the best affine motion share no rotation or stretch [body lengths]."""
-MIDDLE_OFF, DEPTH_OFF = 0.02, 0.08
-"""How far the middle in one picture is off, across the view and, guessed from the rim, along it [body lengths]."""
+MIDDLE_OFF = 0.02
+"""How far the outline's middle is off in one picture [body lengths]."""
+ACROSS_OFF, DEPTH_OFF = 0.03, 0.12
+"""How far the first guess of the centre is off, across the view and, from the rim, along it [body lengths]."""
+FULL_TILT = 20.0
+"""Turned out of the picture plane by this, the fit's stretch behind the visible surface is not believed [deg]."""
 INDEPENDENT_VIEWS = 4.0
 """Neighbouring frames err alike: so many of a clip's views count."""
 CUT = "the object is cut off by the picture's border"
@@ -53,7 +58,14 @@ def in_view(masks: np.ndarray) -> np.ndarray:
     return masks.any((1, 2)) & ~_find_leaving(masks)[1]
 
 
-def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarray, camera: Camera) -> Frames:
+def assemble(
+    path: Path,
+    masks: np.ndarray,
+    depth: np.ndarray,
+    trusted: np.ndarray,
+    camera: Camera,
+    directions: np.ndarray,
+) -> Frames:
     """Measures every frame.
 
     Args:
@@ -62,6 +74,7 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
         depth: z-depth [m], nan where unknown, shape (T, H, W).
         trusted: Its trusted part, nan elsewhere, shape (T, H, W).
         camera: The camera.
+        directions: Along which extents are measured, unit vectors, shape (k, 3).
     """
     nothing = np.full((2, 3), np.nan)
     corners = np.stack(
@@ -70,11 +83,12 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
     edges = corners[:, 1] - corners[:, 0]
     size, center = float(edges[0].max()), lift.find_center(trusted[0], masks[0], camera)
     area, cut, out = masks.sum((1, 2)), *_find_leaving(masks)
-    center = _ride_along(path, trusted, masks, cut, center, size, camera)
     points = [lift.unproject_surface(d, camera)[::7] for d in trusted]
+    outlines = [lift.unproject_mask(d, m, camera) for d, m in zip(trusted, masks)]
+    center = _ride_along(path, points[0], outlines, cut, center, size, camera)
     loose = np.array([p is not None and p.residual > LOOSEST * size for p in path.poses])
     path = dataclasses.replace(path, poses=[None if bad else p for p, bad in zip(path.poses, loose)])
-    centroid = (_find_centroids(path, points, cut, center) - center) / size
+    centroid = (_find_centroids(path, points, cut, center, camera) - center) / size
     centroid[out] = np.nan
     forward = camera.forward.astype(float)
 
@@ -92,6 +106,7 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
         chain=path.chain,
         corners=np.where(cut[:, None, None], np.nan, (corners - center) / size),
         box=np.where(cut[:, None], np.nan, np.maximum(edges / size, THINNEST)),
+        lengths=np.where(cut[:, None], np.nan, measure_lengths(outlines, directions) / size),
         depth_shown=np.array(
             [len(p) > 3 and estimate_hidden_spread(p, forward) > LEAST_RELIEF * size for p in points]
         ),
@@ -103,43 +118,86 @@ def assemble(path: Path, masks: np.ndarray, depth: np.ndarray, trusted: np.ndarr
     )
 
 
+@dataclasses.dataclass(frozen=True)
+class _Rider:
+    """The centre as a point that rides on the fitted motion, from ``anchor`` on the visible surface before it.
+
+    Points on the surface tell how the anchor moves, but little of how the body is stretched behind them: an error
+    of 0.1 there moves the centre by 0.03 body lengths, half of what turns were misjudged by. So the lever from anchor
+    to centre turns with the fit, and takes part in its stretch as long as the same side is seen.
+
+    Attributes:
+        anchor: In the chain's first frame [m], shape (3,).
+        lever: From there to the centre [m], shape (3,).
+        forward: The viewing direction, shape (3,).
+    """
+
+    anchor: np.ndarray
+    lever: np.ndarray
+    forward: np.ndarray
+
+    @classmethod
+    def place(cls, center: np.ndarray, surface: np.ndarray, camera: Camera) -> _Rider:
+        """For a centre whose line of sight meets the visible surface ``surface``, shape (n, 3)."""
+        sight = (center - camera.center) / np.linalg.norm(center - camera.center)
+        lever = sight * (sight @ (center - lift.find_middle(surface)))
+        return cls(center - lever, lever, camera.forward.astype(float))
+
+    def turn(self, pose: Affine) -> np.ndarray:
+        """What carries the lever under a pose, shape (3, 3)."""
+        cosine = np.clip(self.forward @ pose.rotation @ self.forward, -1, 1)
+        share = max(1 - np.degrees(np.arccos(cosine)) / FULL_TILT, 0.0)
+        return share * pose.matrix + (1 - share) * pose.rotation
+
+    def __call__(self, pose: Affine) -> np.ndarray:
+        """Where the centre is [m], shape (3,)."""
+        return pose(self.anchor) + self.turn(pose) @ self.lever
+
+
 def _ride_along(
-    path: Path, trusted, masks: np.ndarray, cut: np.ndarray, guess: np.ndarray, size: float, camera: Camera
+    path: Path,
+    surface: np.ndarray,
+    outlines: list[np.ndarray],
+    cut: np.ndarray,
+    guess: np.ndarray,
+    size: float,
+    camera: Camera,
 ) -> np.ndarray:
-    """The point of frame 0 that stays in the object's middle as the object turns; world [m], shape (3,).
+    """The point of frame 0 that stays in the outline's middle as the object turns; world [m], shape (3,).
 
     One view does not tell how far behind the surface the middle lies; with the wrong depth it would swing about the
-    right one in a turn. The middle in each frame is a ray that the riding point should meet: two equations that
-    are linear in its depth. Without a turn they say nothing about it, and the guess stands.
+    right one in a turn. Each frame's outline has its middle, which the riding point should meet: two linear equations
+    for the centre. Without a turn they say nothing about its depth, and the guess stands.
 
     Args:
         path: The poses; those of the first chain are used.
-        trusted: Trusted z-depth [m], nan elsewhere, shape (T, H, W).
-        masks: The object, shape (T, H, W).
+        surface: The visible surface in frame 0 [m], shape (n, 3).
+        outlines: All the mask's pixels per frame [m], each (n, 3).
         cut: Whether the object is cut off by the border, shape (T,).
         guess: From frame 0 alone [m], shape (3,).
         size: The body length [m].
         camera: The camera.
     """
-    view, K = np.asarray(camera.viewmat, float), np.asarray(camera.K, float)
     posed = [(t, p) for t, p in enumerate(path.poses) if p is not None and path.chain[t] == path.chain[0]]
-    posed = [(t, p) for t, p in posed if not cut[t]]
+    posed = [(t, p) for t, p in posed if not cut[t] and len(outlines[t])]
     if len(posed) < 2 or path.poses[0] is None:
         return guess
-    rows, values = [], []
+    rider, rows, off = _Rider.place(guess, surface, camera), [], []
     for t, pose in posed:
-        u, v, _ = np.linalg.solve(K, [*lift.find_middle_pixel(trusted[t], masks[t], camera), 1.0])
-        across = np.stack([view[0] - u * view[2], view[1] - v * view[2]])
-        rows.append(across[:, :3] @ pose.matrix)
-        values.append(-(across[:, :3] @ pose.offset + across[:, 3]))
-    line = guess - camera.center
-    line = line / np.linalg.norm(line)
-    across, off = np.concatenate(rows) @ line, np.concatenate(values) - np.concatenate(rows) @ guess
+        across, middle = lift.find_outline_middle(outlines[t], camera)
+        rows.append(across @ rider.turn(pose))
+        off.append(middle - across @ rider(pose))
+    A, b = np.concatenate(rows), np.concatenate(off)
     trust = INDEPENDENT_VIEWS / len(posed) / MIDDLE_OFF**2
-    return guess + line * (trust * across @ off) / (trust * across @ across + 1 / DEPTH_OFF**2)
+    sight = (guess - camera.center) / np.linalg.norm(guess - camera.center)
+    along = np.outer(sight, sight)
+    prior = along / DEPTH_OFF**2 + (np.eye(3) - along) / ACROSS_OFF**2
+    return guess + np.linalg.solve(trust * A.T @ A + prior, trust * A.T @ b)
 
 
-def _find_centroids(path: Path, points: list[np.ndarray], cut: np.ndarray, center: np.ndarray) -> np.ndarray:
+def _find_centroids(
+    path: Path, points: list[np.ndarray], cut: np.ndarray, center: np.ndarray, camera: Camera
+) -> np.ndarray:
     """World position of the object's centre per frame [m], shape (T, 3); nan where it cannot be told.
 
     The centre rides on the fitted motion. Where no points could be followed, it moves by as much as the
@@ -151,23 +209,27 @@ def _find_centroids(path: Path, points: list[np.ndarray], cut: np.ndarray, cente
         points: Visible surface per frame [m], each (n, 3).
         cut: Whether the object is cut off by the border, shape (T,).
         center: Centre in frame 0 [m], shape (3,).
+        camera: The camera.
     """
-    centers, start, whole = np.full((len(points), 3), np.nan), {}, None
+    centers, riders, whole = np.full((len(points), 3), np.nan), {}, None
     for t, (pose, chain) in enumerate(zip(path.poses, path.chain)):
         if len(points[t]) == 0:
             continue
         middle, here = lift.find_middle(points[t]), None
         if t == 0:
             here = center
-        elif pose is not None and chain in start:
-            here = pose(start[chain])
+        elif pose is not None and chain in riders:
+            here = riders[chain](pose)
         elif whole is not None and not cut[t]:
             here = whole[0] + middle - whole[1]
         if here is None:
             continue
         centers[t] = here
-        if pose is not None and chain not in start:
-            start[chain] = np.linalg.solve(pose.matrix, here - pose.offset)
+        if pose is not None and chain not in riders:
+            rider = _Rider.place(here, points[t], camera)
+            lever = np.linalg.solve(rider.turn(pose), rider.lever)
+            anchor = np.linalg.solve(pose.matrix, rider.anchor - pose.offset)
+            riders[chain] = dataclasses.replace(rider, anchor=anchor, lever=lever)
         if not cut[t]:
             whole = here, middle
     return centers

@@ -7,9 +7,6 @@ import numpy as np
 
 from physagent_jax.render.camera import Camera
 
-SURFACE_SHARE = 1 / 3
-"""How far the object's middle lies from the mask's mean towards that of the visible surface. On a robot, a plant and a
-loaf half was best (0.02 body lengths off at most, against 0.03); a thin stalk has surface but little mass."""
 RIM_PIXELS = 4  # [px] from the trusted part in which a rim is looked for
 RIM_DEPTH = 0.15
 """[share of the object's width in the picture] by which a rim can lie behind the trusted depth beside it: the last four
@@ -175,32 +172,68 @@ def measure_rim_depth(depth: np.ndarray, mask: np.ndarray) -> float:
     return float(np.clip(rim, front, back + 0.5 * (back - front)))
 
 
-def find_middle_pixel(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
-    """Where the object's middle appears: between the mask's mean and that of its visible surface [px], shape (2,).
-
-    The mask's mean counts by area in the picture, which is small where the surface is steep; the surface's mean counts
-    by true area but sees the front alone. They lie on opposite sides of the middle, 0.02 body lengths off.
+def unproject_mask(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
+    """World points of all the mask's pixels, each at the nearest trusted depth [m], shape (n, 3).
 
     Args:
         depth: Trusted depth [m], nan elsewhere, shape (H, W).
         mask: The object, shape (H, W).
         camera: The camera.
     """
-    y, x = np.nonzero(mask)
-    middle = np.array([x.mean() + 0.5, y.mean() + 0.5])
-    y, x = (i[::5] for i in np.nonzero(np.isfinite(depth)))
-    if len(x) == 0:
-        return middle
-    xy, z = np.stack([x + 0.5, y + 0.5], 1), depth[y, x].astype(float)
-    area = z**2 / np.maximum(measure_facing(depth, xy, camera), 0.3)
-    view = np.asarray(camera.viewmat, float)
-    seen = view[:3, :3] @ (area @ unproject(xy, z, camera) / area.sum()) + view[:3, 3]
-    surface = (np.asarray(camera.K, float) @ seen)[:2] / seen[2]
-    return middle + SURFACE_SHARE * (surface - middle)
+    if not np.isfinite(depth).any() or not mask.any():
+        return np.zeros((0, 3))
+    x, y, width, height = cv2.boundingRect(mask.astype(np.uint8))
+    rows, columns = np.nonzero(mask[y : y + height, x : x + width])
+    near = depth[y : y + height, x : x + width]
+    z = _fill_nearest(near if np.isfinite(near).any() else depth)[rows, columns].astype(float)
+    return unproject(np.stack([columns + x + 0.5, rows + y + 0.5], 1), z, camera)
+
+
+def find_outline_middle(points: np.ndarray, camera: Camera) -> tuple[np.ndarray, np.ndarray]:
+    """The middle of the object's outline as it would be seen from far away.
+
+    A centrally symmetric body seen from far away has its centre in its outline's middle, however it is turned. From
+    near, what is near is larger, and the mask's mean misses the centre by up to 0.06 body lengths. So the surface's
+    points are projected along the line of sight, without perspective, and the mean is that of the area they cover.
+
+    Args:
+        points: Of `unproject_mask` [m], shape (n, 3), n >= 1.
+        camera: The camera.
+
+    Returns:
+        Two unit vectors across the line of sight to the object, in the world, shape (2, 3), and the middle's
+        coordinates along them, measured from the world's origin [m], shape (2,).
+    """
+    sight = points.mean(0) - camera.center
+    distance = float(np.linalg.norm(sight))
+    right = np.cross(sight, np.asarray(camera.viewmat, float)[1, :3])
+    right /= np.linalg.norm(right)
+    across = np.stack([right, np.cross(sight / distance, right)])
+    flat, cell = points @ across.T, distance / float(np.asarray(camera.K)[0, 0])
+    low = flat.min(0)
+    index = np.floor((flat - low) / cell).astype(int) + 1
+    covered = np.zeros(index.max(0) + 2, np.uint8)
+    covered[tuple(index.T)] = 1
+    covered = cv2.morphologyEx(covered, cv2.MORPH_CLOSE, _KERNEL)  # where a cell fell between two pixels
+    return across, low + cell * (np.argwhere(covered).mean(0) - 0.5)
+
+
+def _fill_nearest(depth: np.ndarray) -> np.ndarray:
+    """``depth`` with unknown pixels as the nearest known one; some must be known."""
+    known = np.isfinite(depth)
+    labels = np.asarray(
+        cv2.distanceTransformWithLabels(
+            (~known).astype(np.uint8), cv2.DIST_L2, 3, labelType=cv2.DIST_LABEL_PIXEL
+        )[1],
+        int,
+    )
+    value = np.zeros(labels.max() + 1, np.float32)
+    value[labels[known]] = depth[known]
+    return value[labels]
 
 
 def find_center(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
-    """The object's likely centre: its middle in the picture, at the depth of its rim; world [m], shape (3,).
+    """The object's likely centre: the middle of its outline, at the depth of its rim; world [m], shape (3,).
 
     The mean of the visible surface lies too near. It would seem to travel when the object turns on the spot.
 
@@ -209,4 +242,7 @@ def find_center(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarr
         mask: The object, shape (H, W).
         camera: The camera.
     """
-    return unproject(find_middle_pixel(depth, mask, camera), np.array(measure_rim_depth(depth, mask)), camera)
+    across, middle = find_outline_middle(unproject_mask(depth, mask, camera), camera)
+    view = np.asarray(camera.viewmat, float)
+    rim = measure_rim_depth(depth, mask) - view[2, 3]
+    return np.linalg.solve(np.vstack([across, view[2, :3]]), [*middle, rim])

@@ -11,6 +11,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.perception import lift, timing
 from physagent_jax.perception.assemble import GONE, assemble, in_view, touches_border
 from physagent_jax.perception.backends import make_backends
+from physagent_jax.perception.extents import choose_directions, describe_extents, find_disagreement
 from physagent_jax.perception.follow import follow
 from physagent_jax.perception.pieces import count_pieces
 from physagent_jax.perception.prompt import find_prompt
@@ -101,7 +102,9 @@ def perceive(
         notes.append(
             "The surface has little texture: rotation and shape are guessed from its outline and shading."
         )
-    frames = assemble(path, masks, z, trusted, camera)
+    words = ViewerWords(camera, up)
+    axes = choose_directions(np.stack([axis for _, axis in words.axes()]), camera.forward)
+    frames = assemble(path, masks, z, trusted, camera, axes)
     size = frames.size
     quality = Quality(
         tracks_kept=float(path.kept[in_view(masks)].min()),
@@ -120,6 +123,10 @@ def perceive(
         quality,
         threshold=max(VISIBLE, pixel),
     )
+    turns = frames.rotation_from(0, len(rgb) - 1)
+    assert frames.lengths is not None
+    extents = describe_extents(frames.lengths, axes, turns, pixel + quality.depth_noise, camera.forward)
+    stretches = [frames.stretch_from(0, t) for t in range(len(rgb))]
     hard = Difficulty(
         pixel=pixel,
         noise=quality.depth_noise,
@@ -127,17 +134,18 @@ def perceive(
         turn=_find_largest_tilt(frames, camera),
         links=path.links - 1,
         travel=float(np.nanmax(np.linalg.norm(frames.centroid, axis=1))),
+        disagreement=find_disagreement(extents, stretches),
     )
-    turns = frames.rotation_from(0, len(rgb) - 1)
     report = report.model_copy(
         update={
+            "extents": extents,
             "parts": () if path.ends is None else path.ends.describe(size),
             "pieces": tuple(count_pieces(masks)),
             "uncertainty": estimate_uncertainty(hard, turns, report.oscillation, frame_dt),
         }
     )
     return Perception(
-        report.model_copy(update={"text": describe_motion(report, ViewerWords(camera, up))}),
+        report.model_copy(update={"text": describe_motion(report, words)}),
         masks,
         path.tracks,
         path.visible,

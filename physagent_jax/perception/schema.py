@@ -100,6 +100,25 @@ class Box(Strict):
     high: tuple[Number, Number, Number]
 
 
+class Extent(Strict):
+    """Length of the object's outline along one direction, over its length in frame 0.
+
+    A second estimate of stretch. The affine fit goes by points on the surface: where the ends are pressed together or
+    drawn out and the middle stays, most points tell nothing of it. The outline does, but it is not fixed to the
+    body: a turn alters it too, and the half width says by how much.
+
+    Attributes:
+        direction: Unit world direction: the viewer's right, up or away, whichever lie across the line of sight.
+        ratio: Per frame; None where not all of the object is in the picture.
+        half_width: Per frame, of an interval that should hold the body's own ratio in nine of ten clips; None where
+            ``ratio`` is, or how far the object has turned is not known.
+    """
+
+    direction: tuple[Number, Number, Number]
+    ratio: tuple[Number | None, ...]
+    half_width: tuple[Number | None, ...]
+
+
 class Uncertainty(Strict):
     """Half widths of intervals that should hold the truth in nine of ten clips; None = not known.
 
@@ -156,6 +175,7 @@ class MotionReport(Strict):
         stretch: Per frame, symmetric stretch tensor S of the best affine fit x -> R S x + t from frame 0, in world
             axes; None where not observable.
         box: Per frame, the visible surface's box; None where not all of the object is in the picture.
+        extents: Lengths of the outline along the viewer's directions.
         parts: The object's six ends.
         pieces: Per frame, pieces of the object with background between them; None where it is not seen.
         uncertainty: How far the figures may be off.
@@ -177,6 +197,7 @@ class MotionReport(Strict):
     rotation: tuple[tuple[Number, Number, Number] | None, ...] = ()
     stretch: tuple[Matrix | None, ...] = ()
     box: tuple[Box | None, ...] = ()
+    extents: tuple[Extent, ...] = ()
     parts: tuple[PartMotion, ...] = ()
     pieces: tuple[Count | None, ...] = ()
     uncertainty: Uncertainty = Uncertainty()

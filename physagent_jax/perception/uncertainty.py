@@ -31,6 +31,7 @@ class Difficulty:
         turn: Largest rotation out of the picture plane [deg].
         links: How often points were seeded anew.
         travel: Largest displacement [body lengths].
+        disagreement: Of the affine fits' stretch with the outline's, beyond what a turn explains [1].
     """
 
     pixel: float
@@ -39,6 +40,7 @@ class Difficulty:
     turn: float
     links: int
     travel: float
+    disagreement: float = 0.0
 
 
 def estimate_uncertainty(
@@ -62,7 +64,7 @@ def estimate_uncertainty(
         return Uncertainty(displacement=displacement, frequency=_estimate_frequency(swing, frame_dt))
     rotation = 0.7 + np.degrees(2 * blur + 0.5 * hard.residual) + 0.12 * hard.turn + 0.3 * hard.links
     axis = float(np.degrees(np.arctan2(np.radians(rotation), angle)))
-    stretch = 0.02 + 2 * blur + hard.residual + 0.12 * tilt
+    stretch = max(0.02 + 2 * blur + hard.residual + 0.12 * tilt, hard.disagreement)
     return Uncertainty(
         displacement=displacement,
         rotation=rotation,

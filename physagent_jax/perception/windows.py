@@ -29,6 +29,7 @@ class Frames:
         reasons: Why a frame is not observable, keyed by "centroid", "rotation", "box"; each of length T.
         corners: Lowest and highest corner of the world-axis box around the visible surface, relative to ``center``
             [body lengths], shape (T, 2, 3); None if not measured.
+        lengths: Of the visible surface along further directions [body lengths], shape (T, k); None if not measured.
     """
 
     size: float
@@ -40,6 +41,7 @@ class Frames:
     depth_shown: np.ndarray
     reasons: dict[str, list[str]]
     corners: np.ndarray | None = None
+    lengths: np.ndarray | None = None
 
     def volume(self, frame: int, first: int = 0) -> float:
         """Volume of the box over that in frame ``first``."""

@@ -39,6 +39,14 @@ def test_translation_in_windows_and_series(box):
     assert "to the right" in report.text and "Its shape" not in report.text
 
 
+def test_extents_are_along_the_viewers_directions(box):
+    """A true stretch along one of them is that one's alone; a turn widens the interval."""
+    report = seen([box * (1 + 0.1 * t, 1, 1 - 0.05 * t) for t in range(6)])
+    assert [e.direction for e in report.extents] == [(1, 0, 0), (0, 0, 1), (0, 1, 0)]
+    assert [e.ratio[5] for e in report.extents] == pytest.approx([1.5, 0.75, 1.0], rel=0.01)
+    assert all(e.half_width[5] < 0.02 for e in report.extents)
+
+
 def test_rotation_vector_is_unwrapped(box):
     """A turn by 400 degrees about z is that, of the whole and of the ends."""
     turns = [Rotation.from_rotvec((0, 0, np.radians(a))).apply(box) for a in range(0, 401, 20)]

@@ -78,6 +78,42 @@ def test_stretch_within_8_percent(name, factors):
     assert window.volume_ratio == pytest.approx(np.prod(factors), rel=0.08)
 
 
+@pytest.mark.parametrize(
+    ("name", "factors"), [("stretch", (1.6, 0.8)), ("squash", (1.3, 0.5)), ("move", (1, 1))]
+)
+def test_the_outline_tells_stretch_across_the_view_too(name, factors):
+    extents = seen(name)[0].report.extents
+    assert [e.direction for e in extents] == [(1, 0, 0), (0, 0, 1)]
+    for extent, factor in zip(extents, factors):
+        assert abs(extent.ratio[-1] - factor) < extent.half_width[-1] < 0.15
+
+
+def test_a_turn_makes_the_outline_a_worse_measure_of_stretch():
+    report = seen("in_plane")[0].report
+    for extent in report.extents:
+        assert extent.half_width[0] < 0.05 and extent.half_width[-1] > 0.5
+    assert report.uncertainty.stretch < 0.15, "the affine fit knows better, and is not doubted for it"
+    leaves = seen("leave")[0].report.extents[0]
+    assert leaves.ratio[-1] is None and leaves.half_width[-1] is None
+
+
+def test_ends_that_are_pressed_together_show_in_the_outline():
+    """The middle of the visible side stays as it is, as of a loaf between two plates: few points move."""
+
+    def pressed(x, s):
+        return np.concatenate([np.clip(x[:, :1], -0.5 + 0.2 * s, 0.5 - 0.2 * s), x[:, 1:]], 1)
+
+    clip = film(blob(), pressed, frames=8)
+    report = perceive(clip.rgb, clip.depth, clip.camera, frame_dt=DT).report
+    across = report.extents[0]
+    assert across.ratio[-1] == pytest.approx(0.6, abs=0.05)
+    assert report.stretch[-1][0][0] > 0.7, "the points followed miss it"
+    assert (
+        report.stretch[-1][0][0] - report.uncertainty.stretch
+        < across.ratio[-1] + across.half_width[-1] + 1e-4
+    )
+
+
 @pytest.mark.parametrize("name", ["sway", "plant_sway"])
 def test_sway(name):
     result, truth, _ = seen(name)
