@@ -18,8 +18,8 @@ background, with distances and noise taking turns.
 
 *Displacement* is the largest error of the centroid over the clip in true body lengths, *direction* the angle between
 perceived and true at the farthest, *rotation* the angle of the rotation that leads from perceived to true at the end
-(axis and angle together), *stretch* the larger error along two directions across the line of sight, *frequency* that of
-a swing. *Within* is the share of clips within the limit, of those where the figure is given; *not observable*, of all
+(axis and angle together), *stretch* the larger error along two directions across the line of sight, *outline's stretch* that of the outline's
+lengths to the right and up, *frequency* that of a swing. *Within* is the share of clips within the limit, of those where the figure is given; *not observable*, of all
 where it should be; *covered*, the share whose error is within the half width that the report states.
 """
 
@@ -32,6 +32,7 @@ FIGURES: tuple[Figure, ...] = (
     ("rotation's angle", "8 deg", 8.0, "angle", "rotation_stated", lambda row: True),
     ("rotation's axis", "", np.inf, "axis", "axis_stated", lambda row: row["turns"]),
     ("stretch", "8 %", 0.08, "stretch", "stretch_stated", lambda row: True),
+    ("outline's stretch, unturned", "8 %", 0.08, "outline", "outline_stated", lambda row: not row["turns"]),
     ("frequency", "5 %", 0.05, "frequency", "frequency_stated", lambda row: row["swings"]),
 )
 

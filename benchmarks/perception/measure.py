@@ -23,6 +23,7 @@ def measure(sight: Sight, motion: Motion, rgb: np.ndarray, depth: np.ndarray) ->
         **_measure_displacement(report, sight),
         **_measure_rotation(report, motion),
         **_measure_stretch(report, motion),
+        **_measure_outline(report, motion),
         **_measure_frequency(report, motion),
         "still": report.onset_frame is None,
         "pieces": max((p for p in report.pieces if p is not None), default=None),
@@ -74,6 +75,18 @@ def _measure_stretch(report: MotionReport, motion: Motion) -> Row:
     true, across = polar(motion.matrix(1.0))[1], np.cross(LOOK, RIGHT)
     errors = [abs(n @ np.asarray(seen) @ n / (n @ true @ n) - 1) for n in (RIGHT, across)]
     return row | {"stretch": float(max(errors))}
+
+
+def _measure_outline(report: MotionReport, motion: Motion) -> Row:
+    """At the last frame, the outline's lengths along right and up: the error that is worst for its half width."""
+    true, errors = polar(motion.matrix(1.0))[1], []
+    for extent in report.extents:
+        n, ratio, stated = np.asarray(extent.direction), extent.ratio[-1], extent.half_width[-1]
+        if ratio is not None and stated is not None:
+            factor = n @ true @ n
+            errors.append((abs(ratio / factor - 1), stated / factor))
+    error, stated = max(errors, key=lambda e: e[0] / e[1], default=(None, None))
+    return {"outline": error, "outline_stated": stated}
 
 
 def _measure_frequency(report: MotionReport, motion: Motion) -> Row:

@@ -10,7 +10,7 @@ from physagent_jax.perception.schema import Extent
 ALONG_SIGHT = 0.7
 """A direction whose cosine with the line of sight is larger lies along it: most of its extent is hidden."""
 HIDDEN_END = 0.5
-"""Share of a change of length that may be misread, times the cosine of direction and line of sight: an end is hidden."""
+"""Share of a change of length, times the cosine of direction and line of sight, that a hidden end may take away."""
 STRAY = 0.3
 """Pixels beyond this percentile on either side do not count [%]."""
 ROUGH = 0.01
