@@ -18,9 +18,10 @@ background, with distances and noise taking turns.
 
 *Displacement* is the largest error of the centroid over the clip in true body lengths, *direction* the angle between
 perceived and true at the farthest, *rotation* the angle of the rotation that leads from perceived to true at the end
-(axis and angle together), *stretch* the larger error along two directions across the line of sight, *outline's stretch* that of the outline's
-lengths to the right and up, *frequency* that of a swing. *Within* is the share of clips within the limit, of those where the figure is given; *not observable*, of all
-where it should be; *covered*, the share whose error is within the half width that the report states.
+(axis and angle together), *stretch* the larger error along two directions across the line of sight, *outline's stretch*
+that of the outline's lengths to the right and up, *frequency* that of a swing. *Within* is the share of clips within
+the limit, of those where the figure is given; *not observable*, of all where it should be; *covered*, the share whose
+error is within the half width that the report states.
 """
 
 Figure = tuple[str, str, float, str, str, Callable[[Row], bool]]
