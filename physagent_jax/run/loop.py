@@ -13,6 +13,7 @@ import dataclasses
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
 
@@ -138,7 +139,8 @@ def run_loop(
         try:
             body = loop.load_object()
             template = loop.apply_reply(reply, body)
-            config = fuse(template, body, reply.force_field)
+            with loop.tell_warnings():
+                config = fuse(template, body, reply.force_field)
             check_cost(estimate_cost(config, body, run.spec.save.video_size), limits or Limits())
         except UserError as error:
             loop.refuse(reading, error)
@@ -202,6 +204,7 @@ class _Loop:
         self._template = run.template
         self._restart_cache: RestartCache | None = None
         self._reused = dict(store.manifest.reused_frames)
+        self._warnings: tuple[str, ...] = ()
 
     def read_sentence(self) -> Reply[SemanticReply]:
         """The semantic agent's reply, from the folder if it is there."""
@@ -246,13 +249,19 @@ class _Loop:
         self.observer.stage("loading and filling the object")
         template = self._run.template
         preset = template.preset
-        with self._watch("prepare"), warnings.catch_warnings(record=True) as caught:
+        with self._watch("prepare"), self.tell_warnings():
+            return make_body(template.source, preset.filling, preset.domain, self._run.base_dir)
+
+    @contextmanager
+    def tell_warnings(self) -> Iterator[None]:
+        """Notes what is warned of within, and tells the observer what he has not been told."""
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", UserWarning)
-            body = make_body(template.source, preset.filling, preset.domain, self._run.base_dir)
-        self._warnings = tuple(dict.fromkeys(str(warning.message) for warning in caught))
-        for text in self._warnings:
-            self.observer.warned(text)
-        return body
+            yield
+        for text in dict.fromkeys(str(warning.message) for warning in caught):
+            if text not in self._warnings:
+                self._warnings += (text,)
+                self.observer.warned(text)
 
     def apply_reply(self, reply: SemanticReply, body: Body) -> SceneTemplate:
         """The scene template with what the sentence says about holding, the world and the clip's length.
@@ -318,11 +327,9 @@ class _Loop:
 
     def attempt(self, series: _Series, index: int, force_field: ForceField, context: AgentContext) -> Attempt:
         """Simulates ``force_field``, looks at the pictures, judges them, and leaves the round's files."""
-        with self._watch("prepare"), warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", UserWarning)
+        with self._watch("prepare"), self.tell_warnings():
             config = fuse(series.template, series.body, force_field, keep=series.camera)
             scene = compile_scene(config, series.body, self._run.base_dir)
-        self._warnings = tuple(dict.fromkeys((*self._warnings, *(str(each.message) for each in caught))))
         name = f"{series.name} {index + 1}"
         self.observer.stage(f"{name}: simulating and rendering")
         recording = simulate_scene(

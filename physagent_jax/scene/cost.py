@@ -67,12 +67,7 @@ class Limits:
 def estimate_cost(config: SceneConfig, body: Body, video_size: tuple[int, int] | None = None) -> Cost:
     """The least that simulating and rendering a scene takes, with a video for people of that width and height."""
     timing, domain, picture = config.timing, config.domain, config.rendering
-    if timing.substep_dt == "auto":
-        materials = (config.material, *(region.material for region in config.material_regions))
-        step = timing.safety * min(stable_step(material, domain.dx) for material in materials)
-        step /= find_scene_slowdown(config, body.particles.x, body.particles.volume)
-    else:
-        step = timing.substep_dt
+    step = find_stable_step(config, body) if timing.substep_dt == "auto" else timing.substep_dt
     substeps = max(timing.duration / step, timing.frame_count - 1)
     nodes = math.prod(
         min(domain.cells + 1, ROOM * side / domain.dx + 6) for side in (body.high - body.low).tolist()
@@ -96,6 +91,13 @@ def estimate_cost(config: SceneConfig, body: Body, video_size: tuple[int, int] |
     }
     largest = max(seconds, key=seconds.__getitem__), max(memory, key=memory.__getitem__)
     return Cost(substeps, sum(seconds.values()), BASE_BYTES + sum(memory.values()), largest)
+
+
+def find_stable_step(config: SceneConfig, body: Body) -> float:
+    """The longest step [s] that a scene at rest allows, with its margin of safety; inf for what has no stress."""
+    materials = (config.material, *(region.material for region in config.material_regions))
+    step = min(stable_step(material, config.domain.dx) for material in materials)
+    return config.timing.safety * step / find_scene_slowdown(config, body.particles.x, body.particles.volume)
 
 
 def check_cost(cost: Cost, limits: Limits) -> None:

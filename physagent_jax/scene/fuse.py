@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from physagent_jax.scene.config import (
     Source,
 )
 from physagent_jax.scene.config.material import MaterialModel
+from physagent_jax.scene.cost import find_stable_step
 from physagent_jax.scene.damping import (
     MOST_SLOWER,
     compute_viscosity,
@@ -130,6 +132,7 @@ def fuse(
         rendering=preset.rendering,
         ledger=template.ledger,
     )
+    config = _shorten_step(config, body)
     if config.camera.target is not None:
         return config
     points, start = estimate_sweep(config, body), np.asarray(body.cloud.means, np.float64)
@@ -137,6 +140,20 @@ def fuse(
     if keep is not None and shows_points(points, keep, config.rendering):
         camera = keep
     return config.model_copy(update=dict(camera=camera))
+
+
+def _shorten_step(config: SceneConfig, body: Body) -> SceneConfig:
+    """The preset's step where the material allows it, else one that is fitted: nobody has chosen it."""
+    step, stable = config.timing.substep_dt, find_stable_step(config, body)
+    if step == "auto" or step <= stable:
+        return config
+    warnings.warn(
+        f"the preset's substep of {step:.2g} s is too long for this material on this grid: it is fitted to them, "
+        f"{stable:.2g} s at most",
+        UserWarning,
+        stacklevel=3,
+    )
+    return config.model_copy(update=dict(timing=config.timing.model_copy(update=dict(substep_dt="auto"))))
 
 
 def damp(template: SceneTemplate, body: Body) -> tuple[Material, str | None]:

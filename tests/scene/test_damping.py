@@ -18,7 +18,7 @@ from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import compile_scene
-from physagent_jax.scene.cost import estimate_cost
+from physagent_jax.scene.cost import estimate_cost, find_stable_step
 from physagent_jax.scene.damping import (
     MOST_SLOWER,
     Mode,
@@ -263,3 +263,13 @@ def test_a_ratio_for_what_has_no_swing_is_refused_by_name(name, robot_path):
 def test_a_ratio_may_be_asked_for_in_the_papers_preset(robot_path, body):
     run = resolved(robot_path, preset="paper", material={"damping_ratio": 0.02})
     assert fuse(run.template, body, ForceField()).material.damping_ratio == 0.02
+
+
+def test_the_papers_step_is_fitted_to_what_is_too_stiff_for_it(robot_path, body):
+    """0.2 ms where that is stable; nobody has chosen it, so that what is stiffer is not refused for it."""
+    run = resolved(robot_path, preset="paper")
+    assert fuse(run.template, body, ForceField()).timing.substep_dt == 2e-4
+    run = resolved(robot_path, preset="paper", material={"youngs_modulus": 1e7})
+    with pytest.warns(UserWarning, match="substep of 0.0002 s is too long for this material"):
+        config = fuse(run.template, body, ForceField())
+    assert config.timing.substep_dt == "auto" and find_stable_step(config, body) < 2e-4
