@@ -14,7 +14,6 @@ from physagent_jax.agents.rules.judging.seen import View, find_farthest, find_fi
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind
 from physagent_jax.agents.vectors import cross, dot, norm, normalise
 from physagent_jax.core.strict import Vector
-from physagent_jax.core.turning import find_turning_points
 
 _FIRST = 0.2  # of the largest turn or strain: what is seen of it first
 _OWN_AXIS = 0.6  # of the asked strain that other directions may show the same way
@@ -50,8 +49,7 @@ def check_rotation(index: int, expectation: ExpectedMotion, view: View) -> list[
         )
     if expectation.repeats > 1:
         path = [dot(v, axis or peak) for _, v in _take_whole_course(view, first, end)]
-        count = len(find_turning_points(path, 0.35 * (max(path) - min(path)) + 1.0))
-        checks.append(count_turns(index, expectation, view, count))
+        checks.append(count_turns(index, expectation, view, path, 0.35 * (max(path) - min(path)) + 1.0))
     if expectation.amount is not None and expectation.amount.unit == "degrees":
         return checks
     tolerance = tolerances.expect_rotation(
@@ -189,8 +187,7 @@ def _count_strains(index: int, expectation: ExpectedMotion, view: View, first: i
     if len(strains) < 4:
         return make_unseen_check(index, expectation, how or "no course of its shape", "how often?")
     path = [value for _, value in strains]
-    turns = len(find_turning_points(path, 0.35 * (max(path) - min(path)) + 0.01))
-    return count_turns(index, expectation, view, turns)
+    return count_turns(index, expectation, view, path, 0.35 * (max(path) - min(path)) + 0.01)
 
 
 def _check_own_axis(

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import math
+
 from physagent_jax.agents.rules import tolerances
 from physagent_jax.agents.rules.judging.changing import measure_strains
 from physagent_jax.agents.rules.judging.comparing import (
     compare_amount,
+    find_confidence,
     make_limit_check,
     make_unseen_check,
+)
+from physagent_jax.agents.rules.judging.counting import (
+    estimate_crossing,
+    estimate_jitter,
+    find_count_confidence,
 )
 from physagent_jax.agents.rules.judging.moving import find_track, follow
 from physagent_jax.agents.rules.judging.seen import View
@@ -114,6 +122,7 @@ def _check_duration(
     signal = measure_signal(expectation, view, first, view.last)
     if len(signal) < 5:
         return [make_unseen_check(index, expectation, "its course is not known", question)]
+    jitter = estimate_jitter([v for _, v in signal])
     is_held = view.anchored or expectation.kind in (*AXIAL, MotionKind.SWAY)
     if is_held:
         largest = max(abs(v) for _, v in signal)
@@ -121,11 +130,13 @@ def _check_duration(
         away = [t for t, v in signal if abs(v) >= level]
         begun = next(t for t, v in signal if abs(v) >= min(0.1 * largest, level))
         ended = away[-1]
+        off = [estimate_crossing(signal, t, jitter) for t in (begun, ended)]
     else:
         speeds = _measure_speeds(signal)
         fastest = max(v for _, v in speeds)
         begun = next((t for t, v in speeds if v >= 0.1 * fastest), first)
         ended = next((t for t, v in speeds if v >= 0.95 * fastest), first)
+        off = [estimate_crossing(speeds, t, jitter / math.sqrt(2.0)) for t in (begun, ended)]
     value = view.seconds(begun, ended) + view.report.frame_dt
     if ended >= view.last - 1 and value < tolerance.high:
         value = max(value, min(tolerance.target, view.seconds(first, view.last) + view.report.frame_dt))
@@ -141,7 +152,7 @@ def _check_duration(
             aspect="order",
             score=round(tolerance.score(value), 6),
             margin=round(tolerance.margin(value), 6),
-            confidence=0.8,  # speeds from pictures are uncertain by some frames
+            confidence=find_confidence(tolerance.distance(value), math.hypot(*off) * view.report.frame_dt),
             remedy="" if passed else fix,
         )
     ]
@@ -196,11 +207,29 @@ def _check_blows(index: int, expectation: ExpectedMotion, view: View) -> list[Ch
     count = expectation.repeats
     if view.anchored:
         values = [v for _, v in signal]
-        turns = find_turning_points(values, max(0.4 * (max(values) - min(values)), tolerances.VISIBLE / 2))
-        seen, most = (len(turns) + 1) // 2, 2 * count
+        threshold, span = (
+            max(0.4 * (max(values) - min(values)), tolerances.VISIBLE / 2),
+            max(values) - min(values),
+        )
+        most, noise = 2 * count, math.sqrt(2.0)
+
+        def find_count(limit: float) -> int:
+            return (len(find_turning_points(values, limit)) + 1) // 2
     else:
-        seen, most = _count_pulses(signal), count
+        gains = _measure_gains(signal)
+        span = max(v for _, v in gains)
+        threshold, most, noise = (
+            _PULSE * span,
+            count,
+            math.sqrt(1.5),
+        )  # of half the differences of differences
+
+        def find_count(limit: float) -> int:
+            return _count_pulses(gains, limit)
+
+    seen = find_count(threshold)
     passed = count <= seen <= most
+    jitter = estimate_jitter([v for _, v in signal])
     return [
         Check(
             expectation=index,
@@ -211,20 +240,25 @@ def _check_blows(index: int, expectation: ExpectedMotion, view: View) -> list[Ch
             aspect="repeats",
             score=1.0 if passed else round(0.9 * min(seen / count, most / max(seen, 1)), 6),
             margin=round(clamp(1.0 - abs(seen - count) / (0.5 + most - count), -10.0, 1.0), 6),
-            confidence=0.8,
+            confidence=find_count_confidence(
+                find_count, lambda n: count <= n <= most, threshold, span, noise * jitter
+            ),
             remedy="" if passed else f"let it be pushed {count} separate times",
         )
     ]
 
 
-def _count_pulses(signal: Signal) -> int:
-    """Runs of frames in which the speed grows about as fast as it ever does; short pauses do not part them."""
+def _measure_gains(signal: Signal) -> Signal:
+    """By how much the speed grows over two frames."""
     speeds = [(signal[0][0] - 2, 0.0), (signal[0][0] - 1, 0.0), *_measure_speeds(signal, 2)]
-    gains = [(a[0], b[1] - a[1]) for a, b in zip(speeds, speeds[2:])]
-    hardest = max(v for _, v in gains)
+    return [(a[0], b[1] - a[1]) for a, b in zip(speeds, speeds[2:])]
+
+
+def _count_pulses(gains: Signal, limit: float) -> int:
+    """Runs of frames in which the speed grows by ``limit`` or more; short pauses do not part them."""
     runs, before = 0, None
     for t, v in gains:
-        if v >= _PULSE * hardest:
+        if v >= limit:
             if before is None or t - before > 3:
                 runs += 1
             before = t

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from physagent_jax.agents.matching import is_thrown_up
 from physagent_jax.agents.rules import tolerances
 from physagent_jax.agents.rules.judging.comparing import (
@@ -11,6 +13,7 @@ from physagent_jax.agents.rules.judging.comparing import (
     make_limit_check,
     make_unseen_check,
 )
+from physagent_jax.agents.rules.judging.counting import estimate_jitter, find_count_confidence
 from physagent_jax.agents.rules.judging.seen import Course, View, find_farthest, find_first_response
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind
 from physagent_jax.agents.vectors import add, clamp, cosine, dot, norm, scale
@@ -246,18 +249,35 @@ def check_sway(index: int, expectation: ExpectedMotion, view: View) -> list[Chec
         sense = line if dot(line, direction) >= 0 else scale(line, -1.0)
         spread = find_spread(2.0 * amplitude, view)
         checks.append(compare_direction(index, expectation, "along which line?", sense, view, spread))
-    turns = len(find_turning_points(path, max(2.0 * _SWING * amplitude, 0.5 * tolerances.VISIBLE)))
-    return [*checks, count_turns(index, expectation, view, turns)]
+    hysteresis = max(2.0 * _SWING * amplitude, 0.5 * tolerances.VISIBLE)
+    return [*checks, count_turns(index, expectation, view, path, hysteresis)]
 
 
-def count_turns(index: int, expectation: ExpectedMotion, view: View, turns: int) -> Check:
+def count_turns(
+    index: int, expectation: ExpectedMotion, view: View, path: list[float], hysteresis: float
+) -> Check:
     """To and fro ``repeats`` times is ``2 repeats - 1`` turns, and some more while it comes to rest.
 
     Without a count (once), any number that can be followed is a sway.
+
+    Args:
+        index: Which expectation.
+        expectation: What was asked.
+        view: What was seen.
+        path: Position per frame.
+        hysteresis: Ways back that are shorter do not count, in the path's unit.
     """
     count = expectation.repeats
     wanted, most = 2 * count - 1, (2 * count + 2 if count > 1 else 7)
+    turns = len(find_turning_points(path, hysteresis))
     passed = wanted <= turns <= most
+    confidence = find_count_confidence(
+        lambda threshold: len(find_turning_points(path, threshold)),
+        lambda seen: wanted <= seen <= most,
+        hysteresis,
+        max(path) - min(path),
+        math.sqrt(2.0) * estimate_jitter(path),
+    )
     middle, half = 0.5 * (wanted + most), 0.5 * (most - wanted) + 0.5
     fix = f"alternate {view.causes(expectation) or 'pushes'} {count} times to and fro"
     return Check(
@@ -269,7 +289,7 @@ def count_turns(index: int, expectation: ExpectedMotion, view: View, turns: int)
         passed=passed,
         score=1.0 if passed else round(0.9 * min(turns / wanted, most / max(turns, 1)), 6),
         margin=round(clamp((half - abs(turns - middle)) / half, -10.0, 1.0), 6),
-        confidence=0.9,  # a turn near the hysteresis may be counted or not
+        confidence=confidence,
         remedy="" if passed else fix,
     )
 
