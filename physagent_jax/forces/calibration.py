@@ -31,6 +31,10 @@ opposed ends then part by one such extent in T."""
 TURN = math.pi / 2
 """[rad] that a ``torque`` turns the object in a clip: a quarter turn, the most that leaves no doubt about its sense."""
 
+SWING = 0.16
+"""[L] to either side that a free object goes with M = 1 where pushes to and fro follow each other (`forces.swinging`):
+M = 0.4 and 1.6 are then just what viewers call slight and strong."""
+
 STRAIN = 0.15
 """[1] linear mean strain of a free bar under ``scale``. Soft solids stretch more than linearly: a neo-Hookean bar shows
 0.17 at M = 1 and 0.35 at M = 1.6; calibrated on 0.3, its middle would reach three times its length there and tear."""
@@ -60,7 +64,7 @@ EXPECTED_HELD_TURN = 25.0
 """[degrees] by which something held turns: it twists and springs back."""
 
 EXPECTED_SWAY = 0.1
-"""[L] to either side when something sways."""
+"""[L] to either side when something held sways."""
 
 # --- where the object will be (`scene.fuse`) --------------------------------------------------------------------------
 
@@ -106,13 +110,14 @@ def describe_meaning(skill: str) -> str:
     """What M = 1 does, for people and language models.
 
     Args:
-        skill: A name of `forces.schema.SkillScaling`: "translation", "scale", "impulse", "torque", "velocity" or
-            "rotation".
+        skill: A name of `forces.schema.SkillScaling`: "translation", "scale", "impulse", "torque", "velocity",
+            "rotation" or "swing".
     """
     return {
         "translation": f"unopposed, {TRAVEL:g} body length by the clip's end",
         "impulse": f"unopposed, {TRAVEL:g} body length from the clip's start to its end",
         "torque": f"unopposed, {math.degrees(TURN):g} degrees by the clip's end",
+        "swing": f"to and fro, {SWING:g} body lengths to either side",
         "scale": f"a linear strain of {STRAIN:g}",
         "velocity": f"{PRESCRIBED_TRAVEL:g} body lengths per clip",
         "rotation": f"{math.degrees(TURN):g} degrees per clip",

@@ -43,6 +43,13 @@ def oppose_push(opposition: Opposition | None, k, magnitude, direction):
     return k * magnitude + sign * opposition.weight * xp.maximum(sign * direction[2], 0.0)
 
 
+def oppose_swing(opposition: Opposition | None, k, magnitude, direction):
+    """The same of a push of a train to and fro, which is borne both ways: it is to stop where the next one begins."""
+    if opposition is None:
+        return k * magnitude
+    return k * magnitude + opposition.weight * direction[2]
+
+
 def oppose_blow(opposition: Opposition | None, k, magnitude, direction):
     """Velocity change along ``direction`` of a blow of ``magnitude`` [m/s]; k M where nothing opposes it."""
     if opposition is None:

@@ -170,6 +170,7 @@ class Opposition(Strict):
         weight: Deceleration of what rises [m/s^2].
         turning: Angular deceleration by friction of what spins about the vertical [rad/s^2].
         tipping: Angular acceleration at which the weight holds it upright [rad/s^2].
+        lever: Height of the mass centre over the feet [m], where friction acts; 0 for what rolls.
         damping_rate: Of velocities [1/s].
         travel: Way that a blow with M = 1 goes [m].
         time: In which it does where nothing stops it before [s].
@@ -179,6 +180,7 @@ class Opposition(Strict):
     weight: NotNegative = 0.0
     turning: NotNegative = 0.0
     tipping: NotNegative = 0.0
+    lever: NotNegative = 0.0
     damping_rate: NotNegative = 0.0
     travel: Positive
     time: Positive
@@ -213,6 +215,9 @@ class SkillScaling(Strict):
         torque: Angular acceleration [rad/s^2].
         velocity: Of ``enforce_particle_translation`` and ``moving_plate`` [m/s].
         rotation: Of ``enforce_particle_rotation`` [rad/s]; by default a quarter turn in two seconds.
+        swing: How far to either side pushes to and fro swing it (`forces.swinging`) [m]; None = each of them is a push
+            like any other.
+        damping_rate: Of velocities, where it is made up for [1/s].
         opposition: What works against the motion, which pushes, blows and turns of the whole object make up for;
             None = nothing.
         holding: How far it gives way where it is held, which pushes and blows of either kind go by; None = not known.
@@ -225,6 +230,8 @@ class SkillScaling(Strict):
     torque: Positive
     velocity: Positive
     rotation: Positive = TURN / 2
+    swing: Positive | None = None
+    damping_rate: NotNegative = 0.0
     opposition: Opposition | None = None
     holding: Holding | None = None
     reason: str = ""

@@ -10,6 +10,9 @@ magnitude of M = 1 gives what `forces.calibration` says:
 | impulse     | velocity change k M v over its window | s L / T        | s = `TRAVEL` by the clip's end        |
 | torque      | a = k M (v x r), r = x - x_c          | 2 theta / T^2  | theta = `TURN` by the clip's end      |
 
+A translation of a free object that is one of several to and fro has a k of its own (`forces.swinging`), with which
+M = 1 goes by `SWING` L to either side.
+
 The other kind of skill prescribes velocities:
 
 | constraint                     | what it does                                   | k                                  |
@@ -44,7 +47,7 @@ from pydantic import ValidationError
 from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error
-from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, STRAIN, STRETCH_RAMP, TRAVEL, TURN
+from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, STRAIN, STRETCH_RAMP, SWING, TRAVEL, TURN
 from physagent_jax.forces.holding import find_blow_scale, find_push_scale
 from physagent_jax.forces.opposition import (
     describe_opposition,
@@ -52,6 +55,7 @@ from physagent_jax.forces.opposition import (
     find_rubbing,
     oppose_blow,
     oppose_push,
+    oppose_swing,
     oppose_turn,
 )
 from physagent_jax.forces.parameters import ActionParameters, Array, ForceFieldParameters, check_entries
@@ -66,6 +70,7 @@ from physagent_jax.forces.schema import (
     SkillScaling,
     VelocityConstraint,
 )
+from physagent_jax.forces.swinging import Stroke, describe_swing, find_strokes
 from physagent_jax.forces.terms import (
     PushCompensation,
     Stretch,
@@ -123,6 +128,9 @@ def make_closed_form_scaling(
         reason += f", damping {damping_rate:.3g} /s"
     if opposition is not None:
         reason += f"; {describe_opposition(opposition)}"
+    swing = None if holding is not None else SWING * extent
+    if swing is not None:
+        reason += f"; {describe_swing(swing)}"
     if holding is not None:
         reason += (
             f"; held: a push or blow of 1 is to move its centre by {holding.shift:.3g} m, with {holding.least:.3g} to "
@@ -136,6 +144,8 @@ def make_closed_form_scaling(
             torque=TURN / push_path,
             velocity=PRESCRIBED_TRAVEL * extent / duration,
             rotation=TURN / duration,
+            swing=swing,
+            damping_rate=damping_rate,
             opposition=opposition,
             holding=holding,
             reason=reason,
@@ -177,10 +187,15 @@ def compile_force_field(
         parameters = ForceFieldParameters.of(field, frame_count)
     check_entries(parameters, field)
     forces, constraints = [], []
+    strokes = find_strokes(field, parameters.actions, scaling, frame_dt)
     for index, (action, values) in enumerate(zip(field.actions, parameters.actions)):
         place = f"force_field.actions[{index}]"
         bound = _Bound(action, values, place, rest, volume, frame_dt, frame_count)
-        forces += [_get_skill(action, scaling, bound), *_overcome_friction(action, scaling, bound)]
+        stroke, turns = strokes.get(index), _is_turned_meanwhile(action, field)
+        forces += [
+            _get_skill(action, scaling, bound, stroke),
+            *_overcome_friction(action, scaling, bound, stroke, not turns),
+        ]
     for index, (constraint, values) in enumerate(zip(field.constraints, parameters.constraints)):
         place = f"force_field.constraints[{index}]"
         bound = _Bound(constraint, values, place, rest, volume, frame_dt, frame_count)
@@ -218,13 +233,15 @@ def compute_free_path(
     """
     gained = np.zeros((frame_count - 1, 3))  # change of velocity in each interval [m/s]
     begin = np.arange(frame_count - 1)
-    for action in field.actions:
-        values = ActionParameters.of(action, frame_count)
+    numbers = [ActionParameters.of(action, frame_count) for action in field.actions]
+    strokes = find_strokes(field, numbers, scaling, frame_dt)
+    for index, (action, values) in enumerate(zip(field.actions, numbers)):
         first, last = values.window
         frames = np.maximum(0.0, np.minimum(begin + 1, last) - np.maximum(begin, first))
         match action.action_type:
             case ActionType.TRANSLATION:
-                gained += _direct(scaling.translation, values) * frame_dt * frames[:, None]
+                k = strokes[index].k if index in strokes else scaling.translation
+                gained += _direct(k, values) * frame_dt * frames[:, None]
             case ActionType.IMPULSE:
                 gained += _direct(scaling.impulse, values) * (frames / (last - first))[:, None]
     for constraint in field.constraints:
@@ -248,11 +265,14 @@ def _direct(k: float | Array, values: ActionParameters) -> Array:
     return k * values.magnitude * values.vector
 
 
-def _get_skill(action: Action, scaling: SkillScaling, bound: _Bound):
+def _get_skill(action: Action, scaling: SkillScaling, bound: _Bound, stroke: Stroke | None):
     axis, (start, end), weight = bound.leaf(bound.values.vector), bound.window, bound.weight
     magnitude = bound.values.magnitude
     opposition = scaling.opposition if action.region is None else None
     match action.action_type:
+        case ActionType.TRANSLATION if stroke is not None and stroke.swings:
+            push = oppose_swing(opposition, stroke.k, *bound.directed)
+            return UniformAcceleration(bound.along(push), start, end, weight)
         case ActionType.TRANSLATION:
             k = find_push_scale(scaling.holding, scaling.translation, bound.values.vector)
             push = oppose_push(opposition, k, *bound.directed)
@@ -268,8 +288,15 @@ def _get_skill(action: Action, scaling: SkillScaling, bound: _Bound):
             return Stretch(axis, strength, start, end, STRETCH_RAMP * (end - start), weight)
 
 
+def _is_turned_meanwhile(action: Action, field: ForceField) -> bool:
+    """Whether a torque acts at the same time."""
+    first, last = action.active_time or (0.0, np.inf)
+    spans = [a.active_time or (0.0, np.inf) for a in field.actions if a.action_type is ActionType.TORQUE]
+    return any(begin < last and end > first for begin, end in spans)
+
+
 def _overcome_friction(
-    action: Action, scaling: SkillScaling, bound: _Bound
+    action: Action, scaling: SkillScaling, bound: _Bound, stroke: Stroke | None, held_upright: bool
 ) -> list[PushCompensation | TurnCompensation]:
     """What a push or a turn of the whole object adds over the ground."""
     opposition, vector, magnitude = scaling.opposition, bound.values.vector, bound.values.magnitude
@@ -277,17 +304,19 @@ def _overcome_friction(
         return []
     xp = jnp if _is_traced(magnitude) else np
     size, way = xp.abs(magnitude), xp.sign(magnitude) * vector
-    drag = bound.leaf(opposition.damping_rate)
+    drag, before = bound.leaf(opposition.damping_rate), bound.leaf(np.zeros(()))
+    k = scaling.translation
+    if stroke is not None:
+        k, before = stroke.k, bound.leaf(stroke.speed)
     match action.action_type:
         case ActionType.TRANSLATION if opposition.friction:
-            friction, push = find_friction(opposition, way), scaling.translation * size
-            kind = PushCompensation
+            friction = bound.leaf(find_friction(opposition, way))
+            push, lever = bound.leaf(k * size), bound.leaf(opposition.lever if held_upright else 0.0)
+            return [PushCompensation(bound.leaf(way), friction, push, before, lever, drag, *bound.window)]
         case ActionType.TORQUE if opposition.turning:
-            friction, push = find_rubbing(opposition, way), scaling.torque * size
-            kind = TurnCompensation
-        case _:
-            return []
-    return [kind(bound.leaf(way), bound.leaf(friction), bound.leaf(push), drag, *bound.window)]
+            friction, turn = bound.leaf(find_rubbing(opposition, way)), bound.leaf(scaling.torque * size)
+            return [TurnCompensation(bound.leaf(way), friction, turn, drag, *bound.window)]
+    return []
 
 
 class _Bound:

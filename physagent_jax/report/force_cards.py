@@ -9,6 +9,7 @@ from typing import Any
 from physagent_jax.agents.schema import DirectionTable
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, describe_meaning
 from physagent_jax.forces.holding import find_blow_scale, find_push_scale
+from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.schema import (
     Action,
     ActionType,
@@ -17,6 +18,7 @@ from physagent_jax.forces.schema import (
     SkillScaling,
     VelocityConstraint,
 )
+from physagent_jax.forces.swinging import Stroke, find_strokes
 from physagent_jax.report.directions import (
     describe_axis,
     describe_direction,
@@ -94,7 +96,7 @@ def make_force_cards(
         previous: The force field before it, to mark what changed.
         name: Prefix of the cards' ids ("{name}-actions-0").
     """
-    cards = []
+    cards, strokes = [], _find_strokes(force_field, setting)
     for kind in ("actions", "constraints"):
         before = getattr(previous, kind) if previous else ()
         for index, item in enumerate(getattr(force_field, kind)):
@@ -103,7 +105,10 @@ def make_force_cards(
                 if index < len(before) and _name_kind(before[index]) == _name_kind(item)
                 else None
             )
-            cards.append(_make_card(item, setting, old, id_=f"{name}-{kind}-{index}" if name else None))
+            stroke = strokes.get(index) if kind == "actions" else None
+            cards.append(
+                _make_card(item, setting, old, stroke, id_=f"{name}-{kind}-{index}" if name else None)
+            )
     if not cards:
         nothing = "No force acts on the object." if not setting.terms else "The force field is empty."
         cards.append(div("card force quiet", nothing))
@@ -114,6 +119,14 @@ def make_force_cards(
         _describe_gravity(force_field, setting),
         make_json_fold("Force field as JSON", force_field),
     )
+
+
+def _find_strokes(force_field: ForceField, setting: Setting) -> dict[int, Stroke]:
+    """What pushes to and fro give, as far as the scene is known."""
+    if setting.scaling is None or setting.frame_dt is None or setting.last_frame is None:
+        return {}
+    values = ForceFieldParameters.of(force_field, setting.last_frame + 1).actions
+    return find_strokes(force_field, values, setting.scaling, setting.frame_dt)
 
 
 def _name_kind(item: Timed) -> str:
@@ -145,6 +158,7 @@ def _make_card(
     item: Timed,
     setting: Setting,
     old: Timed | None,
+    stroke: Stroke | None,
     id_: str | None,
 ) -> Markup:
     action = item.action_type if isinstance(item, Action) else None
@@ -159,7 +173,7 @@ def _make_card(
     )
     rows = [
         ("direction" if action is not ActionType.TORQUE else "axis", _show_direction(item, old)),
-        ("magnitude", _show_magnitude(item, old, setting.scaling)),
+        ("magnitude", _show_magnitude(item, old, setting.scaling, stroke)),
         ("active", _show_window(item, old, setting)),
         ("acts on", [describe_region(item.region), f" of {item.object}" if item.object else None]),
     ]
@@ -170,7 +184,9 @@ def _show_direction(item: Timed, old: Timed | None) -> list:
     return [span("mono", format_vector(item.vector)), _show_previous(old, item, "vector", format_vector)]
 
 
-def _show_magnitude(item: Timed, old: Timed | None, scaling: SkillScaling | None) -> list:
+def _show_magnitude(
+    item: Timed, old: Timed | None, scaling: SkillScaling | None, stroke: Stroke | None
+) -> list:
     ghost = None
     if old is not None and old.magnitude != item.magnitude:
         ghost = tag("i", class_="ghost", style=f"left:{_place_magnitude(old.magnitude):.1f}%")
@@ -187,11 +203,11 @@ def _show_magnitude(item: Timed, old: Timed | None, scaling: SkillScaling | None
         span("quiet", note) if note else None,
         _show_previous(old, item, "magnitude", format_fixed),
         bar,
-        _show_physical(item, scaling),
+        _show_physical(item, scaling, stroke),
     ]
 
 
-def _show_physical(item: Timed, scaling: SkillScaling | None) -> Markup | None:
+def _show_physical(item: Timed, scaling: SkillScaling | None, stroke: Stroke | None) -> Markup | None:
     """The magnitude in SI units, if the run recorded what 1 means."""
     if scaling is None:
         return None
@@ -204,6 +220,8 @@ def _show_physical(item: Timed, scaling: SkillScaling | None) -> Markup | None:
         find_scale = find_push_scale if name == "translation" else find_blow_scale
         one = float(find_scale(scaling.holding, one, item.vector))
         meaning = f"what is held is to move by {format_number(scaling.holding.shift)} m"
+    if stroke is not None and stroke.swings:
+        one, meaning = float(stroke.k), describe_meaning("swing")
     unit = UNITS[name]
     text = f"{format_number(abs(item.magnitude) * one)} {unit} (1 means {format_number(one)})"
     return span("quiet", text, title=f"1 means {meaning}")

@@ -18,6 +18,8 @@ LOWEST_FLOOR = 0.15  # [m]; a floor keeps clear of the domain's own wall
 STRAYS = 5e-4  # of the particles: so few below all others do not hold an object up
 SOLE = 0.03  # [L] of height in which an object's feet are
 TOPPLES = 0.0  # [L] of overhang from which on an object does not stand
+ROLLED = 15.0  # [degrees] of tipping by which what rolls is told from what stands on an edge
+RISEN = 0.3  # share of the rise over an edge of its foot, below which it rolls
 BLOCK_SIZE = 0.5  # [L] side of a block that a sentence names
 
 
@@ -94,8 +96,11 @@ def find_ground_height(world: World, body: Body, anchor: Anchor, *, drop: bool) 
 
 def find_foot(body: Body) -> float:
     """Height of the object's lowest particles but for `STRAYS` of them [m]."""
-    height = np.sort(body.particles.x[:, 2])
-    return float(height[int(STRAYS * len(height))])
+    return _find_lowest_height(body.particles.x[:, 2])
+
+
+def _find_lowest_height(heights: np.ndarray) -> float:
+    return float(np.sort(heights)[int(STRAYS * len(heights))])
 
 
 def find_footprint(body: Body) -> np.ndarray:
@@ -119,6 +124,24 @@ def measure_overhang(feet: np.ndarray, centre: np.ndarray) -> float:
     return float((hull.equations[:, :2] @ centre + hull.equations[:, 2]).max())
 
 
+def rolls(body: Body) -> bool:
+    """Whether it rolls whichever way it is tipped, rather than rising over the edge of its foot.
+
+    Tipped by an angle t over an edge at a distance b, the mass centre rises from h to h cos t + b sin t; on a round
+    underside it stays where it is.
+    """
+    x, volume = np.asarray(body.particles.x, float), np.asarray(body.particles.volume, float)
+    arm = x - np.average(x, axis=0, weights=volume)
+    inside, height = -find_overhang(body) * body.extent, -_find_lowest_height(arm[:, 2])
+    c, s = np.cos(np.radians(ROLLED)), np.sin(np.radians(ROLLED))
+    over_edge = height * (c - 1) + inside * s
+    if over_edge <= 0:
+        return False
+    ways = [np.array([np.cos(a), np.sin(a)]) for a in np.linspace(0, 2 * np.pi, 12, endpoint=False)]
+    risen = [-_find_lowest_height(c * arm[:, 2] - s * (arm[:, :2] @ way)) - height for way in ways]
+    return float(np.mean(risen)) < RISEN * over_edge
+
+
 def explain_toppling(world: World, body: Body, anchor: Anchor, *, flows: bool) -> str | None:
     """Why the object would fall over as it stands, in words; None if it stands, is held, or flows anyway."""
     if world.gravity != "down" or not world.ground or anchor.kind != "none" or flows:
@@ -139,7 +162,7 @@ def find_opposition(
 
     A spin over the ground is slowed by mu g r / R^2, with r the feet's mean distance from the axis through the mass
     centre and R the radius of gyration; an object stands upright with g b / R^2, b how far inside its foot the mass
-    centre is.
+    centre is. What rolls does not.
     """
     if world.gravity != "down" or anchor.kind != "none":
         return None
@@ -151,13 +174,13 @@ def find_opposition(
         about_side = np.average((arm**2).sum(1) - 0.5 * (arm[:, :2] ** 2).sum(1), weights=volume)
         feet = find_footprint(body) - np.average(x[:, :2], axis=0, weights=volume)
         slowing = friction * calibration.GRAVITY
+        rolling = rolls(body)
+        inside = 0.0 if rolling else max(0.0, -find_overhang(body)) * body.extent
         values |= dict(
             friction=slowing,
             turning=slowing * np.linalg.norm(feet, axis=1).mean() / max(about_vertical, 1e-12),
-            tipping=calibration.GRAVITY
-            * max(0.0, -find_overhang(body))
-            * body.extent
-            / max(about_side, 1e-12),
+            tipping=calibration.GRAVITY * inside / max(about_side, 1e-12),
+            lever=0.0 if rolling else max(np.average(x[:, 2], weights=volume) - find_foot(body), 0.0),
         )
     travel = calibration.TRAVEL * body.extent
     return Opposition(**values, damping_rate=damping_rate, travel=travel, time=time)

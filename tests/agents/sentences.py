@@ -52,20 +52,20 @@ SENTENCES = [
     (
         "pushed to the left, then to the right",
         "",
-        "translation left +1 0-12; translation right +1 12-24; translation right +1 24-48",
+        "translation left +1.6 0-12; translation right +1.6 12-24; translation right +1 24-48",
         "move left; move right",
     ),
     (
         "push the robot to the left, then harder to the right, and finally stop",
         "",
-        "translation left +1 0-10; translation right +1 10-19; translation right +1.4 19-29; "
-        "translation left +1.4 29-38",
+        "translation left +1.6 0-10; translation right +1.6 10-19; translation right +1.6 19-29; "
+        "translation left +1.6 29-38",
         "move left; move right; still",
     ),
     (
         "lift the robot slowly, then drop it",
         "",
-        "translation up +0.6 0-12; translation down +0.6 12-24; translation down +1.6 24-48",
+        "translation up +1.6 0-12; translation down +1.6 12-24; translation down +1.6 24-48",
         "move up; fall",
     ),
     ("throw the ball into the air", "", "drop; impulse up +1 0-1", "move up; fall"),
@@ -201,7 +201,7 @@ SENTENCES = [
     (
         "during the first half push left, during the second half push right",
         "",
-        "translation left +1 0-12; translation right +1 12-24; translation right +1 24-48",
+        "translation left +1.6 0-12; translation right +1.6 12-24; translation right +1 24-48",
         "move left; move right",
     ),
     ("at the end, it is kicked to the right", "", "impulse right +1 36-37", "move right"),
@@ -241,14 +241,17 @@ SENTENCES = [
     (
         "the rock rocks",
         "",
-        "translation left +1 0-12; translation right +1 12-36; translation left +1 36-48",
-        "sway left",
+        "translation left +1 0-6; translation right +1 6-18; translation left +1 18-30; "
+        "translation right +1 30-42; translation left +1 42-48",
+        "sway left x2",
     ),
     (
         "the wave waves",
         "",
-        "translation left +1 0-12; translation right +1 12-36; translation left +1 36-48",
-        "sway left",
+        "translation left +1 0-4; translation right +1 4-12; translation left +1 12-20; "
+        "translation right +1 20-28; translation left +1 28-36; "
+        "translation right +1 36-44; translation left +1 44-48",
+        "sway left x3",
     ),
     ("to the left", "", "translation left +1 0-48", "move left"),
     ("left", "", "translation left +1 0-48", "move left"),
@@ -272,15 +275,15 @@ SENTENCES = [
     (
         "Push it left. Push it right. Lift it up. Drop it.",
         "",
-        "translation left +1 0-6; translation right +1 6-12; translation right +1 12-18; "
-        "translation left +1 18-24; translation up +1 24-30; translation down +1 30-36; "
+        "translation left +1.6 0-6; translation right +1.6 6-12; translation right +1.6 12-18; "
+        "translation left +1.6 18-24; translation up +1.6 24-30; translation down +1.6 30-36; "
         "translation down +1.6 36-48",
         "move left; move right; move up; fall",
     ),
     (
         "first push it left, then lift it, then twist it, finally let it go",
         "",
-        "translation left +1 0-6; translation right +1 6-12; translation up +1 12-24; "
+        "translation left +1.6 0-6; translation right +1.6 6-12; translation up +1 12-24; "
         "torque up +1 24-36 on up; torque down +1 24-36 on down",
         "move left; move up; rotate up released; rotate down released",
     ),
@@ -325,22 +328,24 @@ SENTENCES = [
     (
         "the robot waves its left arm",
         "",
-        "translation left +1 0-12 on left; translation right +1 12-36 on left; "
-        "translation left +1 36-48 on left",
-        "sway left",
+        "translation left +1 0-4 on left; translation right +1 4-12 on left; translation left +1 12-20 on left; "
+        "translation right +1 20-28 on left; translation left +1 28-36 on left; "
+        "translation right +1 36-44 on left; translation left +1 44-48 on left",
+        "sway left x3",
     ),
     (
         "make it sway",
         "",
-        "translation left +1 0-12; translation right +1 12-36; translation left +1 36-48",
-        "sway left",
+        "translation left +1 0-6; translation right +1 6-18; translation left +1 18-30; "
+        "translation right +1 30-42; translation left +1 42-48",
+        "sway left x2",
     ),
     ("the wind stops", "", "", "still"),
     ("wind blows, then stops", "anchored", "translation left +1 0-32", "move left; still"),
     (
         "push the robot to the left, then it stops",
         "",
-        "translation left +1 0-16; translation right +1 16-32",
+        "translation left +1.6 0-16; translation right +1.6 16-32",
         "move left; still",
     ),
     ("push the heavy robot to the left", "", "translation left +1 0-48", "move left"),
@@ -357,7 +362,7 @@ SENTENCES = [
     (
         "the robot moves to the right and then back to the left",
         "",
-        "translation right +1 0-12; translation left +1 12-24; translation left +1 24-48",
+        "translation right +1.6 0-12; translation left +1.6 12-24; translation left +1 24-48",
         "move right; move left",
     ),
     (
@@ -434,7 +439,7 @@ SENTENCES = [
     (
         "rotate the robot about its own axis, first clockwise, then counterclockwise",
         "",
-        "torque down +1 0-12; torque up +1 12-24; torque up +1 24-48",
+        "torque down +1.6 0-12; torque up +1.6 12-24; torque up +1 24-48",
         "rotate down; rotate up",
     ),
     (
@@ -459,8 +464,10 @@ SENTENCES = [
     (
         "wiggle the tail",
         "",
-        "translation left +0.8 0-12; translation right +0.8 12-36; translation left +0.8 36-48",
-        "sway left",
+        "translation left +0.8 0-4; translation right +0.8 4-12; translation left +0.8 12-20; "
+        "translation right +0.8 20-28; translation left +0.8 28-36; "
+        "translation right +0.8 36-44; translation left +0.8 44-48",
+        "sway left x3",
     ),
     ("it is pushed down, then springs back", "anchored", "translation down +1 0-24", "move down released"),
     ("the robot slides diagonally to the upper right", "", "translation right+up +1 0-48", "move right+up"),
@@ -536,9 +543,9 @@ SENTENCES = [
     (
         "The robot is pulled upward by a string and swings back and forth",
         "",
-        "translation up +1 0-48; translation left +1 0-12; translation right +1 12-36; "
-        "translation left +1 36-48",
-        "move up; sway left",
+        "translation up +1 0-48; translation left +1 0-6; translation right +1 6-18; "
+        "translation left +1 18-30; translation right +1 30-42; translation left +1 42-48",
+        "move up; sway left x2",
     ),
     (
         "the wolf's head is pulled to the right while its feet are fixed",
@@ -574,7 +581,7 @@ SENTENCES = [
     (
         "The chair slides across the floor to the right and comes to a stop.",
         "",
-        "translation right +1 0-16; translation left +1 16-32",
+        "translation right +1.6 0-16; translation left +1.6 16-32",
         "move right; still",
     ),
     (

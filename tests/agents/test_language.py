@@ -142,7 +142,7 @@ def test_told_times_are_the_causes_own(prompt, window):
 @pytest.mark.parametrize(
     ("prompt", "seconds"),
     [
-        ("push it left", 2.0), ("push it left, then up, then right", 3 * STEP),
+        ("push it left", 2.0), ("push it left, then up, then right", 2 * 1.73 + STEP),
         ("wait two seconds, then push it left", 2 + STEP),
         ("bend left, then let go", 2 * STEP), ("push it left for 3 seconds", 3.0),
         ("after 3 seconds push it left", 3 + 2.0),
@@ -150,7 +150,7 @@ def test_told_times_are_the_causes_own(prompt, window):
     ],
 )  # fmt: skip
 def test_the_clip_is_as_long_as_the_sentence_needs(prompt, seconds):
-    """A step takes a second and a half at least; the default clip is the least, and there is a longest one."""
+    """A step takes a second and a half at least, a braked one more; the default clip is the least of all."""
     scene = ground()
     reply = read(prompt, scene)
     count = reply.frame_count or scene.frame_count

@@ -199,7 +199,12 @@ def test_what_one_gives_is_within_what_a_viewer_expects():
 
 def test_what_one_means_is_said_in_words():
     for skill in SkillScaling.model_fields:
-        if skill not in ("opposition", "holding", "reason"):  # what a skill makes up for, and why: no skills
+        if skill not in (
+            "opposition",
+            "holding",
+            "damping_rate",
+            "reason",
+        ):  # what a skill makes up for, and why: no skills
             assert calibration.describe_meaning(skill)
     assert "90 degrees" in calibration.describe_meaning("torque") and "0.15" in calibration.describe_meaning(
         "scale"

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from physagent_jax.agents.matching import Cause
-from physagent_jax.agents.rules.language.schedule import divide
+from physagent_jax.agents.rules.language.schedule import divide_swings
 from physagent_jax.agents.rules.language.timing import BRIEF
 from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
@@ -258,7 +258,7 @@ def _get_window(case: Case) -> tuple[float, float] | None:
 
 
 def _alternate(case: Case, magnitude: float | None = None) -> list[Action]:
-    """Pushes to and fro, half a period each, as often as expected."""
+    """Pushes to and fro, as often as expected."""
     expectation = case.expectation
     direction = expectation.direction or case.brief.directions.left
     window = _get_window(case)
@@ -272,7 +272,7 @@ def _alternate(case: Case, magnitude: float | None = None) -> list[Action]:
             magnitude=magnitude or expectation.strength,
             active_time=part,
         )
-        for i, part in enumerate(divide(window, [1.0] * (2 * count)))
+        for i, part in enumerate(divide_swings(window, count, case.brief.anchored is not None))
     ]
 
 

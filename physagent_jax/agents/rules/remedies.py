@@ -192,7 +192,9 @@ def _weaken(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change
     if impulses:
         yield edits.soften(case, impulses)
     lasting = [c for c in causes if not edits.is_blow(c) and not edits.travels(c)]
-    if lasting:
+    if (
+        lasting and case.expectation.kind is not MotionKind.SWAY
+    ):  # pushes to and fro have to follow each other
         why = "the weakest push is still too much"
         yield edits.shorten(case, lasting, clamp(math.sqrt(gain), 0.3, 0.9), why)
     yield edits.scale_magnitudes(case, causes, MAGNITUDE_MIN / MAGNITUDE_MAX)

@@ -3,13 +3,18 @@
 Friction compensation as servo drives have it: the friction to be expected is fed forward, and the velocity that is
 lacking, or in excess, is fed back,
 
-    a = clip(a_f + (v_ref - v) / TAU, 0, 2 a_f),   v_ref = a_0 (1 - exp(-d s)) / d after a time s,
+    a = clip(a_f + (v_ref - v) / TAU, 0, 2 a_f),   v_ref = v_0 exp(-d s) + a_0 (1 - exp(-d s)) / d after a time s,
 
-v the velocity of the mass centre along the way and v_ref what the push a_0 alone gives a body with drag d from rest.
+v the velocity of the mass centre along the way and v_ref what the push a_0 alone gives a body with drag d that sets out
+with v_0. Where v_ref is contrary (a push to and fro stops it first) friction is overcome that way: the signs change.
 Feeding forward alone does not do: friction is many times the push that is to be left, so that an error of a few per
 cent of it doubles the way; it reaches the middle of a soft object only once a shear wave has come up from the ground;
 and what rolls meets hardly any. Force and velocity are conjugate (the same for all particles, and its mean), so that
 the feedback damps and cannot excite the object's own modes.
+
+Friction acts at the feet: overcome at the mass centre alone, it would trip the object up. A push over the ground
+therefore gives back its moment too, and holds the object upright by feedback of its spin, as a hand would, with at most
+twice that moment: again a field of a rigid body, which strains nothing. Not what rolls or is to turn meanwhile.
 """
 
 from __future__ import annotations
@@ -27,6 +32,7 @@ from physagent_jax.mpm.protocols import window_fraction
 from physagent_jax.mpm.reductions import sum_particles
 
 TAU = 0.01  # [s] in which a velocity that is lacking is made up for
+ROUND = 1e-4  # share of the mean squared extent added to the inertia: all mass on a line has none about it
 SLOWEST = 4.0  # [substeps] that this takes at least
 
 
@@ -39,6 +45,8 @@ class PushCompensation:
         direction: Unit vector, shape (3,).
         friction: To be expected [m/s^2], scalar.
         push: Acceleration that is to be left [m/s^2], scalar.
+        speed: Velocity along the way that it is to begin with [m/s], scalar.
+        lever: Height of the mass centre over where friction acts [m], scalar; 0 = the object may turn.
         damping_rate: Of the velocity [1/s], scalar.
         start, end: Window [s], scalars.
     """
@@ -46,6 +54,8 @@ class PushCompensation:
     direction: jax.Array
     friction: jax.Array
     push: jax.Array
+    speed: jax.Array
+    lever: jax.Array
     damping_rate: jax.Array
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
@@ -53,13 +63,32 @@ class PushCompensation:
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
         velocity = mass_centre(v, mass) @ self.direction
-        wanted = _find_velocity(self.push, self.damping_rate, time - self.start)
-        size = _compensate(self.friction, wanted - velocity, dt)
-        field = size * window_fraction(time, dt, self.start, self.end) * self.direction
-        return jnp.broadcast_to(field, x.shape)
+        wanted = _find_velocity(self.push, self.damping_rate, time - self.start, self.speed)
+        way = jnp.where(wanted < 0, -1.0, 1.0).astype(x.dtype)
+        size = way * _compensate(self.friction, way * (wanted - velocity), dt)
+        size = size * window_fraction(time, dt, self.start, self.end)
+        turn = self._steady(x, v, mass, size, dt)
+        return size * self.direction + cross(jnp.broadcast_to(turn, x.shape), x - mass_centre(x, mass))
+
+    def _steady(self, x, v, mass, size, dt):
+        """Angular acceleration that keeps it upright [rad/s^2], shape (3,)."""
+        r = x - mass_centre(x, mass)
+        total = sum_particles(mass.sum())
+        second = sum_particles((mass[:, None] * r).T @ r) / total  # [m^2]
+        spread = jnp.trace(second)
+        inertia = (spread * (1 + ROUND) + jnp.finfo(x.dtype).tiny) * jnp.eye(3, dtype=x.dtype) - second
+        spin = (
+            sum_particles((mass[:, None] * cross(r, v)).sum(0)) / total
+        )  # angular momentum per mass [m^2/s]
+        down = jnp.zeros(3, x.dtype).at[2].set(-self.lever)
+        moment = cross(down[None], self.direction[None])[0] * size
+        wanted = jnp.linalg.solve(inertia, moment - spin / jnp.maximum(TAU, SLOWEST * dt))
+        most = 2.0 * self.friction * self.lever / jnp.maximum(spread, jnp.finfo(x.dtype).tiny)
+        length = jnp.sqrt((wanted**2).sum() + jnp.finfo(x.dtype).tiny)
+        return wanted * jnp.minimum(1.0, most / length)
 
     def gradient(self, x, time, dt):
-        """None: uniform."""
+        """None, as of `TurnCompensation`."""
         del x, time, dt
 
 
@@ -98,13 +127,15 @@ class TurnCompensation:
         del x, time, dt
 
 
-def _find_velocity(acceleration: jax.Array, damping_rate: jax.Array, time: jax.Array) -> jax.Array:
-    """What a steady ``acceleration`` gives from rest against drag in ``time`` [s]."""
+def _find_velocity(
+    acceleration: jax.Array, damping_rate: jax.Array, time: jax.Array, speed: jax.Array | float = 0.0
+) -> jax.Array:
+    """What a steady ``acceleration`` makes of ``speed`` against drag in ``time`` [s]."""
     time = jnp.maximum(time, 0.0)
     decay = damping_rate * time
     # (1 - exp(-x)) / x, also at x = 0
     share = jnp.where(decay > 1e-4, -jnp.expm1(-decay) / jnp.maximum(decay, 1e-4), 1.0 - 0.5 * decay)
-    return acceleration * time * share
+    return speed * jnp.exp(-decay) + acceleration * time * share
 
 
 def _compensate(friction: jax.Array, lacking: jax.Array, dt: jax.Array) -> jax.Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from physagent_jax.agents.rules import tolerances
 from physagent_jax.agents.rules.judging.comparing import (
     compare_amount,
@@ -103,14 +105,14 @@ def check_strain(index: int, expectation: ExpectedMotion, view: View) -> list[Ch
         return [make_unseen_check(index, expectation, "the length of a part is not measured")]
     first, last = view.span(expectation)
     until = view.until(expectation) if expectation.released else last
-    strains, how = measure_strains(expectation, view, first, until)
+    strains, how, half_width = measure_strains(expectation, view, first, until)
     if not strains:
         return [make_unseen_check(index, expectation, how)]
     sign = -1.0 if squeeze else 1.0
     along = [(t, sign * strain) for t, strain in strains]
     peak = max((value for _, value in along), key=abs)
     checks = []
-    threshold = max(tolerances.VISIBLE_STRAIN, _FIRST * abs(peak), view.uncertainty("stretch") / 2)
+    threshold = max(tolerances.VISIBLE_STRAIN, _FIRST * abs(peak), half_width / 2)
     response = next(((t, value) for t, value in along if abs(value - along[0][1]) > threshold), None)
     response = response and (response[0], response[1] - along[0][1])
     if response and len(along) > 2:
@@ -138,37 +140,62 @@ def check_strain(index: int, expectation: ExpectedMotion, view: View) -> list[Ch
     tolerance = tolerances.expect_strain(expectation, squeeze)
     question = "how much shorter does it get?" if squeeze else "how much longer does it get?"
     words = f"{1 + sign * peak:.2f} times its length ({how})"
-    checks.append(compare_amount(index, expectation, question, tolerance, peak, words, view, "stretch"))
+    checks.append(
+        compare_amount(
+            index, expectation, question, tolerance, peak, words, view, "stretch", half_width=half_width
+        )
+    )
     return checks
 
 
-def measure_strains(
-    expectation: ExpectedMotion, view: View, first: int, until: int
-) -> tuple[list[tuple[int, float]], str]:
-    """Relative change of length per frame, and how it was measured, or why not.
+Strains = tuple[list[tuple[int, float]], str, float]
 
-    Along one direction from the affine fit. In all directions, the mean of three.
+
+def measure_strains(expectation: ExpectedMotion, view: View, first: int, until: int) -> Strains:
+    """Relative change of length per frame, how it was measured or why not, and its half width.
+
+    Along one direction from the affine fit or the outline. In all directions, the mean of three.
     """
+    usual = view.uncertainty("stretch")
     window = view.window(first, until)
     why = window.unobservable if window else {}
     lost = why.get("stretch", "its shape is not known")
     if expectation.direction is not None:
         if view.hides(expectation.direction):
-            return [], "the stretch along the line of sight is hidden"
-        strains = _measure_from_rest(
-            expectation, view, view.strains(expectation.direction, first, until), first
-        )
-        return strains, "from the affine fit" if strains else lost
+            return [], "the stretch along the line of sight is hidden", usual
+        strains, how, half_width = _measure_along(expectation.direction, view, first, until)
+        strains = _measure_from_rest(expectation, view, strains, first)
+        return strains, how if strains else lost, half_width
     table = view.brief.directions
     axes = [table.right, table.up, table.toward]
     shown = [view.strains(axis, first, until) for axis in axes if not view.hides(axis)]
     if not all(shown):
         volumes = view.volumes(first, until)
         if len(volumes) < 2:
-            return [], lost
-        return [(t, max(v, 0.0) ** (1 / 3) - 1.0) for t, v in volumes], "from the bounding box"
+            return [], lost, usual
+        return [(t, max(v, 0.0) ** (1 / 3) - 1.0) for t, v in volumes], "from the bounding box", usual
     values = list(zip(*shown))
-    return [(each[0][0], sum(v for _, v in each) / len(each)) for each in values], "in all directions"
+    return [(each[0][0], sum(v for _, v in each) / len(each)) for each in values], "in all directions", usual
+
+
+def _measure_along(direction: Vector, view: View, first: int, until: int) -> Strains:
+    """From the affine fit, or from the outline where that has changed by more, the same way.
+
+    The fit goes by points on the surface, of which most may lie where nothing happens: between plates that press the
+    ends together, say. Where it shows nothing at all, what the outline has lost or gained is something thin (an ear).
+    """
+    strains, usual = view.strains(direction, first, until), view.uncertainty("stretch")
+    fitted = dict(strains)
+    outline = [point for point in view.outline(direction, first, until) if point[0] in fitted]
+    if len(outline) < 2:
+        return strains, "from the affine fit", usual
+    frame, value, half_width = max(outline, key=lambda point: abs(point[1]) - point[2])
+    sure = math.copysign(max(abs(value) - half_width, 0.0), value)
+    if math.copysign(1.0, value) * fitted[frame] < tolerances.VISIBLE_STRAIN or abs(sure) <= abs(
+        fitted[frame]
+    ):
+        return strains, "from the affine fit", usual
+    return [(t, v) for t, v, _ in outline], "from the outline", half_width
 
 
 def _measure_from_rest(
@@ -183,7 +210,7 @@ def _measure_from_rest(
 
 
 def _count_strains(index: int, expectation: ExpectedMotion, view: View, first: int) -> Check:
-    strains, how = measure_strains(expectation, view, first, view.last)
+    strains, how, _ = measure_strains(expectation, view, first, view.last)
     if len(strains) < 4:
         return make_unseen_check(index, expectation, how or "no course of its shape", "how often?")
     path = [value for _, value in strains]

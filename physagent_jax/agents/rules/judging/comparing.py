@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from physagent_jax.agents.rules.judging.seen import View
+from physagent_jax.agents.rules.judging.seen import TO_SIGMA, View
 from physagent_jax.agents.rules.tolerances import Tolerance
 from physagent_jax.agents.schema import Check, ExpectedMotion
 from physagent_jax.agents.vectors import clamp, cosine, norm
@@ -40,6 +40,7 @@ def compare_amount(
     seen: str,
     view: View,
     figure: str,
+    half_width: float | None = None,
 ) -> Check:
     """A value against its range, with the factor on the cause that would mend it.
 
@@ -52,9 +53,11 @@ def compare_amount(
         seen: The same in words.
         view: Where.
         figure: Which of the report's uncertainties the value has.
+        half_width: The value's own instead.
     """
-    if view.uncertainty(figure) > _TOO_COARSE * (min(tolerance.high, 3 * tolerance.target) - tolerance.low):
-        why = f"it is known to +-{view.uncertainty(figure):.2g} only"
+    half_width = view.uncertainty(figure) if half_width is None else half_width
+    if half_width > _TOO_COARSE * (min(tolerance.high, 3 * tolerance.target) - tolerance.low):
+        why = f"it is known to +-{half_width:.2g} only"
         return make_unseen_check(index, expectation, why, question)
     passed = tolerance.low <= value <= tolerance.high
     gain = None if passed else round(tolerance.gain(value), 4)
@@ -66,7 +69,7 @@ def compare_amount(
         passed=passed,
         score=round(tolerance.score(value), 6),
         margin=round(tolerance.margin(value), 6),
-        confidence=find_confidence(tolerance.distance(value), view.sigma(figure)),
+        confidence=find_confidence(tolerance.distance(value), max(half_width * TO_SIGMA, 1e-9)),
         gain=gain,
         remedy="" if gain is None else _name_remedy(gain, expectation, view),
     )

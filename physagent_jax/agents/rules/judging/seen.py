@@ -17,12 +17,13 @@ from physagent_jax.perception.schema import Matrix, MotionReport, PartMotion, Un
 Course = list[tuple[int, Vector]]
 """Frames with a vector each, relative to the first."""
 
-_TO_SIGMA = (
+TO_SIGMA = (
     1 / 1.645
 )  # half width of an interval that holds the truth in nine of ten clips -> standard deviation
 _UNKNOWN = Uncertainty(displacement=0.04, rotation=8.0, axis=12.0, stretch=0.08, frequency=0.2)
 _ALONG_END = 0.65  # cosine: the end nearest to a direction that lies between two of them is taken
 _IN_THE_WAY = 0.7  # cosine
+_SAME_LINE = 0.97  # cosine
 _BOTH = 0.5  # cosine: directions more than 60 degrees apart can be told apart
 
 
@@ -93,7 +94,7 @@ class View:
 
     def sigma(self, name: str) -> float:
         """Standard deviation of a figure."""
-        return max(self.uncertainty(name) * _TO_SIGMA, 1e-9)
+        return max(self.uncertainty(name) * TO_SIGMA, 1e-9)
 
     @property
     def visible(self) -> float:
@@ -164,6 +165,26 @@ class View:
         if window is None or window.stretch is None:
             return []
         return [(window.first, 0.0), (window.last, _project(window.stretch, direction) - 1.0)]
+
+    def outline(self, direction: Vector, first: int, last: int) -> list[tuple[int, float, float]]:
+        """Relative change of the outline's length along a direction since frame ``first``, with its half width.
+
+        Empty where the direction is none of the report's, or not seen in that frame or in any other.
+        """
+        extent = next(
+            (
+                e
+                for e in getattr(self.report, "extents", ())
+                if abs(cosine(e.direction, direction)) > _SAME_LINE
+            ),
+            None,
+        )
+        start = extent and extent.ratio[first]
+        if not extent or not start:
+            return []
+        points = [(t, extent.ratio[t], extent.half_width[t]) for t in range(first, last + 1)]
+        found = [(t, v / start - 1.0, w / start) for t, v, w in points if v is not None and w is not None]
+        return found if len(found) > 1 else []
 
     def hides(self, direction: Vector) -> bool:
         """Whether a stretch along a direction cannot be seen, because it is along the line of sight."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from physagent_jax.agents.rules.language.modifiers import Names
 from physagent_jax.agents.rules.language.quantities import Quantity
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
+from physagent_jax.agents.rules.tolerances import MOVE, TURN, pick_band
 from physagent_jax.agents.schema import Amount, SceneBrief
 from physagent_jax.agents.vectors import clamp
 from physagent_jax.forces import calibration
@@ -88,6 +89,15 @@ def find_effort(amount: Amount | None, effect: Effect, brief: SceneBrief) -> flo
     return None
 
 
+def find_word_effort(strength: float, effect: Effect) -> float | None:
+    """The same for what a word promises a viewer, without a quantity; None = no matter."""
+    if effect is Effect.PUSH:
+        return pick_band(MOVE, strength, "body lengths").target / calibration.TRAVEL
+    if effect is Effect.TURN:
+        return math.radians(pick_band(TURN, strength, "degrees").target) / calibration.TURN
+    return None
+
+
 def find_reference_seconds(brief: SceneBrief) -> float:
     """T of a free object's skills [s]."""
     return min((brief.frame_count - 1) * brief.frame_dt, calibration.REFERENCE_TIME)
@@ -111,14 +121,20 @@ def find_magnitude(effort: float, seconds: float, braked: bool, brief: SceneBrie
 
 def find_held_magnitude(amount: Amount, effect: Effect, brief: SceneBrief) -> float | None:
     """M that bends or turns something held about as far."""
-    lengths = find_lengths(amount, brief)
     if effect is Effect.SWAY:
-        usual = calibration.EXPECTED_SWAY
-    else:
-        usual = calibration.EXPECTED_HELD_SHIFT
+        return find_swing_magnitude(amount, True, brief)
+    lengths = find_lengths(amount, brief)
     if lengths is not None:
-        return lengths / usual
+        return lengths / calibration.EXPECTED_HELD_SHIFT
     return amount.value / calibration.EXPECTED_HELD_TURN if amount.unit == "degrees" else None
+
+
+def find_swing_magnitude(amount: Amount, held: bool, brief: SceneBrief) -> float | None:
+    """M that swings something about as far to either side."""
+    lengths = find_lengths(amount, brief)
+    if lengths is not None:
+        return lengths / (calibration.EXPECTED_SWAY if held else calibration.SWING)
+    return amount.value / calibration.EXPECTED_HELD_TURN if held and amount.unit == "degrees" else None
 
 
 def find_strain_magnitude(amount: Amount) -> float:

@@ -16,23 +16,25 @@ from physagent_jax.agents.rules.language.amounts import (
     find_magnitude,
     find_reference_seconds,
     find_strain_magnitude,
+    find_swing_magnitude,
+    find_word_effort,
 )
 from physagent_jax.agents.rules.language.builder import MAX_ACTIONS, ForceFieldBuilder
 from physagent_jax.agents.rules.language.events import Event, find_lean_axis, make_end_region
-from physagent_jax.agents.rules.language.schedule import Slot, Window, divide
+from physagent_jax.agents.rules.language.schedule import Slot, Window, divide, divide_swings, has_to_stop
 from physagent_jax.agents.rules.language.verbs import Effect
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import add, dot, normalise, scale
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, SWING
 from physagent_jax.forces.schema import ActionType
 
 _IMPULSE_FRAMES = 1.0
 _SHORTEST_SWING = 2.0  # frames; faster swings alias in the pictures
+_UPRIGHT = 0.7  # cosine
 _GUST = 0.3  # part of its window during which a gust impulses
 _LEAN = 0.5  # torque of a lean relative to a full turn
 _RAISING = (Effect.STRIKE, Effect.JUMP)
-_MOTIONS = (Effect.PUSH, Effect.STRIKE, Effect.JUMP, Effect.ROLL)
 
 
 def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
@@ -73,17 +75,7 @@ def _needs_brake(event: Event, after: list[Event], builder: ForceFieldBuilder) -
         return False
     if event.stays or _is_measured(event, builder):
         return True
-    for later in after:
-        stops = later.effect is Effect.STILL
-        turned = event.effect in (Effect.TURN, Effect.LEAN) and later.effect is event.effect
-        moved = event.effect in _MOTIONS and later.effect in (*_MOTIONS, Effect.SWAY)
-        lifted = event.direction and dot(event.direction, builder.brief.directions.up) > 0.5
-        if lifted and event.effect is Effect.PUSH and later.effect is Effect.FALL:
-            return not builder.grounded  # else the push downwards that follows would only slow it
-        same = event.direction and later.direction and dot(event.direction, later.direction) > 0.5
-        if stops or ((turned or moved) and not same):
-            return True
-    return False
+    return has_to_stop(event, after, builder.brief.directions.up, builder.grounded)
 
 
 def _add_steady(
@@ -124,10 +116,14 @@ def _add_steady(
 def _find_dose(
     event: Event, kind: ActionType, magnitude: float, seconds: float, braked: bool, builder: ForceFieldBuilder
 ) -> float:
-    """Factor on the magnitude so that the event's quantity is reached where nothing opposes."""
-    if event.amount is None:
-        return 1.0
+    """Factor on the magnitude so that the event's quantity is reached where nothing opposes.
+
+    Without one, what is braked goes as far as its word promises: half of its time goes to stopping.
+    """
     brief = builder.brief
+    if event.amount is None:
+        effort = find_word_effort(event.strength, event.effect) if braked and not builder.anchored else None
+        return 1.0 if effort is None else find_magnitude(effort, seconds, braked, brief) / abs(magnitude)
     if builder.anchored:
         wanted = find_held_magnitude(event.amount, event.effect, brief)
     else:
@@ -195,35 +191,22 @@ def _compile_sway(
 ) -> None:
     """To and fro.
 
-    Anchored: pushes of half a period each. Free: the first and last push last a quarter, so that the
-    object goes out, comes back to its place and stops there; a smooth sway of a free object is small
-    (its size goes with the square of the period), so it goes once unless the sentence counts. Abrupt
-    sways of a free object are made of impulses, half-size at both ends for the same reason.
+    How far the pushes go does not depend on how short they are (`forces.swinging`). What bobs on the ground is thrown up
+    each time, and weight brings it back.
     """
     assert event.direction is not None
-    free_smooth = not builder.anchored and not event.verb.abrupt and event.effect is Effect.SWAY
-    count = _limit_count(
-        event.repeat.count or (1 if free_smooth else event.verb.cycles), window, 2 * _SHORTEST_SWING, builder
-    )
-    kind, magnitude = ActionType.TRANSLATION, event.strength
-    if builder.anchored and event.amount is not None:
-        magnitude = find_held_magnitude(event.amount, Effect.SWAY, builder.brief) or magnitude
-    halves = 2 * count
-    if builder.anchored:
-        parts = [(w, 1.0) for w in divide(window, [1.0] * halves)]
-    elif event.verb.abrupt:
-        kind, magnitude = ActionType.IMPULSE, max(event.strength, 2 * MAGNITUDE_MIN)
-        swings = divide(window, [0.5] + [1.0] * (halves - 1) + [0.5])
-        impulses = [_make_impulse_window(swing[0]) for swing in swings] + [
-            _make_impulse_window(window[1] - _IMPULSE_FRAMES)
-        ]
-        parts = [(w, 0.5 if i in (0, len(impulses) - 1) else 1.0) for i, w in enumerate(impulses)]
-    else:
-        parts = [(w, 1.0) for w in divide(window, [0.5] + [1.0] * (halves - 1) + [0.5])]
-    for index, (part, factor) in enumerate(parts):
-        builder.add_action(
-            event, kind, scale(event.direction, -1.0 if index % 2 else 1.0), magnitude * factor, part
-        )
+    count = _limit_count(event.repeat.count or event.verb.cycles, window, 2 * _SHORTEST_SWING, builder)
+    magnitude = event.strength
+    if event.amount is not None:
+        magnitude = find_swing_magnitude(event.amount, builder.anchored, builder.brief) or magnitude
+    up = builder.brief.directions.up
+    bobs = builder.grounded and not builder.anchored and abs(dot(event.direction, up)) > _UPRIGHT
+    for part in divide(window, [1.0] * count) if bobs else []:
+        rise = 2 * SWING * magnitude
+        builder.add_action(event, ActionType.IMPULSE, up, rise, _make_impulse_window(part[0]))
+    for index, part in enumerate([] if bobs else divide_swings(window, count, builder.anchored)):
+        way = scale(event.direction, -1.0 if index % 2 else 1.0)
+        builder.add_action(event, ActionType.TRANSLATION, way, magnitude, part)
     builder.add_expectation(
         event,
         MotionKind.SWAY,

@@ -9,14 +9,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from physagent_jax.agents.rules.language.amounts import find_effort, find_span
+from physagent_jax.agents.rules.language.amounts import find_effort, find_span, find_word_effort
 from physagent_jax.agents.rules.language.events import Event
 from physagent_jax.agents.rules.language.modifiers import Join
 from physagent_jax.agents.rules.language.verbs import Effect
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.agents.vectors import clamp, dot
+from physagent_jax.core.strict import Vector
 
 Window = tuple[float, float]
+_MOTIONS = (Effect.PUSH, Effect.STRIKE, Effect.JUMP, Effect.ROLL)
 _STILL_SHARE = 0.5  # stillness at the end needs less of the clip than what comes before it
 _SMALLEST_SHARE = 0.1  # of a run of events, kept for those without a told length
 STEP = 1.5  # [s] that a step of a sequence takes, and settling
@@ -94,8 +96,9 @@ def _is_dosed(slot: Slot, brief: SceneBrief, anchored: bool) -> bool:
 
 def _find_needs(slots: list[Slot], brief: SceneBrief, anchored: bool) -> None:
     """What each slot takes at least [frames]: told lengths as they are, steps of a sequence `STEP`."""
-    for slot in slots:
+    for index, slot in enumerate(slots):
         seconds = 0.0
+        after = slots[index + 1].events if index + 1 < len(slots) else []
         for event in slot.events:
             usual = (
                 STEP if len(slots) > 1 or event.stays else min(brief.frame_dt * (brief.frame_count - 1), 2.0)
@@ -104,6 +107,9 @@ def _find_needs(slots: list[Slot], brief: SceneBrief, anchored: bool) -> None:
                 usual = _SWING
             seconds = max(seconds, usual, _STROKE * (event.repeat.count or 1))
             effort = find_effort(event.amount, event.effect, brief)
+            stops = has_to_stop(event, after, brief.directions.up, brief.world == "ground")
+            if event.amount is None and stops and not event.verb.brief:
+                effort = find_word_effort(event.strength, event.effect)
             if effort is not None and not anchored:
                 seconds = max(find_span(effort, STEP, brief), STEP if len(slots) > 1 else 0.0)
         slot.need = slot.length if slot.length is not None else seconds / brief.frame_dt
@@ -146,6 +152,21 @@ def _group_slots(events: list[Event], brief: SceneBrief, last: float) -> list[Sl
             latest = start if start is not None else latest
         slots.append(Slot([event], start, None if length is None else clamp(length, min(1.0, last), last)))
     return slots
+
+
+def has_to_stop(event: Event, after: list[Event], up: Vector, grounded: bool) -> bool:
+    """Whether a free object must be stopped before what comes next can be seen."""
+    for later in after:
+        stops = later.effect is Effect.STILL
+        turned = event.effect in (Effect.TURN, Effect.LEAN) and later.effect is event.effect
+        moved = event.effect in _MOTIONS and later.effect in (*_MOTIONS, Effect.SWAY)
+        lifted = event.direction and dot(event.direction, up) > 0.5
+        if lifted and event.effect is Effect.PUSH and later.effect is Effect.FALL:
+            return not grounded  # else the push downwards that follows would only slow it
+        same = event.direction and later.direction and dot(event.direction, later.direction) > 0.5
+        if stops or ((turned or moved) and not same):
+            return True
+    return False
 
 
 def follows(before: Event, event: Event) -> bool:
@@ -199,6 +220,22 @@ def _weight(slot: Slot, free: list[Slot]) -> float:
     if all(each.need > 0.0 for each in free):
         return slot.need
     return _STILL_SHARE if all(e.effect is Effect.STILL for e in slot.events) else 1.0
+
+
+def divide_swings(window: Window, count: int, held: bool) -> list[Window]:
+    """Pushes that swing an object to and fro ``count`` times, each against the one before.
+
+    What is held is pushed for half a period each. What is free is pushed half as long first and last, so that it comes
+    back to its place and stops there; in whole frames where there is room, or it would drift.
+    """
+    if held:
+        return divide(window, [1.0] * (2 * count))
+    shares = [0.5, *[1.0] * (2 * count - 1), 0.5]
+    whole = 2 * int((window[1] - window[0]) / (4 * count))  # frames of half a period
+    if whole < 2:
+        return divide(window, shares)
+    first = float(round(window[0]))
+    return divide((first, first + 2.0 * count * whole), shares)
 
 
 def divide(window: Window, shares: list[float]) -> list[Window]:

@@ -46,7 +46,6 @@ class Verb:
         pulls: The cause stands where the object goes: "pulled from the left" moves left.
         gravity: Gravity acts with it (a thrown thing comes down).
         cycles: How often a sway goes to and fro unless the sentence counts.
-        abrupt: A sway by jolts rather than by smooth pushes.
         brief: The cause lasts only a part of its time ("gust").
         generic: Adds nothing to a more telling verb beside it: "a kick *sends* it *flying*",
             "squash it *flat*", "*stands* swaying".
@@ -62,7 +61,6 @@ class Verb:
     pulls: bool = False
     gravity: bool = False
     cycles: int = 2
-    abrupt: bool = False
     brief: bool = False
     generic: bool = False
     wind: bool = False
@@ -95,9 +93,9 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     ("sway, swing, rock, oscillate", Verb(_D.SWAY)),
     ("wave, waggle, wag, flap", Verb(_D.SWAY, cycles=3)),
     ("wobble, wiggle, flutter", Verb(_D.SWAY, cycles=3, strength=0.8)),
-    ("shake, rattle", Verb(_D.SWAY, cycles=4, abrupt=True)),
-    ("jiggle, vibrate, quake", Verb(_D.SWAY, cycles=4, strength=0.8, abrupt=True)),
-    ("tremble, shiver, quiver, shudder, rustle", Verb(_D.SWAY, cycles=4, strength=0.5, abrupt=True)),
+    ("shake, rattle", Verb(_D.SWAY, cycles=4)),
+    ("jiggle, vibrate, quake", Verb(_D.SWAY, cycles=4, strength=0.8)),
+    ("tremble, shiver, quiver, shudder, rustle", Verb(_D.SWAY, cycles=4, strength=0.5)),
     ("bob", Verb(_D.SWAY, direction="up")),
     ("nod", Verb(_D.SWAY, direction="toward")),
     # deformation
@@ -196,12 +194,12 @@ _CAUSE_ROWS: tuple[tuple[str, Verb], ...] = (
     ),
     ("explosion, blast, detonation, bomb", Verb(_D.BURST, strength=MAGNITUDE_MAX)),
     ("collision, blow, impact, uppercut, header", Verb(_D.STRIKE)),
-    ("earthquake, tremor", Verb(_D.SWAY, cycles=4, strength=1.3, abrupt=True)),
+    ("earthquake, tremor", Verb(_D.SWAY, cycles=4, strength=1.3)),
     ("compression, pressure", Verb(_D.SCALE, sign=-1, direction="up")),
     ("tension", Verb(_D.SCALE, direction="right")),
     ("rotation, torque", Verb(_D.TURN, direction="up")),
     ("torsion", Verb(_D.TURN, direction="up", wrings=True)),
-    ("vibration, vibrations, oscillation", Verb(_D.SWAY, cycles=4, abrupt=True)),
+    ("vibration, vibrations, oscillation", Verb(_D.SWAY, cycles=4)),
     ("force", Verb(_D.PUSH)),
 )
 
