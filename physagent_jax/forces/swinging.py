@@ -80,10 +80,11 @@ def _find_runs(field: ForceField) -> list[list[int]]:
     ]
     runs: list[list[int]] = []
     for index in sorted(pushes, key=lambda i: field.actions[i].active_time or ()):
-        if runs and _follows(field.actions[runs[-1][-1]], field.actions[index]):
-            runs[-1].append(index)
-        else:
+        before = next((r for r in runs if _follows(field.actions[r[-1]], field.actions[index])), None)
+        if before is None:
             runs.append([index])
+        else:
+            before.append(index)
     return [run for run in runs if len(run) > 1]
 
 

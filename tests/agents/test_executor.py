@@ -35,8 +35,6 @@ TOO_SHORT = {  # so much, or so many actions, in two seconds: M = 1.6 is not eno
     "the robot moves to the right and then back to the left",
     "rotate the robot about its own axis, first clockwise, then counterclockwise",
     "The vase is twisted by an invisible force, first to the left, then to the right.",
-    "the robot nods twice",
-    "the jelly is pulled to the left and to the right",
     "the object is severely compressed, violently twisted, and then rebounds",
     "push the robot to the left, then harder to the right, and finally stop",
     "Push it left. Push it right. Lift it up. Drop it.",

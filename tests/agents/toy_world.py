@@ -14,7 +14,10 @@ from physagent_jax.agents.rules.tolerances import list_windows
 from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, SemanticReply, Verdict
 from physagent_jax.agents.vectors import add, scale
 from physagent_jax.forces import calibration
+from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, HalfSpaceRegion
+from physagent_jax.forces.skills import make_closed_form_scaling
+from physagent_jax.forces.swinging import find_strokes
 from physagent_jax.perception.schema import MotionReport, PartMotion
 from tests.agents.scenes import judge, make_report, rewrite
 
@@ -60,8 +63,9 @@ class ToyWorld:
         dt = 1.0 / last / STEPS
         place, speed, angle, turning = ZERO, ZERO, ZERO, ZERO
         places, angles, strains = [], [], []
+        strokes = self._find_strokes(field)
         for step in range(last * STEPS + 1):
-            push, torque, strain, drive = self._sum_actions(field, max(step - 0.5, 0.0) / STEPS)
+            push, torque, strain, drive = self._sum_actions(field, strokes, max(step - 0.5, 0.0) / STEPS)
             if self.scene.anchored is not None:
                 place, angle = scale(push, 0.5 * HELD * (step > 0)), scale(torque, 0.3 * (step > 0))
             if step % STEPS == 0:
@@ -77,17 +81,27 @@ class ToyWorld:
             angle = add([angle, scale(turning, dt)])
         return places, angles, strains
 
-    def _sum_actions(self, field: ForceField, frame: float):
+    def _find_strokes(self, field: ForceField):
+        """What pushes to and fro give a free object."""
+        if self.scene.anchored is not None:
+            return {}
+        count = self.scene.frame_count
+        scaling = make_closed_form_scaling(extent=1.0, youngs_modulus=1.0, density=1.0, duration=1.0)
+        values = ForceFieldParameters.of(field, count).actions
+        return find_strokes(field, values, scaling, 1.0 / (count - 1))
+
+    def _sum_actions(self, field: ForceField, strokes, frame: float):
         """Acceleration, angular acceleration [degrees], strain diagonal and prescribed velocity at a frame."""
         push, torque, strain, drive = [], [], [], []
-        for item in (*field.actions, *field.constraints):
+        for index, item in enumerate((*field.actions, *field.constraints)):
             first, last = item.active_time or (0, self.scene.frame_count - 1)
             if not first <= frame < last:
                 continue
             vector = scale(item.vector, self.gain * item.magnitude)
             kind = getattr(item, "action_type", None) or item.constraint_type
             if kind is ActionType.TRANSLATION:
-                push.append(scale(vector, 2.0 * calibration.TRAVEL))
+                k = strokes[index].k if index in strokes else 2.0 * calibration.TRAVEL
+                push.append(scale(vector, float(k)))
             elif kind in (ActionType.IMPULSE, ConstraintType.PARTICLE_IMPULSE):
                 push.append(scale(vector, calibration.TRAVEL * (self.scene.frame_count - 1) / (last - first)))
             elif kind is ActionType.TORQUE:

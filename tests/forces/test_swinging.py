@@ -57,6 +57,14 @@ def test_a_train_goes_as_far_as_it_says_and_comes_back(half, count, magnitude):
     assert abs(path[-1]) < 0.02 * L
 
 
+def test_what_else_acts_meanwhile_does_not_matter():
+    actions = train(12, 4)
+    lifted = (push(UP, 0, 96), *actions)
+    assert {i + 1: s.k for i, s in strokes_of(actions, scaled()).items()} == {
+        i: s.k for i, s in strokes_of(lifted, scaled()).items()
+    }
+
+
 @pytest.mark.parametrize("damping", [0.5, 2.5])
 def test_damping_is_made_up_for(damping):
     path = integrate(train(12, 4), scaled(damping))

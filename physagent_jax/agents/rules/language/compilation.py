@@ -191,8 +191,8 @@ def _compile_sway(
 ) -> None:
     """To and fro.
 
-    How far the pushes go does not depend on how short they are (`forces.swinging`). What bobs on the ground is thrown up
-    each time, and weight brings it back.
+    How far the pushes go does not depend on how short they are (`forces.swinging`). What bobs on the ground is thrown
+    up each time, and weight brings it back.
     """
     assert event.direction is not None
     count = _limit_count(event.repeat.count or event.verb.cycles, window, 2 * _SHORTEST_SWING, builder)
