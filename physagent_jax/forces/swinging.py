@@ -97,7 +97,8 @@ def _follows(before: Action, action: Action) -> bool:
     assert before.active_time is not None and action.active_time is not None
     late = action.active_time[0] - before.active_time[1]
     same = before.region == action.region
-    return same and abs(late) <= _GAP and abs(_find_way(before) @ _find_way(action)) > _PARALLEL
+    alike = float(_find_way(before) @ _find_way(action))
+    return same and abs(late) <= _GAP and abs(alike) > _PARALLEL
 
 
 def _swings(actions: Sequence[Action]) -> bool:

@@ -20,7 +20,7 @@ from physagent_jax.agents.schema import (
 )
 from physagent_jax.core.turning import find_turning_points
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.perception.schema import PartMotion, Uncertainty
+from physagent_jax.perception.schema import Extent, PartMotion, Uncertainty
 from tests.agents.scenes import (
     IDENTITY,
     asked,
@@ -705,3 +705,21 @@ def test_without_expectations_nothing_can_be_judged_by_rules():
     """A reading without expectations is whole; the rules say that they have nothing to compare."""
     judgement = verdict_of((), show())
     assert judgement.verdict is Verdict.FAIL and "Nothing is expected" in judgement.suggestion
+
+
+@pytest.mark.parametrize(
+    ("fitted", "outline", "half_width", "passed"),
+    [
+        (-0.05, -0.25, 0.02, True),  # pressed together at its ends, where few points are followed
+        (-0.2, -0.6, 0.02, False),  # more than the points say
+        (-0.05, -0.25, 0.25, False),  # turned: the outline says nothing
+        (0.0, -0.25, 0.02, False),  # an ear was bent
+        (-0.2, -0.21, 0.02, True),
+    ],
+)
+def test_a_squeeze_is_measured_by_the_outline_where_the_points_miss_it(fitted, outline, half_width, passed):
+    ratios = tuple(1 + outline * ramp(t, 0, LAST) for t in range(LAST + 1))
+    seen = show(strain=along(RIGHT, fitted)).model_copy(
+        update={"extents": (Extent(direction=LEFT, ratio=ratios, half_width=(half_width,) * (LAST + 1)),)}
+    )
+    assert passes(expected(KINDS.SQUEEZE, RIGHT), seen) == passed

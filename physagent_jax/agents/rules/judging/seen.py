@@ -172,11 +172,7 @@ class View:
         Empty where the direction is none of the report's, or not seen in that frame or in any other.
         """
         extent = next(
-            (
-                e
-                for e in getattr(self.report, "extents", ())
-                if abs(cosine(e.direction, direction)) > _SAME_LINE
-            ),
+            (e for e in self.report.extents if abs(cosine(e.direction, direction)) > _SAME_LINE),
             None,
         )
         start = extent and extent.ratio[first]
