@@ -33,7 +33,8 @@ class Command(harness.Command):
     """Simulate clips and judge them, or write the tables of an earlier run."""
 
     parts: tuple[Part, ...] = ("clips", "truth", "pictures")
-    """clips: make those that are missing; truth: judge the true motion; pictures: judge what is seen."""
+    """clips: make those that are missing, and measure whether they move as labelled; truth: judge the true motion;
+    pictures: judge what is seen."""
     clips: Path = Path("runs/verdicts")
     """Folder where clips are kept."""
     data: Path | None = None

@@ -15,10 +15,11 @@ _HEAD = """# Verdicts as people give them
 Clips of a right or a wrong motion, each with a sentence and a label: would a person who reads the sentence and watches
 the video call it a success? The motions are scene data written by hand (accelerations, torques, gripped ends, blows,
 in metres and seconds); the labels follow from how they were made, by the rules at the head of
-[`catalogue.py`](CATALOGUE), and were checked on contact sheets; no parser took part. The offline agents then read each
-sentence and judge the clip twice: with the particles' true trajectories in place of perception (*truth*), and from its
-pictures and depth (*pictures*), before no background at all (*plain*), a painted wall and floor, or a photo, each with
-its depth.
+[`catalogue.py`](CATALOGUE), and were checked on contact sheets; no parser took part. A motion also says in numbers what
+comes of it, and its particles are held against them first ([`claims.py`](CLAIMS)): a clip that does not move as it is
+labelled is listed, and not judged. The offline agents then read each sentence and judge the clip twice: with the
+particles' true trajectories in place of perception (*truth*), and from its pictures and depth (*pictures*), before no
+background at all (*plain*), a painted wall and floor, or a photo, each with its depth.
 
 A *false SUCCESS* is a wrong motion that passes, a *false FAIL* a right one that does not. A sentence that the parser
 refuses counts as FAIL. The clips are halved by the hash of their names; thresholds may be tuned on the development half
@@ -30,7 +31,9 @@ _RATES = ("sight", "half", "clips", "false SUCCESS", "allowed", "false FAIL", "a
 
 def document(result: dict, json_path: Path, target: Path) -> str:
     """The page's text."""
-    text = _HEAD.replace("CATALOGUE", link(Path(__file__).with_name("catalogue.py"), target))
+    text = _HEAD
+    for name in ("catalogue", "claims"):
+        text = text.replace(name.upper(), link(Path(__file__).with_name(f"{name}.py"), target))
     text += f"Every row is in [{json_path.name}]({link(json_path, target)}).\n"
     text += provenance(result, ("clips", *SIGHTS))
     missing = sorted({name for part in result.values() for run in part["runs"] for name in run["left_out"]})
@@ -41,7 +44,16 @@ def document(result: dict, json_path: Path, target: Path) -> str:
     for sight in SIGHTS:
         if rows := get_rows(result, sight):
             text += _section(sight, rows)
-    return text
+    return text + _list_untrue(result)
+
+
+def _list_untrue(result: dict) -> str:
+    """Clips that are not judged, with what is not as it is said."""
+    rows = [row for row in get_rows(result, "clips") if row["untrue"]]
+    lines = [f"- `{row['clip']}`: {row['motion']}: {'; '.join(row['untrue'])}\n" for row in rows]
+    count = len(get_rows(result, "clips"))
+    head = f"\n## Not as labelled\n\nOf {count} clips, {len(rows)} do not move as they are said to.\n\n"
+    return head + "".join(lines) if count else ""
 
 
 def _coverage(result: dict) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from benchmarks.verdicts.motions import Motion
 from benchmarks.verdicts.scenes import REACH, count_lead, make_scene
 from benchmarks.verdicts.things import THINGS, load_body
+from physagent_jax.kernels.compile_cache import enable_compile_cache
 from physagent_jax.render import Camera, render_all
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.camera import frame_camera, make_reference_camera
@@ -88,6 +90,7 @@ def hash_scene(scene: SceneConfig, motion: Motion) -> str:
 
 
 def _simulate(scene: SceneConfig, body: Body, motion: Motion) -> Recording:
+    enable_compile_cache()  # many clips share their programs
     compiled = compile_scene(scene, body)
     frames = list(simulate_frames(compiled))[count_lead(motion) :]
     splats = [deform_splats(compiled, frame) for frame in frames]
@@ -151,6 +154,7 @@ def _write(file: Path, made: Recording) -> None:
     part.replace(file)
 
 
+@lru_cache(maxsize=1)
 def _read(file: Path) -> Recording:
     with np.load(file) as held:
         width, height = (int(side) for side in held["size"])

@@ -7,7 +7,19 @@ import math
 
 import numpy as np
 
-from benchmarks.verdicts.motions import FRICTION, Burst, Grip, Motion, Part, Push, Spin
+from benchmarks.verdicts.motions import (
+    FRICTION,
+    TOWED,
+    Burst,
+    Grip,
+    Motion,
+    Part,
+    Press,
+    Push,
+    Spin,
+    Tow,
+    Wring,
+)
 from benchmarks.verdicts.things import DOMAIN, FILLING, Thing
 from physagent_jax.forces.schema import Action, ActionType, BoxRegion, ForceField, SkillScaling
 from physagent_jax.scene.body import Body
@@ -20,6 +32,9 @@ from physagent_jax.scene.config import (
     ConstantEnvelope,
     DomainBox,
     HalfSpace,
+    Material,
+    MaterialModel,
+    ParticleRotation,
     ParticleTranslation,
     Rendering,
     SceneConfig,
@@ -29,10 +44,12 @@ from physagent_jax.scene.config import (
     Timing,
     Transfer,
     Uniform,
+    Wind,
 )
 
 FRAME_DT = 0.04  # [s]
-SETTLING = 12  # frames before the first that is kept: on the ground matter first sags a little
+SETTLING = 25  # frames before the first that is kept: on the ground matter first sags a little,
+_CALMED = 12.0  # [1/s] slowed down by drag, so that it does not bounce
 SIZE = (320, 240)  # width, height [px]
 REACH = 1.3  # [L] from where it was that the camera follows what moves
 HELD_FOOT = 0.15  # share of the height
@@ -45,6 +62,8 @@ _PUSHES, _SPINS = (
 _RIGID, _TURNING = 1.5e4, 3e4  # [Pa]
 _WHOLE = BoxRegion(low=(-9, -9, -9), high=(9, 9, 9))
 _NOTHING = Uniform(acceleration=(0.0, 0.0, 0.0), envelope=ConstantEnvelope(start=0.0, end=0.1), region=_WHOLE)
+GIVES_WAY = 0.5  # cells by which matter gets into a plate that presses it
+GRIPPING = 1.0  # friction of plates: what is tall does not slip out
 _SLAB = {
     "top": ((-9, -9, 2 / 3), (9, 9, 9)),
     "bottom": ((-9, -9, -9), (9, 9, 1 / 3)),
@@ -65,25 +84,32 @@ def make_scene(thing: Thing, source: Source, body: Body, motion: Motion) -> Scen
     if motion.world == "ground":
         plane = HalfSpace(point=(0, 0, ground), normal=(0, 0, 1), surface=Surface.SEPARATE, friction=FRICTION)
         boundaries += (plane,)
+    boundaries += tuple(
+        p for c in motion.causes if isinstance(c, Press) for p in _plates(c, axes, lead, body)
+    )
     spins = [cause for cause in motion.causes if isinstance(cause, Spin)]
-    terms: list[Uniform | Attractor] = [
+    terms: list[Uniform | Attractor | Wind] = [
         _term(c, axes, lead, body) for c in motion.causes if isinstance(c, Push | Burst)
     ]
     terms += [_NOTHING] * (_PUSHES - len(terms))
+    terms += [_tow(c, axes, lead) for c in motion.causes if isinstance(c, Tow)]
+    if lead:
+        terms.append(Wind(linear_drag=_CALMED, envelope=ConstantEnvelope(start=0.0, end=lead)))
     grips = [_grip(c, axes, lead, body) for c in motion.causes if isinstance(c, Grip)]
+    wrings = [_wring(c, axes, lead, body) for c in motion.causes if isinstance(c, Wring)]
     field, scaling = _spin(spins, axes, lead)
     frames = round(motion.seconds / FRAME_DT) + count_lead(motion)
     return SceneConfig(
         prompt=motion.words,
         source=source,
         filling=FILLING,
-        material=thing.make_material(_stiffness(motion)),
+        material=_material(thing, motion),
         domain=DOMAIN,
         timing=Timing(frame_count=frames, frame_dt=FRAME_DT),
         transfer=Transfer(damping_rate=motion.drag),
         always_gravity=motion.world == "ground",
         boundaries=boundaries,
-        constraints=tuple(grips),
+        constraints=(*grips, *wrings),
         anchor=Anchor(kind="base", fraction=HELD_FOOT, reason="held") if motion.held else Anchor(),
         force_field=field,
         forces=tuple(terms),
@@ -93,13 +119,16 @@ def make_scene(thing: Thing, source: Source, body: Body, motion: Motion) -> Scen
     )
 
 
-def _stiffness(motion: Motion) -> float | None:
-    """What moves as a rigid body does may be soft, which is cheap: nothing strains it. None = the object's own [Pa]."""
-    if motion.world == "ground" or motion.held:
-        return None
-    if all(isinstance(cause, Push) and cause.part == "all" for cause in motion.causes):
-        return _RIGID
-    return None if any(getattr(cause, "part", "all") != "all" for cause in motion.causes) else _TURNING
+def _material(thing: Thing, motion: Motion) -> Material:
+    """What moves as a rigid body does may be soft, which is cheap: nothing strains it."""
+    causes, whole = motion.causes, all(getattr(cause, "part", "all") == "all" for cause in motion.causes)
+    if motion.world == "ground" or motion.held or not whole:
+        return thing.make_material()
+    if all(isinstance(cause, Push) for cause in causes):
+        return thing.make_material(_RIGID)
+    if thing.frail and any(isinstance(cause, Spin) for cause in causes):
+        return Material(model=MaterialModel.RIGID, density=thing.make_material().density)
+    return thing.make_material(_TURNING)
 
 
 def find_axes(thing: Thing) -> np.ndarray:
@@ -127,6 +156,12 @@ def _term(cause: Push | Burst, axes: np.ndarray, lead: float, body: Body) -> Uni
     return Uniform(acceleration=acceleration, envelope=envelope, region=_region(cause.part, axes))
 
 
+def _tow(cause: Tow, axes: np.ndarray, lead: float) -> Wind:
+    envelope = ConstantEnvelope(start=lead + cause.start, end=lead + cause.end)
+    way = _world(cause.direction, axes)
+    return Wind(direction=way, speed=cause.speed, linear_drag=TOWED, envelope=envelope)
+
+
 def _region(part: Part, axes: np.ndarray) -> BoxRegion:
     """A third of the object, or all of it."""
     if part == "all":
@@ -144,6 +179,26 @@ def _region(part: Part, axes: np.ndarray) -> BoxRegion:
     return BoxRegion(low=tuple(low.tolist()), high=tuple(high.tolist()))
 
 
+def _plates(cause: Press, axes: np.ndarray, lead: float, body: Body) -> tuple[HalfSpace, HalfSpace]:
+    """A plate while it moves, and where it then stays."""
+    side = np.round(np.asarray(_world(cause.side, axes)), 6)
+    axis = int(np.argmax(np.abs(side)))
+    end = (body.high if side[axis] > 0 else body.low) - GIVES_WAY * DOMAIN.dx * side
+    way = -cause.way * float(body.high[axis] - body.low[axis]) * side
+    moved, stopped = lead + cause.duration, lead + cause.hold
+
+    def plate(point: np.ndarray, velocity: np.ndarray, start: float, stop: float) -> HalfSpace:
+        point, normal, velocity = (tuple((v + 0.0).tolist()) for v in (point, -side, velocity))
+        return HalfSpace(
+            point=point, normal=normal, velocity=velocity, friction=GRIPPING, start=start, end=stop
+        )
+
+    return (
+        plate(end, way / cause.duration, lead, moved),
+        plate(end + way, np.zeros(3), moved, stopped),
+    )
+
+
 def _grip(cause: Grip, axes: np.ndarray, lead: float, body: Body) -> ParticleTranslation:
     """A slab at one end, as a box around it."""
     side = np.round(np.asarray(_world(cause.side, axes)), 6)
@@ -159,6 +214,24 @@ def _grip(cause: Grip, axes: np.ndarray, lead: float, body: Body) -> ParticleTra
         point=tuple((0.5 * (low + high)).tolist()),
         half_size=tuple((0.5 * (high - low)).tolist()),
         velocity=_world(np.multiply(cause.velocity, extent), axes),
+        start=lead + cause.start,
+        end=min(lead + cause.end, FOREVER),
+    )
+
+
+def _wring(cause: Wring, axes: np.ndarray, lead: float, body: Body) -> ParticleRotation:
+    """A slab at one end, as a wide cylinder about the object's axis."""
+    side = np.round(np.asarray(_world(cause.side, axes)), 6)
+    axis = int(np.argmax(np.abs(side)))
+    low, high = np.asarray(body.low, float), np.asarray(body.high, float)
+    centre, half = 0.5 * (low + high), 0.5 * cause.depth * float(high[axis] - low[axis])
+    centre[axis] = high[axis] - half if side[axis] > 0 else low[axis] + half
+    return ParticleRotation(
+        point=tuple(centre.tolist()),
+        normal=tuple(side.tolist()),
+        half_height=half + 0.01,  # [m]: the outermost particles too
+        radius=DOMAIN.size,
+        angular_velocity=math.radians(cause.velocity),
         start=lead + cause.start,
         end=min(lead + cause.end, FOREVER),
     )

@@ -35,6 +35,7 @@ class Thing:
         azimuth: Where the camera stands [degrees].
         youngs_modulus: [Pa].
         poissons_ratio: nu.
+        frail: Whether parts hang by a thread that a turn tears.
         rooted: Why its foot is held; None = it is free.
         data: Name of its file in the folder of data; None = it needs none.
     """
@@ -46,6 +47,7 @@ class Thing:
     azimuth: float = 0.0
     youngs_modulus: float = 7e4
     poissons_ratio: float = 0.3
+    frail: bool = False
     rooted: str | None = None
     data: str | None = None
 
@@ -84,7 +86,7 @@ def _bottle() -> trimesh.Trimesh:
 THINGS = {
     thing.noun: thing
     for thing in (
-        Thing("robot", "robot", lambda path: ROBOT, up="-y"),
+        Thing("robot", "robot", lambda path: ROBOT, up="-y", frail=True),
         Thing(
             "plant",
             "plant",

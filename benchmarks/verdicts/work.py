@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import Literal
 
 from benchmarks.harness import Row
+from benchmarks.verdicts.claims import Seen, find_faults
 from benchmarks.verdicts.clip import Clip
 from benchmarks.verdicts.judging import judge
-from benchmarks.verdicts.recording import find_file, record
+from benchmarks.verdicts.recording import Recording, find_file, record
+from benchmarks.verdicts.scenes import FRAME_DT, find_axes
+from benchmarks.verdicts.things import THINGS
 
 Part = Literal["clips", "truth", "pictures"]
 
@@ -37,13 +40,21 @@ def do_all(
 
 
 def do(part: Part, clip: Clip, *, folder: Path, data: Path | None, made: bool) -> Row | None:
-    """The row of a clip; None if it has not been made and is not to be."""
+    """The row of a clip; None if it has not been made and is not to be, or does not move as it is said to."""
     if made and not find_file(clip.thing, clip.motion, folder, data).is_file():
         return None
-    if part != "clips":
-        return judge(clip, part, folder, data)
     held = record(clip.thing, clip.motion, folder, data)
-    return {"clip": clip.name, "frames": len(held.rgb), "particles": held.particles.shape[1]}
+    faults = find_faults(clip.motion.claims, see(clip, held), clip.motion.held)
+    if part == "clips":
+        about = {"clip": clip.name, "motion": clip.motion.words, "untrue": faults}
+        return about | {"frames": len(held.rgb), "particles": held.particles.shape[1]}
+    return None if faults else judge(clip, part, folder, data)
+
+
+def see(clip: Clip, held: Recording) -> Seen:
+    """The particles as the viewer of a clip has them."""
+    axes = find_axes(THINGS[clip.thing])
+    return Seen(held.particles @ axes.T, (held.alpha > 0).sum((1, 2)), FRAME_DT)
 
 
 @cache
