@@ -62,13 +62,13 @@ def _slide(direction: m.Direction, shift: float) -> Motion:
 
 def _hop(speed: float) -> Motion:
     rise = m.find_rise(speed)
-    claim = Reach(UP, 0.8 * rise - 0.03, 1.2 * rise + 0.03)
+    claim = Reach(UP, 0.8 * rise - 0.05, 1.2 * rise + 0.05)
     words = f"is thrown up by {rise:.2g} L and falls back"
     return Motion(words, (*m.blow(UP, speed), claim), world="ground")
 
 
 def _fall(height: float) -> Motion:
-    claim = Reach(DOWN, height - 0.03, height + 0.15)
+    claim = Reach(DOWN, height - 0.03, height + 0.25)  # what is soft goes on as it is squashed
     return Motion(f"falls from {height:g} L", (claim,), world="ground", lifted=height)
 
 

@@ -21,6 +21,7 @@ from scipy.spatial.transform import Rotation
 Direction = tuple[float, float, float]
 Part = Literal["all", "top", "bottom", "left", "right"]
 ASIDE, LEAST_ASIDE = 0.3, 0.08  # of the way, and [L], that what moves may go to the side
+LEAST_TILT = 15.0  # [degrees] that what turns may turn about other axes, or `ASIDE` of its turn
 MOST_TURN = 40.0  # [degrees] of what is not said to turn
 MOST_DRIFT = 0.12  # [L] of what is not said to move
 STILL = 0.03  # [L] by which the matter of what stays still may move in the mean
@@ -151,7 +152,7 @@ class Reach:
 
 @dataclasses.dataclass(frozen=True)
 class Turn:
-    """The part turns about ``axis`` by ``low`` to ``high`` [degrees] between two instants.
+    """The part turns about ``axis`` by ``low`` to ``high`` [degrees] between two instants, and hardly about others.
 
     Attributes:
         axis: Unit vector, right-hand rule.
@@ -176,6 +177,9 @@ class Turn:
         about = float(turned @ np.asarray(self.axis))
         if not self.low <= about <= self.high:
             return f"{self.part} turns by {about:.0f} degrees, said are {self.low:.0f} to {self.high:.0f}"
+        aside = float(np.linalg.norm(turned - about * np.asarray(self.axis)))
+        if aside > max(ASIDE * abs(about), LEAST_TILT):
+            return f"{self.part} turns by {about:.0f} degrees and by {aside:.0f} about other axes"
         return None
 
 

@@ -258,7 +258,7 @@ def blow(direction: Direction, speed: float, at: float = 0.0, part: Part = "all"
 
 def find_rise(speed: float) -> float:
     """How high a blow upwards takes what lies on the ground [L]."""
-    left = speed - BLOW * GRAVITY
+    left = max(speed - BLOW * GRAVITY, 0.0)
     return 0.5 * left * BLOW + left**2 / (2 * GRAVITY)
 
 

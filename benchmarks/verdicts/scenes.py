@@ -188,10 +188,9 @@ def _plates(cause: Press, axes: np.ndarray, lead: float, body: Body) -> tuple[Ha
     moved, stopped = lead + cause.duration, lead + cause.hold
 
     def plate(point: np.ndarray, velocity: np.ndarray, start: float, stop: float) -> HalfSpace:
-        point, normal, velocity = (tuple((v + 0.0).tolist()) for v in (point, -side, velocity))
-        return HalfSpace(
-            point=point, normal=normal, velocity=velocity, friction=GRIPPING, start=start, end=stop
-        )
+        place, normal, speed = (tuple((v + 0.0).tolist()) for v in (point, -side, velocity))
+        window = {"start": start, "end": stop}
+        return HalfSpace(point=place, normal=normal, velocity=speed, friction=GRIPPING, **window)
 
     return (
         plate(end, way / cause.duration, lead, moved),
