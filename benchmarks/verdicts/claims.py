@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 Direction = tuple[float, float, float]
@@ -73,7 +73,7 @@ class Seen:
     def count_pieces(self) -> int:
         """At the end; crumbs do not count."""
         x = self.x[-1]
-        pairs = cKDTree(x).query_pairs(APART, output_type="ndarray")
+        pairs = KDTree(x).query_pairs(APART, output_type="ndarray")
         links = coo_matrix((np.ones(len(pairs)), pairs.T), (len(x), len(x)))
         sizes = np.bincount(connected_components(links, directed=False)[1])
         return int((sizes > CRUMB * len(x)).sum())

@@ -130,7 +130,7 @@ def _look(
 def hash_sight(sight: Sight, data: Path | None) -> str:
     """Of the sources of what makes a report: reports of other sources are not used."""
     packages = (perception, metrics) if sight == "truth" else (perception,)
-    sources = [path for package in packages for path in Path(package.__file__).parent.rglob("*.py")]
+    sources = [path for package in packages for path in Path(package.__path__[0]).rglob("*.py")]
     text = b"".join(source.read_bytes() for source in sorted(sources))
     if sight == "pictures":
         photo = data is not None and (data / backgrounds.PHOTO).is_file()

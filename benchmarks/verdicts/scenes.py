@@ -189,8 +189,7 @@ def _plates(cause: Press, axes: np.ndarray, lead: float, body: Body) -> tuple[Ha
 
     def plate(point: np.ndarray, velocity: np.ndarray, start: float, stop: float) -> HalfSpace:
         place, normal, speed = (tuple((v + 0.0).tolist()) for v in (point, -side, velocity))
-        window = {"start": start, "end": stop}
-        return HalfSpace(point=place, normal=normal, velocity=speed, friction=GRIPPING, **window)
+        return HalfSpace(point=place, normal=normal, velocity=speed, friction=GRIPPING, start=start, end=stop)
 
     return (
         plate(end, way / cause.duration, lead, moved),
