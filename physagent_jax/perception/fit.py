@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from typing import Any
 
 import numpy as np
 from scipy.spatial import KDTree
-from scipy.spatial.transform import Rotation
 
 from physagent_jax.core.rotations import polar
 
@@ -88,15 +86,15 @@ def fit_affine(
         total = w.sum()
         a0, b0 = w @ a / total, w @ b / total
         x, y = a - a0, b - b0
-        rotation = fit_rigid_rotation(x, y, w) if matrix is None else polar(matrix)[0]
         pull = total * (prior * extent) ** 2
         cross, square = (w[:, None] * y).T @ x, (w[:, None] * x).T @ x
+        rotation = polar(cross if matrix is None else matrix)[0]  # of the cross covariance: Kabsch's
         matrix = (cross + pull * rotation) @ np.linalg.inv(square + pull * np.eye(3))
         off = x @ matrix.T - y
         distance = np.linalg.norm(off, axis=1)
         fitted = Affine(matrix, b0 - matrix @ a0, rotation, float(np.sqrt(trust @ distance**2 / trust.sum())))
         if beside is not None and k >= iterations // 2:
-            distance = np.linalg.norm(off - np.median(off[beside], axis=1), axis=1)
+            distance = np.linalg.norm(off - _find_median(off[beside]), axis=1)
         before, w = w, trust * huber(distance, floor=0.003 * float(extent))
         if k >= iterations // 2 and np.abs(w - before).max() < 1e-2:
             break
@@ -109,19 +107,16 @@ def _find_neighbours(a: np.ndarray) -> np.ndarray:
     return tree.query(a, k=NEIGHBOURS + 1)[1][:, 1:]
 
 
+def _find_median(values: np.ndarray) -> np.ndarray:
+    """Over the second axis, whose length is even; a sort is faster than `numpy.median` for so few."""
+    middle = values.shape[1] // 2
+    return np.sort(values, axis=1)[:, middle - 1 : middle + 1].sum(1) * 0.5
+
+
 def huber(distance: np.ndarray, *, floor: float) -> np.ndarray:
     """Huber weights for residuals, full up to two robust standard deviations, at least ``floor``."""
     limit = max(2 * 1.4826 * float(np.median(distance)), floor)
     return limit / np.maximum(distance, limit)
-
-
-def fit_rigid_rotation(x: np.ndarray, y: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Rotation matrix that best turns centred points x into y (Kabsch), shape (3, 3)."""
-    if not (np.any(x) and np.any(y)):
-        return np.eye(3)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # points on a line: any twist about it is as good
-        return Rotation.align_vectors(y, x, weights=weights)[0].as_matrix()
 
 
 def estimate_hidden_spread(points: np.ndarray, direction: np.ndarray) -> float:

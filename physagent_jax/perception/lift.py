@@ -87,10 +87,17 @@ def unproject(xy: np.ndarray, depth: np.ndarray, camera: Camera) -> np.ndarray:
     return (rays * depth[..., None] - view[:3, 3]) @ view[:3, :3]
 
 
-def unproject_surface(depth: np.ndarray, camera: Camera) -> np.ndarray:
-    """World points of all pixels with finite depth [m], shape (n, 3)."""
+def unproject_surface(depth: np.ndarray, camera: Camera, corner: tuple[int, int] = (0, 0)) -> np.ndarray:
+    """World points of all pixels with finite depth [m], shape (n, 3).
+
+    Args:
+        depth: z-depth [m], shape (h, w): a picture's, or a part of it.
+        camera: The camera.
+        corner: Column and row at which the part begins [px].
+    """
     y, x = np.nonzero(np.isfinite(depth))
-    return unproject(np.stack([x + 0.5, y + 0.5], 1), depth[y, x].astype(float), camera)
+    xy = np.stack([x + corner[0] + 0.5, y + corner[1] + 0.5], 1)
+    return unproject(xy, depth[y, x].astype(float), camera)
 
 
 def sample(depth: np.ndarray, xy: np.ndarray) -> np.ndarray:
@@ -132,16 +139,17 @@ def measure_box(depth: np.ndarray, mask: np.ndarray, trusted: np.ndarray, camera
         trusted: Its trusted depth, nan elsewhere, shape (H, W).
         camera: The camera.
     """
-    surface = np.where(mask, depth, np.nan).astype(np.float32)
+    x, y, width, height = cv2.boundingRect(mask.astype(np.uint8))
+    box = np.s_[y : y + height, x : x + width]
+    surface, trusted = np.where(mask[box], depth[box], np.nan).astype(np.float32), trusted[box]
     known = np.isfinite(trusted)
     if known.any():
-        rows, columns = np.nonzero(mask)
-        across = max(np.ptp(rows), np.ptp(columns)) * np.median(trusted[known]) / camera.K[0, 0]
+        across = (max(width, height) - 1) * float(np.median(trusted[known])) / float(camera.K[0, 0])
         size = 2 * RIM_PIXELS + 1
         farthest = cv2.dilate(np.where(known, trusted, 0).astype(np.float32), np.ones((size, size), np.uint8))
         farthest[farthest == 0] = np.quantile(trusted[known], 0.99)
         surface = np.minimum(surface, farthest + np.float32(RIM_DEPTH * across))
-    return np.percentile(unproject_surface(surface, camera), [0.03, 99.97], axis=0)
+    return np.percentile(unproject_surface(surface, camera, corner=(x, y)), [0.03, 99.97], axis=0)
 
 
 def find_middle(points: np.ndarray) -> np.ndarray:
@@ -180,13 +188,12 @@ def unproject_mask(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.nd
         mask: The object, shape (H, W).
         camera: The camera.
     """
-    if not np.isfinite(depth).any() or not mask.any():
-        return np.zeros((0, 3))
     x, y, width, height = cv2.boundingRect(mask.astype(np.uint8))
-    rows, columns = np.nonzero(mask[y : y + height, x : x + width])
-    near = depth[y : y + height, x : x + width]
-    z = _fill_nearest(near if np.isfinite(near).any() else depth)[rows, columns].astype(float)
-    return unproject(np.stack([columns + x + 0.5, rows + y + 0.5], 1), z, camera)
+    box = np.s_[y : y + height, x : x + width]
+    if not np.isfinite(depth[box]).any():
+        return np.zeros((0, 3))
+    surface = np.where(mask[box], _fill_nearest(depth[box]), np.float32(np.nan))
+    return unproject_surface(surface, camera, corner=(x, y))
 
 
 def find_outline_middle(points: np.ndarray, camera: Camera) -> tuple[np.ndarray, np.ndarray]:

@@ -24,8 +24,11 @@ def count_pieces(masks: np.ndarray) -> list[int | None]:
 
 
 def _count(mask: np.ndarray, least: float) -> int:
+    x, y, width, height = cv2.boundingRect(mask.astype(np.uint8))
     closed = cv2.morphologyEx(
-        np.pad(mask, GAP).astype(np.uint8), cv2.MORPH_CLOSE, np.ones((GAP, GAP), np.uint8)
+        np.pad(mask[y : y + height, x : x + width], GAP).astype(np.uint8),
+        cv2.MORPH_CLOSE,
+        np.ones((GAP, GAP), np.uint8),
     )
     stats = cv2.connectedComponentsWithStats(closed, connectivity=8)[2]
     return max(int((stats[1:, cv2.CC_STAT_AREA] >= least).sum()), 1)

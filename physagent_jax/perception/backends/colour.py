@@ -94,6 +94,20 @@ def _estimate_matte(difference: np.ndarray, guess: np.ndarray) -> np.ndarray:
         difference: Colour minus background, shape (H, W, 3).
         guess: First guess, too wide by the soft edge, shape (H, W).
     """
+    box = find_box(guess, margin=3)
+    mask = guess.copy()
+    mask[box] = _cut_band(difference[box], guess[box])
+    return mask
+
+
+def find_box(mask: np.ndarray, margin: int = 0) -> tuple[slice, slice]:
+    """Rows and columns that hold a mask, with a margin where the picture has room for it."""
+    x, y, width, height = cv2.boundingRect(mask.astype(np.uint8))
+    return np.s_[max(y - margin, 0) : y + height + margin, max(x - margin, 0) : x + width + margin]
+
+
+def _cut_band(difference: np.ndarray, guess: np.ndarray) -> np.ndarray:
+    """`_estimate_matte` of a crop."""
     core = np.asarray(cv2.erode(guess.astype(np.uint8), np.ones((5, 5), np.uint8)))
     if not core.any():
         return guess
@@ -112,7 +126,11 @@ def _estimate_matte(difference: np.ndarray, guess: np.ndarray) -> np.ndarray:
 
 def remove_specks(mask: np.ndarray) -> np.ndarray:
     """``mask`` without pieces smaller than a speck."""
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
+    box, kept = find_box(mask), np.zeros_like(mask, bool)
+    if not mask.any():
+        return kept
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask[box].astype(np.uint8), connectivity=8)
     keep = stats[:, cv2.CC_STAT_AREA] >= max(_SPECK, _FLOATER * mask.sum())
     keep[0] = False
-    return keep[np.asarray(labels, np.int64)]
+    kept[box] = keep[np.asarray(labels, np.int64)]
+    return kept
