@@ -392,7 +392,7 @@ def test_floating_is_where_it_is_and_not_what_has_to_be_still(sentence):
         "an earthquake! it trembles",
         "push it clockwise",
         "drop it three times",
-        "it grows to the left",
+        "it falls upside down by its head",
         "push it for two seconds to the left and for one second to the right",
         "move it left by the same amount",
     ],

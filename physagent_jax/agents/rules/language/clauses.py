@@ -372,15 +372,19 @@ def _apply_holding(clauses: list[Clause]) -> list[Clause]:
 def _merge_results(clauses: list[Clause]) -> list[Clause]:
     """Makes one action of cause and effect ("pushes it so that it bends"): the effect's verb, all modifiers."""
     merged: list[Clause] = []
+    for before, clause in zip(clauses, clauses[1:]):
+        _share_direction(before, clause)
     for clause in clauses:
         if clause.join is Join.COMMA and clause.verb and merged and merged[-1].head is not None:
             participle = clause.verb.form.endswith("ing") and not merged[-1].head.form.endswith("ing")
-            clause.join = Join.RESULT if participle else Join.COMMA
+            beside = participle and _is_moving_beside(merged[-1], clause)
+            clause.join = Join.WHILE if beside else Join.RESULT if participle else Join.COMMA
         related = clause.join is Join.RESULT
         if merged and _is_carried_off(merged[-1], clause):
             clause.modifiers = [mention for mention in clause.modifiers if mention.phrase != "away"]
             related = True
         related = related or (bool(merged) and _is_moved_by_wind(merged[-1], clause))
+        related = related or (bool(merged) and _is_introducing(merged[-1], clause))
         mergeable = (
             related
             and merged
@@ -400,6 +404,15 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
     return merged
 
 
+def _share_direction(blow: Clause, clause: Clause) -> None:
+    """A blow goes where what it fells goes: "a kick topples it to the right"."""
+    told = clause.select(MentionKind.DIRECTION)
+    if blow.head is None or clause.verb is None or blow.select(*_WHERE) or clause.join is Join.THEN:
+        return
+    if get_verb(blow.head).effect is Effect.STRIKE and get_verb(clause.verb).effect is Effect.TOPPLE:
+        blow.modifiers += told
+
+
 def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:
     """Whether a swaying is the wind's work and goes its way: "wind blows from the left and the plant sways"."""
     if clause.verb is None or wind.head is None or not get_verb(wind.head).wind or clause.join is Join.THEN:
@@ -408,6 +421,20 @@ def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:
     return effect is Effect.LEAN or (
         effect is Effect.SWAY and not clause.select(MentionKind.DIRECTION, MentionKind.FROM)
     )
+
+
+def _is_moving_beside(cause: Clause, clause: Clause) -> bool:
+    """Whether a participle tells another motion at the same time: "push it right, spinning it"."""
+    first, second = get_verb(cause.head), get_verb(clause.verb)
+    pushed = first.effect is Effect.PUSH and not (first.wind or first.generic)
+    return pushed and cause.cause is None and second.effect is Effect.TURN and bool(cause.select(*_WHERE))
+
+
+def _is_introducing(cause: Clause, clause: Clause) -> bool:
+    """Whether a cause stands before a comma and what it does behind: "with great force, it is thrown"."""
+    if cause.verb is not None or cause.cause is None or clause.verb is None or clause.join is not Join.COMMA:
+        return False
+    return clause.cause is None and not cause.select(MentionKind.TIME)
 
 
 def _is_carried_off(cause: Clause, clause: Clause) -> bool:

@@ -10,12 +10,21 @@ from collections.abc import Callable
 
 from physagent_jax.agents.rules.language.clauses import Clause, get_verb
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
-from physagent_jax.agents.rules.language.modifiers import NUMBERS, UNITS, WHOLE_WORDS, Join
+from physagent_jax.agents.rules.language.modifiers import (
+    FUNCTION_WORDS,
+    NUMBERS,
+    UNITS,
+    WHOLE_WORDS,
+    Join,
+    Place,
+)
+from physagent_jax.agents.rules.language.naming import DETERMINERS
+from physagent_jax.agents.rules.language.tokens import FORMS
+from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
 _MOTIONS = (MentionKind.VERB, MentionKind.CAUSE)
 _WAYS = (MentionKind.DIRECTION, MentionKind.FROM, MentionKind.AXIS, MentionKind.PLANE, MentionKind.SENSE)
 _CHOOSABLE = (*_MOTIONS, *_WAYS, MentionKind.PLACE)
-_ARTICLES = frozenset({"the", "a", "an", "its", "his", "her", "their", "this", "that", "my", "your"})
 _DOERS = frozenset({"people", "persons", "hands", "fingers", "fists", "plates"})
 # Before a part or a solid: where it goes along, not what is acted on or run into.
 _PAST = frozenset(
@@ -24,6 +33,11 @@ _PAST = frozenset(
 _GOALS = frozenset({"to", "toward", "towards", "into", "onto", "from"})
 _NAMELESS_PARTS = frozenset({"end", "ends", "part", "parts", "side", "corner", "edge"})
 _POSTURES = frozenset({"stand", "sit", "lay", "lie", "rest"})
+_BECOMING = frozenset({"get", "gets", "getting", "become", "becomes", "becoming", "got", "became"})
+_KEEPING = frozenset({"keep", "keeps", "keeping", "kept"})
+_SCENE = frozenset({"ground", "floor", "table", "ceiling", "wall", "walls", "sky"})
+_MEASURES = (MentionKind.QUANTITY, MentionKind.COMPARATIVE, MentionKind.INTENSITY, MentionKind.DEGREE)
+_PARTICLES = frozenset({"in", "out", "around", "about", "through", "across", "along"})
 
 
 def find_constructions(mentions: list[Mention], clauses: list[Clause]) -> list[str]:
@@ -37,10 +51,14 @@ def _find_comparison(mentions: list[Mention], index: int) -> list[str]:
     mention = mentions[index]
     if mention.form == "than":
         return ["What is compared by 'than' is not understood."]
-    doubled = _get_phrase(mentions, index + 1) == "and" and _get_phrase(mentions, index + 2) == mention.phrase
+    pair = mentions[index + 1 : index + 3]
+    doubled = len(pair) == 2 and pair[0].phrase == "and" and pair[1].words.lower() == mention.words.lower()
     if doubled and mention.kind is not MentionKind.JOIN:
         return [f"How it changes by '{mention.words} and {mention.words}' is not understood."]
     each = any(other.form in ("each", "every") for other in mentions[max(index - 3, 0) : index + 4])
+    becomes = mention.kind is MentionKind.COMPARATIVE and _get_phrase(mentions, index - 1) in _BECOMING
+    if becomes:
+        return [f"How it changes by '{mention.words}' is not understood."]
     if mention.kind is MentionKind.COMPARATIVE and each:
         return [f"How '{mention.words}' grows from time to time is not understood."]
     return []
@@ -68,7 +86,9 @@ def _find_loose_number(mentions: list[Mention], index: int) -> list[str]:
 
 
 def _find_explanation(mentions: list[Mention], index: int) -> list[str]:
-    """Says "it rises: it gets taller"."""
+    """Says "it rises: it gets taller", "twice: first left, then right"."""
+    if mentions[index].words == ":" and any(m.kind is MentionKind.REPEAT for m in mentions[:index]):
+        return ["What is counted before ':' is not understood."]
     if mentions[index].words == ":" and _has_motion(mentions[:index]) and _has_motion(mentions[index:]):
         return ["Whether what stands behind ':' happens besides is not understood."]
     return []
@@ -90,7 +110,7 @@ def _find_passage(mentions: list[Mention], index: int) -> list[str]:
     """Says "over the wall", "around its neck"."""
     mention = mentions[index]
     before = index - 1
-    while before >= 0 and mentions[before].phrase in _ARTICLES:
+    while before >= 0 and mentions[before].phrase in DETERMINERS:
         before -= 1
     preposition = _get_phrase(mentions, before)
     along = mention.kind is MentionKind.SOLID and mentions[before].form in ("down", "up")
@@ -104,19 +124,25 @@ def _find_nameless_part(mentions: list[Mention], index: int) -> list[str]:
     """Says "one end of it", "on its side"."""
     mention, before = mentions[index], _get_phrase(mentions, index - 1)
     if mention.kind is MentionKind.FUNCTION and mention.form in _NAMELESS_PARTS:
-        if before in _ARTICLES | {"one", "other"}:
+        if before in DETERMINERS | {"one", "other", "no"}:
             return [f"Which part '{before} {mention.words}' is, is not understood."]
     return []
 
 
 def _find_posture(mentions: list[Mention], index: int) -> list[str]:
-    """Says "lay it on its back", "stand the robot up": something is done, and not stillness."""
+    """Says "lay it on its back", "it stands on its head": something is done, and not stillness."""
     mention = mentions[index]
-    if mention.kind is not MentionKind.VERB or mention.form not in _POSTURES:
+    if mention.kind is not MentionKind.VERB or FORMS.get(mention.form) not in _POSTURES:
+        return []
+    place = _find_telling(mentions, index, 1)
+    if place is not None and isinstance(place.value, Place) and "down" not in place.value.names:
+        if any(m.phrase in ("on", "upon") for m in mentions[index : index + 3]):
+            return [f"How it comes to be on its {place.words} is not understood."]
+    if mention.form not in _POSTURES:
         return []
     behind = mentions[index + 1] if index + 1 < len(mentions) else None
     imperative = index == 0 or mentions[index - 1].kind is MentionKind.JOIN
-    if imperative and behind is not None and behind.phrase in _ARTICLES | {"it", "him", "them"}:
+    if imperative and behind is not None and behind.phrase in DETERMINERS | {"it", "him", "them"}:
         return [f"What '{mention.words}' does is not understood."]
     return []
 
@@ -124,7 +150,7 @@ def _find_posture(mentions: list[Mention], index: int) -> list[str]:
 def _find_thing(mentions: list[Mention], index: int) -> list[str]:
     """Says "on a swing": a thing, although the word is a verb elsewhere."""
     mention = mentions[index]
-    placed = _get_phrase(mentions, index - 1) in _ARTICLES and _get_phrase(mentions, index - 2) in (
+    placed = _get_phrase(mentions, index - 1) in DETERMINERS and _get_phrase(mentions, index - 2) in (
         "on",
         "under",
     )
@@ -133,11 +159,90 @@ def _find_thing(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
+def _find_particle(mentions: list[Mention], index: int) -> list[str]:
+    """Says "in and out", "it is pushed around", "face it to the right"."""
+    mention, before = mentions[index], _get_phrase(mentions, index - 1)
+    after = mentions[index + 1] if index + 1 < len(mentions) else None
+    ends = after is None or after.kind in (MentionKind.JOIN, MentionKind.TIME, MentionKind.REPEAT)
+    told = _find_telling(mentions, index, -1)
+    turns = any(isinstance(m.value, Verb) and m.value.effect is Effect.TURN for m in mentions[:index])
+    loose = told is not None and told.kind is not MentionKind.JOIN and not turns
+    if mention.kind is MentionKind.FUNCTION and mention.form in _PARTICLES and ends and loose:
+        return [f"Which way '{mention.words}' is, is not understood."]
+    if mention.kind is MentionKind.PLACE and mention.phrase in ("face", "head"):
+        if (
+            after is not None
+            and before not in DETERMINERS
+            and after.phrase in DETERMINERS | {"it", "to", "toward"}
+        ):
+            return [f"What '{mention.words} {after.words}' does is not understood."]
+    return []
+
+
+def _find_keeping(mentions: list[Mention], index: int) -> list[str]:
+    """Says "keep the feet on the ground", "keep its width"."""
+    mention, kept = mentions[index], _find_telling(mentions, index, 1)
+    keeps = mention.kind is MentionKind.FUNCTION and mention.form in _KEEPING
+    if (
+        keeps
+        and kept is not None
+        and kept.kind in (MentionKind.PLACE, MentionKind.AXIS, MentionKind.EXCLUDED)
+    ):
+        return [f"What is to be kept of '{kept.words}' is not understood."]
+    return []
+
+
+def _find_measured_gravity(mentions: list[Mention], index: int) -> list[str]:
+    """Says "gravity is halved", "low gravity"."""
+    mention = mentions[index]
+    around = mentions[max(index - 1, 0) : index + 4]
+    if mention.phrase != "gravity" or not any(m.kind in _MEASURES for m in around):
+        return []
+    return ["How strong gravity is cannot be told here, only whether it acts and which way."]
+
+
+def _find_moved_scene(mentions: list[Mention], index: int) -> list[str]:
+    """Says "the floor tilts", "a wall moves towards it"; a floor that shakes shakes what stands on it."""
+    mention = mentions[index]
+    if mention.form not in _SCENE or _get_phrase(mentions, index - 1) not in DETERMINERS:
+        return []
+    begins = index < 2 or mentions[index - 2].kind is MentionKind.JOIN
+    behind = index + 1
+    while behind < len(mentions) and mentions[behind].phrase in ("is", "are", "was", "comes", "starts", "to"):
+        behind += 1
+    does = mentions[behind].value if begins and behind < len(mentions) else None
+    if isinstance(does, Verb) and does.effect not in (Effect.SWAY, Effect.STILL):
+        return [f"'{mention.words}' does not move here."]
+    return []
+
+
+def _find_pair(mentions: list[Mention], index: int) -> list[str]:
+    """Says "the dog and the cat"."""
+    if mentions[index].form != "and" or not 0 < index < len(mentions) - 1:
+        return []
+    after = index + 1
+    while after < len(mentions) - 1 and mentions[after].phrase in DETERMINERS:
+        after += 1
+    first, second = mentions[index - 1], mentions[after]
+    nouns = all(_is_noun(mentions, at) for at in (index - 1, after)) and first.phrase != second.phrase
+    return [f"'{first.words} and {second.words}' are more than one object."] if nouns else []
+
+
+def _is_noun(mentions: list[Mention], index: int) -> bool:
+    """Whether a word that does nothing by itself stands behind an article."""
+    mention = mentions[index]
+    return (
+        mention.kind in (MentionKind.FUNCTION, MentionKind.UNKNOWN)
+        and mention.form not in FUNCTION_WORDS
+        and _get_phrase(mentions, index - 1) in DETERMINERS
+    )
+
+
 def _find_omission(mentions: list[Mention], index: int) -> list[str]:
-    """Says "everything but rotate it"."""
+    """Says "everything but rotate it", "anything but gently"."""
     mention, after = mentions[index], _find_telling(mentions, index, 1)
-    leaves_out = mention.value is Join.BUT and _get_phrase(mentions, index - 1) in WHOLE_WORDS
-    if leaves_out and after is not None and after.kind in _MOTIONS:
+    leaves_out = mention.value is Join.BUT and _get_phrase(mentions, index - 1) in (*WHOLE_WORDS, "anything")
+    if leaves_out and after is not None and not isinstance(after.value, Place):
         return [f"What is left when '{after.words}' is left out is not understood."]
     return []
 
@@ -145,7 +250,11 @@ def _find_omission(mentions: list[Mention], index: int) -> list[str]:
 def _find_denial(mentions: list[Mention], index: int) -> list[str]:
     """Says "not to the left" and no other way: the one that is assumed might be the same."""
     mention, denied = mentions[index], _find_telling(mentions, index, 1)
-    if mention.kind is not MentionKind.NOT or denied is None or denied.kind not in _WAYS:
+    if (
+        mention.kind is not MentionKind.NOT
+        or denied is None
+        or denied.kind not in (*_WAYS, MentionKind.PLACE)
+    ):
         return []
     if any(m.kind is denied.kind and m is not denied for m in mentions):
         return []
@@ -173,6 +282,11 @@ _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_nameless_part,
     _find_posture,
     _find_thing,
+    _find_particle,
+    _find_keeping,
+    _find_measured_gravity,
+    _find_moved_scene,
+    _find_pair,
     _find_omission,
     _find_denial,
 )

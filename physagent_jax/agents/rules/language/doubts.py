@@ -10,12 +10,11 @@ from physagent_jax.agents.rules.language.clauses import Clause, get_verb
 from physagent_jax.agents.rules.language.constructions import find_constructions
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import LOCATIONS, PARTS, Place
-from physagent_jax.agents.rules.language.naming import is_telling
+from physagent_jax.agents.rules.language.naming import DETERMINERS, PREPOSITIONS, is_telling
 from physagent_jax.agents.rules.language.tokens import FORMS
 from physagent_jax.agents.rules.language.verbs import CAUSES, Effect
 from physagent_jax.agents.schema import SceneBrief
 
-DETERMINERS = frozenset({"the", "a", "an", "this", "that", "my", "your", "its", "his", "her", "their"})
 # Parts that no direction tells the place of; "the handle" is never the object.
 UNPLACED_PARTS = frozenset(
     (
@@ -27,12 +26,6 @@ UNPLACED_PARTS = frozenset(
 # Other things, when something is done to them; elsewhere they are who or what acts.
 THINGS = frozenset({"ball", "hammer", "rope", "string", "stick"})
 _LEAST_WORDS, _MOST_UNKNOWN = 3, 0.5
-PREPOSITIONS = frozenset(
-    (
-        "in on to into onto at by for from with within under over against through across along about around off near "
-        "upon like until towards toward"
-    ).split()
-)
 _TELLING = (
     MentionKind.DIRECTION,
     MentionKind.FROM,
@@ -145,6 +138,7 @@ def find_doubts(
     for clause in clauses:
         holds = clause.verb is not None and get_verb(clause.verb).effect is Effect.HOLD and not clause.negated
         ways = [m for m in clause.select(MentionKind.DIRECTION) if holds and m.value != ("down",)]
+        ways += [m for m in clause.select(MentionKind.FROM) if holds and m.value != ("up",)]
         if ways:
             doubts.append(f"How it is held '{ways[0].words}' is not understood.")
     doubts += [
@@ -160,7 +154,8 @@ def find_doubts(
         doubts += [
             f"Whether '{m.words}' is the whole object or a part of it is not known."
             for m in mentions
-            if isinstance(m.value, Place) and m.phrase in brief.object_nouns and m.phrase not in PARTS
+            if isinstance(m.value, Place) and m.value.start < 0.5 and m.phrase in brief.object_nouns
+            if m.phrase not in PARTS
         ]
     doubts += find_constructions(mentions, clauses)
     return list(dict.fromkeys(doubts))

@@ -57,7 +57,7 @@ _USED: dict[Effect, frozenset[MentionKind]] = {
     Effect.BURST: _ALL_SIDES,
     Effect.TURN: _LINES | _PARTED | _TURNING,
     Effect.ROLL: _LINES,
-    Effect.FALL: _WAYS,
+    Effect.FALL: _LINES,
     Effect.TOPPLE: _WAYS,
     Effect.JUMP: _LINES,
     Effect.HOLD: frozenset(_TELLING),
@@ -144,6 +144,8 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         verb, phrase = replace(VERBS["sway"], strength=verb.strength), "sway"
     if verb.effect is Effect.FALL and any(repeat.alternate for repeat in find_repeats(clause)):
         verb, phrase = VERBS["bob"], "bob"  # "bounces up and down"
+    if verb.effect is Effect.SWELL and clause.select(*_LINES):
+        verb = replace(verb, effect=Effect.SCALE)  # "expands horizontally", "grows upwards"
     words = _quote(clause)
     strength, strength_source = _resolve_strength(clause, verb, before if clause.inherited else None)
     place = next(iter(find_places(clause)), None)

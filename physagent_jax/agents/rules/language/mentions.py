@@ -219,12 +219,18 @@ class MentionParser:
                 continue
             if towards:
                 return self._make_direction(names, phrase, [at])
-            if phrase == "back" and self._get_text(at + 1) in ("to", "toward", "towards"):
+            if phrase == "back" and self._is_told_where(at):
                 return self._make_mention(MentionKind.FUNCTION, None, phrase, [at])  # "back to the left"
             if phrase != "back" or self._is_after_determiner(at):
                 return self._make_mention(MentionKind.PLACE, m.Place(names, 2 / 3), phrase, [at])
             return self._make_mention(MentionKind.DIRECTION, names, phrase, [at])
         return None
+
+    def _is_told_where(self, at: int) -> bool:
+        """Whether "back" goes a way that is named ("back to the left"), not to where it came from."""
+        if self._get_text(at + 1) not in ("to", "toward", "towards"):
+            return False
+        return any(self._get_text(at + reach) in (*m.DIRECTIONS, *m.ENDS, *m.PLACES) for reach in (2, 3))
 
     def _is_longer_phrase(self, at: int) -> bool:
         """Whether a fixed phrase begins here: "back and forth" is not the back."""

@@ -75,7 +75,7 @@ DIRECTIONS: dict[str, Names] = _spread(
         "against the ground, beneath": ("down",),
         "forward, forwards, toward us, towards us, toward me, towards me, at us, "
         "toward the camera, towards the camera, to the camera, at the camera, toward the viewer, "
-        "towards the viewer, to the viewer, out of the screen, closer, out of the picture, "
+        "towards the viewer, to the viewer, to us, to me, to you, out of the screen, closer, out of the picture, "
         "toward you, towards you, frontward, frontwards, nearer": ("toward",),
         "away, backward, backwards, away from us, away from the camera, away from the viewer, "
         "away from me, behind, into the screen, into the picture, into the distance, rearward, "
@@ -156,7 +156,8 @@ INTENSITIES: dict[str, float] = _spread(
         "great, greatly, energetically, significantly": 1.3,
         "violently, violent, fiercely, fierce, extremely strong, extreme, brutally, brutal, "
         "furiously, furious, wildly, wild, massive, massively, tremendous, enormous, huge, "
-        "ferocious, with all its force, completely, hugely, ferociously, drastically, immense, "
+        "ferocious, with all its force, with all your might, with all its might, with all my might, "
+        "completely, hugely, ferociously, drastically, immense, "
         "as hard as possible, with full force, dramatically, enormously": MAGNITUDE_MAX,
     }
 )

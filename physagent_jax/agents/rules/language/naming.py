@@ -5,9 +5,16 @@ from __future__ import annotations
 import re
 
 from physagent_jax.agents.rules.language.modifiers import FUNCTION_WORDS, PLACES
-from physagent_jax.agents.rules.language.tokens import FORMS, tokenise
+from physagent_jax.agents.rules.language.tokens import FORMS, Token, tokenise
 from physagent_jax.agents.schema import SceneBrief
 
+DETERMINERS = frozenset({"the", "a", "an", "this", "that", "my", "your", "its", "his", "her", "their"})
+PREPOSITIONS = frozenset(
+    (
+        "in on to into onto at by for from with within under over against through across along about around off near "
+        "upon like until towards toward"
+    ).split()
+)
 # Names of files that do not say what is in them; nor do digits, or words of one or two letters.
 _SAYING_NOTHING = frozenset(
     (
@@ -29,7 +36,8 @@ def collect_object_words(prompt: str, brief: SceneBrief) -> frozenset[str]:
     texts = [token.text for token in tokens]
     places = [at for at, text in enumerate(texts) if text in own]
     if not places:
-        return frozenset(own | nouns)
+        said = {text for at, text in enumerate(texts) if text in nouns and not _is_placing(tokens, at)}
+        return frozenset(own | said)
     beside = set()
     for at in places:
         beside.update(texts[max(at - 1, 0) : at])
@@ -40,6 +48,16 @@ def collect_object_words(prompt: str, brief: SceneBrief) -> frozenset[str]:
         if texts[at + 1 : at + 2] == ["of"]:
             beside.update(texts[at + 2 : at + 3])
     return frozenset(own | (beside & nouns))
+
+
+def _is_placing(tokens: list[Token], at: int) -> bool:
+    """Whether a noun tells where or with what ("in the water", "with snow"); "press on the cake" is done to it."""
+    before = at - 1
+    while before > 0 and tokens[before].text in DETERMINERS:
+        before -= 1
+    if before < 0 or tokens[before].text not in PREPOSITIONS:
+        return False
+    return tokens[before].text not in ("on", "at") or tokens[before - 1].text not in FORMS
 
 
 def is_telling(name: str) -> bool:

@@ -208,7 +208,8 @@ def _match_unit(
         behind += 2 if _get(tokens, behind + 1) == "as" else 1
         return Quantity(value, "share", dimension, acts=True), behind
     found, dimension = _match_dimension(tokens, at)
-    if dimension and not bare and _get(tokens, at) in _OWNERS:
+    owned = at < len(tokens) and tokens[at].possessive  # "a chair's length"
+    if dimension and (owned or not bare and _get(tokens, at) in _OWNERS):
         return Quantity(
             value, "share", dimension, relative and part, goal=_get(tokens, start - 2) == "to"
         ), found

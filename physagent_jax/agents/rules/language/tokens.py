@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from physagent_jax.agents.rules.language.verbs import IRREGULAR_FORMS, VERBS
 
 # A word with its contraction, a number, or a mark of punctuation that can end a clause.
-_TOKEN = re.compile(r"\d{1,9}(?:\.\d{1,9})?|[^\W\d_]+(?:'[^\W\d_]+)?|[,;.!?:\n\u2014\u2013%\u00b0/]")
-_SIGNS = {"%": "percent", "\u00b0": "degrees", "/": "per"}
+_TOKEN = re.compile(
+    r"(?<!\w)[-\u2212](?=\d)|\d{1,9}(?:\.\d{1,9})?|[^\W\d_]+(?:'[^\W\d_]+)?|[,;.!?:\n\u2014\u2013%\u00b0/]"
+)
+_SIGNS = {"%": "percent", "\u00b0": "degrees", "/": "per", "-": "minus", "\u2212": "minus"}
 _VOWELS = "aeiou"
 
 

@@ -135,7 +135,8 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     ("turn, pivot", Verb(_D.TURN, direction="up")),
     ("rotate, revolve", Verb(_D.TURN, direction="up")),
     (
-        "flip, somersault, tumble, cartwheel, turn over, turn ~ over, turn upside down, turn ~ upside down",
+        "flip, somersault, tumble, cartwheel, turn over, turn ~ over, roll over, roll ~ over, turn upside down, "
+        "turn ~ upside down",
         Verb(_D.TURN, direction="toward"),
     ),
     ("roll", Verb(_D.ROLL)),
@@ -144,7 +145,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         "drop, fall, plummet, plunge, land, let fall, let ~ fall, fall down, collapse, bounce, "
         "release ~ from, let ~ drop, hit the ground, hit the floor, strike the ground, "
         "touch the ground, reach the ground, hit the table, crash to the ground, crash down, "
-        "come down, crash to the floor, drop down, crash",
+        "come down, crash to the floor, drop down, crash, bounce off the ground, bounce off the floor",
         Verb(_D.FALL),
     ),
     (
@@ -280,7 +281,9 @@ CAUSES = _build_table(_CAUSE_ROWS)
 # Verbs whose clockwise is meant in the picture plane; the others turn about the vertical, seen from above.
 PICTURE_PLANE_TURNS = frozenset({"rotate", "revolve", "flip", "tumble", "cartwheel", "somersault", "roll"})
 # Their direction is where the top goes.
-TUMBLES = frozenset({"flip", "tumble", "somersault", "cartwheel", "turn over", "turn ~ over"})
+TUMBLES = frozenset(
+    {"flip", "tumble", "somersault", "cartwheel", "turn over", "turn ~ over", "roll over", "roll ~ over"}
+)
 # They turn by half a turn unless the sentence says otherwise.
 TURNED_OVER = frozenset({"turn upside down", "turn ~ upside down"})
 # After "the", these are things rather than verbs ("the rock rocks").
