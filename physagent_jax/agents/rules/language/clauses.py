@@ -179,7 +179,10 @@ def _add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> 
             is_hold = participle and (
                 kept or fresh and _is_bare_hold(clause)
             )  # "hold it bent", "keep it bent"
-            if clause.verb is not None and not is_hold and (negated or not _is_replaceable(clause.verb)):
+            replaceable = clause.verb is not None and (
+                _is_replaceable(clause.verb) or _is_becoming(clause.verb, mention)
+            )
+            if clause.verb is not None and not is_hold and (negated or not replaceable):
                 clause = Clause(Join.AND)
                 clauses.append(clause)
             clause.stays = is_hold and get_verb(mention).effect in _HOLDABLE
@@ -275,13 +278,23 @@ def _is_absorbed(clause: Clause, mention: Mention, fresh: bool) -> bool:
     if clause.verb is None or not fresh:
         return False
     first, second = get_verb(clause.verb), get_verb(mention)
-    stops = first.effect is Effect.STILL and not first.generic
-    return stops or (second.generic and first.effect is not Effect.STILL)
+    stops = (
+        first.effect is Effect.STILL and not first.generic and not clause.negated
+    )  # "never stops spinning"
+    return stops or (
+        second.generic and first.effect is not Effect.STILL and not _is_becoming(clause.verb, mention)
+    )
 
 
 def _is_replaceable(mention: Mention) -> bool:
     """Whether a verb only announces the next one: "goes spinning", "stands swaying"."""
     return get_verb(mention).generic
+
+
+def _is_becoming(first: Mention, second: Mention) -> bool:
+    """Whether an adjective tells how it grows: "grows taller"."""
+    result = get_verb(second)
+    return get_verb(first).effect is Effect.SWELL and result.effect is Effect.SCALE and result.generic
 
 
 def _split_turning_winds(clauses: list[Clause]) -> list[Clause]:
@@ -365,6 +378,8 @@ def _apply_holding(clauses: list[Clause]) -> list[Clause]:
             last.stays = follows is None
             last.mentions += clause.mentions
         elif follows is None or get_verb(follows.head).effect not in (Effect.FALL, Effect.RELEASE):
+            if clause.verb is not None and clause.verb.phrase.startswith(("stay", "remain")):
+                clause.verb = replace(clause.verb, value=VERBS["stay put"], phrase="stay put")
             result.append(clause)
     return result
 

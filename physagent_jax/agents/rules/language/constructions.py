@@ -24,6 +24,7 @@ from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
 _MOTIONS = (MentionKind.VERB, MentionKind.CAUSE)
 _WAYS = (MentionKind.DIRECTION, MentionKind.FROM, MentionKind.AXIS, MentionKind.PLANE, MentionKind.SENSE)
+_DIRECTED = (Effect.PUSH, Effect.LEAN, Effect.STRIKE, Effect.ROLL, Effect.TOPPLE)
 _CHOOSABLE = (*_MOTIONS, *_WAYS, MentionKind.PLACE)
 _DOERS = frozenset({"people", "persons", "hands", "fingers", "fists", "plates"})
 # Before a part or a solid: where it goes along, not what is acted on or run into.
@@ -43,7 +44,7 @@ _PARTICLES = frozenset({"in", "out", "around", "about", "through", "across", "al
 def find_constructions(mentions: list[Mention], clauses: list[Clause]) -> list[str]:
     """Plain sentences about constructions that were not understood."""
     doubts = [doubt for index in range(len(mentions)) for rule in _RULES for doubt in rule(mentions, index)]
-    return doubts + _find_restated(clauses)
+    return doubts + _find_restated(clauses) + _find_denied_way(clauses)
 
 
 def _find_comparison(mentions: list[Mention], index: int) -> list[str]:
@@ -56,6 +57,9 @@ def _find_comparison(mentions: list[Mention], index: int) -> list[str]:
     if doubled and mention.kind is not MentionKind.JOIN:
         return [f"How it changes by '{mention.words} and {mention.words}' is not understood."]
     each = any(other.form in ("each", "every") for other in mentions[max(index - 3, 0) : index + 4])
+    alike = mention.kind is MentionKind.INTENSITY and "as" in (mention.form, _get_phrase(mentions, index - 1))
+    if alike and _get_phrase(mentions, index + 1) == "as":
+        return [f"What is as '{mention.words}' as it is not understood."]
     becomes = mention.kind is MentionKind.COMPARATIVE and _get_phrase(mentions, index - 1) in _BECOMING
     if becomes:
         return [f"How it changes by '{mention.words}' is not understood."]
@@ -170,11 +174,8 @@ def _find_particle(mentions: list[Mention], index: int) -> list[str]:
     if mention.kind is MentionKind.FUNCTION and mention.form in _PARTICLES and ends and loose:
         return [f"Which way '{mention.words}' is, is not understood."]
     if mention.kind is MentionKind.PLACE and mention.phrase in ("face", "head"):
-        if (
-            after is not None
-            and before not in DETERMINERS
-            and after.phrase in DETERMINERS | {"it", "to", "toward"}
-        ):
+        begins = index == 0 or mentions[index - 1].kind is MentionKind.JOIN or before in ("it", "to")
+        if after is not None and begins and after.phrase in DETERMINERS | {"it", "to", "toward"}:
             return [f"What '{mention.words} {after.words}' does is not understood."]
     return []
 
@@ -269,6 +270,17 @@ def _find_restated(clauses: list[Clause]) -> list[str]:
         done = clause.verb is not None and clause.cause is None and not clause.negated
         if alone and done and get_verb(cause.cause).effect is get_verb(clause.verb).effect:
             doubts.append(f"Whether '{cause.words}' and '{clause.words}' are one thing is not understood.")
+    return doubts
+
+
+def _find_denied_way(clauses: list[Clause]) -> list[str]:
+    """Says "push it without toppling it to the right": the way of which of them?"""
+    doubts = []
+    for clause, denied in zip(clauses, clauses[1:]):
+        ways = denied.select(MentionKind.DIRECTION, MentionKind.FROM) if denied.negated else []
+        does = clause.verb is not None and not clause.negated and get_verb(clause.verb).direction is None
+        if ways and does and get_verb(clause.verb).effect in _DIRECTED and not clause.select(*_WAYS):
+            doubts.append(f"What goes '{ways[0].words}' is not understood.")
     return doubts
 
 

@@ -18,7 +18,7 @@ from physagent_jax.agents.rules.language.clauses import (
     get_verb,
 )
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
-from physagent_jax.agents.rules.language.modifiers import Join, Names, Place, Repeat
+from physagent_jax.agents.rules.language.modifiers import ADDRESSEES, Join, Names, Place, Repeat
 from physagent_jax.agents.rules.language.quantities import Quantity
 from physagent_jax.agents.rules.language.solids import Solid
 from physagent_jax.agents.rules.language.timing import TimeSpan
@@ -146,6 +146,8 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         verb, phrase = VERBS["bob"], "bob"  # "bounces up and down"
     if verb.effect is Effect.SWELL and clause.select(*_LINES):
         verb = replace(verb, effect=Effect.SCALE)  # "expands horizontally", "grows upwards"
+    if verb.effect is Effect.SWAY:
+        clause.modifiers = [m for m in clause.modifiers if m.phrase not in ADDRESSEES]
     words = _quote(clause)
     strength, strength_source = _resolve_strength(clause, verb, before if clause.inherited else None)
     place = next(iter(find_places(clause)), None)
@@ -173,8 +175,8 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         direction_source = replace(direction_source, why="back where it came from")
     target, doubts = _resolve_amount(clause, verb, before)
     if verb.effect is Effect.TURN and repeat.count is not None and not repeat.alternate and not target.amount:
-        # "spin three times" counts turns
-        target = Target(Amount(value=360.0 * repeat.count, unit="degrees"))
+        if not repeat.vague:  # "spin three times" counts turns
+            target = Target(Amount(value=360.0 * repeat.count, unit="degrees"))
         repeat = replace(repeat, count=None)
     if phrase in TURNED_OVER and target.amount is None:
         target = Target(Amount(value=180.0, unit="degrees"))
@@ -343,6 +345,11 @@ def _resolve_strength(clause: Clause, verb: Verb, before: Event | None) -> tuple
             degree = 1.0
         else:
             value = mention.value * (before.strength if before else value)
+    told = [m.value for m in clause.select(MentionKind.INTENSITY) if isinstance(m.value, float)]
+    if (
+        told and degree == 1.0 and verb.strength >= 0.8
+    ):  # a word for how strong it is outweighs the verb's own
+        value = max(value, 1.2) if min(told) >= 1.3 else min(value, 0.7) if max(told) <= 0.6 else value
     value = round(clamp(value, MAGNITUDE_MIN, MAGNITUDE_MAX), 3)
     if words:
         return value, ValueSource(", ".join(words), "intensity words")
@@ -423,6 +430,9 @@ def _assume_direction(
     words = clause.words
     if verb.effect in (Effect.FALL, Effect.HOLD, Effect.RELEASE, Effect.STILL, Effect.SWELL, Effect.BURST):
         return None, repeat, ValueSource(words, "needs no direction"), []
+    out = [m for m in clause.select(MentionKind.ANCHOR) if m.phrase.startswith("out of")]
+    if out and verb.effect is Effect.PUSH:  # "pull it out of the pot"
+        return brief.directions.up, repeat, ValueSource(out[0].words, "up, out of what holds it"), []
     name = verb.direction or ASSUMED
     vector = normalise(_sum_directions((name,), brief))
     source = ValueSource(words, f"no direction given: {name} by default")
@@ -517,7 +527,7 @@ def _resolve_repeat(clause: Clause) -> Repeat:
     found = find_repeats(clause)
     count = next((r.count for r in found if r.count is not None), None)
     names = next((r.names for r in found if r.names), ())
-    return Repeat(count, any(r.alternate for r in found), names)
+    return Repeat(count, any(r.alternate for r in found), names, any(r.vague for r in found))
 
 
 def _resolve_time(clause: Clause, verb: Verb) -> tuple[TimeSpan, ValueSource]:

@@ -283,6 +283,10 @@ class MentionParser:
             self._get_preposition(at) == "from" or self._is_locating_cause(words)
         ):
             kind = MentionKind.FROM
+        elif kind is MentionKind.DIRECTION and words == ("away",) and self._is_way_told_behind(at):
+            kind, value = MentionKind.FUNCTION, None  # "flies away to the right"
+        elif kind is MentionKind.INTENSITY and self._is_thing(at, len(used)):
+            kind, value = MentionKind.UNKNOWN, None  # "towards the light"
         elif kind is MentionKind.INTENSITY and self._is_describing_thing(at, len(used)):
             kind, value = MentionKind.FUNCTION, None
         return self._make_mention(kind, value, " ".join(words), used)
@@ -347,11 +351,20 @@ class MentionParser:
             (i for i in range(at, len(self.tokens)) if self.tokens[i].text == "over"), len(self.tokens)
         )
         behind = self._get_text(over + 1)
-        return behind in _DETERMINERS or parse_number(self.tokens, over + 1) is not None
+        counted = parse_number(self.tokens, over + 1)
+        return behind in _DETERMINERS or (counted is not None and self._get_text(counted[1]) in m.UNITS)
 
     def _is_locating_cause(self, words: tuple[str, ...]) -> bool:
         """Whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
         return words[0] in m.LOCATIONS and bool(self.mentions) and self.mentions[-1].kind is MentionKind.CAUSE
+
+    def _is_way_told_behind(self, at: int) -> bool:
+        return self._get_text(at + 1) == "to" and self._get_text(at + 3) in ("left", "right")
+
+    def _is_thing(self, at: int, size: int) -> bool:
+        """Whether a word for strength stands as a noun: "the light", "a high"."""
+        after = self.tokens[at + size] if at + size < len(self.tokens) else None
+        return size == 1 and self._is_after_determiner(at) and (after is None or after.text in _BEHIND_NOUNS)
 
     def _is_describing_thing(self, at: int, size: int) -> bool:
         """Whether an adjective belongs to a thing ("the heavy robot") rather than to what happens ("a heavy blow")."""
@@ -382,6 +395,9 @@ class MentionParser:
         return self._get_text(before)
 
 
+_BEHIND_NOUNS = frozenset(
+    {".", ",", ";", "!", "?", "and", "on", "in", "at", "from", "to", "of", "above", "below"}
+)
 _AGAINST = frozenset({"against", "into", "at", "onto", "on", "off"})
 
 

@@ -37,11 +37,13 @@ class Repeat:
         count: Number of cycles or repetitions; None leaves the verb's own.
         alternate: To and fro instead of again and again.
         names: The direction of the first swing, if the phrase names it.
+        vague: It says "often", not how often.
     """
 
     count: int | None = None
     alternate: bool = False
     names: Names = ()
+    vague: bool = False
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,8 @@ DIRECTIONS: dict[str, Names] = _spread(
         "lower right, bottom right": ("down", "right"),
     }
 )
+# After a verb of swaying these are whom it greets: "wave to us".
+ADDRESSEES = frozenset({"to us", "to me", "to you", "at us"})
 # Directions that tell a place rather than a way when they follow a cause.
 LOCATIONS = frozenset({"above", "below", "beneath", "underneath", "behind", "overhead"})
 # Words for an end of the object that also serve as directions after "to the" and "from the".
@@ -143,7 +147,8 @@ VIEWS: dict[str, Names] = _spread(
 
 INTENSITIES: dict[str, float] = _spread(
     {
-        "slightly, slight, barely, minimally, faint, faintly, a tiny bit, a touch, a tad": MAGNITUDE_MIN,
+        "slightly, slight, barely, minimally, faint, faintly, a tiny bit, a touch, a tad, "
+        "as gently as possible, as gently as you can, as softly as possible": MAGNITUDE_MIN,
         "gently, gentle, softly, soft, a bit, a little, a little bit, weak, weakly, lightly, "
         "light, mild, mildly, little, tiny, delicately, delicate, subtle, subtly, small, calm, "
         "calmly, carefully, tender, tenderly": 0.5,
@@ -158,7 +163,8 @@ INTENSITIES: dict[str, float] = _spread(
         "furiously, furious, wildly, wild, massive, massively, tremendous, enormous, huge, "
         "ferocious, with all its force, with all your might, with all its might, with all my might, "
         "completely, hugely, ferociously, drastically, immense, "
-        "as hard as possible, with full force, dramatically, enormously": MAGNITUDE_MAX,
+        "as hard as possible, as hard as you can, as strongly as possible, with full force, "
+        "dramatically, enormously": MAGNITUDE_MAX,
     }
 )
 DEGREES: dict[str, float] = _spread(
@@ -183,7 +189,7 @@ REPEATS: dict[str, Repeat] = _spread(
         "thrice": Repeat(3),
         "once": Repeat(1),
         "repeatedly, again and again, several times, a few times, many times, multiple times, "
-        "a couple of times, over and over, over and over again": Repeat(3),
+        "a couple of times, over and over, over and over again": Repeat(3, vague=True),
         "changing direction, changes direction, back and forth, to and fro, alternating, "
         " alternatingly, alternately, rhythmically, "
         "periodically, and back, and back again": Repeat(None, alternate=True),
@@ -309,7 +315,8 @@ ANCHORS: dict[str, str] = _spread(
 
 JOINS: dict[str, Join] = _spread(
     {
-        "then, and then, after that, afterwards, afterward, finally, next, later, followed by, "
+        "then, and then, in the end, and in the end, after that, "
+        "afterwards, afterward, finally, next, later, followed by, "
         "subsequently, lastly, at last, eventually, after a while, after a moment, a moment later, "
         "thereafter, followed, and finally, thereupon, and after that": Join.THEN,
         "while, as, when, whilst, at the same time, simultaneously, meanwhile, and at the same time": Join.WHILE,
@@ -363,7 +370,7 @@ MOMENTS: dict[str, tuple[float | None, float | None]] = _spread(
     {
         "briefly, for a moment, shortly, momentarily, for an instant, for a split second": (None, -1.0),
         "suddenly, sudden, abruptly, instantly": (None, None),
-        "at the end, towards the end, near the end": (0.75, 0.25),
+        "at the end, towards the end, toward the end, near the end": (0.75, 0.25),
         "at the beginning, at the start, at first, in the beginning, initially": (None, None),
         "immediately, right away, at once, right now, from the start": (0.0, None),
         "halfway through, midway, halfway, in the middle of the clip, half way through": (0.5, None),
@@ -385,7 +392,8 @@ FUNCTION_WORDS = frozenset(
         "given giving take takes took taken put puts keep keeps kept start starts started starting begin begins began "
         "beginning become becomes became try tries continue continues come comes came coming act acts acting applied "
         "apply applies applying receive receives received undergo undergoes experience experiences feel feels want "
-        "wants touch touching touched arrive arrives reach reaches happen happens likes please ok "
+        "wants thank thanks kindly see show mind wish hope "
+        "touch touching touched arrive arrives reach reaches happen happens likes please ok "
         "someone somebody person people something nothing anything everything hand hands finger fingers fist fists "
         "hammer ball foot feet rope string invisible giant "
         "between two three object thing model subject scene video clip camera viewer axis direction side way bit "
@@ -407,6 +415,12 @@ FUNCTION_PHRASES = frozenset(
         "sort of",
         "as if",
         "as though",
+        "would ~ look like",
+        "does ~ look like",
+        "would ~ look",
+        "does ~ look",
+        "will ~ look",
+        "will ~ look like",
         "lots of",
         "each other",
     }

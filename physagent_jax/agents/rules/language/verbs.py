@@ -159,7 +159,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         "hold, fix, anchor, clamp, pin, attach, glue, nail, bolt, root, fasten, tie, stick, "
         "secure, mount, hold ~ there, keep ~ there, hold ~ that way, keep ~ that way, "
         "hold ~ in place, keep ~ in place, keep ~ fixed, hold ~ fixed, "
-        "hold ~ still, keep ~ still",
+        "hold ~ still, keep ~ still, stay there, remain there, stay that way, remain that way",
         Verb(_D.HOLD),
     ),
     ("hang, suspend, dangle", Verb(_D.HOLD, holds="top")),
