@@ -392,7 +392,20 @@ def test_floating_is_where_it_is_and_not_what_has_to_be_still(sentence):
         "an earthquake! it trembles",
         "push it clockwise",
         "drop it three times",
-        "it falls upside down by its head",
+        "push it without toppling it to the right",
+        "lift it without the head moving",
+        "keep the feet on the ground and lean it to the left",
+        "push it anything but gently",
+        "gravity is halved",
+        "the floor tilts to the left",
+        "it stands on its head",
+        "push it left as hard as the wind",
+        "it moves in and out",
+        "face it to the right",
+        "rotate it by -45 degrees",
+        "push the cup and the saucer left",
+        "push it twice: first left, then right",
+        "it leans towards the light on the right",
         "push it for two seconds to the left and for one second to the right",
         "move it left by the same amount",
     ],
@@ -418,3 +431,33 @@ def test_a_share_says_by_how_much_or_to_what():
     assert first("press it down to a third of its height").amount.value == pytest.approx(1 / 3)
     assert first("make it three times taller").amount.value == 3
     assert first("turn it upside down").amount.value == 180
+
+
+@pytest.mark.parametrize(
+    ("prompt", "kinds", "direction"),
+    [
+        ("with great force, it is thrown to the right", ["move"], RIGHT),
+        ("it is carried away to the right", ["move"], RIGHT),
+        ("a kick topples it to the right", ["move", "rotate", "fall"], RIGHT),
+        ("push it right, spinning it", ["move", "rotate"], RIGHT),
+        ("move it left and then back to where it was", ["move", "move"], LEFT),
+        ("it grows taller", ["stretch"], UP),
+        ("it never stops spinning", ["rotate"], UP),
+        ("wave to us three times", ["sway"], LEFT),
+        ("push it left slowly over 3 seconds", ["move"], LEFT),
+        ("pull it out of the ground", ["move"], UP),
+    ],
+)
+def test_what_stands_beside_a_verb_goes_with_it(prompt, kinds, direction):
+    """Causes before a comma, participles, particles and adjectives of result."""
+    reply = read(prompt, ground())
+    assert [motion.kind.value for motion in reply.expectations] == kinds and not reply.unsure
+    assert cosine(reply.expectations[0].direction, direction) > 0.99
+
+
+def test_a_word_for_strength_outweighs_the_verbs_own():
+    """Whatever flutters strongly is seen to be strong; "often" is no target for a turn."""
+    assert first("it flutters strongly").strength >= 1.2
+    assert first("slam it gently to the left").strength <= 0.7
+    assert first("it tumbles over and over").amount is None
+    assert first("it tumbles three times").amount.value == 1080
