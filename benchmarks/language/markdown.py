@@ -40,7 +40,8 @@ _EARLIER = (
         "before-completed",
         "The same parser, after fifteen of the second author's expectations were completed: a fall over may be a turn "
         "and a fall, a hop comes down, wringing turns two ends, what is held still is held, and a turn to the left is "
-        "read either way about the vertical, as the first author's sentences have one of them",
+        "read either way about the vertical, where the first author's sentences have the other way. The turns, two "
+        "sentences, came last, when their groups were seen to be misread",
     ),
 )
 _COLUMNS = (
