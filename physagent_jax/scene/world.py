@@ -139,7 +139,7 @@ def rolls(body: Body) -> bool:
         return False
     ways = [np.array([np.cos(a), np.sin(a)]) for a in np.linspace(0, 2 * np.pi, 12, endpoint=False)]
     risen = [-_find_lowest_height(c * arm[:, 2] - s * (arm[:, :2] @ way)) - height for way in ways]
-    return float(np.mean(risen)) < RISEN * over_edge
+    return bool(np.mean(risen) < RISEN * over_edge)
 
 
 def explain_toppling(world: World, body: Body, anchor: Anchor, *, flows: bool) -> str | None:

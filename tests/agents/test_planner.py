@@ -708,18 +708,23 @@ def test_without_expectations_nothing_can_be_judged_by_rules():
 
 
 @pytest.mark.parametrize(
-    ("fitted", "outline", "half_width", "passed"),
+    ("axis", "fitted", "outline", "half_width", "passed"),
     [
-        (-0.05, -0.25, 0.02, True),  # pressed together at its ends, where few points are followed
-        (-0.2, -0.6, 0.02, False),  # more than the points say
-        (-0.05, -0.25, 0.25, False),  # turned: the outline says nothing
-        (0.0, -0.25, 0.02, False),  # an ear was bent
-        (-0.2, -0.21, 0.02, True),
+        (RIGHT, -0.05, -0.25, 0.02, True),  # pressed together at its ends, where few points are followed
+        (RIGHT, 0.0, -0.25, 0.02, True),
+        (RIGHT, -0.2, -0.6, 0.02, False),  # more than the points say
+        (RIGHT, -0.05, -0.25, 0.25, False),  # turned: the outline says nothing
+        (RIGHT, 0.1, -0.25, 0.02, False),  # they contradict each other
+        (UP, 0.0, -0.25, 0.02, False),  # an ear was bent
+        (UP, -0.05, -0.25, 0.02, True),
+        (RIGHT, -0.2, -0.21, 0.02, True),
     ],
 )
-def test_a_squeeze_is_measured_by_the_outline_where_the_points_miss_it(fitted, outline, half_width, passed):
+def test_a_squeeze_is_measured_by_the_outline_where_the_points_miss_it(
+    axis, fitted, outline, half_width, passed
+):
     ratios = tuple(1 + outline * ramp(t, 0, LAST) for t in range(LAST + 1))
-    seen = show(strain=along(RIGHT, fitted)).model_copy(
-        update={"extents": (Extent(direction=LEFT, ratio=ratios, half_width=(half_width,) * (LAST + 1)),)}
+    seen = show(strain=along(axis, fitted)).model_copy(
+        update={"extents": (Extent(direction=axis, ratio=ratios, half_width=(half_width,) * (LAST + 1)),)}
     )
-    assert passes(expected(KINDS.SQUEEZE, RIGHT), seen) == passed
+    assert passes(expected(KINDS.SQUEEZE, axis), seen) == passed

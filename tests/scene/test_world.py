@@ -1,6 +1,7 @@
 """Gravity, ground and obstacles around an object."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.fuse import estimate_sweep, fuse
+from physagent_jax.scene.world import rolls
 
 
 def resolved(path, **parts):
@@ -140,3 +142,17 @@ def test_a_long_clip_does_not_make_a_push_slower(robot_path, body):
         preset = dataclasses.replace(template.preset, timing=timing)
         scaling = fuse(dataclasses.replace(template, preset=preset), body, field).scaling
         assert scaling.translation == pytest.approx(2 * TRAVEL * body.extent / duration**2)
+
+
+@pytest.mark.parametrize(
+    ("shape", "expected"),
+    [("ball", True), ("cube", False), ("table", False), ("half a ball on its face", False)],
+)
+def test_what_is_round_below_rolls(shape, expected):
+    x = np.random.default_rng(0).uniform(-1, 1, (40_000, 3))
+    ball, half = (x**2).sum(1) < 1, (x**2).sum(1) < 1
+    half &= x[:, 2] > 0
+    legs = (x[:, 2] > 0.7) | (np.abs(x[:, :2]) > 0.8).all(1)
+    x = x[{"ball": ball, "cube": slice(None), "table": legs, "half a ball on its face": half}[shape]]
+    particles = SimpleNamespace(x=x, volume=np.ones(len(x)))
+    assert rolls(SimpleNamespace(particles=particles, extent=2.0)) is expected

@@ -19,6 +19,7 @@ from physagent_jax.core.strict import Vector
 
 _FIRST = 0.2  # of the largest turn or strain: what is seen of it first
 _OWN_AXIS = 0.6  # of the asked strain that other directions may show the same way
+_UPRIGHT = 0.7  # cosine
 _KEPT = 0.4  # of the largest turn that a free thing has left where it ends
 
 
@@ -182,7 +183,7 @@ def _measure_along(direction: Vector, view: View, first: int, until: int) -> Str
     """From the affine fit, or from the outline where that has changed by more, the same way.
 
     The fit goes by points on the surface, of which most may lie where nothing happens: between plates that press the
-    ends together, say. Where it shows nothing at all, what the outline has lost or gained is something thin (an ear).
+    ends together, say. Upwards it has to show something too: what stands up (ears, leaves) is thin and bends first.
     """
     strains, usual = view.strains(direction, first, until), view.uncertainty("stretch")
     fitted = dict(strains)
@@ -191,9 +192,9 @@ def _measure_along(direction: Vector, view: View, first: int, until: int) -> Str
         return strains, "from the affine fit", usual
     frame, value, half_width = max(outline, key=lambda point: abs(point[1]) - point[2])
     sure = math.copysign(max(abs(value) - half_width, 0.0), value)
-    if math.copysign(1.0, value) * fitted[frame] < tolerances.VISIBLE_STRAIN or abs(sure) <= abs(
-        fitted[frame]
-    ):
+    upright = abs(dot(direction, view.brief.directions.up)) > _UPRIGHT
+    least = tolerances.VISIBLE_STRAIN if upright else -tolerances.VISIBLE_STRAIN
+    if math.copysign(1.0, value) * fitted[frame] < least or abs(sure) <= abs(fitted[frame]):
         return strains, "from the affine fit", usual
     return [(t, v) for t, v, _ in outline], "from the outline", half_width
 
