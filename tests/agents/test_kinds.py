@@ -140,6 +140,9 @@ def test_the_semantic_agent_chooses_and_says_so():
     assert values["constraints[0].constraint_type"] == ends[0].constraint_type.value
     assert values["constraints[0].magnitude"] == f"{ends[0].magnitude:g}"
     assert "constraints[0].action_type" not in values
+    turned = compiled("twist it by 90 degrees")
+    said = {item.field: item.value for item in turned.evidence if item.field.endswith("vector")}
+    assert said == {"constraints[0].vector": "[0, 0, 1]", "constraints[1].vector": "[0, 0, -1]"}
     standing = brief(world="ground")
     assert compiled("stretch it vertically", standing).force_field.constraints == ()
     assert len(compiled("stretch it vertically in zero gravity", standing).force_field.constraints) == 2

@@ -84,8 +84,9 @@ def find_new_places(before: ForceField, after: ForceField) -> dict[str, str]:
         ]
         if here is not None:
             places[f"actions[{index}]"] = f"actions[{here}]"
-        elif heirs:
-            places[f"actions[{index}]"] = f"constraints[{heirs[0]}]"
+        elif heirs:  # of two ends that turn or move against each other the one that goes the action's way
+            heir = max(heirs, key=lambda i: cosine(after.constraints[i].vector, action.vector))
+            places[f"actions[{index}]"] = f"constraints[{heir}]"
     return places
 
 
