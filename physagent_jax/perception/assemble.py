@@ -85,7 +85,7 @@ def assemble(
     area, cut, out = masks.sum((1, 2)), *_find_leaving(masks)
     points = [lift.unproject_surface(d, camera)[::7] for d in trusted]
     outlines = [lift.unproject_mask(d, m, camera) for d, m in zip(trusted, masks)]
-    center = _ride_along(path, points[0], outlines, cut, center, size, camera)
+    center = _ride_along(path, points[0], outlines, trusted, cut, center, size, camera)
     loose = np.array([p is not None and p.residual > LOOSEST * size for p in path.poses])
     path = dataclasses.replace(path, poses=[None if bad else p for p, bad in zip(path.poses, loose)])
     centroid = (_find_centroids(path, points, cut, center, camera) - center) / size
@@ -158,6 +158,7 @@ def _ride_along(
     path: Path,
     surface: np.ndarray,
     outlines: list[np.ndarray],
+    trusted: np.ndarray,
     cut: np.ndarray,
     guess: np.ndarray,
     size: float,
@@ -173,6 +174,7 @@ def _ride_along(
         path: The poses; those of the first chain are used.
         surface: The visible surface in frame 0 [m], shape (n, 3).
         outlines: All the mask's pixels per frame [m], each (n, 3).
+        trusted: Trusted z-depth [m], nan elsewhere, shape (T, H, W).
         cut: Whether the object is cut off by the border, shape (T,).
         guess: From frame 0 alone [m], shape (3,).
         size: The body length [m].
@@ -184,7 +186,7 @@ def _ride_along(
         return guess
     rider, rows, off = _Rider.place(guess, surface, camera), [], []
     for t, pose in posed:
-        across, middle = lift.find_outline_middle(outlines[t], camera)
+        across, middle = lift.find_middle_across(outlines[t], trusted[t], camera)
         rows.append(across @ rider.turn(pose))
         off.append(middle - across @ rider(pose))
     A, b = np.concatenate(rows), np.concatenate(off)

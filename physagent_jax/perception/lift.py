@@ -7,6 +7,9 @@ import numpy as np
 
 from physagent_jax.render.camera import Camera
 
+SURFACE_SHARE = 1 / 3
+"""How far the object's middle lies from the outline's towards that of the visible surface: leaves and thin parts have
+more surface than outline. It takes off 0.005 body lengths on a plant and 0.002 on a robot, and adds 0.001 on ten others."""
 RIM_PIXELS = 4  # [px] from the trusted part in which a rim is looked for
 RIM_DEPTH = 0.15
 """[share of the object's width in the picture] by which a rim can lie behind the trusted depth beside it: the last four
@@ -196,15 +199,19 @@ def unproject_mask(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.nd
     return unproject_surface(surface, camera, corner=(x, y))
 
 
-def find_outline_middle(points: np.ndarray, camera: Camera) -> tuple[np.ndarray, np.ndarray]:
-    """The middle of the object's outline as it would be seen from far away.
+def find_middle_across(
+    points: np.ndarray, depth: np.ndarray, camera: Camera
+) -> tuple[np.ndarray, np.ndarray]:
+    """The middle across the line of sight: of the object's outline as seen from far away, and of its visible surface.
 
     A centrally symmetric body seen from far away has its centre in its outline's middle, however it is turned. From
     near, what is near is larger, and the mask's mean misses the centre by up to 0.06 body lengths. So the surface's
-    points are projected along the line of sight, without perspective, and the mean is that of the area they cover.
+    points are projected along the line of sight, without perspective, and the mean is that of the area they cover. The
+    visible surface's mean by true area takes part with `SURFACE_SHARE`.
 
     Args:
         points: Of `unproject_mask` [m], shape (n, 3), n >= 1.
+        depth: Trusted depth [m], nan elsewhere, shape (H, W).
         camera: The camera.
 
     Returns:
@@ -222,7 +229,16 @@ def find_outline_middle(points: np.ndarray, camera: Camera) -> tuple[np.ndarray,
     covered = np.zeros(index.max(0) + 2, np.uint8)
     covered[tuple(index.T)] = 1
     covered = cv2.morphologyEx(covered, cv2.MORPH_CLOSE, _KERNEL)  # where a cell fell between two pixels
-    return across, low + cell * (np.argwhere(covered).mean(0) - 0.5)
+    middle = low + cell * (np.argwhere(covered).mean(0) - 0.5)
+    return across, middle + SURFACE_SHARE * (across @ _find_surface_mean(depth, camera) - middle)
+
+
+def _find_surface_mean(depth: np.ndarray, camera: Camera) -> np.ndarray:
+    """Mean of the visible surface by true area [m], shape (3,)."""
+    y, x = (i[::5] for i in np.nonzero(np.isfinite(depth)))
+    xy, z = np.stack([x + 0.5, y + 0.5], 1), depth[y, x].astype(float)
+    area = z**2 / np.maximum(measure_facing(depth, xy, camera), 0.3)
+    return area @ unproject(xy, z, camera) / area.sum()
 
 
 def _fill_nearest(depth: np.ndarray) -> np.ndarray:
@@ -249,7 +265,7 @@ def find_center(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarr
         mask: The object, shape (H, W).
         camera: The camera.
     """
-    across, middle = find_outline_middle(unproject_mask(depth, mask, camera), camera)
+    across, middle = find_middle_across(unproject_mask(depth, mask, camera), depth, camera)
     view = np.asarray(camera.viewmat, float)
     rim = measure_rim_depth(depth, mask) - view[2, 3]
     return np.linalg.solve(np.vstack([across, view[2, :3]]), [*middle, rim])

@@ -67,7 +67,9 @@ def test_rotation(name, tolerance):
 @pytest.mark.parametrize("name", ["out_of_plane", "tip"])
 def test_turning_on_the_spot_is_no_translation(name):
     _, _, errors = seen(name)
-    assert errors["centroid_error_max"] < 0.06  # the hidden half's depth is a guess: 0.03 to 0.04 measured
+    assert (
+        errors["centroid_error_max"] < 0.03
+    )  # the hidden half's depth is a guess that the turn mends: 0.014 measured
 
 
 @pytest.mark.parametrize(("name", "factors"), [("stretch", (1.6, 0.8, 0.8)), ("squash", (1.3, 1.3, 0.5))])
