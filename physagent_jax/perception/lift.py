@@ -9,7 +9,7 @@ from physagent_jax.render.camera import Camera
 
 SURFACE_SHARE = 1 / 3
 """How far the object's middle lies from the outline's towards that of the visible surface: leaves and thin parts have
-more surface than outline. It takes off 0.005 body lengths on a plant and 0.002 on a robot, and adds 0.001 on ten others."""
+more surface than outline. It takes 0.005 body lengths off on a plant, 0.002 on a robot; on ten others it adds 0.001."""
 RIM_PIXELS = 4  # [px] from the trusted part in which a rim is looked for
 RIM_DEPTH = 0.15
 """[share of the object's width in the picture] by which a rim can lie behind the trusted depth beside it: the last four
