@@ -1,5 +1,9 @@
 """Pushes to and fro swing a free object as far as M says, however short they are, and leave it where it was."""
 
+import dataclasses
+
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -105,3 +109,21 @@ def test_other_pushes_keep_their_k_but_know_their_speed(actions):
 )
 def test_what_does_not_follow_is_a_push_like_any_other(actions):
     assert strokes_of(actions, scaled()) == {}
+
+
+def test_traced_numbers_give_the_same_with_derivatives():
+    actions, scaling = train(12, 4), scaled(0.5)
+    field, values = (
+        ForceField(actions=actions),
+        [ActionParameters.of(action, FRAMES) for action in actions],
+    )
+
+    def add_up(first):
+        moved = [*values[:2], dataclasses.replace(values[2], window=values[2].window + first), *values[3:]]
+        strokes = find_strokes(field, moved, scaling, DT)
+        return strokes[3].k * 1.0 + strokes[3].speed
+
+    known = find_strokes(field, values, scaling, DT)[3]
+    shift = jnp.zeros(2)
+    assert float(jax.jit(add_up)(shift)) == pytest.approx(float(known.k + known.speed), rel=1e-5)
+    assert np.isfinite(jax.grad(add_up)(shift)).all()

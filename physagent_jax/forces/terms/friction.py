@@ -27,7 +27,7 @@ import jax.numpy as jnp
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.terms.rigid import mass_centre
 from physagent_jax.mpm.fields import END, START
-from physagent_jax.mpm.linalg import cross
+from physagent_jax.mpm.linalg import cofactor, cross, determinant, matvec
 from physagent_jax.mpm.protocols import window_fraction
 from physagent_jax.mpm.reductions import sum_particles
 
@@ -73,18 +73,19 @@ class PushCompensation:
     def _steady(self, x, v, mass, size, dt):
         """Angular acceleration that keeps it upright [rad/s^2], shape (3,)."""
         r = x - mass_centre(x, mass)
-        total = sum_particles(mass.sum())
+        total, tiny = sum_particles(mass.sum()), jnp.finfo(x.dtype).tiny
         second = sum_particles((mass[:, None] * r).T @ r) / total  # [m^2]
         spread = jnp.trace(second)
-        inertia = (spread * (1 + ROUND) + jnp.finfo(x.dtype).tiny) * jnp.eye(3, dtype=x.dtype) - second
+        inertia = (spread * (1 + ROUND) + tiny) * jnp.eye(3, dtype=x.dtype) - second
         spin = (
             sum_particles((mass[:, None] * cross(r, v)).sum(0)) / total
         )  # angular momentum per mass [m^2/s]
         down = jnp.zeros(3, x.dtype).at[2].set(-self.lever)
         moment = cross(down[None], self.direction[None])[0] * size
-        wanted = jnp.linalg.solve(inertia, moment - spin / jnp.maximum(TAU, SLOWEST * dt))
-        most = 2.0 * self.friction * self.lever / jnp.maximum(spread, jnp.finfo(x.dtype).tiny)
-        length = jnp.sqrt((wanted**2).sum() + jnp.finfo(x.dtype).tiny)
+        missing = moment - spin / jnp.maximum(TAU, SLOWEST * dt)
+        wanted = matvec(cofactor(inertia), missing) / jnp.maximum(determinant(inertia), tiny)  # symmetric
+        most = 2.0 * self.friction * self.lever / jnp.maximum(spread, tiny)
+        length = jnp.sqrt((wanted**2).sum() + tiny)
         return wanted * jnp.minimum(1.0, most / length)
 
     def gradient(self, x, time, dt):
