@@ -13,7 +13,8 @@ from benchmarks.harness import Row
 from benchmarks.verdicts.claims import Seen, find_faults
 from benchmarks.verdicts.clip import Clip
 from benchmarks.verdicts.judging import judge
-from benchmarks.verdicts.recording import Recording, find_file, record
+from benchmarks.verdicts.motions import Motion
+from benchmarks.verdicts.recording import find_file, record
 from benchmarks.verdicts.scenes import FRAME_DT, find_axes
 from benchmarks.verdicts.things import THINGS
 
@@ -43,18 +44,18 @@ def do(part: Part, clip: Clip, *, folder: Path, data: Path | None, made: bool) -
     """The row of a clip; None if it has not been made and is not to be, or does not move as it is said to."""
     if made and not find_file(clip.thing, clip.motion, folder, data).is_file():
         return None
-    held = record(clip.thing, clip.motion, folder, data)
-    faults = find_faults(clip.motion.claims, see(clip, held), clip.motion.held)
+    untrue = _check(clip.thing, clip.motion, folder, data)
     if part == "clips":
-        about = {"clip": clip.name, "motion": clip.motion.words, "untrue": faults}
-        return about | {"frames": len(held.rgb), "particles": held.particles.shape[1]}
-    return None if faults else judge(clip, part, folder, data)
+        return {"clip": clip.name, "motion": clip.motion.words, "untrue": untrue}
+    return None if untrue else judge(clip, part, folder, data)
 
 
-def see(clip: Clip, held: Recording) -> Seen:
-    """The particles as the viewer of a clip has them."""
-    axes = find_axes(THINGS[clip.thing])
-    return Seen(held.particles @ axes.T, (held.alpha > 0).sum((1, 2)), FRAME_DT)
+@cache
+def _check(thing: str, motion: Motion, folder: Path, data: Path | None) -> list[str]:
+    """What is not as it is said; several sentences share a motion, and all parts ask."""
+    held = record(thing, motion, folder, data)
+    x = held.particles @ find_axes(THINGS[thing]).T  # as the viewer has them
+    return find_faults(motion.claims, Seen(x, (held.alpha > 0).sum((1, 2)), FRAME_DT), motion.held)
 
 
 @cache
