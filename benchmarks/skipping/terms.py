@@ -13,7 +13,7 @@ from physagent_jax.forces.envelope import FOREVER, Envelope
 from physagent_jax.forces.terms import Turbulence, UniformAcceleration, Wind
 from physagent_jax.mpm import Contact, Fluid, HalfSpace, Model, PrescribedMotion
 from physagent_jax.mpm import State as Particles
-from physagent_jax.mpm.plan import select_acting
+from physagent_jax.mpm.plan import find_acting
 
 TINY = 1e-30  # of a rate or share: present in the program, without effect in float32
 _BOTTOM = 0.5 * (SIZE - SIDE)  # of the cube [m]
@@ -112,7 +112,7 @@ def _compare_closed(change: Callable[[Model, Particles], Model]) -> Callable[[Si
     def build(sizes: Sizes) -> Pair:
         model, state = cube(sizes)
         whole = change(model, state)
-        return both(select_acting(whole, 0.0, 1.0), whole, state, sizes)
+        return both(find_acting(whole, 0.0, 1.0).select(whole), whole, state, sizes)
 
     return build
 

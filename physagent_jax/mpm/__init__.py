@@ -25,6 +25,8 @@ from physagent_jax.mpm.protocols import BodyForce as BodyForce
 from physagent_jax.mpm.protocols import Boundary as Boundary
 from physagent_jax.mpm.protocols import Constraint as Constraint
 from physagent_jax.mpm.rollout import rollout as rollout
+from physagent_jax.mpm.schedule import Schedule as Schedule
+from physagent_jax.mpm.schedule import replay as replay
 from physagent_jax.mpm.sharding import rollout_sharded as rollout_sharded
 from physagent_jax.mpm.simulate import simulate as simulate
 from physagent_jax.mpm.sorting import cell_order as cell_order

@@ -17,7 +17,7 @@ from physagent_jax.mpm import reductions
 from physagent_jax.mpm.diagnosis import MAX_SUBSTEPS, Breach, Fault, explain_failure, find_breach, is_hopeless
 from physagent_jax.mpm.health import Health
 from physagent_jax.mpm.ledger import Exchange, balance, measure_exchange
-from physagent_jax.mpm.plan import select_acting
+from physagent_jax.mpm.plan import find_acting
 from physagent_jax.mpm.sorting import permute_particles, unpermute_particles, update_order
 from physagent_jax.mpm.state import Grid, Model, State
 from physagent_jax.mpm.step import kirchhoff_stress, substep
@@ -190,7 +190,7 @@ def _fit(plan: FramePlan, state: State) -> FramePlan:
 def attempt_frame(plan: FramePlan, state: State, ledger: bool) -> tuple[State, Health, Exchange | None]:
     """`advance` from ``state`` with what acts during the frame, the particles sorted meanwhile."""
     begin = float(state.time)
-    present = select_acting(plan.model, begin, begin + plan.frame_dt)
+    present = find_acting(plan.model, begin, begin + plan.frame_dt).select(plan.model)
     substeps = to_device(plan.substeps, np.int32)
     after, health, total = advance(*permute_particles(plan.order, present, state), substeps, ledger)
     return unpermute_particles(plan.order, plan.model, after), health, total

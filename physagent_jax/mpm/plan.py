@@ -7,6 +7,7 @@ of them is another compiled program; sets recur, so that few are compiled.
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
@@ -17,21 +18,34 @@ from physagent_jax.mpm.state import Model
 _SLACK = 1e-3  # of the stretch: the clock is a sum of substeps, and may be off by round-off
 
 
-def select_acting(model: Model, begin: float, end: float) -> Model:
-    """``model`` with only those forces, boundaries and constraints that may act between ``begin`` and ``end`` [s].
+@dataclasses.dataclass(frozen=True)
+class Acting:
+    """Which parts of a model may act, by their places in it."""
 
-    What has no window (`fields.START`) always acts. The results are those of the whole model.
+    forces: tuple[int, ...]
+    boundaries: tuple[int, ...]
+    constraints: tuple[int, ...]
+
+    def select(self, model: Model) -> Model:
+        """``model`` with only these."""
+        return model.replace(
+            forces=tuple(model.forces[i] for i in self.forces),
+            boundaries=tuple(model.boundaries[i] for i in self.boundaries),
+            constraints=tuple(model.constraints[i] for i in self.constraints),
+        )
+
+
+def find_acting(model: Model, begin: float, end: float) -> Acting:
+    """The forces, boundaries and constraints that may act between ``begin`` and ``end`` [s].
+
+    What has no window (`fields.START`) always acts. Without the others, the results are those of the whole model.
     """
     slack = _SLACK * (end - begin)
 
-    def select(parts: tuple[Any, ...]) -> tuple[Any, ...]:
-        return tuple(part for part in parts if _may_act(part, begin - slack, end + slack))
+    def find(parts: tuple[Any, ...]) -> tuple[int, ...]:
+        return tuple(i for i, part in enumerate(parts) if _may_act(part, begin - slack, end + slack))
 
-    return model.replace(
-        forces=select(model.forces),
-        boundaries=select(model.boundaries),
-        constraints=select(model.constraints),
-    )
+    return Acting(find(model.forces), find(model.boundaries), find(model.constraints))
 
 
 def _may_act(part: Any, begin: float, end: float) -> bool:

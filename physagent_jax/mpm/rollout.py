@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from functools import partial
 
 import jax
@@ -13,7 +14,9 @@ from physagent_jax.mpm import kernels, reductions
 from physagent_jax.mpm.conform import conform
 from physagent_jax.mpm.health import count_outside
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.step import kirchhoff_stress, substep
+from physagent_jax.mpm.step import NODES, STOPPED, kirchhoff_stress, substep
+
+NODE_NUMBERS, PARTICLE_NUMBERS = 4, 24  # momentum and mass; x, v, C and F
 
 
 def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> tuple[State, State]:
@@ -24,7 +27,8 @@ def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> t
     cannot raise, and going on would answer wrongly in silence.
 
     Each frame is checkpointed, and each step within it: the reverse pass stores one state per frame and,
-    for one frame at a time, one per step; grids are recomputed.
+    for one frame at a time, one per step; the nodes of each step too where they are fewer numbers than the
+    particles, else they are computed again. `mpm.replay` goes through what `simulate` has done.
 
     Returns:
         The final state, and the states at the end of every frame stacked along a new first axis.
@@ -39,7 +43,10 @@ def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> t
 
 @partial(jax.jit, static_argnums=(2, 3))
 def _rollout(model: Model, state: State, frame_count: int, substeps: int) -> tuple[State, State]:
-    @jax.checkpoint
+    few = NODE_NUMBERS * math.prod(model.grid.shape) < PARTICLE_NUMBERS * len(state.x)
+    kept = jax.checkpoint_policies.save_only_these_names(STOPPED, *([NODES] if few else []))
+
+    @partial(jax.checkpoint, policy=kept)
     def one(carry, _):
         state, tau, _ = substep(model, *carry)
         left = reductions.sum_devices(count_outside(state.x, model.grid), model.axis)

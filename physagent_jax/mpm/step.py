@@ -8,9 +8,11 @@ The stress comes last, so that it can share its work with the return mapping; `s
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 
 import jax
 import jax.numpy as jnp
+from jax.ad_checkpoint import checkpoint_name
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import constraints, kernels, materials, reductions, transfer
@@ -21,6 +23,9 @@ from physagent_jax.mpm.materials import NeoHookean, viscous_stress
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import stencil
+
+NODES, STOPPED = "nodes", "stopped"
+"""Names for `jax.checkpoint_policies`: what costs a P2G and a G2P to compute again in a reverse pass."""
 
 
 def step(model: Model, state: State) -> State:
@@ -76,6 +81,7 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
     with jax.named_scope("p2g"):
         nodes = scatter(model, state, constrained, tau)
         nodes = reductions.sum_devices(nodes, model.axis)  # one grid, whichever device a particle is on
+        nodes = checkpoint_name(nodes, NODES)
     with jax.named_scope("grid_update"):
         node_mass, free = nodes[..., 3], grid_velocity(model, nodes)
         damped = damp(model, grid_velocity(model, fold_boundaries(model, nodes)))
@@ -267,9 +273,26 @@ def stop_at_walls(model: Model, state: State, health: Health) -> tuple[State, He
         beyond = ((state.x < low) | (state.x > high)).any(-1) & (model.mass > 0)  # padding does not count
         health = dataclasses.replace(health, beyond=beyond.sum(dtype=jnp.int32)).reduce(model.axis)
 
+    x, v = _stop(low, high, state.x, state.v, health.beyond)
+    return dataclasses.replace(state, x=x, v=v, stopped=state.stopped + health.beyond), health
+
+
+@partial(jax.custom_jvp, nondiff_argnums=(0, 1))
+def _stop(low: float, high: float, x: jax.Array, v: jax.Array, beyond: jax.Array):
+    """Positions within ``low``..``high``, and velocities that do not lead out, if ``beyond`` says that any do."""
+
     def stop(x, v):
         stopped = jnp.where(x < low, jnp.maximum(v, 0), jnp.where(x > high, jnp.minimum(v, 0), v))
         return jnp.clip(x, low, high), stopped
 
-    x, v = jax.lax.cond(health.beyond > 0, stop, lambda x, v: (x, v), state.x, state.v)
-    return dataclasses.replace(state, x=x, v=v, stopped=state.stopped + health.beyond), health
+    return jax.lax.cond(beyond > 0, stop, lambda x, v: (x, v), x, v)
+
+
+@_stop.defjvp
+def _differentiate_stop(low, high, primals, tangents):
+    """By who was stopped, which a reverse pass may keep (`STOPPED`): to find it again it would have to repeat G2P."""
+    x, v, _ = primals
+    under, over = x < low, x > high
+    out, leading = checkpoint_name((under | over, (under & (v <= 0)) | (over & (v >= 0))), STOPPED)
+    x_dot, v_dot, _ = tangents
+    return _stop(low, high, *primals), (jnp.where(out, 0, x_dot), jnp.where(leading, 0, v_dot))

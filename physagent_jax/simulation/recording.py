@@ -5,12 +5,13 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
+from functools import cached_property
 
 import jax
 import numpy as np
 
 from physagent_jax.metrics.motion import measure_true_motion
-from physagent_jax.mpm import Frame, stable_dt
+from physagent_jax.mpm import Frame, Schedule, stable_dt
 from physagent_jax.mpm.energy import (
     angular_momentum,
     elastic_energy,
@@ -131,6 +132,7 @@ class Recording:
         F: Their deformation gradients, shape (T, n, 3, 3).
         gaussians: Gaussian centres [m], shape (T, g, 3).
         record: Facts and figures, the true motion among them.
+        frames: As they were simulated, without their states.
         restart_cache: What a scene that begins in the same way may go on from.
         reused_frames: How many frames were taken over from such a cache instead of simulated.
     """
@@ -142,6 +144,7 @@ class Recording:
     F: np.ndarray
     gaussians: np.ndarray
     record: SimulationRecord
+    frames: tuple[Frame, ...]
     restart_cache: RestartCache
     reused_frames: int
 
@@ -163,9 +166,15 @@ class Recording:
             F=np.stack([output.F for output in outputs]),
             gaussians=gaussians,
             record=_record(scene, statistics, gaussians),
+            frames=tuple(each.frame for each in statistics),
             restart_cache=restart_cache,
             reused_frames=reused_frames,
         )
+
+    @cached_property
+    def schedule(self) -> Schedule:
+        """The steps and windows that were taken, for `trajectory`."""
+        return Schedule.of(self.scene.model, self.frames)
 
 
 def _record(

@@ -1,9 +1,10 @@
 """A scene's clip as a differentiable function of the numbers in its force field.
 
 `simulate_scene` adapts its step and its grid window to the motion and leaves forces out of frames in which they do not
-act; none of that can be traced. Here all of it is fixed: the grid is the whole domain, the step is a fraction of the
-bound at rest, and every force is evaluated in every step. The law of motion is the same, so the two paths differ by
-what their time steps differ.
+act; none of that can be traced. With the schedule of a recording it is done again as it was (`mpm.replay`), called from
+Python. Without one, all of it is fixed, and the whole is one function for `jax.jit` and `jax.vmap`: the grid is the
+whole domain, the step a fraction of the bound at rest, and every force is evaluated in every step. The law of motion is
+the same, so these two differ by what their time steps differ.
 """
 
 from __future__ import annotations
@@ -16,7 +17,8 @@ import jax.numpy as jnp
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.parameters import ForceFieldParameters
-from physagent_jax.mpm import Grid, rollout, stable_dt
+from physagent_jax.mpm import Grid, Schedule, replay, rollout, stable_dt
+from physagent_jax.mpm.schedule import MEMORY
 from physagent_jax.mpm.timestep import divide_frame
 from physagent_jax.scene.compile import CompiledScene
 
@@ -44,28 +46,50 @@ class Trajectory:
 
 
 def trajectory(
-    scene: CompiledScene, parameters: ForceFieldParameters | None = None, *, substeps: int | None = None
+    scene: CompiledScene,
+    parameters: ForceFieldParameters | None = None,
+    schedule: Schedule | None = None,
+    *,
+    substeps: int | None = None,
+    memory: float = MEMORY,
 ) -> Trajectory:
-    """Simulates all frames of ``scene``; differentiable in reverse with respect to ``parameters``.
+    """Simulates all frames of ``scene``; differentiable in reverse with respect to ``parameters``, model and state.
 
-    Each frame and each step is a checkpoint (`mpm.rollout`). If a particle leaves the domain, all positions from then
-    on are NaN: a traced function cannot raise.
+    If a particle leaves the domain, or the window that the schedule has for a frame, all positions from then on are
+    NaN: a traced function cannot raise.
 
     Args:
-        scene: What to simulate.
+        scene: What to simulate; its model and state may be traced.
         parameters: Numbers in place of its force field's own, traced or not; None = its own.
-        substeps: Steps per frame; None = `find_static_substeps`. Needed where the scene's model or state is traced.
+        schedule: `Recording.schedule` of this scene, or of one with numbers close to these: the same steps and windows
+            are taken, and with the same numbers the recording's positions come out. None = everything is fixed.
+        substeps: Steps per frame where there is no schedule; None = `find_static_substeps`, which needs a model and
+            state that are not traced.
+        memory: What a reverse pass along a schedule may keep [bytes].
 
     Raises:
-        UserError: ``substeps`` is below 1, or the parameters do not fit the scene's force field.
+        UserError: ``substeps`` is below 1 or given beside a schedule, the schedule has other frames than the scene, or
+            the parameters do not fit the scene's force field.
     """
-    scene = with_static_step(scene, substeps)
+    frame_count = scene.config.timing.frame_count
+    if schedule is None:
+        scene = with_static_step(scene, substeps)
+    elif substeps is not None:
+        raise UserError("a schedule says how many substeps there are", do="Leave out `substeps`")
+    elif len(schedule.frames) != frame_count - 1:
+        raise UserError(
+            f"the schedule must have the scene's frames after the first, {frame_count - 1}",
+            got=len(schedule.frames),
+        )
     if parameters is not None:
         scene = scene.with_parameters(parameters)
-    start, frame_count = scene.state, scene.config.timing.frame_count
-    _, states = rollout(scene.model, start, frame_count=frame_count - 1, substeps=scene.substeps)
+    if schedule is None:
+        _, states = rollout(scene.model, scene.state, frame_count=frame_count - 1, substeps=scene.substeps)
+    else:
+        frames = replay(scene.model, scene.state, schedule, memory=memory)
+        states = jax.tree.map(lambda *leaves: jnp.stack(leaves), *frames)
     return Trajectory(
-        *(_prepend_first(getattr(start, name), getattr(states, name)) for name in ("x", "F", "time"))
+        *(_prepend_first(getattr(scene.state, name), getattr(states, name)) for name in ("x", "F", "time"))
     )
 
 

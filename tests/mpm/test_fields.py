@@ -10,7 +10,7 @@ import pytest
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import PrescribedMotion
 from physagent_jax.mpm.fields import END, PER_PARTICLE, START, find_owner
-from physagent_jax.mpm.plan import select_acting
+from physagent_jax.mpm.plan import find_acting
 from physagent_jax.mpm.sharding import ParticleLayout
 from tests.mpm.blocks import block
 
@@ -37,8 +37,8 @@ class Tide:
 def test_windows_are_what_is_marked():
     model, state = block()
     model = model.replace(forces=(Push(state.x[:, 0], 0.1, 0.2), Tide(0.1, 0.2)))
-    assert len(select_acting(model, 0.15, 0.16).forces) == 2
-    assert [type(force) for force in select_acting(model, 0.3, 0.4).forces] == [Tide]
+    assert len(find_acting(model, 0.15, 0.16).forces) == 2
+    assert [type(force) for force in find_acting(model, 0.3, 0.4).select(model).forces] == [Tide]
 
 
 def test_what_is_marked_goes_with_its_particles():

@@ -9,7 +9,7 @@ from physagent_jax.forces.envelope import Envelope
 from physagent_jax.forces.terms import UniformAcceleration, Wind
 from physagent_jax.mpm import Contact, DomainBox, HalfSpace, PrescribedMotion, RigidBody, simulate
 from physagent_jax.mpm.frame import advance
-from physagent_jax.mpm.plan import select_acting
+from physagent_jax.mpm.plan import find_acting
 from tests.mpm.blocks import block
 
 FRAME = 0.02
@@ -61,14 +61,14 @@ def test_a_part_acts_where_its_window_meets_the_stretch(part, start, end, acts):
     model, _ = block()
     field = {push: "forces", gust: "forces", floor: "boundaries", grip: "constraints"}[part]
     model = model.replace(**{field: (part(start, end),)})
-    assert len(getattr(select_acting(model, 0.1, 0.2), field)) == acts
+    assert len(getattr(find_acting(model, 0.1, 0.2), field)) == acts
 
 
 def test_particles_let_go_one_by_one_are_held_until_the_last_is_free():
     model, _ = block()
     model = model.replace(constraints=(grip(0.0, np.linspace(0.1, 0.4, 4)),))
-    assert select_acting(model, 0.3, 0.35).constraints
-    assert not select_acting(model, 0.45, 0.5).constraints
+    assert find_acting(model, 0.3, 0.35).constraints
+    assert not find_acting(model, 0.45, 0.5).constraints
 
 
 def test_what_has_no_window_always_acts():
@@ -76,7 +76,7 @@ def test_what_has_no_window_always_acts():
     model = model.replace(
         boundaries=(DomainBox(3),), constraints=(RigidBody(jnp.arange(4, dtype=jnp.int32)),)
     )
-    alone = select_acting(model, 5.0, 6.0)
+    alone = find_acting(model, 5.0, 6.0).select(model)
     assert alone.boundaries == model.boundaries and len(alone.constraints) == 1
 
 
@@ -95,7 +95,7 @@ def test_frames_are_those_of_the_whole_model(x64):
     sets = set()
     for frame in simulate(model, state, frame_count=9, frame_dt=FRAME):
         if frame.index:
-            present = select_acting(model, float(state.time), float(state.time) + FRAME)
+            present = find_acting(model, float(state.time), float(state.time) + FRAME).select(model)
             sets.add(jax.tree.structure(present))
             whole = model.replace(grid=frame.grid, dt=jnp.asarray(frame.dt))
             expected, _, _ = advance(whole, state, jnp.int32(frame.substeps))

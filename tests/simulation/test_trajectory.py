@@ -11,12 +11,14 @@ from jax.flatten_util import ravel_pytree
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.gaussians.binding import deform
 from physagent_jax.gaussians.formats.ply import write_ply
+from physagent_jax.render import render
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.procedural import make_jelly
-from physagent_jax.simulation.simulate import simulate_frames
+from physagent_jax.simulation.simulate import simulate_frames, simulate_scene
 from physagent_jax.simulation.trajectory import find_static_substeps, trajectory
 
 pytestmark = pytest.mark.filterwarnings("ignore:only .* particles per grid cell")
@@ -126,6 +128,32 @@ def test_it_is_the_motion_that_is_simulated(name, folder):
     x = np.asarray([frame.state.x for frame in simulate_frames(adaptive)])
     moved = np.abs(x - x[0]).max()
     np.testing.assert_allclose(trajectory(adaptive).x, x, atol=0.04 * moved)
+
+
+def test_along_the_schedule_of_a_recording_it_is_the_recorded_motion(folder):
+    """With the adaptive step and the window of `simulate_scene`; derivatives go through it, to pictures too."""
+    scene = make_scene(folder, force_field("translation"))
+    recording = simulate_scene(scene)
+    path = trajectory(scene, schedule=recording.schedule)
+    np.testing.assert_allclose(path.x, recording.x, atol=1e-6)
+    np.testing.assert_allclose(path.F, recording.F, atol=1e-5)
+
+    known = ForceFieldParameters.of(scene.config.force_field, 3)
+
+    def balance(magnitude):
+        action = dataclasses.replace(known.actions[0], magnitude=magnitude)
+        path = trajectory(scene, dataclasses.replace(known, actions=(action,)), recording.schedule)
+        splats = deform(*scene.gaussians, path.x[-1], path.F[-1], scene.body.placement.rotation)
+        dark = 1 - render(splats, scene.camera).rgb.mean(-1)
+        across, down = jnp.meshgrid(jnp.linspace(0, 1, dark.shape[1]), jnp.linspace(0, 1, dark.shape[0]))
+        return (dark * (across - 2 * down)).mean()
+
+    slope, difference = jax.grad(balance)(1.2), (balance(1.3) - balance(1.1)) / 0.2
+    assert slope == pytest.approx(float(difference), rel=0.03) and slope != 0
+    with pytest.raises(UserError, match="frames after the first, 1"):
+        trajectory(make_scene(folder, force_field("translation"), frame_count=2), schedule=recording.schedule)
+    with pytest.raises(UserError, match="Leave out `substeps`"):
+        trajectory(scene, schedule=recording.schedule, substeps=3)
 
 
 @pytest.mark.parametrize("model", [c.MaterialModel.NEO_HOOKEAN, c.MaterialModel.RIGID])

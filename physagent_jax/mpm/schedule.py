@@ -1,0 +1,188 @@
+"""A simulation once more, with derivatives: the frames of `simulate`, by the steps and windows that it chose.
+
+`simulate` fits each frame's step and grid window to the motion, redoes frames, sorts particles and leaves out what does
+not act. All of that is data of the host, which no derivative sees and none has to: `Schedule.of` notes it, and `replay`
+takes the same steps by compiled programs that `jax.grad` goes through, one chunk of substeps after another. It is
+called from Python, not from within `jax.jit`, where every frame would become a program of its own.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from physagent_jax.core.arrays import to_device
+from physagent_jax.core.errors import UserError
+from physagent_jax.kernels import programs
+from physagent_jax.mpm import kernels
+from physagent_jax.mpm.conform import conform
+from physagent_jax.mpm.frame import Frame
+from physagent_jax.mpm.plan import Acting, find_acting
+from physagent_jax.mpm.sorting import permute_particles, unpermute_particles
+from physagent_jax.mpm.state import Grid, Model, State
+from physagent_jax.mpm.step import NODES, STOPPED, kirchhoff_stress, substep
+
+MEMORY = 2e9
+"""[bytes] that a reverse pass may take for what it keeps."""
+_CHUNK, _SHORTEST_CHUNK = 32, 8  # substeps of a program where all states are kept, and where few are
+
+
+@dataclasses.dataclass(frozen=True)
+class FrameSchedule:
+    """How a frame was simulated.
+
+    Attributes:
+        grid: The window.
+        substeps: How many.
+        dt: Their length [s].
+        order: In which the particles lay in memory, shape (n,); None = as they are in the state.
+        acting: Which of the model's parts took part.
+    """
+
+    grid: Grid
+    substeps: int
+    dt: float
+    order: np.ndarray | None
+    acting: Acting
+
+
+@dataclasses.dataclass(frozen=True)
+class Schedule:
+    """How all frames after the first were simulated, in order."""
+
+    frames: tuple[FrameSchedule, ...]
+
+    @staticmethod
+    def of(model: Model, frames: Iterable[Frame], start: float = 0.0) -> Schedule:
+        """The schedule of frames of `simulate`, the initial one among them or not.
+
+        Args:
+            model: What was simulated.
+            frames: In order and without a gap; their states are not looked at.
+            start: Time of the initial state [s].
+
+        Raises:
+            UserError: Frames are missing.
+        """
+        made, time = [], start
+        for frame in frames:
+            if frame.index == 0:
+                continue
+            if frame.index != len(made) + 1:
+                raise UserError(
+                    "a schedule needs all frames from the first on, in order",
+                    got=f"frame {frame.index} after {len(made)}",
+                )
+            length = frame.substeps * frame.dt
+            acting = find_acting(model, time, time + length)
+            made.append(FrameSchedule(frame.grid, frame.substeps, frame.dt, frame.order, acting))
+            time += length
+        return Schedule(tuple(made))
+
+    @property
+    def substeps(self) -> int:
+        """Of all frames."""
+        return sum(frame.substeps for frame in self.frames)
+
+
+def replay(model: Model, state: State, schedule: Schedule, *, memory: float = MEMORY) -> tuple[State, ...]:
+    """The states at the end of every frame of ``schedule``; differentiable in reverse by ``model`` and ``state``.
+
+    The values are those of `simulate` to round-off for the model and the state that the schedule was made with. Others
+    are simulated by the same steps: if a particle then leaves the window of a frame, all positions from there on are
+    NaN; simulate anew and take that schedule. Windows of forces decide in which frames these take part: one that moves
+    across a frame's border needs a new schedule too.
+
+    A reverse pass keeps the state of each substep where ``memory`` allows it, else of one in so many and of each
+    substep between two of these, at the cost of one more simulation.
+
+    Args:
+        model: As for `simulate`; its grid and step are the schedule's.
+        state: The initial state.
+        schedule: How to simulate.
+        memory: What a reverse pass may keep [bytes].
+
+    Raises:
+        UserError: ``model`` and ``state`` do not fit each other (`conform`), or ``memory`` is too little.
+    """
+    programs.release_programs()
+    with kernels.use_device_of(state.x):
+        model, state = conform(model, state)
+        advance = _choose_checkpoints(state, schedule, memory)
+        states = []
+        for frame in schedule.frames:
+            state = _replay_frame(model, state, frame, advance)
+            states.append(state)
+    return tuple(states)
+
+
+@dataclasses.dataclass(frozen=True)
+class _Checkpoints:
+    """Substeps of a program, and whether a reverse pass keeps the state of each or only the first."""
+
+    length: int
+    every: bool
+
+
+def _choose_checkpoints(state: State, schedule: Schedule, memory: float) -> _Checkpoints:
+    """All states if they fit, else the first of every k substeps, and all within k at a time.
+
+    N S / k + k (S + G) is least at k = sqrt(N S / (S + G)), with N substeps, states of S and nodes of G bytes.
+    """
+    size = sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(state))
+    nodes = max((4 * math.prod(frame.grid.shape) for frame in schedule.frames), default=0)
+    each = size + nodes * state.x.dtype.itemsize
+    count = schedule.substeps
+    if count * each <= memory:
+        return _Checkpoints(_CHUNK, every=True)
+    length = max(_SHORTEST_CHUNK, math.isqrt(int(count * size / each)))
+    needed = count * size / length + length * each
+    if needed > memory:
+        raise UserError(
+            f"a reverse pass through {count:,} substeps needs {needed / 1e9:.2g} GB at least",
+            got=f"memory={memory / 1e9:.2g} GB",
+            do="Allow more memory, or take fewer particles or frames",
+        )
+    return _Checkpoints(length, every=False)
+
+
+def _replay_frame(model: Model, state: State, frame: FrameSchedule, checkpoints: _Checkpoints) -> State:
+    present = frame.acting.select(model)
+    present = present.replace(grid=frame.grid, dt=to_device(frame.dt, state.x.dtype))
+    present, state = permute_particles(frame.order, present, state)
+    whole, rest = divmod(frame.substeps, checkpoints.length)
+    for _ in range(whole):
+        state = _advance(present, state, None, checkpoints)
+    if rest:  # however many, by one program
+        state = _advance(present, state, to_device(rest, np.int32), checkpoints)
+    return unpermute_particles(frame.order, model, state)
+
+
+@partial(jax.jit, static_argnames="checkpoints")
+def _advance(model: Model, state: State, count: jax.Array | None, checkpoints: _Checkpoints) -> State:
+    """As many substeps as there are between checkpoints, or only ``count`` of them."""
+
+    @partial(jax.checkpoint, policy=jax.checkpoint_policies.save_only_these_names(NODES, STOPPED))
+    def step(carry):
+        state, tau, outside = carry
+        state, tau, trace = substep(model, state, tau)
+        return state, tau, outside + trace.health.outside
+
+    def body(carry, index):
+        if count is None:
+            return step(carry), None
+        return jax.lax.cond(index < count, step, lambda same: same, carry), None
+
+    def run(state: State) -> State:
+        start = state, kirchhoff_stress(model, state), jnp.zeros((), jnp.int32)
+        (state, _, outside), _ = jax.lax.scan(body, start, jnp.arange(checkpoints.length))
+        poison = jnp.where(outside > 0, jnp.nan, 0.0).astype(state.x.dtype)
+        return dataclasses.replace(state, x=state.x + poison)
+
+    return (run if checkpoints.every else jax.checkpoint(run))(state)

@@ -1,0 +1,99 @@
+"""A simulation replayed by its schedule: the same motion, and derivatives that agree with differences."""
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.terms import UniformAcceleration
+from physagent_jax.mpm import Schedule, find_smallest_window, replay, simulate
+from tests.mpm.blocks import block
+
+FRAMES, FRAME_DT = 3, 0.05
+
+
+def thrown_block():
+    """A block thrown at the floor and along it, in a window that follows; in the last frame something pushes it."""
+    push = UniformAcceleration(jnp.array([40.0, 0, 0]), jnp.array(0.051), jnp.array(1.0))
+    model, state = block(
+        (3, 3, 3),
+        size=2.0,
+        grid_cells=40,
+        low=(0.3, 0.4, 0.15),
+        youngs_modulus=4e5,
+        dtype=np.float64,
+        gravity=jnp.array([0, 0, -9.8]),
+        forces=(push,),
+    )
+    shuffled = np.random.default_rng(0).permutation(len(state.x))  # so that sorting them pays
+    v = jnp.broadcast_to(jnp.array([8.0, 0, -3.0]), state.x.shape)
+    state = dataclasses.replace(state, x=state.x[shuffled], v=v)
+    return model.replace(grid=find_smallest_window(model.grid.dx * model.grid.cells, model.grid.cells)), state
+
+
+@pytest.fixture(scope="module")
+def thrown():
+    """The model, its state, the frames simulated, and their schedule."""
+    with jax.enable_x64(True):
+        model, state = thrown_block()
+        frames = list(simulate(model, state, frame_count=FRAMES, frame_dt=FRAME_DT))
+        return model, state, frames, Schedule.of(model, frames)
+
+
+def test_it_is_the_motion_that_was_simulated(thrown, x64):
+    """A window that grows, sorted particles, a part that does not act in every frame, contact with the floor."""
+    model, state, frames, schedule = thrown
+    first, second = schedule.frames
+    assert first.grid.shape != second.grid.shape and min(first.substeps, second.substeps) > 32
+    assert first.order is not None and (first.acting.forces, second.acting.forces) == ((), (0,))
+    for got, frame in zip(replay(model, state, schedule), frames[1:], strict=True):
+        for name in ("x", "v", "C", "F"):
+            np.testing.assert_allclose(
+                getattr(got, name), getattr(frame.state, name), rtol=1e-9, atol=1e-9, err_msg=name
+            )
+    assert float(frames[-1].state.v[:, 2].mean()) > -1.0  # it has met the floor
+
+
+def test_gradients_agree_with_central_differences_however_little_is_kept(thrown, x64):
+    """By gravity, stiffness, a force's magnitude, mass and the initial velocity."""
+    model, state, _, schedule = thrown
+    weight = jnp.asarray(np.random.default_rng(1).normal(size=state.x.shape))
+
+    def respond(p, memory=2e9):
+        law, force = model.materials[0], model.forces[0]
+        changed = model.replace(
+            gravity=model.gravity * p[0],
+            materials=(dataclasses.replace(law, mu=law.mu * p[1], lam=law.lam * p[1]),),
+            forces=(dataclasses.replace(force, value=force.value * p[2]),),
+            mass=model.mass * (1 + 0.1 * p[3] * weight[:, 0]),
+        )
+        begun = dataclasses.replace(state, v=state.v * p[4])
+        middle, end = replay(changed, begun, schedule, memory=memory)
+        return (weight * end.x).sum() + (middle.F[:, 0, 2] ** 2).sum()
+
+    at, h = jnp.ones(5), 1e-6
+    slopes = jax.grad(respond)(at)
+    few = jax.grad(lambda p: respond(p, memory=9e6))(at)
+    differences = [(respond(at.at[i].add(h)) - respond(at.at[i].add(-h))) / (2 * h) for i in range(5)]
+    np.testing.assert_allclose(slopes, differences, rtol=1e-6)
+    np.testing.assert_allclose(few, slopes, rtol=1e-10)
+
+
+def test_what_leaves_its_window_is_not_answered(thrown, x64):
+    model, state, _, schedule = thrown
+    faster = dataclasses.replace(state, v=20 * state.v)
+    assert np.isnan(replay(model, faster, schedule)[-1].x).all()
+
+
+def test_what_cannot_be_replayed_is_refused(thrown):
+    model, state, frames, schedule = thrown
+    with pytest.raises(UserError, match="all frames from the first on"):
+        Schedule.of(model, frames[2:])
+    with (
+        jax.enable_x64(True),
+        pytest.raises(UserError, match="a reverse pass through .* needs .* GB at least"),
+    ):
+        replay(model, state, schedule, memory=1e5)
