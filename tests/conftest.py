@@ -18,12 +18,14 @@ ROBOT = REPOSITORY / "examples" / "assets" / "robot.ply"
 
 _SHARED = "PHYSAGENT_TEST_PROGRAMS"  # the folder, for the workers and for what they start
 QUICK_TO_COMPILE = "--xla_backend_optimization_level=1" + (
-    " --xla_cpu_use_fusion_emitters=false" if jax.__version_info__ < (0, 11) else ""
+    " --xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1"
+    if jax.__version_info__ < (0, 11)
+    else ""
 )
 
 
 def compile_quickly() -> None:
-    """Has LLVM spend less on optimising, and XLA make its loops in the older of its two ways: both compile sooner.
+    """Has LLVM spend less on optimising, and not in parts, and XLA make its loops in the older of its two ways.
 
     For this process only: what tests start (the command line, the README's code) is compiled as users have it.
     XLA reads its flags once, and ends the program at one that it does not know.

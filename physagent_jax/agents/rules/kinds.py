@@ -26,8 +26,7 @@ from physagent_jax.forces.calibration import (
 )
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, VelocityConstraint
 
-SLAB = 0.85  # where a gripped end begins, as a fraction of the extent
-GRIPPED_TURN = 0.75  # the same for a turned end, which has to hold more
+SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
 MOVING = 0.6  # share of its window in which an end or a plate moves; in the rest it is held
 _VERTICAL = 0.7  # cosine
 _OPPOSED = -0.7
@@ -235,7 +234,7 @@ def _make_turn(expectation: ExpectedMotion, cause: Cause, brief: SceneBrief) -> 
         magnitude=round(magnitude, 4),
         active_time=(first, until),
         held_until=min(end, last) if min(end, last) > until else None,
-        region=make_end_region(expectation.part, GRIPPED_TURN),
+        region=make_end_region(expectation.part, SLAB),
     )
 
 
