@@ -135,7 +135,7 @@ def _make_twist(comparison: Comparison, axis: Vector) -> tuple[ForceField, float
     ends = []
     for side in (1.0, -1.0):
         way = scale(axis, side)
-        region = make_end_region(way, kinds.GRIPPED_TURN if comparison.kind == "ends" else 0.5)
+        region = make_end_region(way, kinds.SLAB if comparison.kind == "ends" else 0.5)
         timed = {"vector": way, "magnitude": 1.0, "region": region}
         if comparison.kind == "force":
             ends.append(Action(action_type=ActionType.TORQUE, active_time=(0.0, LAST), **timed))
