@@ -8,7 +8,7 @@ from physagent_jax.run.finished import open_run
 from tests.run.specs import made, small
 
 
-@pytest.mark.parametrize("world", ["ground", "free"])
+@pytest.mark.parametrize("world", ["ground", pytest.param("free", marks=pytest.mark.slow)])
 def test_the_readmes_sentence_succeeds_and_the_particles_agree(robot_path, tmp_path, world):
     spec = small(
         robot_path, preset="paper", world=world, frames=50, particles=8000, resolution=240,
