@@ -140,8 +140,8 @@ def _choose_checkpoints(state: State, schedule: Schedule, memory: float) -> _Che
     each = size + nodes * state.x.dtype.itemsize
     count = schedule.substeps
     if count * each <= memory:
-        return _Checkpoints(_CHUNK, every=True)
-    length = max(_SHORTEST_CHUNK, math.isqrt(int(count * size / each)))
+        return _Checkpoints(_fit_length(schedule, _CHUNK), every=True)
+    length = _fit_length(schedule, max(_SHORTEST_CHUNK, math.isqrt(int(count * size / each))))
     needed = count * size / length + length * each
     if needed > memory:
         raise UserError(
@@ -150,6 +150,16 @@ def _choose_checkpoints(state: State, schedule: Schedule, memory: float) -> _Che
             do="Allow more memory, or take fewer particles or frames",
         )
     return _Checkpoints(length, every=False)
+
+
+def _fit_length(schedule: Schedule, length: int) -> int:
+    """The length near ``length`` by which the frames' substeps are best divided: a rest costs its idle steps too."""
+
+    def waste(candidate: int) -> float:
+        rests = [frame.substeps % candidate for frame in schedule.frames]
+        return sum(candidate for rest in rests if rest) + 0.1 * abs(candidate - length)
+
+    return min(range(max(1, (2 * length) // 3), (3 * length) // 2 + 1), key=waste)
 
 
 def _replay_frame(model: Model, state: State, frame: FrameSchedule, checkpoints: _Checkpoints) -> State:

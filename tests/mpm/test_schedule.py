@@ -76,7 +76,7 @@ def test_gradients_agree_with_central_differences_however_little_is_kept(thrown,
 
     at, h = jnp.ones(5), 1e-6
     slopes = jax.grad(respond)(at)
-    few = jax.grad(lambda p: respond(p, memory=9e6))(at)
+    few = jax.grad(lambda p: respond(p, memory=2e7))(at)
     differences = [(respond(at.at[i].add(h)) - respond(at.at[i].add(-h))) / (2 * h) for i in range(5)]
     np.testing.assert_allclose(slopes, differences, rtol=1e-6)
     np.testing.assert_allclose(few, slopes, rtol=1e-10)
