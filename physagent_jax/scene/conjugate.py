@@ -17,7 +17,7 @@ from jax import lax
 from physagent_jax.core.arrays import to_device
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import Grid, transfer
-from physagent_jax.mpm.kernels import load_cpu_kernels, use_cpu
+from physagent_jax.mpm.kernels import load_cpu_kernels
 
 ROUND_UP = (
     8  # nodes, to which the window's sides are rounded, so that objects of about a size share a program
@@ -36,6 +36,7 @@ class Stiffness:
         tie, slope: Stiffness that ties nodes to the linear field of a particle [N/m], and against its slope [J].
         tied: Sum of the ties at the nodes [N/m], shape (nx, ny, nz, 1).
         diagonal: Of the matrix [N/m], shape (nx, ny, nz, 3).
+        cpu: Whether the CPU kernels do the transfers; static, so that the choice is part of the program.
     """
 
     grid: Grid
@@ -47,11 +48,12 @@ class Stiffness:
     tied: jax.Array
     diagonal: jax.Array
     form: str = dataclasses.field(metadata=dict(static=True))
+    cpu: bool = dataclasses.field(metadata=dict(static=True))
 
     def apply(self, u: jax.Array) -> jax.Array:
         """Forces [N] of displacements ``u`` [m] of the nodes, both (nx, ny, nz, 3)."""
         x, grid, n = self.x, self.grid, len(self.x)
-        kernels = load_cpu_kernels() if use_cpu() else transfer
+        kernels = load_cpu_kernels() if self.cpu else transfer
         zero, one, none = jnp.zeros((n, 3, 3)), jnp.ones(n), jnp.zeros(3)
         # F = I + dt grad u loses digits where grad u is small: u is moved to the scale of a cell before.
         scale = grid.dx / jnp.maximum(jnp.abs(u).max(), 1e-30)

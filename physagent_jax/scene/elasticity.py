@@ -14,6 +14,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from physagent_jax.core.arrays import to_device
+from physagent_jax.mpm.kernels import use_cpu
 from physagent_jax.scene import conjugate
 
 TIE = 0.002  # stiffness against motions of nodes that no particle's strain sees, over that of the material
@@ -188,7 +189,7 @@ class GridElasticity:
             diagonal=diagonal,
         )
         on_device = {name: to_device(each, np.float32) for name, each in arrays.items()}
-        return conjugate.Stiffness(grid=grid, form=self._form, **on_device), place
+        return conjugate.Stiffness(grid=grid, form=self._form, cpu=use_cpu(), **on_device), place
 
     def _find_diagonal(self) -> np.ndarray:
         squared = self.divergence.multiply(self.divergence).tocsr()  # nodes x (particle, axis)

@@ -45,7 +45,8 @@ class Equilibrium:
 
     Attributes:
         F: Elastic deformation gradients, shape (n, 3, 3), float32.
-        residual: Acceleration that is left, root mean square by mass, over gravity.
+        residual: Acceleration that is left, root mean square by mass, over gravity. The tie (`scene.elasticity`) counts
+            as if it acted, which the simulation lacks: without it 2 % (a jelly) to 5 % (a loaf) were measured.
         largest_strain: Largest entry of F - I.
     """
 
