@@ -9,7 +9,7 @@ import pytest
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.terms import UniformAcceleration
-from physagent_jax.mpm import Schedule, find_smallest_window, replay, simulate
+from physagent_jax.mpm import Schedule, find_smallest_window, replay, rollout, simulate
 from tests.mpm.blocks import block
 
 FRAMES, FRAME_DT = 3, 0.05
@@ -97,3 +97,20 @@ def test_what_cannot_be_replayed_is_refused(thrown):
         pytest.raises(UserError, match="a reverse pass through .* needs .* GB at least"),
     ):
         replay(model, state, schedule, memory=1e5)
+
+
+def test_what_is_stopped_at_a_wall_has_the_derivative_of_differences(x64):
+    """By the speed with which single particles fly at either wall; no boundary acts before the last line of defence."""
+    model, state = block((2, 2, 2), low=(0.4, 0.4, 0.85), dtype=np.float64, boundaries=())
+    weight = jnp.asarray(np.random.default_rng(2).normal(size=state.x.shape))
+
+    def respond(speed):
+        begun = dataclasses.replace(state, v=state.v + speed)
+        end, _ = rollout(model, begun, frame_count=1, substeps=10)
+        return (weight * end.x).sum() + (weight * end.v).sum(), end.stopped
+
+    at, h = jnp.array([0.3, 0.0, 2.0]), 1e-6
+    slope, stopped = jax.grad(respond, has_aux=True)(at)
+    assert stopped > 0
+    differences = [(respond(at + e)[0] - respond(at - e)[0]) / (2 * h) for e in h * jnp.eye(3)]
+    np.testing.assert_allclose(slope, differences, rtol=1e-6, atol=1e-7)
