@@ -72,11 +72,6 @@ class GridElasticity:
         """Forces at the nodes (m, 3) [N] of Kirchhoff stresses (n, 3, 3) [Pa]."""
         return self.divergence @ (self._volume[:, None, None] * tau).reshape(-1, 3)
 
-    def compute_tie_force(self, u) -> np.ndarray:
-        """What ties nodes to the linear field of each particle over them, where strains do not see them move."""
-        slopes = self.gradient @ u
-        return self._tie_nodes(u) - self.divergence @ (self._slope_stiffness * slopes)
-
     def compute_stress(self, u) -> np.ndarray:
         """Linear elasticity's stresses (n, 3, 3) [Pa] for displacements ``u`` of the nodes [m]."""
         return self._find_stress(self.gradient @ u)

@@ -8,10 +8,12 @@ import trimesh
 
 from physagent_jax.core.arrays import to_device
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.mpm import step
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import compile_scene
+from physagent_jax.scene.compile.equilibrium import find_equilibrium
 from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.standing import make_stand
 from physagent_jax.simulation.simulate import simulate_frames
@@ -66,6 +68,17 @@ def test_the_stress_is_that_of_a_bar_under_its_weight(pillar):
         slab = np.abs(height - low) < 0.08
         weight = material.density * 9.8 * (1.0 - height[slab].mean())
         assert tau[slab].mean() == pytest.approx(-weight, rel=0.1)
+
+
+def test_the_residual_is_the_acceleration_that_the_simulation_begins_with(pillar):
+    """Whatever bears the weight must be there in the simulation too."""
+    scene, _ = scene_of(pillar, frames=2)
+    found = find_equilibrium(scene.model, scene.state, np.zeros(len(scene.state.x), bool), scene.config)
+    after = step(scene.model, dataclasses.replace(scene.state, F=to_device(found.F)))
+    begun = np.linalg.norm(np.asarray(after.v), axis=1) / float(scene.model.dt)
+    left = np.sqrt(np.average(begun**2, weights=np.asarray(scene.model.mass))) / 9.8
+    assert left == pytest.approx(found.residual, rel=0.1)
+    assert left < 0.005
 
 
 def test_a_held_plant_keeps_its_pose(pillar):
