@@ -30,6 +30,7 @@ from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import CameraConfig, SceneConfig
 from physagent_jax.scene.fuse import SceneTemplate, fuse
 from physagent_jax.scene.procedural import make_jelly, make_loaf, make_plant
+from physagent_jax.scene.standing import make_stand
 from physagent_jax.simulation.simulate import simulate_frames
 
 ROBOT = Path(__file__).resolve().parents[2] / "examples" / "assets" / "robot.ply"
@@ -123,6 +124,7 @@ def prepare(name: str, world: str = "free") -> Setting:
         )  # fmt: skip
         template = resolve(spec).template
         body = make_body(template.source, template.preset.filling, template.preset.domain, ".")
+        template, _ = make_stand(template, body, keep_material=True)
     return Setting(template, body, make_brief(template))
 
 

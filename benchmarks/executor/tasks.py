@@ -133,6 +133,11 @@ TASKS = (
         ({"kind": "move", "direction": "right"},), (("translation", "right", 1.4, 0, 40),),
         ("sign", "90 degrees", "minimum", "maximum", "type"), world="ground",
     ),
+    Task(
+        "push over the ground", "loaf", "push the loaf to the right",
+        ({"kind": "move", "direction": "right"},), (("translation", "right", 1.4, 0, 40),),
+        ("sign", "90 degrees", "minimum", "maximum", "type"), world="ground",
+    ),
 )  # fmt: skip
 
 Fault = Callable[[ForceField, SceneBrief], ForceField]

@@ -187,6 +187,29 @@ def test_saturated_push_acts_longer_and_is_never_stacked():
     assert drive.constraint_type is ConstraintType.PARTICLE_TRANSLATION and drive.vector == LEFT
 
 
+def test_a_prescribed_velocity_goes_where_the_sentence_says():
+    """A force that was turned to make up for a drift is no reason to prescribe a motion beside the one asked for."""
+    prompt, slow = "push it left", dict(displacement=(-0.2, 0, 0))
+    reply = read(prompt)
+    straight, turned = (
+        with_magnitude(prompt, 1.6, vector=way, active_time=(0.0, 48.0))
+        for way in (LEFT, (-0.7071, 0.7071, 0.0))
+    )
+    tried = judge(prompt, reply, seen_in(reply.expectations, **slow), brief(), straight)
+    answer, _ = rewritten(prompt, turned, history=(tried,), **slow)
+    (drive,) = answer.force_field.constraints
+    assert drive.vector == pytest.approx(LEFT) and drive.magnitude > 0
+
+
+def test_a_saturated_push_that_began_late_begins_earlier():
+    """Where it cannot last longer: from where its motion should begin, not before."""
+    prompt = "spin it"
+    late = with_magnitude(prompt, 1.6, active_time=(30.0, 48.0))
+    answer, _ = rewritten(prompt, late, turn=(0, 0, 3.0))
+    (action,) = answer.force_field.actions
+    assert action.active_time[1] == 48.0 and action.active_time[0] < 20.0
+
+
 def test_no_attempt_is_repeated_until_nothing_is_left():
     """Rewrites differ from all earlier attempts; when they run out, the change says so."""
     scene, prompt = brief(), "push it left"

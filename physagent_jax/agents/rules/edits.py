@@ -287,32 +287,28 @@ def alternate(case: Case, causes: Sequence[Cause]) -> Change:
 
 
 def lengthen(case: Case, causes: Sequence[Cause], factor: float) -> Iterator[Change]:
-    """A saturated push acts for longer: up to where the next motion begins."""
+    """A saturated push acts for longer: up to where the next motion begins, and from where its own does."""
+    if len(causes) != 1:
+        return
     later = [e.window[0] for e in case.expectations if e.window[0] >= case.expectation.window[1] - 0.5]
     limit = min([*later, case.last])
-    items = []
-    for cause in causes:
-        first, last = cause.item.active_time or (0.0, case.last)
-        items.append(
-            cause.item.model_copy(
-                update={
-                    "active_time": (
-                        first,
-                        max(last, min(float(round(first + factor * (last - first))), limit)),
-                    )
-                }
-            )
-        )
-    if len(causes) == 1:
-        yield Change(
-            replace_items(case.force_field, causes, items),
-            f"{format_names(causes)} cannot be made stronger: it acts for longer.",
-            "window_in_clip",
-        )
+    first, last = causes[0].item.active_time or (0.0, case.last)
+    end = max(last, min(float(round(first + factor * (last - first))), limit))
+    begin = min(first, max(float(round(end - factor * (last - first))), case.expectation.window[0]))
+    yield Change(
+        replace_items(
+            case.force_field, causes, [causes[0].item.model_copy(update={"active_time": (begin, end)})]
+        ),
+        f"{format_names(causes)} cannot be made stronger: it acts for longer.",
+        "window_in_clip",
+    )
 
 
 def enforce(case: Case, causes: Sequence[Cause], gain: float) -> Change:
-    """Prescribes the velocity where no admissible force is enough; for M = 1 see `PRESCRIBED_TRAVEL`."""
+    """Prescribes the velocity where no admissible force is enough; for M = 1 see `PRESCRIBED_TRAVEL`.
+
+    What is prescribed goes where it points: not beside it, as forces may have been turned to make up for something.
+    """
     first, last = round_window(case.expectation, case.brief.frame_count)
     seen, told = case.seen(), case.expectation.direction
     reached = max(dot(seen, told) if seen and told else 0.0, 0.05)
@@ -321,8 +317,8 @@ def enforce(case: Case, causes: Sequence[Cause], gain: float) -> Change:
     constraints = tuple(
         VelocityConstraint(
             constraint_type=ConstraintType.PARTICLE_TRANSLATION,
-            vector=c.item.vector,
-            magnitude=round(math.copysign(clamp(size, MAGNITUDE_MIN, MAGNITUDE_MAX), c.item.magnitude), 4),
+            vector=told or c.direction,
+            magnitude=round(clamp(size, MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
             active_time=c.item.active_time,
             region=c.item.region,
             object=c.item.object,
