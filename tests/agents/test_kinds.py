@@ -55,6 +55,29 @@ def test_a_stretch_moves_exactly_two_ends_apart_by_what_is_expected(strength):
     assert slight.magnitude * (end - begin) <= one.magnitude * (last - first)
 
 
+def test_what_is_lifted_and_held_is_carried_to_where_it_should_be():
+    """On the ground, where weight would take it down again; elsewhere, and if nothing follows, it stays a force."""
+    push = {"action_type": "translation", "vector": UP, "magnitude": 1.0, "active_time": (0, 40)}
+    moved = {"kind": "move", "direction": UP, "window": (0, 40)}
+    ground = brief(world="ground")
+    (hand,) = chosen(push, moved | {"stays": True}, ground).constraints
+    first, until = hand.active_time
+    assert hand.vector == UP and hand.region is None and hand.held_until == 48
+    assert PRESCRIBED_TRAVEL * hand.magnitude * (until - first) / 48 == pytest.approx(0.6, rel=0.1)
+    assert chosen(push, moved, ground).actions and chosen(push, moved | {"stays": True}).actions
+    assert chosen(push | {"vector": RIGHT}, moved | {"stays": True, "direction": RIGHT}, ground).actions
+    thrown = {"stays": True, "sudden": True}
+    assert chosen(push | {"action_type": "impulse"}, moved | thrown, ground).actions
+
+
+def test_what_is_lifted_before_something_else_is_carried_until_then():
+    """Upright, and let go when the next motion begins."""
+    reply = RuleSemanticAgent().compile(asked("lift it, then drop it", brief(world="ground"))).value
+    (hand,) = reply.force_field.constraints
+    end = hand.held_until or hand.active_time[1]
+    assert hand.vector == UP and end <= reply.expectations[1].window[0]
+
+
 def test_a_squeeze_is_pressed_by_plates_or_by_one_onto_the_ground():
     one, two = chosen(scaled(RIGHT, -1.0), squeezed(RIGHT)).constraints
     assert {one.constraint_type, two.constraint_type} == {PLATE} and one.vector != two.vector

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from physagent_jax.agents.matching import Cause, agrees, find_own_causes, share_time
 from physagent_jax.agents.rules.edits import AXIAL, replace_items
 from physagent_jax.agents.rules.language.events import make_end_region
-from physagent_jax.agents.rules.tolerances import expect_strain
+from physagent_jax.agents.rules.tolerances import expect_move, expect_quantity, expect_strain
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import clamp, cosine, scale
 from physagent_jax.forces.calibration import (
@@ -57,7 +57,7 @@ def choose_kinds(
     """
     reasons: list[str] = []
     for expectation in expectations:
-        for make in (_part_ends, _press, _turn_ends, _strike):
+        for make in (_part_ends, _press, _turn_ends, _strike, _carry):
             replaced = make(force_field, expectation, expectations, brief)
             if replaced is not None:
                 force_field, why = replaced
@@ -273,6 +273,50 @@ def as_particle_impulse(cause: Cause) -> VelocityConstraint:
         region=item.region,
         object=item.object,
     )
+
+
+def _carry(
+    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
+) -> _Replaced:
+    """What is raised from the ground and then kept up: by something that carries it, since a force would let it tip.
+
+    Only where something is to come after: what is raised and no more may be pushed up to the clip's end.
+    """
+    way, up = expectation.direction, brief.directions.up
+    if expectation.kind is not MotionKind.MOVE or way is None or cosine(way, up) < _VERTICAL:
+        return None
+    if brief.world != "ground" or brief.anchored is not None or expectation.sudden or expectation.partial:
+        return None
+    later = [e.window[0] for e in everything if e.window[0] >= expectation.window[1] - 0.5]
+    if not (later or expectation.stays):
+        return None
+    causes = [c for c in find_own_causes(expectation, everything, field) if c.type is ActionType.TRANSLATION]
+    if not any(agrees(c, expectation) for c in causes) or any(c.item.region is not None for c in causes):
+        return None
+    last = float(brief.frame_count - 1)
+    first = min((c.item.active_time or (0.0, last))[0] for c in causes)
+    end = max((c.item.active_time or (0.0, last))[1] for c in causes)
+    effort = _find_way(expectation, (end - first) * brief.frame_dt, brief) / PRESCRIBED_TRAVEL
+    effort *= find_reference_time(False, last * brief.frame_dt) / brief.frame_dt
+    magnitude = clamp(effort / (MOVING * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
+    until = clamp(float(round(first + effort / magnitude)), first + 1.0, end)
+    kept = min([*later, last]) if expectation.stays else end
+    hand = VelocityConstraint(
+        constraint_type=ConstraintType.PARTICLE_TRANSLATION,
+        vector=way,
+        magnitude=round(magnitude, 4),
+        active_time=(first, until),
+        held_until=kept if kept > until else None,
+    )
+    return _put(field, causes, (hand,)), f"'{expectation.words}': it is carried up, and kept there."
+
+
+def _find_way(expectation: ExpectedMotion, seconds: float, brief: SceneBrief) -> float:
+    """How far it is to go [body lengths]."""
+    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
+    if told and told.unit == "body lengths":
+        return told.target
+    return expect_move(expectation, brief.frame_count, False, seconds=seconds).target
 
 
 def _find_scales(
