@@ -55,6 +55,15 @@ def test_a_stretch_moves_exactly_two_ends_apart_by_what_is_expected(strength):
     assert slight.magnitude * (end - begin) <= one.magnitude * (last - first)
 
 
+@pytest.mark.parametrize("factor", [0.5, 0.7])
+def test_a_plate_goes_as_far_as_the_sentence_says(factor):
+    """ "To half its height" is a target, whatever the word for it promises."""
+    amount = {"value": factor, "unit": "factor"}
+    (plate,) = chosen(scaled(UP, -1.0), squeezed(UP, amount=amount), brief(world="ground")).constraints
+    first, until = plate.active_time
+    assert PRESCRIBED_TRAVEL * plate.magnitude * (until - first) / 48 == pytest.approx(1 - factor, rel=0.05)
+
+
 def test_what_is_lifted_and_held_is_carried_to_where_it_should_be():
     """On the ground, where weight would take it down again; elsewhere, and if nothing follows, it stays a force."""
     push = {"action_type": "translation", "vector": UP, "magnitude": 1.0, "active_time": (0, 40)}

@@ -151,7 +151,11 @@ def find_travel(
     last = float(brief.frame_count - 1)
     first, end = causes[0].item.active_time or (0.0, last)
     end = min(end, last)
-    target = expect_strain(expectation, expectation.kind is MotionKind.SQUEEZE).target
+    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
+    if told and told.unit == "of its length":
+        target = told.target
+    else:
+        target = expect_strain(expectation, expectation.kind is MotionKind.SQUEEZE).target
     reference = find_reference_time(brief.anchored is not None, last * brief.frame_dt) / brief.frame_dt
     effort = target * reference / (movers * PRESCRIBED_TRAVEL)  # magnitude times frames
     magnitude = clamp(effort / (MOVING * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)

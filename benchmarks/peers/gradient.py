@@ -1,0 +1,102 @@
+"""Loss and gradient of a scene by one code in this process, timed: what `benchmarks.gradients` runs in others.
+
+    python -m benchmarks.peers.gradient --code NAME --scene scene.npz --dt DT --steps N --repeats R --threads T
+
+The loss is the mean over the particles of z^2 + 0.1 w . x / 3 at the end, w normal numbers (seed 1); its gradient is by
+gravity, initial velocity and stiffness, each as a factor. Prints one line of JSON. Needs only numpy and the code's
+library, so that a peer may live in an environment of its own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import os
+import re
+import time
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from benchmarks.peers.scene import PeerScene
+
+CODES = {
+    "ours": ("benchmarks.peers.ours_gradient", "Ours"),
+    "warp_tape": ("benchmarks.peers.warp_tape", "WarpTape"),
+    "taichi_tape": ("benchmarks.peers.taichi_tape", "TaichiTape"),
+}
+"""Module and class of each code."""
+_STATUS = Path("/proc/self/status")
+
+
+class Differentiable(Protocol):
+    """A simulator whose end can be differentiated."""
+
+    name: str
+
+    def version(self) -> str:
+        """Name, version and device of the library that does the work."""
+        ...
+
+    def load(self, scene: PeerScene, dt: float, steps: int, weight: np.ndarray) -> None:
+        """Prepares ``scene`` for ``steps`` substeps of ``dt`` [s]; ``weight`` is w of the loss, shape (n, 3)."""
+        ...
+
+    def compute_gradient(self) -> tuple[float, np.ndarray]:
+        """The loss, and its derivatives by gravity, initial velocity and stiffness, shape (3,)."""
+        ...
+
+
+def draw_weight(count: int) -> np.ndarray:
+    """w of the loss, shape (count, 3)."""
+    return np.random.default_rng(1).normal(size=(count, 3))
+
+
+def read_memory(name: str) -> float | None:
+    """A line of what the system says of this process [bytes]; None where it says nothing."""
+    if not _STATUS.is_file():
+        return None
+    found = re.search(rf"{name}:\s+(\d+) kB", _STATUS.read_text())
+    return 1024.0 * int(found[1]) if found else None
+
+
+def main() -> int:
+    """Runs the command line."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.peers.gradient", description=__doc__)
+    parser.add_argument("--code", required=True, choices=sorted(CODES))
+    parser.add_argument("--scene", type=Path, required=True)
+    parser.add_argument("--dt", type=float, required=True, help="substep [s]")
+    parser.add_argument("--steps", type=int, required=True)
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--threads", type=int, required=True)
+    options = parser.parse_args()
+    if hasattr(os, "sched_setaffinity"):  # before any library counts the cores
+        os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: options.threads])
+    module, cls = CODES[options.code]
+    code: Differentiable = getattr(importlib.import_module(module), cls)()
+    scene = PeerScene.load(options.scene)
+    before = read_memory("VmRSS")
+    code.load(scene, options.dt, options.steps, draw_weight(scene.particle_count))
+    seconds = []
+    for _ in range(1 + options.repeats):
+        begun = time.perf_counter()
+        loss, gradient = code.compute_gradient()
+        seconds.append(time.perf_counter() - begun)
+    peak = read_memory("VmHWM")
+    result = {
+        "code": code.name,
+        "version": code.version(),
+        "first_seconds": seconds[0],
+        "seconds": seconds[1:],
+        "loss": loss,
+        "gradient": gradient.tolist(),
+        "memory_gb": None if peak is None or before is None else (peak - before) / 1e9,
+    }
+    print(json.dumps(result))
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
