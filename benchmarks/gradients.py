@@ -4,14 +4,19 @@ The elastic cube that is dropped on a floor (`benchmarks.peers.drop`), eight par
 product runs: `simulate`, with its window and kernels. "value and gradient" is `jax.value_and_grad` through `replay` of
 its schedule, of a loss over the last frame, by gravity, the initial velocity and the stiffness. Both are timed in turn,
 warm; first calls compile. Memory is what the process takes more at its peak. "precision" compares the gradient by the
-kernels in single precision with that of the reference path in double precision.
+kernels in single precision with that of the reference path in double precision. "peers" sets the same gradient by
+Warp's tape and by Taichi's automatic differentiation beside it, each in a process of its own with as many cores; they
+are looked for in the interpreter that the environment variable PEER_PYTHON names.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import re
+import json
+import os
+import subprocess
 import sys
+import tempfile
 import time
 from functools import partial
 from pathlib import Path
@@ -24,10 +29,13 @@ import tyro
 
 from benchmarks import harness
 from benchmarks.harness import Job, Row, link, number, provenance, table
+from benchmarks.peers.base import PYTHON_VARIABLE
 from benchmarks.peers.drop import SIDE, SIZE, drop
+from benchmarks.peers.gradient import CODES, draw_weight, read_memory, reset_peak
 from benchmarks.peers.ours import build
-from benchmarks.peers.scene import Material
-from physagent_jax.mpm import Model, Schedule, State, cell_order, replay, simulate
+from benchmarks.peers.ours_gradient import find_loss
+from benchmarks.peers.scene import Material, PeerScene
+from physagent_jax.mpm import Model, Schedule, State, cell_order, simulate
 
 CASES = (  # particles, frames, substeps of a frame, memory of the reverse pass [bytes], aim: times the forward
     (20_000, 1, 200, 2e9, 5.0),
@@ -35,13 +43,17 @@ CASES = (  # particles, frames, substeps of a frame, memory of the reverse pass 
     (200_000, 1, 100, 4e9, None),
 )
 HORIZONS = (10, 100, 1000)  # substeps
-_STATUS, _CLEAR = Path("/proc/self/status"), Path("/proc/self/clear_refs")
+ROOT = Path(__file__).resolve().parents[1]
 _MEANING = """What the gradient of a simulation costs, by `python -m benchmarks.gradients`. The elastic cube that the
 codes are timed on, dropped on a floor, with eight particles per cell. *Forward* is what the product runs (`simulate`,
 with its window and kernels); *value and gradient* is `jax.value_and_grad` through `replay` of its schedule, by gravity,
 initial velocity and stiffness. Both in turn, warm; median and range of the ratio. *Memory* is what the process takes
 more at its peak; *allowed* is what `replay` was given. *Precision*: the gradient by the kernels in single precision
 against that of the reference path in double precision, of 1,000 particles, and that one against central differences.
+*Peers*: the same scene, loss and unknowns by the automatic differentiation of Warp (kernels of the classical substep,
+every substep's arrays on the tape) and of Taichi (as in DiffTaichi: nodes are filled again in reverse), each in
+a process of its own with as many cores; Warp has one thread on a CPU. *Cosine* is between the gradients: the classical
+stress form and MLS-MPM differ at this resolution.
 """
 COLUMNS = {
     "particles": lambda row: f"{row['particles']:,}",
@@ -63,13 +75,26 @@ PRECISION = {
     "norm": lambda row: number(row["norm"]),
     "double precision against central differences": lambda row: f"{row['difference_error']:.1e}",
 }
+PEERS = {
+    "code": lambda row: f"{row['code']}: {row['version']}",
+    "cores": lambda row: str(row["cores"]),
+    "particles": lambda row: f"{row['particles']:,}",
+    "substeps": lambda row: str(row["substeps"]),
+    "value and gradient [s]": lambda row: (
+        f"{number(row['seconds'])} ({' to '.join(map(number, row['range']))})"
+    ),
+    "times ours": lambda row: number(row["ratio"]),
+    "first call [s]": lambda row: number(row["first_seconds"]),
+    "memory [GB]": lambda row: number(row["memory_gb"]),
+    "cosine with ours": lambda row: f"{row['cosine']:.4f}",
+}
 
 
 @dataclasses.dataclass(frozen=True)
 class Command(harness.Command):
     """Measure what gradients cost, and how exact they are."""
 
-    parts: tuple[Literal["cost", "precision"], ...] = ("cost", "precision")
+    parts: tuple[Literal["cost", "precision", "peers"], ...] = ("cost", "precision", "peers")
     """Which to measure."""
     repeats: int = 3
     """Timed pairs; quick: one."""
@@ -78,15 +103,19 @@ class Command(harness.Command):
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
-    parts = {"cost": lambda: _list_costs(command), "precision": lambda: _list_precisions(command)}
+    parts = {
+        "cost": lambda: _list_costs(command),
+        "precision": lambda: _list_precisions(command),
+        "peers": lambda: _list_peers(command),
+    }
     return harness.main(command, parts, document)
 
 
 def document(result: dict, json_path: Path, target: Path) -> str:
     """The tables as Markdown."""
     text = f"# Gradients\n\n{_MEANING}\nEvery row is in [{json_path.name}]({link(json_path, target)}).\n"
-    text += provenance(result, ("cost", "precision"))
-    for part, columns in (("cost", COLUMNS), ("precision", PRECISION)):
+    text += provenance(result, ("cost", "precision", "peers"))
+    for part, columns in (("cost", COLUMNS), ("precision", PRECISION), ("peers", PEERS)):
         if part in result:
             rows = [[show(row) for show in columns.values()] for row in result[part]["rows"]]
             text += f"\n## {part.capitalize()}\n" + table(tuple(columns), rows)
@@ -105,28 +134,60 @@ def _list_precisions(command: Command) -> list[Job]:
     return [Job(f"{count} substeps", partial(_measure_precision, count)) for count in horizons]
 
 
+def _list_peers(command: Command) -> list[Job]:
+    """One job, so that ratios are within a run."""
+    particles, steps, cores = (500, 10, (1,)) if command.quick else (20_000, 200, (2, 1))
+    repeats = 1 if command.quick else command.repeats
+    return [Job(f"{n} core(s)", partial(_measure_peers, particles, steps, n, repeats)) for n in cores]
+
+
+def _measure_peers(particles: int, steps: int, cores: int, repeats: int) -> list[Row]:
+    """Ours and the peers' that are there, one after another."""
+    rows: list[Row] = []
+    with tempfile.TemporaryDirectory() as folder:
+        stored = Path(folder) / "scene.npz"
+        make_scene(particles).save(stored)
+        for code in CODES:
+            python = sys.executable if code == "ours" else os.environ.get(PYTHON_VARIABLE, sys.executable)
+            command = [
+                python,
+                "-m",
+                "benchmarks.peers.gradient",
+                "--code",
+                code,
+                "--scene",
+                str(stored),
+                "--dt",
+                "1e-4",
+            ]
+            command += ["--steps", str(steps), "--repeats", str(repeats), "--threads", str(cores)]
+            done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+            if done.returncode != 0:
+                harness.say(f"{code} is left out: {(done.stderr or done.stdout).strip().splitlines()[-1]}")
+                continue
+            rows.append(json.loads(done.stdout.strip().splitlines()[-1]))
+    ours = rows[0]
+    for row in rows:
+        seconds = row.pop("seconds")
+        row |= {"seconds": float(np.median(seconds)), "range": [min(seconds), max(seconds)], "cores": cores}
+        row |= {"particles": particles, "substeps": steps, "ratio": row["seconds"] / ours["seconds"]}
+        a, b = np.asarray(row["gradient"]), np.asarray(ours["gradient"])
+        row["cosine"] = float(a @ b / np.sqrt((a @ a) * (b @ b)))
+        harness.say(str(row))
+    return rows
+
+
+def make_scene(particles: int) -> PeerScene:
+    """The cube above the floor, eight particles in a cell."""
+    return drop(particles, Material.NEO_HOOKEAN, round(SIZE / (SIDE * (8 / particles) ** (1 / 3))))
+
+
 def make_cube(particles: int, precision: Any, kernels: str = "auto") -> tuple[Model, State]:
     """The cube above the floor, its particles sorted, eight in a cell."""
-    cells = round(SIZE / (SIDE * (8 / particles) ** (1 / 3)))
-    scene = drop(particles, Material.NEO_HOOKEAN, cells)
+    scene = make_scene(particles)
     scene = scene.take(cell_order(scene.x, scene.dx))
     scene = dataclasses.replace(scene, x=scene.x.astype(precision), v=scene.v.astype(precision))
     return build(scene, kernels)
-
-
-def find_loss(model: Model, state: State, schedule: Schedule, memory: float):
-    """A smooth function of the last frame, by three scales: of gravity, initial velocity and stiffness."""
-    weight = jnp.asarray(np.random.default_rng(1).normal(size=state.x.shape), state.x.dtype)
-    law = model.materials[0]
-
-    def loss(scales):
-        stiff = dataclasses.replace(law, mu=scales[2] * law.mu, lam=scales[2] * law.lam)
-        changed = model.replace(gravity=scales[0] * model.gravity, materials=(stiff,))
-        begun = dataclasses.replace(state, v=scales[1] * state.v)
-        end = replay(changed, begun, schedule, memory=memory)[-1]
-        return (end.x[:, 2] ** 2).mean() + 0.1 * (weight * end.x).mean() + 0.01 * (end.F[:, 0, 2] ** 2).mean()
-
-    return loss
 
 
 def _measure_cost(
@@ -138,7 +199,7 @@ def _measure_cost(
     made = list(simulate(model, state, **run))
     schedule = Schedule.of(model, made)
     del made
-    gradient = jax.value_and_grad(find_loss(model, state, schedule, memory))
+    gradient = jax.value_and_grad(find_loss(model, state, schedule, draw_weight(n), memory))
     at = jnp.ones(3, state.x.dtype)
 
     def go_forward():
@@ -147,9 +208,9 @@ def _measure_cost(
         jax.block_until_ready(end.x)
 
     first = [_time(go_forward), _time(lambda: jax.block_until_ready(gradient(at)))]
-    before = _reset_peak()
+    before = reset_peak()
     pairs = [(_time(go_forward), _time(lambda: jax.block_until_ready(gradient(at)))) for _ in range(repeats)]
-    peak = _read_memory("VmHWM")
+    peak = read_memory("VmHWM")
     ratios = sorted(both / forward for forward, both in pairs)
     count = schedule.substeps
     row = {
@@ -174,13 +235,16 @@ def _measure_precision(count: int) -> list[Row]:
         model, state = make_cube(particles, np.float64, "reference")
         run = dict(frame_count=2, frame_dt=count * 2e-4, substep_dt=2e-4)
         schedule = Schedule.of(model, simulate(model, state, **run))
-        loss = find_loss(model, state, schedule, 2e9)
+        loss = find_loss(model, state, schedule, draw_weight(particles), 2e9)
         at, h = jnp.ones(3), 1e-5
         exact = np.asarray(jax.grad(loss)(at))
         step = h * np.eye(3)
         differences = np.array([(loss(at + e) - loss(at - e)) / (2 * h) for e in step])
     single, begun = make_cube(particles, np.float32)
-    got = np.asarray(jax.grad(find_loss(single, begun, schedule, 2e9))(jnp.ones(3, jnp.float32)), np.float64)
+    got = np.asarray(
+        jax.grad(find_loss(single, begun, schedule, draw_weight(particles), 2e9))(jnp.ones(3, jnp.float32)),
+        np.float64,
+    )
     norm = float(np.linalg.norm(exact))
     row = {
         "particles": particles,
@@ -199,22 +263,6 @@ def _time(function) -> float:
     begun = time.perf_counter()
     function()
     return time.perf_counter() - begun
-
-
-def _reset_peak() -> float | None:
-    """Memory of this process now, from which on its peak is counted [bytes]; None where the system does not tell."""
-    try:
-        _CLEAR.write_text("5")
-    except OSError:
-        return None
-    return _read_memory("VmRSS")
-
-
-def _read_memory(name: str) -> float | None:
-    if not _STATUS.is_file():
-        return None
-    found = re.search(rf"{name}:\s+(\d+) kB", _STATUS.read_text())
-    return 1024.0 * int(found[1]) if found else None
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ CODES = {
     "taichi_tape": ("benchmarks.peers.taichi_tape", "TaichiTape"),
 }
 """Module and class of each code."""
-_STATUS = Path("/proc/self/status")
+_STATUS, _CLEAR = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 
 
 class Differentiable(Protocol):
@@ -60,6 +60,15 @@ def read_memory(name: str) -> float | None:
         return None
     found = re.search(rf"{name}:\s+(\d+) kB", _STATUS.read_text())
     return 1024.0 * int(found[1]) if found else None
+
+
+def reset_peak() -> float | None:
+    """Memory of this process now, from which on its peak is counted [bytes]; None where the system does not tell."""
+    try:
+        _CLEAR.write_text("5")
+    except OSError:
+        return None
+    return read_memory("VmRSS")
 
 
 def main() -> int:
