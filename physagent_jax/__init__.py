@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from physagent_jax.run.finished import FinishedRun as FinishedRun
     from physagent_jax.run.finished import open_run as open_run
     from physagent_jax.run.spec import RunSpec as RunSpec
+    from physagent_jax.scene.parameters import SceneParameters as SceneParameters
     from physagent_jax.simulation.recording import Recording as Recording
     from physagent_jax.simulation.simulate import simulate_scene as simulate_scene
     from physagent_jax.simulation.trajectory import trajectory as trajectory
@@ -44,6 +45,7 @@ _PLACES = {
     "LoadedObject": "api",
     "Recording": "simulation.recording",
     "RunSpec": "run.spec",
+    "SceneParameters": "scene.parameters",
     "build_scene": "api",
     "enable_compile_cache": "kernels.compile_cache",
     "load_object": "api",
@@ -64,6 +66,7 @@ __all__ = [
     "LoadedObject",
     "Recording",
     "RunSpec",
+    "SceneParameters",
     "__version__",
     "build_scene",
     "enable_compile_cache",

@@ -15,10 +15,9 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.mpm.fields import END, START
-from physagent_jax.mpm.protocols import window_fraction
+from physagent_jax.mpm.fields import END, FOREVER, START
+from physagent_jax.mpm.protocols import cut_to_window, window_fraction
 
-FOREVER = 1e9  # [s]; the end of a window that never closes
 Scalar = jax.Array | float
 
 
@@ -55,6 +54,15 @@ class Envelope:
     frequency: Scalar = 0.0
     phase: Scalar = 0.0
 
+    @property
+    def idle_fields(self) -> tuple[str, ...]:
+        """Fields that play no part in this kind of profile."""
+        used = {
+            EnvelopeKind.RAMP: ("rise", "fall"),
+            EnvelopeKind.SINE: ("frequency", "phase"),
+        }.get(self.kind, ())
+        return tuple(name for name in ("rise", "fall", "frequency", "phase") if name not in used)
+
     @staticmethod
     def constant(start: Scalar = 0.0, end: Scalar = FOREVER) -> Envelope:
         """1 within the window [s]."""
@@ -88,7 +96,7 @@ class Envelope:
 
         Finite, but without meaning, if no part is.
         """
-        begin, stop = jnp.maximum(time, self.start), jnp.minimum(time + dt, self.end)
+        begin, stop = cut_to_window(time, dt, jnp.asarray(self.start), jnp.asarray(self.end))
         length = jnp.maximum(stop - begin, 0.0)
         middle = 0.5 * (begin + stop) - self.start
         match self.kind:

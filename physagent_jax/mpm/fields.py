@@ -27,6 +27,15 @@ HELD: Mapping[str, Any] = dict(per="held", indices=True)
 COUNT: Mapping[str, Any] = dict(static=True, count=True)
 """How many particles a material has that has no arrays to tell; belongs to the structure."""
 
+DRAWN: Mapping[str, Any] = dict(drawn=True)
+"""Drawn or sampled: stands for a shape as a whole, and is no number that anybody would vary."""
+
+UNIT: Mapping[str, Any] = dict(unit=True)
+"""A direction: a unit vector, shape (3,)."""
+
+FOREVER = 1e9
+"""[s]; the end of a window that never closes."""
+
 START: Mapping[str, Any] = dict(window="start")
 END: Mapping[str, Any] = dict(window="end")
 """Of the time in which a part acts [s]; outside [start, end) it changes nothing."""

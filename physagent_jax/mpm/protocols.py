@@ -93,5 +93,18 @@ def window_fraction(time: jax.Array, dt: jax.Array, start: jax.Array, end: jax.A
 
     Consecutive substeps telescope, so an impulse delivers exactly its total whatever dt is.
     """
-    overlap = jnp.minimum(time + dt, end) - jnp.maximum(time, start)
-    return jnp.clip(overlap / dt, 0.0, 1.0)
+    begin, stop = cut_to_window(time, dt, start, end)
+    share = (stop - begin) / dt
+    return jnp.where(share > 0, jnp.where(share > 1, 1.0, share), 0.0)
+
+
+def cut_to_window(
+    time: jax.Array, dt: jax.Array, start: jax.Array, end: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """Begin and end [s] of the part of [time, time + dt] that lies in [start, end); in reverse order if none does.
+
+    A bound that falls on that of a substep belongs to the one inside the window, so that a window from the clip's
+    beginning on has the derivative of one that begins later: earlier there is nothing.
+    """
+    after = time + dt
+    return jnp.where(start >= time, start, time), jnp.where(end <= after, end, after)

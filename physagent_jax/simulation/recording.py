@@ -98,6 +98,7 @@ class RestartCache:
         config, body: What was simulated.
         outputs, statistics: Up to the last of ``restarts``.
         restarts: Frames from which the simulation can go on, by number; their states are on the host.
+        changed: Whether ``config`` does not tell all numbers (`CompiledScene.changed`): nothing can go on from it.
     """
 
     config: SceneConfig
@@ -105,6 +106,7 @@ class RestartCache:
     outputs: tuple[FrameOutput, ...]
     statistics: tuple[FrameStatistics, ...]
     restarts: dict[int, Frame]
+    changed: bool = False
 
     @staticmethod
     def of(
@@ -116,7 +118,12 @@ class RestartCache:
         """What is needed to go on from ``restarts``."""
         count = max(restarts, default=-1) + 1
         return RestartCache(
-            scene.config, scene.body, tuple(outputs[:count]), tuple(statistics[:count]), restarts
+            scene.config,
+            scene.body,
+            tuple(outputs[:count]),
+            tuple(statistics[:count]),
+            restarts,
+            scene.changed,
         )
 
 

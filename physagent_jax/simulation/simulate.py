@@ -90,7 +90,7 @@ def _compute_outputs(scene: CompiledScene, batch: list[Frame]) -> list[FrameOutp
 
 def find_shared_restart(scene: CompiledScene, cache: RestartCache | None) -> Frame | None:
     """The last frame in ``cache`` that ``scene`` can go on from, its state on the device; None = begin at rest."""
-    if cache is None or cache.body is not scene.body:
+    if cache is None or cache.body is not scene.body or scene.changed or cache.changed:
         return None
     shared = find_last_shared_frame(cache.config, scene.config)
     fit = [index for index in cache.restarts if shared is not None and index <= shared]

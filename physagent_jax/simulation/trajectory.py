@@ -1,4 +1,4 @@
-"""A scene's clip as a differentiable function of the numbers in its force field.
+"""A scene's clip as a differentiable function of its numbers: forces, materials, and how it starts.
 
 `simulate_scene` adapts its step and its grid window to the motion and leaves forces out of frames in which they do not
 act; none of that can be traced. With the schedule of a recording it is done again as it was (`mpm.replay`), called from
@@ -21,6 +21,7 @@ from physagent_jax.mpm import Grid, Schedule, replay, rollout, stable_dt
 from physagent_jax.mpm.schedule import MEMORY
 from physagent_jax.mpm.timestep import divide_frame
 from physagent_jax.scene.compile import CompiledScene
+from physagent_jax.scene.parameters import SceneParameters
 
 SAFETY = 0.5  # of the bound at rest; a step that never adapts must also bear the squeeze on landing
 
@@ -47,7 +48,7 @@ class Trajectory:
 
 def trajectory(
     scene: CompiledScene,
-    parameters: ForceFieldParameters | None = None,
+    parameters: SceneParameters | ForceFieldParameters | None = None,
     schedule: Schedule | None = None,
     *,
     substeps: int | None = None,
@@ -60,7 +61,7 @@ def trajectory(
 
     Args:
         scene: What to simulate; its model and state may be traced.
-        parameters: Numbers in place of its force field's own, traced or not; None = its own.
+        parameters: Numbers in place of the scene's own, or of its force field's, traced or not; None = its own.
         schedule: `Recording.schedule` of this scene, or of one with numbers close to these: the same steps and windows
             are taken, and with the same numbers the recording's positions come out. None = everything is fixed.
         substeps: Steps per frame where there is no schedule; None = `find_static_substeps`, which needs a model and
@@ -69,7 +70,7 @@ def trajectory(
 
     Raises:
         UserError: ``substeps`` is below 1 or given beside a schedule, the schedule has other frames than the scene, or
-            the parameters do not fit the scene's force field.
+            the parameters do not fit the scene.
     """
     frame_count = scene.config.timing.frame_count
     if schedule is None:

@@ -12,7 +12,7 @@ import numpy as np
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope, Scalar
 from physagent_jax.forces.regions import confine
-from physagent_jax.mpm.fields import PER_PARTICLE
+from physagent_jax.mpm.fields import DRAWN, PER_PARTICLE
 
 _HIGHEST = jax.lax.Precision.HIGHEST  # phases of many radians do not survive a shortened mantissa
 
@@ -46,10 +46,10 @@ class Turbulence:
     strength: Scalar
     length_scale: Scalar
     time_scale: Scalar
-    wave_vectors: jax.Array
-    polarisations: jax.Array
-    frequencies: jax.Array
-    phases: jax.Array
+    wave_vectors: jax.Array = dataclasses.field(metadata=DRAWN)
+    polarisations: jax.Array = dataclasses.field(metadata=DRAWN)
+    frequencies: jax.Array = dataclasses.field(metadata=DRAWN)
+    phases: jax.Array = dataclasses.field(metadata=DRAWN)
     envelope: Envelope
     weight: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
 

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope, Scalar
 from physagent_jax.forces.regions import confine
-from physagent_jax.mpm.fields import PER_PARTICLE
+from physagent_jax.mpm.fields import PER_PARTICLE, UNIT
 from physagent_jax.mpm.linalg import cross, skew
 
 
@@ -40,7 +40,7 @@ class Vortex:
     """
 
     point: jax.Array
-    axis: jax.Array
+    axis: jax.Array = dataclasses.field(metadata=UNIT)
     swirl: Scalar
     inward: Scalar
     axial: Scalar

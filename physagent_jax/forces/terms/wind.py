@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope, Scalar
 from physagent_jax.forces.regions import confine
-from physagent_jax.mpm.fields import PER_PARTICLE
+from physagent_jax.mpm.fields import PER_PARTICLE, UNIT
 
 
 @register_dataclass
@@ -46,7 +46,7 @@ class Wind:
         weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
     """
 
-    direction: jax.Array
+    direction: jax.Array = dataclasses.field(metadata=UNIT)
     speed: Scalar
     linear_drag: Scalar
     quadratic_drag: Scalar

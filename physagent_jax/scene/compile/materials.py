@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
+from jax.core import Tracer
 
+from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import materials as m
+from physagent_jax.mpm.numbers import cast
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
-from physagent_jax.scene.compile.select import select_box, to_array
+from physagent_jax.scene.compile.select import DTYPE, select_box
 from physagent_jax.scene.damping import Mode, compute_viscosity
 
 _ORDER = {model: rank for rank, model in enumerate(c.MaterialModel)}
@@ -24,10 +29,15 @@ class ParticleMaterials:
     Attributes:
         choices: The scene's material, then those of its regions.
         choice: Index into ``choices``, shape (n,).
+        numbers: For each of ``choices`` what it has in place of its own numbers, by name: scalars, or one per particle,
+            shape (n,), traced or not.
+        dtype: Of what is built.
     """
 
     choices: tuple[c.Material, ...]
     choice: np.ndarray
+    numbers: tuple[Mapping[str, Any], ...] = ()
+    dtype: Any = DTYPE
 
     @staticmethod
     def of(config: c.SceneConfig, body: Body) -> ParticleMaterials:
@@ -45,14 +55,51 @@ class ParticleMaterials:
 
     def permute(self, order: np.ndarray) -> ParticleMaterials:
         """The same in another order."""
-        return ParticleMaterials(self.choices, self.choice[order])
+        numbers = tuple(
+            {name: value[order] if np.ndim(value) else value for name, value in each.items()}
+            for each in self.numbers
+        )
+        return dataclasses.replace(self, choice=self.choice[order], numbers=numbers)
 
-    def get_values(self, name: str) -> np.ndarray:
-        """A parameter per particle, shape (n,); 0 where the material does not have it."""
-        return np.array([getattr(material, name) or 0.0 for material in self.choices])[self.choice]
+    def with_numbers(self, numbers: Sequence[Mapping[str, Any]], dtype: Any) -> ParticleMaterials:
+        """The same with other numbers, one mapping for each of ``choices``; what they do not name is kept.
+
+        Raises:
+            UserError: One is neither a scalar nor one per particle.
+        """
+        for index, each in enumerate(numbers):
+            for name, value in each.items():
+                if np.shape(value) not in ((), self.choice.shape):
+                    raise UserError(
+                        f"`parameters.materials[{index}].{name}` must be a scalar or have one number per particle "
+                        f"of the model, {len(self.choice)}",
+                        got=np.shape(value),
+                    )
+        before = self.numbers or ({},) * len(self.choices)
+        merged = tuple({**one, **other} for one, other in zip(before, numbers))
+        return dataclasses.replace(self, numbers=merged, dtype=dtype)
+
+    def get_values(self, name: str) -> Any:
+        """A parameter per particle, shape (n,), 0 where the material does not have it; on the host, unless traced."""
+        values: list[Any] = [getattr(material, name) or 0.0 for material in self.choices]
+        for index, given in enumerate(self.numbers):
+            values[index] = given.get(name, values[index])
+        if not any(isinstance(value, Tracer) for value in values):
+            spread = np.zeros(len(self.choice))
+            for index, value in enumerate(values):
+                spread = np.where(self.choice == index, np.asarray(value, np.float64), spread)
+            return spread
+        spread = jnp.zeros(len(self.choice), jnp.result_type(*values))
+        for index, value in enumerate(values):
+            spread = jnp.where(self.choice == index, value, spread)
+        return spread
+
+    def leaf(self, values: Any) -> jax.Array:
+        """``values`` as an array of the particles' dtype."""
+        return cast(values, self.dtype)
 
     @property
-    def density(self) -> np.ndarray:
+    def density(self) -> Any:
         """[kg/m^3], shape (n,)."""
         return self.get_values("density")
 
@@ -83,11 +130,11 @@ class ParticleMaterials:
         Args:
             mode: The object's lowest mode, in which damping ratios of a free object hold.
         """
-        viscosity = self.get_values("viscosity")
+        viscosity: Any = self.get_values("viscosity")
         if mode is not None and not mode.held:
             made = [compute_viscosity(each.damping_ratio or 0.0, each, mode) for each in self.choices]
             viscosity = viscosity + np.array(made)[self.choice]
-        return to_array(viscosity) if viscosity.any() else None
+        return self.leaf(viscosity) if viscosity.any() else None
 
     def find_stationary(self) -> np.ndarray:
         """Particles that never move, shape (n,): a prescribed motion holds them."""
@@ -107,20 +154,25 @@ def _make_builder(law: Callable, *names: str) -> Callable[[ParticleMaterials, c.
     """A builder of ``law(mu, lam, ...)`` with the named parameters after the Lame parameters."""
 
     def build(block: ParticleMaterials, _: c.Material) -> m.Material:
-        lame = m.lame_parameters(block.get_values("youngs_modulus"), block.get_values("poissons_ratio"))
-        return law(*map(to_array, lame), *(to_array(block.get_values(name)) for name in names))
+        return law(*_build_lame(block), *(block.leaf(block.get_values(name)) for name in names))
 
     return build
 
 
-def _build_drucker_prager(block: ParticleMaterials, _: c.Material) -> m.Material:
+def _build_lame(block: ParticleMaterials) -> tuple[jax.Array, jax.Array]:
+    """Mu and lam [Pa], shapes (n,)."""
     mu, lam = m.lame_parameters(block.get_values("youngs_modulus"), block.get_values("poissons_ratio"))
-    angle, cohesion = np.radians(block.get_values("friction_angle")), block.get_values("cohesion")
-    return m.DruckerPrager(to_array(mu), to_array(lam), to_array(angle), to_array(cohesion))
+    return block.leaf(mu), block.leaf(lam)
+
+
+def _build_drucker_prager(block: ParticleMaterials, _: c.Material) -> m.Material:
+    degrees = block.get_values("friction_angle")
+    angle = jnp.radians(degrees) if isinstance(degrees, Tracer) else np.radians(degrees)
+    return m.DruckerPrager(*_build_lame(block), block.leaf(angle), block.leaf(block.get_values("cohesion")))
 
 
 def _build_fluid(block: ParticleMaterials, first: c.Material) -> m.Material:
-    return m.Fluid(to_array(block.get_values("bulk_modulus")), tension=bool(first.tension))
+    return m.Fluid(block.leaf(block.get_values("bulk_modulus")), tension=bool(first.tension))
 
 
 def _build_rigid(block: ParticleMaterials, _: c.Material) -> m.Material:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -34,8 +35,11 @@ from physagent_jax.scene.compile.constraints import compile_constraints
 from physagent_jax.scene.compile.equilibrium import balance_weight
 from physagent_jax.scene.compile.forces import compile_forces, compile_skills
 from physagent_jax.scene.compile.materials import ParticleMaterials
+from physagent_jax.scene.compile.origins import Origins
+from physagent_jax.scene.compile.parameters import keep_balance, put_materials, put_own, put_rest
 from physagent_jax.scene.compile.select import DTYPE
 from physagent_jax.scene.damping import compute_drag, find_lowest_mode
+from physagent_jax.scene.parameters import SceneParameters, check_parameters
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,7 +56,9 @@ class CompiledScene:
         order: Body particle of each model particle, shape (n,): particles are grouped by material, lie cell by
             cell in memory, and some are there twice (`buckets`).
         anchored: Number of particles held by the anchor.
-        rigid_bodies: Number of rigid bodies; their constraints are the model's first.
+        materials: Which material each particle is of.
+        origins: Where the model's forces and constraints came from.
+        changed: Whether it has other numbers than ``config`` says (`with_parameters`).
     """
 
     config: c.SceneConfig
@@ -63,21 +69,57 @@ class CompiledScene:
     camera: Camera
     order: np.ndarray
     anchored: int
-    find_rigid_bodies: int = 0
+    materials: ParticleMaterials
+    origins: Origins
+    changed: bool = False
 
-    def with_parameters(self, parameters: ForceFieldParameters) -> CompiledScene:
-        """The scene with other numbers in its force field, traced or not; the rest of the model is kept.
+    def with_parameters(self, parameters: SceneParameters | ForceFieldParameters) -> CompiledScene:
+        """The scene with other numbers, traced or not; what they leave out, and all that is no number, is kept.
+
+        What a magnitude of 1 means stays as it was compiled: with another E or density, the force field gives the same
+        accelerations. A start in equilibrium stays one where a single material and the length of gravity change: the
+        stress follows the weight, and the stretch the law.
 
         Raises:
-            UserError: They are not this force field's, or a known window lies outside the clip.
+            UserError: They are not this scene's, or a known window lies outside the clip.
         """
-        rest, volume = _find_rest(self.body, self.order)
-        rest = rest.astype(self.state.x.dtype)
-        skills, grips = compile_skills(self.config, self.body, rest, volume, parameters)
-        bodies, model = self.find_rigid_bodies, self.model
-        constraints = (*model.constraints[:bodies], *grips, *model.constraints[bodies + len(grips) :])
-        model = model.replace(forces=(*skills, *model.forces[len(skills) :]), constraints=constraints)
-        return dataclasses.replace(self, model=model)
+        if isinstance(parameters, ForceFieldParameters):
+            parameters = SceneParameters(force_field=parameters)
+        check_parameters(parameters, SceneParameters.of(self))
+        materials, model = put_materials(self.model, self.state, self.materials, parameters, self._rest[1])
+        if parameters.force_field is not None:
+            rest, volume = self._rest[0].astype(self.state.x.dtype), self._rest[1]
+            skills, grips = compile_skills(self.config, self.body, rest, volume, parameters.force_field)
+            model = self.origins.replace(model, skills=skills, grips=grips)
+        model = put_own(model, self.state, self.origins, self.config, parameters, self.model.mass)
+        model, state = put_rest(model, self.state, parameters)
+        if self.config.start == "equilibrium" and model.gravity is not None:
+            state = keep_balance(self.model, model, state)
+        return dataclasses.replace(self, model=model, state=state, materials=materials, changed=True)
+
+    @cached_property
+    def _rest(self) -> tuple[np.ndarray, np.ndarray]:
+        return _find_rest(self.body, self.order)
+
+    @property
+    def choice(self) -> np.ndarray:
+        """Which of the scene's materials each particle is of, shape (n,)."""
+        return self.materials.choice
+
+    @property
+    def own_terms(self) -> tuple[Any, ...]:
+        """The model's force terms that are the scene's own, in the order of `SceneConfig.forces`."""
+        return self.origins.split_forces(self.model)[1]
+
+    @property
+    def imposed(self) -> tuple[Any, ...]:
+        """What the scene's own constraints were compiled into, in their order."""
+        impulses = iter(self.origins.split_forces(self.model)[2])
+        motions = iter(self.origins.split_constraints(self.model)[2])
+        return tuple(
+            next(impulses if isinstance(each, c.ParticleImpulse) else motions)
+            for each in self.config.constraints
+        )
 
     @property
     def windowed(self) -> Model:
@@ -155,7 +197,16 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     model = model.replace(dt=to_device(config.timing.frame_dt / substeps, DTYPE))
     camera = make_reference_camera(config.camera, config.rendering, config.domain)
     anchored = int(anchor_mask @ share + 0.5)
-    return CompiledScene(config, body, model, state, substeps, camera, order, anchored, len(bodies))
+    own, impulses = len(config.forces), len(imposed)
+    origins = Origins(
+        skills=len(forces) - own,
+        terms=own,
+        impulses=impulses,
+        bodies=len(bodies),
+        grips=len(constraints),
+        motions=len(config.constraints) - impulses,
+    )
+    return CompiledScene(config, body, model, state, substeps, camera, order, anchored, materials, origins)
 
 
 def _find_rest(body: Body, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
