@@ -15,8 +15,8 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.mpm.fields import END, FOREVER, START
-from physagent_jax.mpm.protocols import cut_to_window, window_fraction
+from physagent_jax.mpm.edges import cut_to_window, window_fraction
+from physagent_jax.mpm.fields import EDGE, END, FOREVER, START
 
 Scalar = jax.Array | float
 
@@ -44,6 +44,8 @@ class Envelope:
             below 1.
         frequency: Of a sine [Hz], scalar.
         phase: Of a sine at ``start`` [rad], scalar.
+        edge: Width of the smooth edges of a constant or a sine [s], scalar; None = hard. A ramp and a pulse have none
+            but their own.
     """
 
     kind: EnvelopeKind = dataclasses.field(metadata=dict(static=True))
@@ -53,6 +55,7 @@ class Envelope:
     fall: Scalar = 0.0
     frequency: Scalar = 0.0
     phase: Scalar = 0.0
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
 
     @property
     def idle_fields(self) -> tuple[str, ...]:
@@ -85,7 +88,7 @@ class Envelope:
 
     def active(self, time: jax.Array, dt: jax.Array) -> jax.Array:
         """The share of the substep [time, time + dt] that lies in the window, scalar."""
-        return window_fraction(time, dt, jnp.asarray(self.start), jnp.asarray(self.end))
+        return window_fraction(time, dt, jnp.asarray(self.start), jnp.asarray(self.end), self._own_edge)
 
     def mean(self, time: jax.Array, dt: jax.Array) -> jax.Array:
         """Mean of the profile over [time, time + dt], scalar; what lies outside the window counts as 0."""
@@ -96,7 +99,9 @@ class Envelope:
 
         Finite, but without meaning, if no part is.
         """
-        begin, stop = cut_to_window(time, dt, jnp.asarray(self.start), jnp.asarray(self.end))
+        begin, stop = time, time + dt
+        if self._own_edge is None:
+            begin, stop = cut_to_window(time, dt, jnp.asarray(self.start), jnp.asarray(self.end))
         length = jnp.maximum(stop - begin, 0.0)
         middle = 0.5 * (begin + stop) - self.start
         match self.kind:
@@ -111,6 +116,10 @@ class Envelope:
             case EnvelopeKind.SINE:
                 angle = 2 * math.pi * self.frequency * middle + self.phase
                 return jnp.sin(angle) * jnp.sinc(self.frequency * length)
+
+    @property
+    def _own_edge(self) -> jax.Array | None:
+        return self.edge if self.kind in (EnvelopeKind.CONSTANT, EnvelopeKind.SINE) else None
 
     def _average_ramp(self, begin: jax.Array, stop: jax.Array, length: jax.Array) -> jax.Array:
         """Exact: on each straight piece the mean is the value at the middle of the overlap."""

@@ -39,6 +39,8 @@ FOREVER = 1e9
 START: Mapping[str, Any] = dict(window="start")
 END: Mapping[str, Any] = dict(window="end")
 """Of the time in which a part acts [s]; outside [start, end) it changes nothing."""
+EDGE: Mapping[str, Any] = dict(window="edge")
+"""Width of the smooth edges that the windows of a part have [s], half of it outside (`mpm.edges`); None = none."""
 
 
 def find_owner(part: Any, path: tuple) -> str | None:
@@ -69,9 +71,11 @@ def find_fields(part: Any, **mark: Any) -> list[str]:
 
 
 def iterate_windows(part: Any) -> Iterator[tuple[Any, Any]]:
-    """Start and end [s] of every window of ``part`` and of the dataclasses in its fields."""
+    """Start and end [s] of every window of ``part`` and of the dataclasses in its fields, edges included."""
+    half = [0.5 * edge for name in find_fields(part, **EDGE) if (edge := getattr(part, name)) is not None]
+    room = max(half, default=0.0)
     for start, end in zip(find_fields(part, **START), find_fields(part, **END)):
-        yield getattr(part, start), getattr(part, end)
+        yield getattr(part, start) - room, getattr(part, end) + room
     for field in _list_fields(part):
         yield from iterate_windows(getattr(part, field.name))
 

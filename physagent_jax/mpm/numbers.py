@@ -17,7 +17,7 @@ import numpy as np
 from jax.core import Tracer
 
 from physagent_jax.core.arrays import to_device
-from physagent_jax.mpm.fields import DRAWN, END, FOREVER, UNIT
+from physagent_jax.mpm.fields import DRAWN, EDGE, END, FOREVER, UNIT
 
 _Part = TypeVar("_Part")
 _EXACT = 1e-6  # by which the square of a unit vector's length may be off: round-off, which is left as it is
@@ -90,7 +90,9 @@ def _is_number(field: dataclasses.Field, value: Any) -> bool:
     if value is None or not jnp.issubdtype(getattr(value, "dtype", float), jnp.floating):
         return False
     marks = dict(field.metadata)
-    if DRAWN.items() <= marks.items() or ("per" in marks and np.ndim(value) > 0):
+    if any(mark.items() <= marks.items() for mark in (DRAWN, EDGE)) or (
+        "per" in marks and np.ndim(value) > 0
+    ):
         return False
     closes = not END.items() <= marks.items() or isinstance(value, Tracer)
     return closes or bool(np.all(np.asarray(value) < FOREVER))

@@ -26,6 +26,13 @@ class Acting:
     boundaries: tuple[int, ...]
     constraints: tuple[int, ...]
 
+    def join(self, other: Acting) -> Acting:
+        """What is among these or those."""
+        pairs = (
+            (getattr(self, field.name), getattr(other, field.name)) for field in dataclasses.fields(self)
+        )
+        return Acting(*(tuple(sorted({*ours, *theirs})) for ours, theirs in pairs))
+
     def select(self, model: Model) -> Model:
         """``model`` with only these."""
         return model.replace(

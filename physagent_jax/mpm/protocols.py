@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Protocol
 
 import jax
-import jax.numpy as jnp
 
 from physagent_jax.mpm.state import Grid, Model, State
 from physagent_jax.mpm.transfer import Stencil
@@ -86,25 +85,3 @@ class Constraint(Protocol):
             after: As G2P and the return mapping left it.
         """
         ...
-
-
-def window_fraction(time: jax.Array, dt: jax.Array, start: jax.Array, end: jax.Array) -> jax.Array:
-    """The share of the substep [time, time + dt] that lies in [start, end).
-
-    Consecutive substeps telescope, so an impulse delivers exactly its total whatever dt is.
-    """
-    begin, stop = cut_to_window(time, dt, start, end)
-    share = (stop - begin) / dt
-    return jnp.where(share > 0, jnp.where(share > 1, 1.0, share), 0.0)
-
-
-def cut_to_window(
-    time: jax.Array, dt: jax.Array, start: jax.Array, end: jax.Array
-) -> tuple[jax.Array, jax.Array]:
-    """Begin and end [s] of the part of [time, time + dt] that lies in [start, end); in reverse order if none does.
-
-    A bound that falls on that of a substep belongs to the one inside the window, so that a window from the clip's
-    beginning on has the derivative of one that begins later: earlier there is nothing.
-    """
-    after = time + dt
-    return jnp.where(start >= time, start, time), jnp.where(end <= after, end, after)

@@ -90,8 +90,31 @@ class Schedule:
         """Of all frames."""
         return sum(frame.substeps for frame in self.frames)
 
+    def covering(self, model: Model, start: float = 0.0) -> Schedule:
+        """The same, with what acts in ``model`` taking part too: for windows that are wider, or lie elsewhere.
 
-def replay(model: Model, state: State, schedule: Schedule, *, memory: float = MEMORY) -> tuple[State, ...]:
+        Args:
+            model: Whose windows are known.
+            start: Time of the initial state [s].
+        """
+        made, time = [], start
+        for frame in self.frames:
+            length = frame.substeps * frame.dt
+            acting = frame.acting.join(find_acting(model, time, time + length))
+            made.append(dataclasses.replace(frame, acting=acting))
+            time += length
+        return Schedule(tuple(made))
+
+
+def replay(
+    model: Model,
+    state: State,
+    schedule: Schedule,
+    *,
+    memory: float = MEMORY,
+    horizon: int | None = None,
+    truncate: int | None = None,
+) -> tuple[State, ...]:
     """The states at the end of every frame of ``schedule``; differentiable in reverse by ``model`` and ``state``.
 
     The values are those of `simulate` to round-off for the model and the state that the schedule was made with. Others
@@ -107,19 +130,50 @@ def replay(model: Model, state: State, schedule: Schedule, *, memory: float = ME
         state: The initial state.
         schedule: How to simulate.
         memory: What a reverse pass may keep [bytes].
+        horizon: Frames that are simulated, the first ones; None = all. A horizon that grows from one stage of a fit to
+            the next runs the programs that it has run before.
+        truncate: Frames after which the gradient is cut, again and again (truncated backpropagation through time);
+            None = never. The state at a cut counts as given: of what acts before it, nothing reaches a loss on frames
+            after it. With as many as there are frames, or more, it is the full gradient.
 
     Raises:
-        UserError: ``model`` and ``state`` do not fit each other (`conform`), or ``memory`` is too little.
+        UserError: ``model`` and ``state`` do not fit each other (`conform`), ``memory`` is too little, or ``horizon``
+            or ``truncate`` is out of range.
     """
     programs.release_programs()
+    schedule = Schedule(schedule.frames[: check_horizon(horizon, len(schedule.frames))])
+    check_truncation(truncate)
     with kernels.use_device_of(state.x):
         model, state = conform(model, state)
         advance = _choose_checkpoints(state, schedule, memory)
         states = []
-        for frame in schedule.frames:
+        for index, frame in enumerate(schedule.frames):
+            if truncate and index and index % truncate == 0:
+                state = jax.lax.stop_gradient(state)
             state = _replay_frame(model, state, frame, advance)
             states.append(state)
     return tuple(states)
+
+
+def check_horizon(horizon: int | None, frames: int) -> int:
+    """The number of frames to be simulated.
+
+    Raises:
+        UserError: ``horizon`` is none of 1..``frames``.
+    """
+    if horizon is not None and not 1 <= horizon <= frames:
+        raise UserError(f"`horizon` must be within 1..{frames}, the frames after the first", got=horizon)
+    return frames if horizon is None else horizon
+
+
+def check_truncation(truncate: int | None) -> None:
+    """Refuses a number of frames that is none.
+
+    Raises:
+        UserError: It is below 1.
+    """
+    if truncate is not None and truncate < 1:
+        raise UserError("`truncate` must be at least 1 frame", got=truncate)
 
 
 @dataclasses.dataclass(frozen=True)

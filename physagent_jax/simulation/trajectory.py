@@ -10,15 +10,19 @@ the same, so these two differ by what their time steps differ.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import jax
 import jax.numpy as jnp
+from jax.core import Tracer
 
+from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.parameters import ForceFieldParameters
-from physagent_jax.mpm import Grid, Schedule, replay, rollout, stable_dt
-from physagent_jax.mpm.schedule import MEMORY
+from physagent_jax.mpm import Grid, Schedule, State, replay, rollout, stable_dt
+from physagent_jax.mpm.schedule import MEMORY, check_horizon, check_truncation
 from physagent_jax.mpm.timestep import divide_frame
 from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.scene.parameters import SceneParameters
@@ -53,6 +57,9 @@ def trajectory(
     *,
     substeps: int | None = None,
     memory: float = MEMORY,
+    horizon: int | None = None,
+    truncate: int | None = None,
+    edge: float = 0.0,
 ) -> Trajectory:
     """Simulates all frames of ``scene``; differentiable in reverse with respect to ``parameters``, model and state.
 
@@ -67,31 +74,77 @@ def trajectory(
         substeps: Steps per frame where there is no schedule; None = `find_static_substeps`, which needs a model and
             state that are not traced.
         memory: What a reverse pass along a schedule may keep [bytes].
+        horizon: Frames after the first that are simulated; None = all.
+        truncate: Frames after which the gradient is cut, as in `mpm.replay`; None = never.
+        edge: Width of the smooth edges that windows of forces and constraints are given [s] (`mpm.edges`): with some,
+            also those of what is held or blown at have a derivative. It should span several substeps. It may shrink
+            from one evaluation to the next; with 0 windows are hard, as they are simulated.
 
     Raises:
-        UserError: ``substeps`` is below 1 or given beside a schedule, the schedule has other frames than the scene, or
-            the parameters do not fit the scene.
+        UserError: ``substeps`` is below 1 or given beside a schedule, the schedule has other frames than the scene,
+            ``horizon``, ``truncate`` or ``edge`` is out of range, or the parameters do not fit the scene.
     """
-    frame_count = scene.config.timing.frame_count
+    frames = scene.config.timing.frame_count - 1
+    count = check_horizon(horizon, frames)
+    check_truncation(truncate)
     if schedule is None:
         scene = with_static_step(scene, substeps)
     elif substeps is not None:
         raise UserError("a schedule says how many substeps there are", do="Leave out `substeps`")
-    elif len(schedule.frames) != frame_count - 1:
+    elif len(schedule.frames) != frames:
         raise UserError(
-            f"the schedule must have the scene's frames after the first, {frame_count - 1}",
-            got=len(schedule.frames),
+            f"the schedule must have the scene's frames after the first, {frames}", got=len(schedule.frames)
         )
+    soft, width = isinstance(edge, Tracer) or edge != 0, None
+    if soft:
+        width = _check_edge(edge, schedule, scene.state.x.dtype)
+        schedule = schedule and schedule.covering(scene.with_edges(width).model)
     if parameters is not None:
         scene = scene.with_parameters(parameters)
+    if soft:
+        scene = scene.with_edges(width)
     if schedule is None:
-        _, states = rollout(scene.model, scene.state, frame_count=frame_count - 1, substeps=scene.substeps)
+        states = _roll_out(scene, count, truncate)
     else:
-        frames = replay(scene.model, scene.state, schedule, memory=memory)
-        states = jax.tree.map(lambda *leaves: jnp.stack(leaves), *frames)
+        limits = dict(horizon=horizon, truncate=truncate)
+        states = _join(replay(scene.model, scene.state, schedule, memory=memory, **limits), jnp.stack)
     return Trajectory(
         *(_prepend_first(getattr(scene.state, name), getattr(states, name)) for name in ("x", "F", "time"))
     )
+
+
+def _check_edge(edge: Any, schedule: Schedule | None, dtype: Any) -> jax.Array:
+    """``edge`` as an array.
+
+    Raises:
+        UserError: It is negative, or traced where it must be known.
+    """
+    if isinstance(edge, Tracer):
+        if schedule is not None:
+            raise UserError(
+                "`edge` must be known along a schedule: it decides what acts in which frame",
+                do="Give a number, or leave out the schedule",
+            )
+        return edge.astype(dtype)
+    if not edge >= 0:
+        raise UserError("`edge` must not be negative", got=edge)
+    return to_device(edge, dtype)
+
+
+def _roll_out(scene: CompiledScene, frames: int, truncate: int | None) -> State:
+    """The states at the ends of ``frames`` frames, by the scene's own step."""
+    parts, state = [], scene.state
+    for begin in range(0, frames, truncate or frames):
+        count = min(truncate or frames, frames - begin)
+        if begin:
+            state = jax.lax.stop_gradient(state)
+        state, states = rollout(scene.model, state, frame_count=count, substeps=scene.substeps)
+        parts.append(states)
+    return _join(parts, jnp.concatenate)
+
+
+def _join(states: Sequence[State], function: Callable) -> State:
+    return jax.tree.map(lambda *leaves: function(leaves), *states)
 
 
 def with_static_step(scene: CompiledScene, substeps: int | None = None) -> CompiledScene:

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 from physagent_jax.forces.envelope import Envelope
-from physagent_jax.mpm.protocols import window_fraction
+from physagent_jax.mpm.edges import window_fraction
 
 START, END = 0.1337, 0.7713
 LENGTH = END - START

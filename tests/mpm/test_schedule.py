@@ -114,3 +114,45 @@ def test_what_is_stopped_at_a_wall_has_the_derivative_of_differences(x64):
     assert stopped > 0
     differences = [(respond(at + e)[0] - respond(at - e)[0]) / (2 * h) for e in h * jnp.eye(3)]
     np.testing.assert_allclose(slope, differences, rtol=1e-6, atol=1e-7)
+
+
+def test_a_horizon_is_the_beginning_of_the_whole(thrown, x64):
+    model, state, _, schedule = thrown
+    (first,) = replay(model, state, schedule, horizon=1)
+    whole = replay(model, state, schedule)
+    np.testing.assert_array_equal(first.x, whole[0].x)
+    for horizon in (0, 3):
+        with pytest.raises(UserError, match="`horizon` must be within 1..2"):
+            replay(model, state, schedule, horizon=horizon)
+
+
+def test_a_truncated_gradient_takes_the_state_at_each_cut_as_given(thrown, x64):
+    """Cut after every frame it is the sum of the frames' own gradients, each from the state that it begins with."""
+    model, state, _, schedule = thrown
+    weight = jnp.asarray(np.random.default_rng(1).normal(size=state.x.shape))
+
+    def change(p):
+        law = model.materials[0]
+        softer = dataclasses.replace(law, mu=law.mu * p[0], lam=law.lam * p[0])
+        return model.replace(gravity=model.gravity * p[1], materials=(softer,))
+
+    def respond(p, **options):
+        begun = dataclasses.replace(state, v=state.v * p[2])
+        return sum((weight * each.x).sum() for each in replay(change(p), begun, schedule, **options))
+
+    at = jnp.ones(3)
+    full, cut = jax.grad(respond)(at), jax.grad(lambda p: respond(p, truncate=1))(at)
+    np.testing.assert_array_equal(jax.grad(lambda p: respond(p, truncate=2))(at), full)
+    (middle, _) = replay(model, state, schedule)
+    rest = dataclasses.replace(schedule, frames=schedule.frames[1:])
+
+    def respond_apart(p):
+        begun = dataclasses.replace(state, v=state.v * p[2])
+        (first,) = replay(change(p), begun, schedule, horizon=1)
+        (second,) = replay(change(p), middle, rest)
+        return (weight * first.x).sum() + (weight * second.x).sum()
+
+    np.testing.assert_allclose(cut, jax.grad(respond_apart)(at), rtol=1e-10)
+    assert np.abs(cut - full).max() > 0.1 * np.abs(full).max()
+    with pytest.raises(UserError, match="`truncate` must be at least 1"):
+        replay(model, state, schedule, truncate=0)

@@ -90,13 +90,15 @@ def make_small_body(folder: Path) -> Body:
     return make_body(config.source, config.filling, config.domain, folder)
 
 
-def make_config(folder: Path, frame_count: int = FRAME_COUNT, **parts: Any) -> c.SceneConfig:
+def make_config(
+    folder: Path, frame_count: int = FRAME_COUNT, substep_dt: Any = "auto", **parts: Any
+) -> c.SceneConfig:
     """A scene of the jelly, alone and without forces but for ``parts``."""
     return c.SceneConfig(
         source=c.Source(path=str(folder / "object.ply"), **SOURCE),
         filling=c.Filling(max_particles=100),
         domain=c.Domain(size=3.0, cells=24),
-        timing=c.Timing(frame_count=frame_count, frame_dt=FRAME_DT),
+        timing=c.Timing(frame_count=frame_count, frame_dt=FRAME_DT, substep_dt=substep_dt),
         **{"material": JELLY, **parts},
     )
 

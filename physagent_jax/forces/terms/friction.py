@@ -26,9 +26,9 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.terms.rigid import mass_centre
-from physagent_jax.mpm.fields import END, START
+from physagent_jax.mpm.edges import window_fraction
+from physagent_jax.mpm.fields import EDGE, END, START
 from physagent_jax.mpm.linalg import cofactor, cross, determinant, matvec
-from physagent_jax.mpm.protocols import window_fraction
 from physagent_jax.mpm.reductions import sum_particles
 
 TAU = 0.01  # [s] in which a velocity that is lacking is made up for
@@ -49,6 +49,7 @@ class PushCompensation:
         lever: Height of the mass centre over where friction acts [m], scalar; 0 = the object may turn.
         damping_rate: Of the velocity [1/s], scalar.
         start, end: Window [s], scalars.
+        edge: Width of the window's smooth edges [s], scalar; None = hard.
     """
 
     direction: jax.Array
@@ -59,6 +60,7 @@ class PushCompensation:
     damping_rate: jax.Array
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
@@ -66,7 +68,7 @@ class PushCompensation:
         wanted = _find_velocity(self.push, self.damping_rate, time - self.start, self.speed)
         way = jnp.where(wanted < 0, -1.0, 1.0).astype(x.dtype)
         size = way * _compensate(self.friction, way * (wanted - velocity), dt)
-        size = size * window_fraction(time, dt, self.start, self.end)
+        size = size * window_fraction(time, dt, self.start, self.end, self.edge)
         turn = self._steady(x, v, mass, size, dt)
         return size * self.direction + cross(jnp.broadcast_to(turn, x.shape), x - mass_centre(x, mass))
 
@@ -104,6 +106,7 @@ class TurnCompensation:
         turn: Angular acceleration that is to be left [rad/s^2], scalar.
         damping_rate: Of velocities [1/s], scalar.
         start, end: Window [s], scalars.
+        edge: Width of the window's smooth edges [s], scalar; None = hard.
     """
 
     axis: jax.Array
@@ -112,6 +115,7 @@ class TurnCompensation:
     damping_rate: jax.Array
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
@@ -121,7 +125,7 @@ class TurnCompensation:
         spin = sum_particles((mass * (arm * v).sum(1)).sum()) / jnp.maximum(inertia, jnp.finfo(x.dtype).tiny)
         wanted = _find_velocity(self.turn, self.damping_rate, time - self.start)
         size = _compensate(self.friction, wanted - spin, dt)
-        return size * window_fraction(time, dt, self.start, self.end) * arm
+        return size * window_fraction(time, dt, self.start, self.end, self.edge) * arm
 
     def gradient(self, x, time, dt):
         """None: the turn within particles, (dx / size)^2 of the torque, is left to the feedback."""

@@ -9,8 +9,8 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.terms.rigid import mass_centre, remove_rigid_part
-from physagent_jax.mpm.fields import END, PER_PARTICLE, START
-from physagent_jax.mpm.protocols import window_fraction
+from physagent_jax.mpm.edges import window_fraction
+from physagent_jax.mpm.fields import EDGE, END, PER_PARTICLE, START
 
 
 @register_dataclass
@@ -29,6 +29,7 @@ class Stretch:
         start, end: Window [s], scalars.
         ramp: [s], scalar.
         weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
+        edge: Width of the window's smooth edges [s], scalar; None = hard.
     """
 
     axis: jax.Array
@@ -37,13 +38,14 @@ class Stretch:
     end: jax.Array = dataclasses.field(metadata=END)
     ramp: jax.Array
     weight: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
         del v
         mass = mass if self.weight is None else mass * self.weight
         growth = jnp.clip((time + 0.5 * dt - self.start) / self.ramp, 0.0, 1.0)
-        strength = self.magnitude * growth * window_fraction(time, dt, self.start, self.end)
+        strength = self.magnitude * growth * window_fraction(time, dt, self.start, self.end, self.edge)
         arm = x - mass_centre(x, mass)
         side = jnp.sign((arm * self.axis).sum(-1))
         field = strength * remove_rigid_part(side[:, None] * self.axis, arm, mass)

@@ -9,9 +9,9 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.terms.rigid import mass_centre
-from physagent_jax.mpm.fields import END, PER_PARTICLE, START
+from physagent_jax.mpm.edges import window_fraction
+from physagent_jax.mpm.fields import EDGE, END, PER_PARTICLE, START
 from physagent_jax.mpm.linalg import cross, skew
-from physagent_jax.mpm.protocols import window_fraction
 
 
 @register_dataclass
@@ -24,6 +24,7 @@ class Torque:
         magnitude: Angular acceleration of a rigid body [rad/s^2], scalar.
         start, end: Window [s], scalars.
         weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
+        edge: Width of the window's smooth edges [s], scalar; None = hard.
     """
 
     axis: jax.Array
@@ -31,12 +32,13 @@ class Torque:
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
     weight: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
         del v
         mass = mass if self.weight is None else mass * self.weight
-        strength = self.magnitude * window_fraction(time, dt, self.start, self.end)
+        strength = self.magnitude * window_fraction(time, dt, self.start, self.end, self.edge)
         arm = x - mass_centre(x, mass)
         field = strength * cross(
             jnp.broadcast_to(self.axis, arm.shape), arm
@@ -46,5 +48,5 @@ class Torque:
     def gradient(self, x, time, dt):
         """d acceleration / d x within the region [1/s^2], shape (n, 3, 3) or (3, 3)."""
         del x
-        spin = self.magnitude * window_fraction(time, dt, self.start, self.end) * skew(self.axis)
+        spin = self.magnitude * window_fraction(time, dt, self.start, self.end, self.edge) * skew(self.axis)
         return spin if self.weight is None else self.weight[:, None, None] * spin

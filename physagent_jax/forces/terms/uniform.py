@@ -10,8 +10,8 @@ import jax.numpy as jnp
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.envelope import Envelope
 from physagent_jax.forces.regions import confine
-from physagent_jax.mpm.fields import END, PER_PARTICLE, START
-from physagent_jax.mpm.protocols import window_fraction
+from physagent_jax.mpm.edges import window_fraction
+from physagent_jax.mpm.fields import EDGE, END, PER_PARTICLE, START
 
 
 @register_dataclass
@@ -23,17 +23,19 @@ class UniformAcceleration:
         value: [m/s^2], shape (3,).
         start, end: Window [s], scalars.
         weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
+        edge: Width of the window's smooth edges [s], scalar; None = hard.
     """
 
     value: jax.Array
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
     weight: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
         del v, mass
-        value = self.value * window_fraction(time, dt, self.start, self.end)
+        value = self.value * window_fraction(time, dt, self.start, self.end, self.edge)
         return jnp.broadcast_to(value, x.shape) if self.weight is None else self.weight[:, None] * value
 
     def gradient(self, x, time, dt):

@@ -9,7 +9,8 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.regions import confine
-from physagent_jax.mpm.fields import END, PER_PARTICLE, START
+from physagent_jax.mpm.edges import step_value
+from physagent_jax.mpm.fields import EDGE, END, PER_PARTICLE, START
 
 
 @register_dataclass
@@ -18,25 +19,30 @@ class VelocityChange:
     """Changes the velocity of a region's particles in the one substep in which its moment lies.
 
     Substeps [time, time + dt) cover the clip without gaps or overlaps, so that exactly one of them delivers the whole
-    change, whatever dt is. The moment itself has the derivative zero.
+    change, whatever dt is. The moment itself has the derivative zero, unless it has an edge, over which it is spread.
 
     Attributes:
         value: Change of velocity [m/s], shape (3,).
         start: The moment [s], scalar.
         end: The same moment: until when something is left to be done [s], scalar.
         weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
+        edge: Width of the window's smooth edges [s], scalar; None = hard.
     """
 
     value: jax.Array
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
     weight: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
         del v, mass
-        now = (time <= self.start) & (self.start < time + dt)
-        return confine(jnp.broadcast_to(jnp.where(now, self.value / dt, 0), x.shape), self.weight)
+        if self.edge is None:
+            share = (time <= self.start) & (self.start < time + dt)
+        else:
+            share = step_value(time + dt, self.start, self.edge) - step_value(time, self.start, self.edge)
+        return confine(jnp.broadcast_to(share * (self.value / dt), x.shape), self.weight)
 
     def gradient(self, x, time, dt):
         """None: uniform."""

@@ -9,7 +9,8 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.constraints.rotation import rotate
-from physagent_jax.mpm.fields import END, HELD, PER_HELD, START
+from physagent_jax.mpm.edges import window_value
+from physagent_jax.mpm.fields import EDGE, END, HELD, PER_HELD, START
 from physagent_jax.mpm.linalg import cross, skew
 from physagent_jax.mpm.protocols import Constraint
 from physagent_jax.mpm.reductions import sum_devices
@@ -35,6 +36,8 @@ class PrescribedMotion(Constraint):
         angular_velocity: [rad/s], shape (3,).
         center: A point of the axis [m], shape (3,); None = the present mean of the particles, which then stays.
         start, end: Active for start <= time < end [s], scalars or one per particle, shape (k,).
+        edge: Width of the window's smooth edges [s], scalar: within them each substep goes a share of the way from the
+            free motion to the prescribed one; None = hard.
     """
 
     particles: jax.Array = dataclasses.field(metadata=HELD)
@@ -43,6 +46,7 @@ class PrescribedMotion(Constraint):
     center: jax.Array | None
     start: jax.Array = dataclasses.field(metadata={**PER_HELD, **START})
     end: jax.Array = dataclasses.field(metadata={**PER_HELD, **END})
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
 
     @staticmethod
     def fixed(particles: jax.Array, dtype=jnp.float32) -> PrescribedMotion:
@@ -53,6 +57,11 @@ class PrescribedMotion(Constraint):
     def active(self, time: jax.Array) -> jax.Array:
         """Whether each particle is held at ``time`` [s], shape (k,)."""
         return jnp.broadcast_to((self.start <= time) & (time < self.end), self.particles.shape)
+
+    def find_share(self, time: jax.Array) -> jax.Array:
+        """How much each particle is held at ``time`` [s], in [0, 1], shape (k,); needs an edge."""
+        assert self.edge is not None
+        return jnp.broadcast_to(window_value(time, self.start, self.end, self.edge), self.particles.shape)
 
     def locate(self, model: Model, x: jax.Array) -> PrescribedMotion:
         """The same motion with the centre that it has while its particles are at ``x`` [m], shape (k, 3)."""
@@ -74,9 +83,9 @@ class PrescribedMotion(Constraint):
 
     def before_p2g(self, model: Model, state: State) -> State:
         """Gives the held particles their velocity and velocity gradient."""
-        active, p = self.active(state.time + _CLOCK * model.dt), self.particles
-        v = jnp.where(active[:, None], self.locate(model, state.x[p]).field(state.x[p]), state.v[p])
-        C = jnp.where(active[:, None, None], skew(self.angular_velocity), state.C[p])
+        p, choose = self.particles, self._make_choice(state.time + _CLOCK * model.dt)
+        v = choose(self.locate(model, state.x[p]).field(state.x[p]), state.v[p])
+        C = choose(skew(self.angular_velocity), state.C[p])
         return dataclasses.replace(state, v=state.v.at[p].set(v), C=state.C.at[p].set(C))
 
     def on_grid(
@@ -93,18 +102,38 @@ class PrescribedMotion(Constraint):
         p = self.particles
         own = jax.tree.map(lambda part: part[p], s)
         mass = model.mass.at[p].get(mode="fill", fill_value=0)
-        share = scatter_mass(own, model.grid, jnp.where(self.active(time + _CLOCK * model.dt), mass, 0))
-        node_mask = sum_devices(share, model.axis) > 0.5 * node_mass
+        clock = time + _CLOCK * model.dt
+        share = None if self.edge is None else self.find_share(clock)
+        active = self.active(clock) if share is None else share > 0
+        held = sum_devices(scatter_mass(own, model.grid, jnp.where(active, mass, 0)), model.axis)
+        node_mask = held > 0.5 * node_mass
         x, y, z = model.grid.node_positions(velocity.dtype)
         nodes = jnp.stack(jnp.broadcast_arrays(x, y, z), axis=-1)
         places = (own.base + model.grid.origin) * model.grid.dx - own.offsets[..., 0]
-        return jnp.where(node_mask[..., None], self.locate(model, places).field(nodes), velocity)
+        wanted = self.locate(model, places).field(nodes)
+        if share is not None:
+            part = sum_devices(scatter_mass(own, model.grid, share * mass), model.axis)
+            wanted = velocity + (part / jnp.where(node_mask, held, 1))[..., None] * (wanted - velocity)
+        return jnp.where(node_mask[..., None], wanted, velocity)
 
     def after_g2p(self, model: Model, before: State, after: State) -> State:
         """Puts the held particles exactly where the prescription has them."""
-        active, p = self.active(before.time + _CLOCK * model.dt)[:, None], self.particles
+        p, choose = self.particles, self._make_choice(before.time + _CLOCK * model.dt)
         motion = self.locate(model, before.x[p])
         target = motion.displace(before.x[p], model.dt)
-        x = jnp.where(active, target, after.x[p])
-        v = jnp.where(active, motion.field(target), after.v[p])
+        x = choose(target, after.x[p])
+        v = choose(motion.field(target), after.v[p])
         return dataclasses.replace(after, x=after.x.at[p].set(x), v=after.v.at[p].set(v))
+
+    def _make_choice(self, time: jax.Array):
+        """A function of the prescribed and the free value, (k, ...), that gives what holds at ``time`` [s]."""
+        hard = self.edge is None
+        held = self.active(time) if hard else self.find_share(time)
+
+        def choose(prescribed: jax.Array, free: jax.Array) -> jax.Array:
+            each = held.reshape(-1, *(1,) * (free.ndim - 1))
+            if hard:
+                return jnp.where(each, prescribed, free)
+            return jnp.where(each < 1, free + each * (prescribed - free), prescribed)
+
+        return choose

@@ -23,6 +23,7 @@ from physagent_jax.mpm import (
     stable_dt,
 )
 from physagent_jax.mpm.constraints import RigidBody
+from physagent_jax.mpm.edges import set_edges
 from physagent_jax.mpm.timestep import divide_frame
 from physagent_jax.render.camera import Camera
 from physagent_jax.scene import config as c
@@ -96,6 +97,18 @@ class CompiledScene:
         if self.config.start == "equilibrium" and model.gravity is not None:
             state = keep_balance(self.model, model, state)
         return dataclasses.replace(self, model=model, state=state, materials=materials, changed=True)
+
+    def with_edges(self, edge: Any) -> CompiledScene:
+        """The scene with smooth edges of the width ``edge`` [s] in the windows of forces and constraints (`mpm.edges`).
+
+        Obstacles keep their hard windows, and so do ramps and pulses, which have edges of their own.
+        """
+        skills, terms, impulses = (set_edges(parts, edge) for parts in self.origins.split_forces(self.model))
+        grips, motions = (set_edges(parts, edge) for parts in self.origins.split_constraints(self.model)[1:3])
+        model = self.origins.replace(
+            self.model, skills=skills, terms=terms, impulses=impulses, grips=grips, motions=motions
+        )
+        return dataclasses.replace(self, model=model, changed=True)
 
     @cached_property
     def _rest(self) -> tuple[np.ndarray, np.ndarray]:
