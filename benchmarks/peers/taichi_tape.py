@@ -72,6 +72,7 @@ class Kernels:
 
     def __init__(self, scene: PeerScene, dt: float, steps: int, weight: np.ndarray):
         self.steps, self.count, self.dt, self.dx = steps, scene.particle_count, dt, scene.dx
+        self.cells, self.padding = scene.cells, scene.domain_box or 0
         self.gravity, self.empty = scene.gravity, 1e-15 * float(scene.mass.min())
         self.floor = float(scene.planes[0].point[2]) * (1 + 1e-6)
         shape = (steps + 1, self.count)
@@ -148,13 +149,19 @@ class Kernels:
 
     @ti.kernel
     def grid(self):
-        """Momentum to velocity, gravity, and the sticky floor."""
+        """Momentum to velocity, gravity, the sticky floor, and the walls of the domain."""
         for i, j, k in self.node_mass:
             u = ti.Vector([0.0, 0.0, 0.0])
             if self.node_mass[i, j, k] > self.empty and self.dx * k > self.floor:
                 u = self.momentum[i, j, k] / self.node_mass[i, j, k] + self.dt * self.scales[0] * ti.Vector(
                     self.gravity
                 )
+            for d in ti.static(range(3)):
+                index = ti.static((i, j, k))[d]
+                if index < self.padding:
+                    u[d] = ti.max(u[d], 0.0)
+                if index > self.cells - self.padding and ti.static(self.padding > 0):
+                    u[d] = ti.min(u[d], 0.0)
             self.velocity[i, j, k] = u
 
     @ti.kernel

@@ -89,7 +89,7 @@ class WarpTape:
             )
             launch(
                 grid, nodes, self._mass[s], self._momentum[s], self._scales, wp.vec3(*scene.gravity), self._dt,
-                scene.dx, empty, floor, self._velocity[s],
+                scene.dx, empty, floor, scene.domain_box or 0, self._velocity[s],
             )  # fmt: skip
             launch(g2p, n, self._velocity[s], before[0], before[3], self._dt, scene.dx, *after)
         launch(add_loss, n, self._x[-1], self._weight, 1.0 / n, self._loss)
@@ -154,6 +154,16 @@ def p2g(
                 wp.atomic_add(momentum, bx + i, by + j, bz + k, share)
 
 
+@wp.func
+def wall(u: float, index: int, last: int, padding: int) -> float:
+    """One velocity component without its outward part inside the walls."""
+    if index < padding:
+        return wp.max(u, 0.0)
+    if index > last - padding:
+        return wp.min(u, 0.0)
+    return u
+
+
 @wp.kernel
 def grid(
     node_mass: wp.array3d[float],
@@ -164,13 +174,18 @@ def grid(
     dx: float,
     empty: float,
     floor: float,
+    padding: int,
     velocity: wp.array3d[wp.vec3],
 ):
-    """Momentum to velocity, gravity, and the sticky floor."""
+    """Momentum to velocity, gravity, the sticky floor, and the walls of the domain."""
     i, j, k = wp.tid()
     m = node_mass[i, j, k]
     if m > empty and dx * float(k) > floor:
-        velocity[i, j, k] = momentum[i, j, k] / m + (dt * scales[0]) * gravity
+        u = momentum[i, j, k] / m + (dt * scales[0]) * gravity
+        last = node_mass.shape[0] - 1
+        velocity[i, j, k] = wp.vec3(
+            wall(u[0], i, last, padding), wall(u[1], j, last, padding), wall(u[2], k, last, padding)
+        )
     else:
         velocity[i, j, k] = wp.vec3()
 
