@@ -15,7 +15,7 @@ import jax
 import jax.numpy as jnp
 import optax
 
-from baselines.tasks import Parameters, Task
+from baselines.path_tasks import Parameters, Task
 from physagent_jax.core.errors import UserError
 
 

@@ -12,7 +12,7 @@ import tyro
 
 import physagent_jax as pa
 from baselines.oracle_gradient import Step, optimise
-from baselines.tasks import TASKS, Parameters, Task, make_task
+from baselines.path_tasks import TASKS, Parameters, Task, make_task
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
 from physagent_jax.report.html import write_report

@@ -1,130 +1,174 @@
-"""Benchmark tasks: a scene, the force parameters that are sought, and the path that must be met.
+"""Benchmark tasks: a sentence about an object, and an explicit target over the true paths of its particles.
 
-A task's target path comes from a hidden force field, simulated in the same scene; a method sees the path
-only. What is sought is the continuous part of one action of the skill library: its unit vector and its
-magnitude, inside the library's range, so that the result is a force field that agents could have written.
+A task is data (`benchmarks/tasks/*.json`): what a method is given is the scene, never the target. The particle judge
+(`physagent_jax.metrics`) says whether a clip hits it. Scenes are small, so that one clip takes tenths of a second.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+import hashlib
+import warnings
+from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
+from typing import Annotated, Literal
 
-import jax
-import jax.numpy as jnp
 import numpy as np
+from pydantic import Field, TypeAdapter, ValidationError
 
 import physagent_jax as pa
-from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from baselines.objects import OBJECTS, find_file, is_available
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import format_validation_error, read_json
+from physagent_jax.core.strict import Strict
 from physagent_jax.forces.schema import Action, ActionType, ForceField
-from physagent_jax.gaussians.formats.ply import write_ply
+from physagent_jax.metrics.targets import Target, hash_target
+from physagent_jax.metrics.task_judge import TaskJudgement, judge
+from physagent_jax.scene.camera import frame_camera, make_reference_camera
 from physagent_jax.scene.compile import CompiledScene
-from physagent_jax.scene.procedural import make_jelly
-from physagent_jax.simulation.trajectory import with_static_step
+from physagent_jax.scene.config import CameraConfig
+from physagent_jax.simulation.simulate import simulate_frames
+
+Family = Literal["drop", "stretch", "sway", "twist", "impulse", "multi", "recovery"]
+FAMILIES: tuple[Family, ...] = ("drop", "stretch", "sway", "twist", "impulse", "multi", "recovery")
+Split = Literal["development", "test"]
+
+CELLS, PARTICLES = 64, 1500
+SIZE = dict(width=320, height=240)
+_SHOWN = 0.9  # [L] to each side of the object that the camera shows, and half of it above and below
+_WITNESSES = "witness.json"
 
 
-@dataclasses.dataclass(frozen=True)
-class TaskSpec:
-    """What distinguishes one task from another.
+class SceneOptions(Strict):
+    """What surrounds the object, and how long the clip is.
 
     Attributes:
-        name: For the command line.
-        prompt: The task as a sentence, for the record.
-        action_type: The skill whose vector and magnitude are sought.
-        active_time: Its window in frames; None = the whole clip.
-        drop: Whether gravity acts.
-        hidden_vector, hidden_magnitude: The force field that made the target.
-        start_vector, start_magnitude: Where a method begins.
+        world: "ground" (it stands there, gravity acts) or "free" (it floats).
+        anchor: What is held.
+        frame_count: Frames of the clip, of 0.04 s.
     """
 
-    name: str
-    prompt: str
-    action_type: ActionType
-    active_time: tuple[float, float] | None
-    drop: bool
-    hidden_vector: tuple[float, float, float]
-    hidden_magnitude: float
-    start_vector: tuple[float, float, float]
-    start_magnitude: float
+    world: Literal["ground", "free"] = "ground"
+    anchor: Literal["none", "base", "top"] = "none"
+    frame_count: Annotated[int, Field(ge=8, le=200)] = 26
+
+
+class TaskSpec(Strict):
+    """A task as data.
+
+    Attributes:
+        name: Unique; it decides which split the task belongs to.
+        sentence: What is asked for, in the viewer's words: left is -x, away from us +y, up +z.
+        family: Kind of motion.
+        object: Of `baselines.objects`.
+        scene: What surrounds it.
+        target: What the sentence means, for the judge; no method sees it.
+        target_hash: Of the target, so that a changed one is noticed.
+        expert: Force field that the scenes of published codes have for this kind of motion; None = none.
+        hidden: Of a recovery task: the force field that made the target; no method sees it.
+        begin: Where a method that needs a first force field begins; None = `START`.
+    """
+
+    name: Annotated[str, Field(pattern=r"^[a-z0-9-]{3,60}$")]
+    sentence: Annotated[str, Field(min_length=5, max_length=400)]
+    family: Family
+    object: str
+    scene: SceneOptions = SceneOptions()
+    target: Target
+    target_hash: str
+    expert: ForceField | None = None
+    hidden: ForceField | None = None
+    begin: ForceField | None = None
 
     @property
-    def start(self) -> ForceField:
-        """The force field that a method begins with."""
-        action = Action(
-            action_type=self.action_type,
-            vector=self.start_vector,
-            magnitude=self.start_magnitude,
-            active_time=self.active_time,
+    def split(self) -> Split:
+        """By the name alone, so that nobody chooses: test where the SHA-256 of the name is odd."""
+        return "test" if hashlib.sha256(self.name.encode()).digest()[-1] % 2 else "development"
+
+
+START = ForceField(actions=(Action(action_type=ActionType.TRANSLATION, vector=(1.0, 0.0, 0.0), magnitude=0.4),))
+"""The weakest push to the right: says nothing about a task."""
+
+
+def load_tasks(
+    folder: str | Path, *, split: Split | None = None, families: Sequence[str] | None = None
+) -> tuple[TaskSpec, ...]:
+    """Reads the tasks of a folder, one file per family, in the order of `FAMILIES` and of the files.
+
+    Args:
+        folder: Holds ``<family>.json``.
+        split: Only those of this split.
+        families: Only these.
+
+    Raises:
+        UserError: A file is not a list of tasks, a name appears twice, a target was changed, or a family is unknown.
+    """
+    if unknown := set(families or ()) - set(FAMILIES):
+        raise UserError(f"unknown family `{min(unknown)}`", do=f"Families: {', '.join(FAMILIES)}")
+    specs: list[TaskSpec] = []
+    for family in FAMILIES:
+        path = Path(folder) / f"{family}.json"
+        if (families is None or family in families) and path.is_file():
+            specs += _read_tasks(path, family)
+    if not specs:
+        raise UserError(f"there are no tasks in {folder}", do="Give the folder benchmarks/tasks")
+    names = [spec.name for spec in specs]
+    if twice := {name for name in names if names.count(name) > 1}:
+        raise UserError(f"the task `{min(twice)}` is there twice")
+    return tuple(spec for spec in specs if split is None or spec.split == split)
+
+
+def _read_tasks(path: Path, family: str) -> tuple[TaskSpec, ...]:
+    adapter = TypeAdapter(tuple[TaskSpec, ...])
+    try:
+        specs = adapter.validate_python(read_json(path, what="the tasks"))
+    except ValidationError as error:
+        raise format_validation_error(error, str(path), TaskSpec) from None
+    for spec in specs:
+        check_spec(spec, str(path))
+        if spec.family != family:
+            raise UserError(f"{path}: `{spec.name}` is of the family {spec.family}", do="Move it there")
+    return specs
+
+
+def check_spec(spec: TaskSpec, place: str) -> None:
+    """Refuses a task whose target is not the one that it was published with, or does not fit it.
+
+    Raises:
+        UserError: Its hash differs, it looks beyond the clip, or it is of no known object.
+    """
+    if hash_target(spec.target) != spec.target_hash:
+        raise UserError(
+            f"{place}: the target of `{spec.name}` was changed: its hash is not `target_hash`",
+            do="Take the task as it was published, or give another task another name and hash",
         )
-        return ForceField(default_drop=self.drop, actions=(action,))
+    if spec.target.last_frame >= spec.scene.frame_count:
+        raise UserError(f"{place}: the target of `{spec.name}` looks beyond its clip")
+    if (spec.hidden is None) == (spec.family == "recovery"):
+        raise UserError(f"{place}: `{spec.name}` must have a `hidden` force field if, and only if, it recovers one")
+    is_available(spec.object, None)
 
 
-TASKS = {
-    "push": TaskSpec(
-        name="push",
-        prompt="push the jelly to the left and a little up",
-        action_type=ActionType.TRANSLATION,
-        active_time=None,
-        drop=False,
-        hidden_vector=(-0.9, 0.1, 0.4),
-        hidden_magnitude=1.3,
-        start_vector=(0.3, 0.5, 0.1),
-        start_magnitude=0.8,
-    ),
-    "drop": TaskSpec(
-        name="drop",
-        prompt="drop the jelly and hit it to the left while it falls",
-        action_type=ActionType.IMPULSE,
-        active_time=(2, 4),
-        drop=True,
-        hidden_vector=(-0.8, 0.5, 0.0),
-        hidden_magnitude=1.4,
-        start_vector=(0.4, 0.3, 0.2),
-        start_magnitude=0.8,
-    ),
-}
+def split_available(
+    specs: Sequence[TaskSpec], data: Path | None
+) -> tuple[tuple[TaskSpec, ...], tuple[str, ...]]:
+    """The tasks that can be made with this folder of data, and the names of the others."""
+    kept = tuple(spec for spec in specs if is_available(spec.object, data))
+    return kept, tuple(spec.name for spec in specs if spec not in kept)
 
 
-@register_dataclass
-@dataclasses.dataclass(frozen=True)
-class Parameters:
-    """The sought force as one vector: its length is the magnitude M, its direction the action's vector.
+def load_witnesses(folder: str | Path) -> dict[str, ForceField]:
+    """For each task a force field with which it is a success: none is impossible. No method sees them.
 
-    Displacements are linear in it while nothing is touched, which suits a gradient method.
-
-    Attributes:
-        push: M v, shape (3,).
+    Raises:
+        UserError: The file is missing or holds no force fields.
     """
-
-    push: jax.Array
-
-    @staticmethod
-    def of(vector, magnitude: float, dtype=np.float32) -> Parameters:
-        """The parameters of a given action; ``vector`` need not be of unit length."""
-        vector = np.asarray(vector, float)
-        return Parameters(jnp.asarray(magnitude * vector / np.linalg.norm(vector), dtype))
-
-    @property
-    def magnitude(self) -> jax.Array:
-        """M."""
-        return jnp.linalg.norm(self.push)
-
-    @property
-    def direction(self) -> jax.Array:
-        """Unit vector, shape (3,)."""
-        return self.push / self.magnitude
-
-    def of_force_field(self, force_field: ForceField, frame_count: int) -> pa.ForceFieldParameters:
-        """As the numbers of a force field of one action, whose window is kept."""
-        known = pa.ForceFieldParameters.of(force_field, frame_count)
-        action = dataclasses.replace(known.actions[0], vector=self.direction, magnitude=self.magnitude)
-        return dataclasses.replace(known, actions=(action,))
-
-    def projected(self) -> Parameters:
-        """The nearest parameters whose magnitude lies in the skill library's range."""
-        return Parameters(self.direction * jnp.clip(self.magnitude, MAGNITUDE_MIN, MAGNITUDE_MAX))
+    path = Path(folder) / _WITNESSES
+    try:
+        return TypeAdapter(dict[str, ForceField]).validate_python(read_json(path, what="the witnesses"))
+    except ValidationError as error:
+        raise format_validation_error(error, str(path), ForceField) from None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -133,78 +177,99 @@ class Task:
 
     Attributes:
         spec: Its definition.
-        build: Makes the scene in which a force field acts.
-        scene: The scene with the action that a method begins with; its step is fixed.
-        target: Centroid path per frame, frame 0 left out [m], shape (frames - 1, 3).
+        loaded: The object, in the domain.
+        camera: Of all of its clips.
     """
 
     spec: TaskSpec
-    build: Callable[[ForceField], CompiledScene]
-    scene: CompiledScene
-    target: jax.Array
+    loaded: pa.LoadedObject
+    camera: CameraConfig
 
     @property
-    def substeps(self) -> int:
-        """Per frame."""
-        return self.scene.substeps
+    def target(self) -> Target:
+        """For the judge."""
+        return self.spec.target
 
-    def centroid_path(self, parameters: Parameters) -> jax.Array:
-        """Centroid path under ``parameters`` [m], shape (frames - 1, 3); differentiable."""
-        return _compute_path(self.scene, parameters)
+    @property
+    def start(self) -> ForceField:
+        """Where a method that needs a first force field begins."""
+        return self.spec.begin or START
 
-    def loss(self, parameters: Parameters) -> jax.Array:
-        """Mean squared distance to the target path, in squared body lengths."""
-        miss = self.centroid_path(parameters) - self.target
-        return (miss**2).sum(-1).mean() / self.scene.body.extent**2
+    @property
+    def frame_count(self) -> int:
+        """Of the clip."""
+        return self.spec.scene.frame_count
 
-    def force_field(self, parameters: Parameters) -> ForceField:
-        """The parameters as the JSON that an agent would have written."""
-        begun, frame_count = self.scene.config.force_field, self.scene.config.timing.frame_count
-        return parameters.of_force_field(begun, frame_count).to_force_field(begun, frame_count)
+    @cached_property
+    def frame_dt(self) -> float:
+        """[s]."""
+        return self.build(self.start).config.timing.frame_dt
 
-    def solution(self, parameters: Parameters) -> CompiledScene:
-        """The complete scene with the found force field, and the sentence for the record."""
-        scene = self.build(self.force_field(parameters))
-        config = scene.config.model_copy(update=dict(prompt=self.spec.prompt))
-        return dataclasses.replace(scene, config=config)
+    @cached_property
+    def mass(self) -> np.ndarray:
+        """Of the model's particles [kg], shape (n,); the same for all force fields."""
+        return np.asarray(self.build(self.start).model.mass)
+
+    def build(self, force_field: ForceField) -> CompiledScene:
+        """The scene in which ``force_field`` acts; object, domain, camera, clip and material are the task's."""
+        options = self.spec.scene
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of few particles per cell: small on purpose
+            scene = pa.build_scene(
+                self.loaded,
+                force_field=force_field,
+                material=OBJECTS[self.spec.object].material,
+                anchor=options.anchor,
+                camera=dict(azimuth_degrees=0.0),
+                world=options.world,
+                frame_count=options.frame_count,
+                **SIZE,
+            )
+        config = scene.config.model_copy(update=dict(camera=self.camera, prompt=self.spec.sentence))
+        camera = make_reference_camera(self.camera, config.rendering, config.domain)
+        return dataclasses.replace(scene, config=config, camera=camera)
+
+    def simulate(self, force_field: ForceField) -> np.ndarray:
+        """True positions of the model's particles under ``force_field`` [m], shape (frames, n, 3)."""
+        frames = simulate_frames(self.build(force_field))
+        return np.stack([np.asarray(frame.state.x) for frame in frames])
+
+    def judge(self, x: np.ndarray) -> TaskJudgement:
+        """What the judge says of true positions of the model's particles [m], shape (frames, n, 3)."""
+        return judge(self.target, x, self.mass, self.frame_dt)
 
 
-def make_task(spec: TaskSpec, folder: Path, *, frame_count: int = 26, particles: int = 1500) -> Task:
-    """Builds the scene (a jelly, written to ``folder``) and its target path.
-
-    Coarse on purpose: a gradient costs several rollouts per iteration.
+def make_task(spec: TaskSpec, folder: Path, data: Path | None = None) -> Task:
+    """Makes a task's object.
 
     Args:
         spec: Which task.
-        folder: Where the object file goes.
-        frame_count: Frames of the clip; fewer make a faster task.
-        particles: Particles at most.
+        folder: Where files of objects go that are made.
+        data: Folder of captured objects; None = tasks on those cannot be made.
 
     Raises:
-        UserError: ``frame_count`` or ``particles`` is out of range.
+        UserError: The object needs a folder of data that is not given.
     """
-    path = folder / "jelly.ply"
-    folder.mkdir(parents=True, exist_ok=True)
-    write_ply(path, make_jelly(0, count=2500))
-    jelly = pa.load_object(path, up="+z", kind="jelly", extent=0.8, cells=48, max_particles=particles)
-
-    def build(force_field: ForceField) -> CompiledScene:
-        return pa.build_scene(
-            jelly,
-            force_field=force_field,
-            material=dict(youngs_modulus=5e4, poissons_ratio=0.3, density=400.0),
-            anchor="none",
-            world="free",
-            frame_count=frame_count,
-            width=320,
-            height=240,
+    thing = OBJECTS[spec.object]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        loaded = pa.load_object(
+            find_file(spec.object, folder, data),
+            up=thing.up,
+            kind=thing.kind,
+            cells=CELLS,
+            max_particles=PARTICLES,
         )
-
-    scene = with_static_step(build(spec.start))
-    hidden = Parameters.of(spec.hidden_vector, spec.hidden_magnitude)
-    return Task(spec, build, scene, _compute_path(scene, hidden))
+    task = Task(spec, loaded, CameraConfig())
+    return dataclasses.replace(task, camera=_place_camera(task))
 
 
-def _compute_path(scene: CompiledScene, parameters: Parameters) -> jax.Array:
-    values = parameters.of_force_field(scene.config.force_field, scene.config.timing.frame_count)
-    return pa.trajectory(scene, values, substeps=scene.substeps).centroid(scene.model.mass)[1:]
+def _place_camera(task: Task) -> CameraConfig:
+    """A camera that shows where the object can be expected, whatever acts on it."""
+    body, rendering = task.loaded.body, task.build(task.start).config.rendering
+    corners = 0.5 * (body.low + body.high) + 0.5 * (body.high - body.low) * np.array(
+        np.meshgrid(*[[-1, 1]] * 3)
+    ).reshape(3, -1).T
+    reach = _SHOWN * body.extent * np.array([[1, 0, 0], [-1, 0, 0], [0, 0, 0.5], [0, 0, -0.5]])
+    points = np.concatenate([corners + shift for shift in reach])
+    return frame_camera(points, CameraConfig(), rendering, start=np.asarray(body.cloud.means, np.float64))

@@ -10,7 +10,7 @@ import pytest
 
 from baselines.oracle_gradient import optimise
 from baselines.run import main
-from baselines.tasks import TASKS, Parameters, make_task
+from baselines.path_tasks import TASKS, Parameters, make_task
 from physagent_jax.forces.skills import compile_force_field
 from physagent_jax.mpm import rollout
 

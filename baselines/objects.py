@@ -1,0 +1,95 @@
+"""The objects that tasks are about: made on the spot, bundled, and, with a folder of data, captured ones.
+
+None looks at a method: stiffness and density are so that a clip costs little and nothing tears under the library's
+forces.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.names import explain_unknown_name
+from physagent_jax.gaussians.formats.ply import write_ply
+from physagent_jax.scene.procedural import PROCEDURAL
+
+_EXAMPLES = Path(__file__).resolve().parents[1] / "examples" / "assets"
+_GAUSSIANS = 2500
+
+
+@dataclasses.dataclass(frozen=True)
+class TaskObject:
+    """An object of 1 m.
+
+    Attributes:
+        kind: Class with a physical prior.
+        up: The file's up axis.
+        youngs_modulus: [Pa].
+        poissons_ratio: nu.
+        file: Bundled file; None = none is.
+        data: Name of its file in the folder of data; None = it needs none. With neither, it is made.
+        captured: "3DGS" or "scan": where it is from; None = it is made.
+    """
+
+    kind: str
+    up: str = "+z"
+    youngs_modulus: float = 3e4
+    poissons_ratio: float = 0.3
+    file: Path | None = None
+    data: str | None = None
+    captured: str | None = None
+
+    @property
+    def material(self) -> dict[str, Any]:
+        """For `pa.build_scene`."""
+        return dict(
+            youngs_modulus=self.youngs_modulus, poissons_ratio=self.poissons_ratio, density=DENSITY
+        )
+
+
+DENSITY = 400.0  # [kg/m^3]
+OBJECTS = {
+    "jelly": TaskObject("jelly", youngs_modulus=2e4),
+    "loaf": TaskObject("food"),
+    "plant": TaskObject("plant", youngs_modulus=6e4),
+    "robot": TaskObject("robot", up="-y", file=_EXAMPLES / "robot.ply", captured="3DGS"),
+    "guitar": TaskObject("instrument", up="-y", data="guitar_sh0.ply", captured="3DGS"),
+    "bunny": TaskObject("animal", up="+y", data="bunny.obj", captured="scan"),
+}
+
+
+def is_available(name: str, data: Path | None) -> bool:
+    """Whether an object can be had with this folder of data.
+
+    Raises:
+        UserError: There is no such object.
+    """
+    if name not in OBJECTS:
+        raise explain_unknown_name("object", name, OBJECTS)
+    needed = OBJECTS[name].data
+    return needed is None or (data is not None and (data / needed).is_file())
+
+
+def find_file(name: str, folder: Path, data: Path | None) -> Path:
+    """An object's file, made in ``folder`` if it has to be.
+
+    Raises:
+        UserError: It is in a folder of data that is not given, or not there.
+    """
+    thing = OBJECTS.get(name)
+    if not is_available(name, data) or thing is None:
+        needed = OBJECTS[name].data
+        raise UserError(
+            f"the object `{name}` needs the file {needed}", got=data, do="Give the folder of data that holds it"
+        )
+    if thing.file is not None:
+        return thing.file
+    if thing.data is not None and data is not None:
+        return data / thing.data
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{name}.ply"
+    if not path.is_file():
+        write_ply(path, PROCEDURAL[name](0, count=_GAUSSIANS))
+    return path
