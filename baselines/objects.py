@@ -31,6 +31,8 @@ class TaskObject:
         file: Bundled file; None = none is.
         data: Name of its file in the folder of data; None = it needs none. With neither, it is made.
         captured: "3DGS" or "scan": where it is from; None = it is made.
+        cells: Along a side of the domain of 4 m: two to a thin part.
+        particles: At most; some three in a cell of full matter, or it tears where it should stretch.
     """
 
     kind: str
@@ -40,23 +42,27 @@ class TaskObject:
     file: Path | None = None
     data: str | None = None
     captured: str | None = None
+    cells: int = 48
+    particles: int = 1500
 
     @property
     def material(self) -> dict[str, Any]:
         """For `pa.build_scene`."""
-        return dict(
-            youngs_modulus=self.youngs_modulus, poissons_ratio=self.poissons_ratio, density=DENSITY
-        )
+        return dict(youngs_modulus=self.youngs_modulus, poissons_ratio=self.poissons_ratio, density=DENSITY)
 
 
 DENSITY = 400.0  # [kg/m^3]
 OBJECTS = {
-    "jelly": TaskObject("jelly", youngs_modulus=2e4),
+    "jelly": TaskObject("jelly", youngs_modulus=2e4, cells=40),
     "loaf": TaskObject("food"),
-    "plant": TaskObject("plant", youngs_modulus=6e4),
-    "robot": TaskObject("robot", up="-y", file=_EXAMPLES / "robot.ply", captured="3DGS"),
-    "guitar": TaskObject("instrument", up="-y", data="guitar_sh0.ply", captured="3DGS"),
-    "bunny": TaskObject("animal", up="+y", data="bunny.obj", captured="scan"),
+    "plant": TaskObject("plant", youngs_modulus=6e4, cells=64),
+    "robot": TaskObject(
+        "robot", up="-y", youngs_modulus=8e4, cells=64, file=_EXAMPLES / "robot.ply", captured="3DGS"
+    ),
+    "guitar": TaskObject(
+        "instrument", up="-y", youngs_modulus=1e5, cells=64, data="guitar_sh0.ply", captured="3DGS"
+    ),
+    "bunny": TaskObject("animal", up="+y", data="bunny.obj", captured="scan", particles=2000),
 }
 
 
@@ -82,7 +88,9 @@ def find_file(name: str, folder: Path, data: Path | None) -> Path:
     if not is_available(name, data) or thing is None:
         needed = OBJECTS[name].data
         raise UserError(
-            f"the object `{name}` needs the file {needed}", got=data, do="Give the folder of data that holds it"
+            f"the object `{name}` needs the file {needed}",
+            got=data,
+            do="Give the folder of data that holds it",
         )
     if thing.file is not None:
         return thing.file

@@ -23,6 +23,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error, read_json
 from physagent_jax.core.strict import Strict
 from physagent_jax.forces.schema import Action, ActionType, ForceField
+from physagent_jax.metrics.effort import measure_effort
 from physagent_jax.metrics.targets import Target, hash_target
 from physagent_jax.metrics.task_judge import TaskJudgement, judge
 from physagent_jax.scene.camera import frame_camera, make_reference_camera
@@ -34,8 +35,7 @@ Family = Literal["drop", "stretch", "sway", "twist", "impulse", "multi", "recove
 FAMILIES: tuple[Family, ...] = ("drop", "stretch", "sway", "twist", "impulse", "multi", "recovery")
 Split = Literal["development", "test"]
 
-CELLS, PARTICLES = 64, 1500
-SIZE = dict(width=320, height=240)
+WIDTH, HEIGHT = 320, 240
 _SHOWN = 0.9  # [L] to each side of the object that the camera shows, and half of it above and below
 _WITNESSES = "witness.json"
 
@@ -87,7 +87,9 @@ class TaskSpec(Strict):
         return "test" if hashlib.sha256(self.name.encode()).digest()[-1] % 2 else "development"
 
 
-START = ForceField(actions=(Action(action_type=ActionType.TRANSLATION, vector=(1.0, 0.0, 0.0), magnitude=0.4),))
+START = ForceField(
+    actions=(Action(action_type=ActionType.TRANSLATION, vector=(1.0, 0.0, 0.0), magnitude=0.4),)
+)
 """The weakest push to the right: says nothing about a task."""
 
 
@@ -146,7 +148,9 @@ def check_spec(spec: TaskSpec, place: str) -> None:
     if spec.target.last_frame >= spec.scene.frame_count:
         raise UserError(f"{place}: the target of `{spec.name}` looks beyond its clip")
     if (spec.hidden is None) == (spec.family == "recovery"):
-        raise UserError(f"{place}: `{spec.name}` must have a `hidden` force field if, and only if, it recovers one")
+        raise UserError(
+            f"{place}: `{spec.name}` must have a `hidden` force field if, and only if, it recovers one"
+        )
     is_available(spec.object, None)
 
 
@@ -223,7 +227,8 @@ class Task:
                 camera=dict(azimuth_degrees=0.0),
                 world=options.world,
                 frame_count=options.frame_count,
-                **SIZE,
+                width=WIDTH,
+                height=HEIGHT,
             )
         config = scene.config.model_copy(update=dict(camera=self.camera, prompt=self.spec.sentence))
         camera = make_reference_camera(self.camera, config.rendering, config.domain)
@@ -237,6 +242,10 @@ class Task:
     def judge(self, x: np.ndarray) -> TaskJudgement:
         """What the judge says of true positions of the model's particles [m], shape (frames, n, 3)."""
         return judge(self.target, x, self.mass, self.frame_dt)
+
+    def measure_effort(self, force_field: ForceField, x: np.ndarray) -> float:
+        """Impulse that ``force_field`` hands to each kilogram on the clip ``x``, gravity left out [m/s]."""
+        return measure_effort(self.build(force_field).model, x, self.frame_dt)
 
 
 def make_task(spec: TaskSpec, folder: Path, data: Path | None = None) -> Task:
@@ -257,8 +266,8 @@ def make_task(spec: TaskSpec, folder: Path, data: Path | None = None) -> Task:
             find_file(spec.object, folder, data),
             up=thing.up,
             kind=thing.kind,
-            cells=CELLS,
-            max_particles=PARTICLES,
+            cells=thing.cells,
+            max_particles=thing.particles,
         )
     task = Task(spec, loaded, CameraConfig())
     return dataclasses.replace(task, camera=_place_camera(task))
@@ -267,9 +276,10 @@ def make_task(spec: TaskSpec, folder: Path, data: Path | None = None) -> Task:
 def _place_camera(task: Task) -> CameraConfig:
     """A camera that shows where the object can be expected, whatever acts on it."""
     body, rendering = task.loaded.body, task.build(task.start).config.rendering
-    corners = 0.5 * (body.low + body.high) + 0.5 * (body.high - body.low) * np.array(
-        np.meshgrid(*[[-1, 1]] * 3)
-    ).reshape(3, -1).T
+    corners = (
+        0.5 * (body.low + body.high)
+        + 0.5 * (body.high - body.low) * np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T
+    )
     reach = _SHOWN * body.extent * np.array([[1, 0, 0], [-1, 0, 0], [0, 0, 0.5], [0, 0, -0.5]])
     points = np.concatenate([corners + shift for shift in reach])
     return frame_camera(points, CameraConfig(), rendering, start=np.asarray(body.cloud.means, np.float64))

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from baselines.oracle_gradient import optimise
-from baselines.run import main
 from baselines.path_tasks import TASKS, Parameters, make_task
+from baselines.run import main
 from physagent_jax.forces.skills import compile_force_field
 from physagent_jax.mpm import rollout
 

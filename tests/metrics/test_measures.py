@@ -151,7 +151,9 @@ def test_the_order_of_two_motions_is_the_time_between_them():
     order = {"kind": "order", "first": {"along": X}, "second": {"along": Z}, "target": 12, "tolerance": 4}
     assert see(x, order) == pytest.approx(12.0, rel=0.01)
     assert see(x, order | {"first": {"along": Z}, "second": {"along": X}}) == pytest.approx(-12.0, rel=0.01)
-    assert see(shift(0.3 * np.outer(early, X)), order) == pytest.approx(0.0, abs=0.01)  # the second is missing
+    assert see(shift(0.3 * np.outer(early, X)), order) == pytest.approx(
+        0.0, abs=0.01
+    )  # the second is missing
     top, ends = end(np.array(Z)), np.tile(REST, (FRAMES, 1, 1))
     bottom = end(-np.array(Z))
     ends[:, top] += 0.3 * late[:, None, None] * np.array(X)

@@ -10,8 +10,8 @@ from physagent_jax.metrics.task_judge import compute_residuals, judge
 
 FRAMES, DT = 13, 0.04
 LAST = FRAMES - 1
-REST = np.random.default_rng(5).uniform((-0.4, -0.25, -0.5), (0.4, 0.25, 0.5), (150, 3)) + 1.5
-MASS = np.random.default_rng(6).uniform(0.5, 1.5, 150)
+REST = np.random.default_rng(5).uniform((-0.4, -0.25, -0.5), (0.4, 0.25, 0.5), (90, 3)) + 1.5
+MASS = np.random.default_rng(6).uniform(0.5, 1.5, 90)
 TIME = np.linspace(0.0, 1.0, FRAMES)
 X, Y, Z = np.eye(3).tolist()
 WHOLE = {"window": (0, LAST)}
@@ -56,28 +56,32 @@ def find_residuals(numbers, target):
 
 
 AT = np.array([0.31, -0.12, 0.23, 0.15, -0.08, 0.21, 0.4, 0.3, 0.37])
+ALL = ask(*EVERY)
+find_all = jax.jit(lambda numbers: find_residuals(numbers, ALL))
+find_all_slopes = jax.jit(jax.jacrev(lambda numbers: find_residuals(numbers, ALL)))
 
 
-@pytest.mark.parametrize("clause", EVERY, ids=lambda clause: clause["kind"])
-def test_derivatives_agree_with_central_differences(clause, x64):
-    target = ask(clause)
-    find = jax.jit(lambda numbers: find_residuals(numbers, target))
-    derivative = jax.jit(jax.jacrev(lambda numbers: find_residuals(numbers, target)))(AT)
-    assert np.abs(find(AT)).min() > 0 or clause["kind"] == "path"
+def list_kinds():
+    """The clause of each residual."""
+    counts = {"oscillation": 2, "path": 3 * FRAMES}
+    return [clause["kind"] for clause in EVERY for _ in range(counts.get(clause["kind"], 1))]
+
+
+def test_derivatives_agree_with_central_differences(x64):
+    derivative, kinds = np.asarray(find_all_slopes(AT)), np.array(list_kinds())
+    assert len(kinds) == len(derivative)
+    assert np.abs(find_all(AT))[kinds != "path"].min() > 0  # nothing is met, so that nothing is zero
+    assert np.abs(derivative).max(1)[kinds != "path"].min() > 1e-3
     h = 1e-5
     for k, step in enumerate(h * np.eye(len(AT))):
-        difference = (find(AT + step) - find(AT - step)) / (2 * h)
+        difference = (find_all(AT + step) - find_all(AT - step)) / (2 * h)
         np.testing.assert_allclose(derivative[:, k], difference, rtol=2e-6, atol=2e-6)
-    if clause["kind"] != "integrity":  # a mean over links, each by itself
-        forward = jax.jit(jax.jacfwd(lambda numbers: find_residuals(numbers, target)))(AT)
-        np.testing.assert_allclose(forward, derivative, rtol=1e-9, atol=1e-9)
 
 
-def test_derivatives_are_finite_at_rest_and_point_to_what_is_asked():
-    target, still = ask(*EVERY), np.zeros(len(AT), np.float32)
-    derivative = np.asarray(jax.jit(jax.jacrev(lambda numbers: find_residuals(numbers, target)))(still))
-    assert np.isfinite(derivative).all()
-    residuals = np.asarray(find_residuals(still, target))
+def test_derivatives_are_finite_at_rest_and_point_to_what_is_asked(x64):
+    still = np.zeros(len(AT))
+    derivative, residuals = np.asarray(find_all_slopes(still)), np.asarray(find_all(still))
+    assert np.isfinite(derivative).all() and np.isfinite(residuals).all()
     downhill = -(derivative.T @ residuals)
     assert downhill[0] > 0 and downhill[5] > 0 and downhill[8] > 0  # along X, longer along Z, about Z
 
@@ -112,19 +116,11 @@ def test_gauss_newton_meets_all_clauses_in_a_few_steps(x64):
     slope = jax.jit(jax.jacrev(lambda numbers: find_residuals(numbers, wanted)))
     at = np.zeros(len(AT))
     assert not judge(wanted, move(at), MASS, DT).success
-    for _ in range(8):
+    for _ in range(12):
         at = at - np.linalg.lstsq(slope(at), find(at), rcond=1e-6)[0]
     seen = judge(wanted, move(at), MASS, DT)
     assert seen.success and seen.error <= 0.5 + 1e-3
     assert 0.5 * float(find(at) @ find(at)) < 1e-5
-
-
-def test_the_gradient_of_half_the_square_is_the_jacobian_times_the_residuals(x64):
-    target = ask(*EVERY)
-    residuals = find_residuals(AT, target)
-    jacobian = jax.jacrev(lambda numbers: find_residuals(numbers, target))(AT)
-    gradient = jax.grad(lambda numbers: 0.5 * jnp.sum(find_residuals(numbers, target) ** 2))(AT)
-    np.testing.assert_allclose(gradient, jacobian.T @ residuals, rtol=1e-9)
 
 
 def test_the_norm_of_a_paths_residuals_is_its_root_mean_square_distance():
