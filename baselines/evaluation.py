@@ -1,0 +1,383 @@
+"""The only door from a method to the simulator: it charges, records and refuses.
+
+Everything is charged, what failed and what served a line search or a choice of starts too. An oracle may ask for the
+distance to the target, its gradient and its Jacobian; others get pictures, and may hand back a gradient by pixels.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+
+import numpy as np
+
+from baselines.parametrisation import Parametrisation
+from baselines.protocol import Budget, BudgetSpent, Evaluation
+from baselines.simulation import Pictures, Rollout, Simulation
+from baselines.tasks import Task
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.parameters import ForceFieldParameters
+from physagent_jax.forces.schema import Action, ActionType, ForceField
+
+GRADIENT_COST = 4.3
+"""[forward-equivalents] of a value with its gradient: 4.0 to 4.3 by `benchmarks/results/gradients.json` for clips whose
+states fit into memory, as the tasks' do. The simulation whose schedule it replays is charged as a simulation."""
+
+NEAR = 0.25
+"""[1] by which |M| v may differ from that of a simulation whose steps and windows a gradient replays. The steps are as
+good there, and a gradient that has to simulate first costs 1 more."""
+
+DIFFERENCE = 0.02
+"""[1] step of a Jacobian's differences, in |M| v: far above single precision's noise, far below what bends a path."""
+
+SIDES = 0.15
+"""[1] the same for the skill `scale`, whose field is k sgn(d) v: when v turns, particles change sides one by one, and a
+step has to take many of them along. Reverse mode sees none of it: the derivative of sgn is zero where it has one."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Score:
+    """How far a force field misses the target.
+
+    Attributes:
+        loss: |r|^2 / 2; infinite where the simulation failed.
+        residuals: r in tolerances, shape (m,); empty where it failed.
+    """
+
+    loss: float
+    residuals: np.ndarray
+
+    @staticmethod
+    def of(residuals: np.ndarray) -> Score:
+        """Of the residuals; a failure if they are not finite."""
+        residuals = np.asarray(residuals, np.float64)
+        if not np.isfinite(residuals).all():
+            return FAILED
+        return Score(0.5 * float(residuals @ residuals), residuals)
+
+    @property
+    def failed(self) -> bool:
+        """Whether there is nothing to go by."""
+        return not np.isfinite(self.loss)
+
+
+FAILED = Score(float("inf"), np.zeros(0))
+
+
+class Evaluator:
+    """A task's simulator within a budget.
+
+    Attributes:
+        task, budget, seed: As given.
+        oracle: Whether the target may be asked for.
+        rng: For everything random in a method.
+        evaluations: What has been tried, in order.
+        spent: Forward-equivalents.
+        model_calls, tokens: Of language or video models; methods count them here.
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        budget: Budget,
+        seed: int = 0,
+        *,
+        oracle: bool = True,
+        simulation: Simulation | None = None,
+    ):
+        """Begins with nothing spent; ``simulation`` is the task's unless given."""
+        self.task, self.budget, self.seed, self.oracle = task, budget, seed, oracle
+        self.rng = np.random.default_rng(seed)
+        self.evaluations: list[Evaluation] = []
+        self.spent = 0.0
+        self.model_calls = self.tokens = 0
+        self._begun = time.perf_counter()
+        self._simulation = Simulation(task) if simulation is None else simulation
+        self._last: tuple[ForceField, Rollout] | None = None
+
+    @property
+    def seconds(self) -> float:
+        """Wall time since the beginning [s]."""
+        return time.perf_counter() - self._begun
+
+    @property
+    def remaining(self) -> float:
+        """Forward-equivalents that are left, at least 0."""
+        return max(0.0, self.budget.forward_equivalents - self.spent)
+
+    def score(self, force_field: ForceField, note: str = "") -> Score:
+        """How far ``force_field`` misses the target, for one simulation.
+
+        Raises:
+            BudgetSpent: There is nothing left.
+            UserError: The method is not marked as an oracle.
+        """
+        self._need_oracle("score")
+        score = self._simulate(force_field)
+        self._record(force_field, score.loss, note)
+        return score
+
+    def gradient(self, force_field: ForceField, note: str = "") -> tuple[Score, ForceFieldParameters]:
+        """The same with the gradient of the loss; zero where the simulation fails.
+
+        Charged `GRADIENT_COST`, one simulation more unless the last one was `NEAR`, and two for every `scale`, whose
+        direction needs differences (`SIDES`).
+
+        Raises:
+            BudgetSpent: There is nothing left.
+            UserError: The method is not marked as an oracle.
+        """
+        self._need_oracle("gradient")
+        parameters = self._numbers(force_field)
+        for near in (self._find_near(force_field), None):
+            rollout = near or self._simulate_for_steps(force_field)
+            if rollout is None:
+                break
+            self._charge(GRADIENT_COST)
+            residuals, gradient = self._simulation.differentiate(rollout, parameters)
+            score = Score.of(residuals)
+            if not score.failed and _is_finite(gradient):
+                gradient = self._add_sides(force_field, rollout, parameters, score, gradient)
+                self._record(force_field, score.loss, note)
+                return score, gradient
+            if near is None:
+                break
+        self._record(force_field, FAILED.loss, note)
+        return FAILED, _make_zeros(parameters)
+
+    def jacobian(
+        self, force_field: ForceField, parametrisation: Parametrisation | None = None, note: str = ""
+    ) -> tuple[Score, np.ndarray]:
+        """The residuals and their derivatives by the unknowns, by one difference each.
+
+        Forward differences by the steps of the force field's own simulation, so that no step size jumps between
+        them. Those by a window's unknowns are simulated anew: which frames a force takes part in is part of a schedule.
+
+        Args:
+            force_field: Where.
+            parametrisation: By which unknowns; None = |M| v of every action and constraint.
+            note: For the record.
+
+        Returns:
+            The score and the Jacobian, shape (m, p); with a failed score, shape (0, p).
+
+        Raises:
+            BudgetSpent: There is nothing left.
+            UserError: The method is not marked as an oracle.
+        """
+        self._need_oracle("jacobian")
+        unknowns = parametrisation or Parametrisation(force_field, self.task.frame_count)
+        if self._last is None or self._last[0] != force_field:
+            score = self.score(force_field, note)
+            if score.failed:
+                return score, np.zeros((0, unknowns.size))
+        assert self._last is not None
+        rollout = self._last[1]
+        score = Score.of(self._simulation.compute_residuals(rollout))
+        u = unknowns.encode(force_field)
+        columns = [self._difference(unknowns, rollout, u, index, score) for index in range(unknowns.size)]
+        return score, np.stack(columns, axis=1) if columns else np.zeros((score.residuals.size, 0))
+
+    def play(self, force_field: ForceField, note: str = "") -> Pictures | None:
+        """Pictures of ``force_field``, for one simulation; None where it fails.
+
+        The record has no objective until the method gives one (`rate`).
+
+        Raises:
+            BudgetSpent: There is nothing left.
+        """
+        self._charge(1.0)
+        try:
+            pictures, rollout = self._simulation.play(force_field)
+        except UserError as error:
+            self._record(force_field, float("inf"), note or str(error))
+            return None
+        self._last = force_field, rollout
+        self._record(force_field, None, note)
+        return pictures
+
+    def pull_back(self, force_field: ForceField, pixels: np.ndarray) -> ForceFieldParameters:
+        """The gradient by a force field's numbers from one by the colours of its pictures.
+
+        Charged `GRADIENT_COST`, and one simulation more unless ``force_field`` was played last.
+
+        Args:
+            force_field: Whose pictures they are.
+            pixels: d loss / d colour, colours in [0, 1], shape (T, height, width, 3). Frames of zeros cost nothing to
+                draw.
+
+        Raises:
+            BudgetSpent: There is nothing left.
+            UserError: The force field cannot be simulated, or the shape is not that of the pictures.
+        """
+        if self._last is None or self._last[0] != force_field:
+            if self._simulate_for_steps(force_field) is None:
+                raise UserError("a force field that cannot be simulated has no pictures")
+        assert self._last is not None
+        rollout = self._last[1]
+        camera, count = rollout.scene.camera, len(rollout.x)
+        if np.shape(pixels) != (wanted := (count, camera.height, camera.width, 3)):
+            raise UserError(f"`pixels` must have the pictures' shape {wanted}", got=np.shape(pixels))
+        self._charge(GRADIENT_COST)
+        return self._simulation.pull_back(rollout, self._numbers(force_field), np.asarray(pixels, np.float32))
+
+    def rate(self, objective: float, note: str | None = None) -> None:
+        """Gives the latest evaluation the method's own objective, less is better.
+
+        Raises:
+            UserError: Nothing has been evaluated.
+        """
+        if not self.evaluations:
+            raise UserError("there is no evaluation to be rated")
+        latest = self.evaluations[-1]
+        note = latest.note if note is None else note
+        self.evaluations[-1] = dataclasses.replace(latest, objective=objective, note=note)
+
+    def _need_oracle(self, what: str) -> None:
+        if not self.oracle:
+            raise UserError(
+                f"`{what}` reads true particles, and this method is not marked as an oracle",
+                do="Use `play`, or let its `oracle` be true",
+            )
+
+    def _charge(self, cost: float) -> None:
+        seconds = self.budget.seconds
+        if self.remaining <= 0 or (seconds is not None and self.seconds >= seconds):
+            raise BudgetSpent
+        self.spent += cost
+
+    def _record(self, force_field: ForceField, objective: float | None, note: str) -> None:
+        self.evaluations.append(Evaluation(force_field, self.spent, self.seconds, objective, note))
+
+    def _simulate(self, force_field: ForceField) -> Score:
+        rollout = self._simulate_for_steps(force_field)
+        return FAILED if rollout is None else Score.of(self._simulation.compute_residuals(rollout))
+
+    def _simulate_for_steps(self, force_field: ForceField) -> Rollout | None:
+        """One simulation; None if it fails."""
+        self._charge(1.0)
+        try:
+            rollout = self._simulation.simulate(force_field)
+        except UserError:
+            return None
+        self._last = force_field, rollout
+        return rollout
+
+    def _add_sides(
+        self,
+        force_field: ForceField,
+        rollout: Rollout,
+        parameters: ForceFieldParameters,
+        score: Score,
+        gradient: ForceFieldParameters,
+    ) -> ForceFieldParameters:
+        """The gradient with differences for what turns a `scale`; what reverse mode says along it is kept."""
+        slopes = list(gradient.actions)
+        for index, action in enumerate(force_field.actions):
+            if action.action_type is not ActionType.SCALE:
+                continue
+            along = np.asarray(action.vector)
+            slope = (np.asarray(slopes[index].vector, float) @ along) * along
+            for across in find_tangents(along):
+                for step in (SIDES, -SIDES):
+                    self._charge(1.0)
+                    turned = along + step * across
+                    turned /= np.linalg.norm(turned)
+                    entries = list(parameters.actions)
+                    entries[index] = dataclasses.replace(entries[index], vector=turned)
+                    moved = dataclasses.replace(parameters, actions=tuple(entries))
+                    there = Score.of(self._simulation.replay(rollout, moved))
+                    if not there.failed:
+                        slope = slope + (there.loss - score.loss) / np.arctan(step) * across
+                        break
+            slopes[index] = dataclasses.replace(slopes[index], vector=slope)
+        return dataclasses.replace(gradient, actions=tuple(slopes))
+
+    def _find_near(self, force_field: ForceField) -> Rollout | None:
+        """The last simulation, if its steps serve ``force_field``."""
+        if self._last is None:
+            return None
+        other, rollout = self._last
+        return rollout if are_near(force_field, other) else None
+
+    def _numbers(self, force_field: ForceField) -> ForceFieldParameters:
+        return ForceFieldParameters.of(force_field, self.task.frame_count)
+
+    def _difference(
+        self, unknowns: Parametrisation, rollout: Rollout, u: np.ndarray, index: int, score: Score
+    ) -> np.ndarray:
+        """One column; a step the other way where the first fails, zero where both do."""
+        is_window = index % unknowns.stride >= 3
+        for step in _choose_steps(unknowns, u, index):
+            moved = u.copy()
+            moved[index] += step
+            if is_window:
+                there = self._simulate(unknowns.decode(moved))
+            else:
+                self._charge(1.0)
+                there = Score.of(self._simulation.replay(rollout, unknowns.to_parameters(moved)))
+            if not there.failed:
+                return (there.residuals - score.residuals) / step
+        return np.zeros_like(score.residuals)
+
+
+def find_tangents(vector: np.ndarray) -> np.ndarray:
+    """Two unit vectors across a unit vector and each other, shape (2, 3)."""
+    across = np.cross(vector, np.eye(3)[np.argmin(np.abs(vector))])
+    across /= np.linalg.norm(across)
+    return np.stack([across, np.cross(vector, across)])
+
+
+def are_near(a: ForceField, b: ForceField) -> bool:
+    """Whether the steps that `simulate` took for ``b`` serve ``a``: all is the same but |M| v, and that by `NEAR`."""
+    entries = [(*field.actions, *field.constraints) for field in (a, b)]
+    bare = [
+        field.model_copy(update=dict(actions=tuple(map(_strip, field.actions)),
+                                     constraints=tuple(map(_strip, field.constraints))))
+        for field in (a, b)
+    ]  # fmt: skip
+    if bare[0] != bare[1]:
+        return False
+    return all(
+        np.linalg.norm(p.magnitude * np.asarray(p.vector) - q.magnitude * np.asarray(q.vector)) <= NEAR
+        for p, q in zip(*entries)
+    )
+
+
+def _strip(item):
+    sign = 1.0 if item.magnitude > 0 else -1.0
+    return item.model_copy(update=dict(vector=(1.0, 0.0, 0.0), magnitude=sign))
+
+
+def _choose_steps(unknowns: Parametrisation, u: np.ndarray, index: int) -> tuple[float, float]:
+    """A difference's step inwards, then the other way; of a window, one frame."""
+    row, column = divmod(index, unknowns.stride)
+    if column >= 3:
+        step = 1.0 / (unknowns.frame_count - 1)
+        inwards = -step if u[index] + step > 1.0 - (u[row * 5 + 3] if column == 4 else 0.0) else step
+        return inwards, -inwards
+    item = unknowns.entries[row]
+    sided = isinstance(item, Action) and item.action_type is ActionType.SCALE
+    inwards = -np.copysign(SIDES if sided else DIFFERENCE, u[index])
+    return float(inwards), float(-inwards)
+
+
+def _is_finite(gradient: ForceFieldParameters) -> bool:
+    entries = (*gradient.actions, *gradient.constraints)
+    parts = [part for each in entries for part in (each.vector, each.magnitude, each.window)]
+    return all(np.isfinite(np.asarray(part)).all() for part in parts)
+
+
+def _make_zeros(parameters: ForceFieldParameters) -> ForceFieldParameters:
+    def zeros(group):
+        return tuple(
+            dataclasses.replace(
+                each,
+                vector=np.zeros(3),
+                magnitude=np.zeros(()),
+                window=np.zeros(2),
+            )
+            for each in group
+        )
+
+    return ForceFieldParameters(zeros(parameters.actions), zeros(parameters.constraints))

@@ -1,0 +1,108 @@
+"""The numbers of a force field as one vector of comparable, dimensionless unknowns.
+
+An action or constraint is u = |M| v, three numbers whose length is the magnitude: displacements are linear in it before
+anything is touched, and no angle has a pole. The sign of M is part of what the action is: a squeeze is not a stretch
+the other way round. With windows, two more: beginning and length, in clips.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.parameters import ActionParameters, ForceFieldParameters
+from physagent_jax.forces.schema import ForceField
+
+SHORTEST = 1.0
+"""[frames] of a window, at least."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Parametrisation:
+    """Unknowns of the force fields that differ from one another by numbers only.
+
+    Attributes:
+        template: Says what each action and constraint is.
+        frame_count: Frames of the clip.
+        windows: Whether windows are sought too; else they are the template's.
+    """
+
+    template: ForceField
+    frame_count: int
+    windows: bool = False
+
+    @property
+    def entries(self) -> tuple:
+        """Actions, then constraints."""
+        return (*self.template.actions, *self.template.constraints)
+
+    @property
+    def stride(self) -> int:
+        """Unknowns of an entry."""
+        return 5 if self.windows else 3
+
+    @property
+    def size(self) -> int:
+        """Unknowns in all."""
+        return self.stride * len(self.entries)
+
+    def encode(self, force_field: ForceField) -> np.ndarray:
+        """The unknowns of a force field like the template, shape (size,)."""
+        values, clip = [], self.frame_count - 1
+        for item in (*force_field.actions, *force_field.constraints):
+            values += (abs(item.magnitude) * np.asarray(item.vector)).tolist()
+            if self.windows:
+                first, last = item.active_time or (0, clip)
+                values += [first / clip, (last - first) / clip]
+        return np.array(values, float)
+
+    def project(self, u: np.ndarray) -> np.ndarray:
+        """The nearest unknowns that the skill library allows."""
+        rows = np.array(u, float).reshape(-1, self.stride)
+        for row, item in zip(rows, self.entries):
+            size = float(np.linalg.norm(row[:3]))
+            if size < 1e-12:
+                row[:3] = MAGNITUDE_MIN * np.asarray(item.vector)
+            else:
+                row[:3] *= min(max(size, MAGNITUDE_MIN), MAGNITUDE_MAX) / size
+            if self.windows:
+                least = SHORTEST / (self.frame_count - 1)
+                row[3] = min(max(row[3], 0.0), 1.0 - least)
+                row[4] = min(max(row[4], least), 1.0 - row[3])
+        return rows.reshape(-1)
+
+    def decode(self, u: np.ndarray) -> ForceField:
+        """The force field nearest to ``u``."""
+        return self.to_parameters(self.project(u)).to_force_field(self.template, self.frame_count)
+
+    def to_parameters(self, u: np.ndarray) -> ForceFieldParameters:
+        """The same numbers as the simulator takes them; not projected, for steps across the range's edge."""
+        rows, made = np.asarray(u, float).reshape(-1, self.stride), []
+        for row, item in zip(rows, self.entries):
+            known = ActionParameters.of(item, self.frame_count)
+            size = float(np.linalg.norm(row[:3]))
+            vector = row[:3] / size if size else known.vector
+            magnitude = np.asarray(math.copysign(size, item.magnitude))
+            window = known.window
+            if self.windows:
+                window = (self.frame_count - 1) * np.array([row[3], row[3] + row[4]])
+            made.append(ActionParameters(vector, magnitude, window))
+        count = len(self.template.actions)
+        return ForceFieldParameters(tuple(made[:count]), tuple(made[count:]))
+
+    def pull_back(self, force_field: ForceField, gradient: ForceFieldParameters) -> np.ndarray:
+        """A gradient by the simulator's numbers as one by the unknowns, shape (size,).
+
+        A vector acts by its product with the magnitude, so that the derivative by u is that by the vector over |M|.
+        """
+        values, clip = [], self.frame_count - 1
+        slopes = (*gradient.actions, *gradient.constraints)
+        for item, slope in zip((*force_field.actions, *force_field.constraints), slopes):
+            values += (np.asarray(slope.vector, float) / abs(item.magnitude)).tolist()
+            if self.windows:
+                first, last = np.asarray(slope.window, float)
+                values += [clip * (first + last), clip * last]
+        return np.array(values, float)

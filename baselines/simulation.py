@@ -1,0 +1,170 @@
+"""A task's simulator: forward as the product runs it, and with derivatives along what that has done.
+
+Forward is `simulate_frames`, with steps and grid windows fitted to the motion. Derivatives replay it by its schedule.
+On scenes as small as the tasks' this is 3 to 6 times faster than the one jitted function with everything fixed
+(1,500 particles, 25 frames: 0.11 s against 0.33 s forward, 0.46 s against 1.9 s and more with a gradient), and nothing
+has to be compiled anew for other numbers.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+import physagent_jax as pa
+from baselines.adaptor import compute_residuals
+from baselines.tasks import Task
+from physagent_jax.forces.parameters import ForceFieldParameters
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.gaussians.binding import deform
+from physagent_jax.mpm import Schedule
+from physagent_jax.render import Camera, choose_pair_capacity, rasterize
+from physagent_jax.scene.compile import CompiledScene
+from physagent_jax.simulation.recording import Recording
+from physagent_jax.simulation.simulate import simulate_frames
+
+
+@dataclasses.dataclass(frozen=True)
+class Rollout:
+    """A scene that has been simulated.
+
+    Attributes:
+        scene: What was simulated.
+        x: The body's particles per frame [m], shape (T, n, 3).
+        schedule: By which steps.
+    """
+
+    scene: CompiledScene
+    x: np.ndarray
+    schedule: Schedule
+
+
+@dataclasses.dataclass(frozen=True)
+class Pictures:
+    """What a camera saw: all that a method without the truth is given.
+
+    Attributes:
+        rgb: uint8, shape (T, height, width, 3).
+        depth: z-depth [m], 0 where nothing is, shape (T, height, width).
+        camera: Which took them.
+        frame_dt: Time between them [s].
+    """
+
+    rgb: np.ndarray
+    depth: np.ndarray
+    camera: Camera
+    frame_dt: float
+
+
+class Simulation:
+    """The simulator of one task. It charges nothing: methods go through `evaluation.Evaluator`."""
+
+    def __init__(self, task: Task):
+        self.task = task
+        frame_dt = task.build(task.start).config.timing.frame_dt
+
+        def residuals(x):
+            return compute_residuals(task.target, x, task.mass, frame_dt)
+
+        def loss(x):
+            r = residuals(x)
+            return 0.5 * (r**2).sum(), r
+
+        self._residuals, self._slope = jax.jit(residuals), jax.jit(jax.grad(loss, has_aux=True))
+
+    def simulate(self, force_field: ForceField) -> Rollout:
+        """Simulates without pictures.
+
+        Raises:
+            UserError: The force field cannot be simulated.
+        """
+        scene = self.task.build(force_field)
+        frames = list(simulate_frames(scene))
+        x = np.stack([np.asarray(frame.state.x)[scene.back] for frame in frames])
+        return Rollout(scene, x, Schedule.of(scene.model, frames))
+
+    def play(self, force_field: ForceField) -> tuple[Pictures, Rollout]:
+        """Simulates and renders.
+
+        Raises:
+            UserError: The force field cannot be simulated.
+        """
+        recording = pa.simulate_scene(self.task.build(force_field))
+        return _show(recording), _keep(recording)
+
+    def compute_residuals(self, rollout: Rollout) -> np.ndarray:
+        """What is missed of the target, shape (m,)."""
+        return np.asarray(self._residuals(rollout.x))
+
+    def replay(self, rollout: Rollout, parameters: ForceFieldParameters) -> np.ndarray:
+        """The residuals with other numbers, by the steps of ``rollout``; NaN where these do not fit."""
+        return np.asarray(self._residuals(_play_particles(rollout, _to_device(parameters, rollout))))
+
+    def differentiate(
+        self, rollout: Rollout, parameters: ForceFieldParameters
+    ) -> tuple[np.ndarray, ForceFieldParameters]:
+        """The residuals r by the steps of ``rollout``, and the gradient of |r|^2 / 2 by the parameters."""
+        parameters = _to_device(parameters, rollout)
+        played, pull = jax.vjp(partial(_play_particles, rollout), parameters)
+        slope, residuals = self._slope(played)
+        (gradient,) = pull(slope)
+        return np.asarray(residuals), jax.tree.map(np.asarray, gradient)
+
+    def pull_back(
+        self, rollout: Rollout, parameters: ForceFieldParameters, pixels: np.ndarray
+    ) -> ForceFieldParameters:
+        """The gradient by the parameters from one by the pictures' colours in [0, 1], shape (T, height, width, 3)."""
+        parameters, scene = _to_device(parameters, rollout), rollout.scene
+        played, pull = jax.vjp(lambda p: pa.trajectory(scene, p, rollout.schedule), parameters)
+        slope_x, slope_F = np.zeros(played.x.shape, np.float32), np.zeros(played.F.shape, np.float32)
+        for index, by_pixel in enumerate(pixels):
+            if np.any(by_pixel):
+                slope_x[index], slope_F[index] = _pull_frame(
+                    scene, played.x[index], played.F[index], by_pixel
+                )
+        slope = dataclasses.replace(
+            played, x=jnp.asarray(slope_x), F=jnp.asarray(slope_F), time=jnp.zeros_like(played.time)
+        )
+        (gradient,) = pull(slope)
+        return jax.tree.map(np.asarray, gradient)
+
+
+def _play_particles(rollout: Rollout, parameters: ForceFieldParameters) -> jax.Array:
+    return pa.trajectory(rollout.scene, parameters, rollout.schedule).x[:, rollout.scene.back]
+
+
+def _to_device(parameters: ForceFieldParameters, rollout: Rollout) -> ForceFieldParameters:
+    """In the simulation's precision: double precision on the host is not differentiated."""
+    return jax.tree.map(lambda leaf: jnp.asarray(leaf, rollout.scene.state.x.dtype), parameters)
+
+
+def _keep(recording: Recording) -> Rollout:
+    return Rollout(recording.scene, recording.x[:, recording.scene.back], recording.schedule)
+
+
+def _show(recording: Recording) -> Pictures:
+    scene = recording.scene
+    return Pictures(recording.rgb, recording.depth, scene.camera, scene.config.timing.frame_dt)
+
+
+def _pull_frame(scene: CompiledScene, x, F, by_pixel) -> tuple[np.ndarray, np.ndarray]:
+    """Derivatives by positions and deformation gradients from one by a picture's colours.
+
+    Colours are clipped to [0, 1], as in the pictures: what is clipped has no derivative.
+    """
+    cloud, binding = scene.gaussians
+    rotation, background = scene.body.placement.rotation, np.asarray(scene.config.rendering.background)
+    capacity = choose_pair_capacity(deform(cloud, binding, x, F, rotation), scene.camera)
+
+    def draw(x, F):
+        splats = deform(cloud, binding, x, F, rotation)
+        image, _ = rasterize(splats, scene.camera, background, capacity=capacity, kernels=scene.model.kernels)
+        return jnp.clip(image.rgb, 0.0, 1.0)
+
+    _, pull = jax.vjp(draw, x, F)
+    by_x, by_F = pull(jnp.asarray(by_pixel, x.dtype))
+    return np.asarray(by_x), np.asarray(by_F)
