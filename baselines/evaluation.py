@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
+from collections import OrderedDict
 
 import numpy as np
 
@@ -33,6 +34,9 @@ DIFFERENCE = 0.02
 SIDES = 0.15
 """[1] the same for the skill `scale`, whose field is k sgn(d) v: when v turns, particles change sides one by one, and a
 step has to take many of them along. Reverse mode sees none of it: the derivative of sgn is zero where it has one."""
+
+KINDS = 32
+"""Simulations that are remembered for their steps, one per kind of force field."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -93,7 +97,7 @@ class Evaluator:
         self.model_calls = self.tokens = 0
         self._begun = time.perf_counter()
         self._simulation = Simulation(task) if simulation is None else simulation
-        self._last: tuple[ForceField, Rollout] | None = None
+        self._rollouts: OrderedDict[str, tuple[ForceField, Rollout]] = OrderedDict()
 
     @property
     def seconds(self) -> float:
@@ -120,8 +124,8 @@ class Evaluator:
     def gradient(self, force_field: ForceField, note: str = "") -> tuple[Score, ForceFieldParameters]:
         """The same with the gradient of the loss; zero where the simulation fails.
 
-        Charged `GRADIENT_COST`, one simulation more unless the last one was `NEAR`, and two for every `scale`, whose
-        direction needs differences (`SIDES`).
+        Charged `GRADIENT_COST`, one simulation more unless the last one of its kind was `NEAR`, and two for every
+        `scale`, whose direction needs differences (`SIDES`).
 
         Raises:
             BudgetSpent: There is nothing left.
@@ -167,12 +171,12 @@ class Evaluator:
         """
         self._need_oracle("jacobian")
         unknowns = parametrisation or Parametrisation(force_field, self.task.frame_count)
-        if self._last is None or self._last[0] != force_field:
+        rollout = self._find_rollout(force_field)
+        if rollout is None:
             score = self.score(force_field, note)
-            if score.failed:
-                return score, np.zeros((0, unknowns.size))
-        assert self._last is not None
-        rollout = self._last[1]
+            rollout = self._find_rollout(force_field)
+            if score.failed or rollout is None:
+                return FAILED, np.zeros((0, unknowns.size))
         score = Score.of(self._simulation.compute_residuals(rollout))
         u = unknowns.encode(force_field)
         columns = [self._difference(unknowns, rollout, u, index, score) for index in range(unknowns.size)]
@@ -192,7 +196,7 @@ class Evaluator:
         except UserError as error:
             self._record(force_field, float("inf"), note or str(error))
             return None
-        self._last = force_field, rollout
+        self._keep(force_field, rollout)
         self._record(force_field, None, note)
         return pictures
 
@@ -210,11 +214,9 @@ class Evaluator:
             BudgetSpent: There is nothing left.
             UserError: The force field cannot be simulated, or the shape is not that of the pictures.
         """
-        if self._last is None or self._last[0] != force_field:
-            if self._simulate_for_steps(force_field) is None:
-                raise UserError("a force field that cannot be simulated has no pictures")
-        assert self._last is not None
-        rollout = self._last[1]
+        rollout = self._find_rollout(force_field) or self._simulate_for_steps(force_field)
+        if rollout is None:
+            raise UserError("a force field that cannot be simulated has no pictures")
         camera, count = rollout.scene.camera, len(rollout.x)
         if np.shape(pixels) != (wanted := (count, camera.height, camera.width, 3)):
             raise UserError(f"`pixels` must have the pictures' shape {wanted}", got=np.shape(pixels))
@@ -260,7 +262,7 @@ class Evaluator:
             rollout = self._simulation.simulate(force_field)
         except UserError:
             return None
-        self._last = force_field, rollout
+        self._keep(force_field, rollout)
         return rollout
 
     def _add_sides(
@@ -295,10 +297,21 @@ class Evaluator:
 
     def _find_near(self, force_field: ForceField) -> Rollout | None:
         """The last simulation, if its steps serve ``force_field``."""
-        if self._last is None:
-            return None
-        other, rollout = self._last
-        return rollout if are_near(force_field, other) else None
+        other, rollout = self._rollouts.get(_describe_kind(force_field), (None, None))
+        return rollout if other is not None and are_near(force_field, other) else None
+
+    def _find_rollout(self, force_field: ForceField) -> Rollout | None:
+        """The last simulation of its kind, if it is this one's."""
+        other, rollout = self._rollouts.get(_describe_kind(force_field), (None, None))
+        return rollout if other == force_field else None
+
+    def _keep(self, force_field: ForceField, rollout: Rollout) -> None:
+        """Remembers the latest simulation of each of the last kinds: searches from several starts take turns."""
+        kind = _describe_kind(force_field)
+        self._rollouts[kind] = force_field, rollout
+        self._rollouts.move_to_end(kind)
+        while len(self._rollouts) > KINDS:
+            self._rollouts.popitem(last=False)
 
     def _numbers(self, force_field: ForceField) -> ForceFieldParameters:
         return ForceFieldParameters.of(force_field, self.task.frame_count)
@@ -330,18 +343,23 @@ def find_tangents(vector: np.ndarray) -> np.ndarray:
 
 def are_near(a: ForceField, b: ForceField) -> bool:
     """Whether the steps that `simulate` took for ``b`` serve ``a``: all is the same but |M| v, and that by `NEAR`."""
-    entries = [(*field.actions, *field.constraints) for field in (a, b)]
-    bare = [
-        field.model_copy(update=dict(actions=tuple(map(_strip, field.actions)),
-                                     constraints=tuple(map(_strip, field.constraints))))
-        for field in (a, b)
-    ]  # fmt: skip
-    if bare[0] != bare[1]:
+    if _bare(a) != _bare(b):
         return False
+    entries = [(*field.actions, *field.constraints) for field in (a, b)]
     return all(
         np.linalg.norm(p.magnitude * np.asarray(p.vector) - q.magnitude * np.asarray(q.vector)) <= NEAR
         for p, q in zip(*entries)
     )
+
+
+def _describe_kind(force_field: ForceField) -> str:
+    return _bare(force_field).model_dump_json()
+
+
+def _bare(force_field: ForceField) -> ForceField:
+    """Without vectors and magnitudes, but for the signs of these."""
+    groups = dict(actions=force_field.actions, constraints=force_field.constraints)
+    return force_field.model_copy(update={name: tuple(map(_strip, group)) for name, group in groups.items()})
 
 
 def _strip(item):

@@ -1,0 +1,147 @@
+"""The product's own agents on a task: the sentence, what they are told of the scene, and rounds that are charged.
+
+As the loop of a run has them (`physagent_jax.run.loop`): semantic agent, perception of pictures, planner, executor.
+Here the task says what the scene is, so that what a sentence asks of the world or the clip's length is not followed.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+from baselines.evaluation import Evaluator
+from baselines.simulation import Pictures
+from physagent_jax.agents.context import AgentContext, KeyFrame, Observation, Round
+from physagent_jax.agents.protocols import Agents
+from physagent_jax.agents.registry import make_agents
+from physagent_jax.agents.schema import DirectionTable, SceneBrief, SemanticReply, Verdict
+from physagent_jax.agents.trace import Reply
+from physagent_jax.forces.description import describe_skills
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.output.video import encode_png
+from physagent_jax.perception.measure import perceive
+from physagent_jax.run.key_frames import spread_evenly
+from physagent_jax.scene.broad_side import find_long_axis
+from physagent_jax.scene.camera import find_viewer_directions
+from physagent_jax.scene.compile import CompiledScene
+from physagent_jax.scene.priors import list_nouns
+
+Change = Callable[[ForceField], ForceField]
+
+
+def keep_as_it_is(force_field: ForceField) -> ForceField:
+    """What an agent wrote is what is simulated."""
+    return force_field
+
+
+@dataclasses.dataclass(frozen=True)
+class PictureFrames:
+    """Implements `agents.context.KeyFrames` for pictures in memory."""
+
+    pictures: Pictures
+
+    def pick(self, most: int = 6) -> tuple[KeyFrame, ...]:
+        """At most ``most`` evenly spaced frames, the first and the last among them."""
+        frames = self.pictures.rgb
+        return tuple(KeyFrame(k, encode_png(frames[k])) for k in spread_evenly(len(frames), most))
+
+
+def make_scene_brief(scene: CompiledScene) -> SceneBrief:
+    """What agents are told of a task's scene; the clip's length is the task's."""
+    config = scene.config
+    source, timing, anchor = config.source, config.timing, config.anchor
+    stands = config.always_gravity and config.gravity[2] < 0
+    ground = any(boundary.kind == "half_space" for boundary in config.boundaries)
+    return SceneBrief(
+        object_name=source.name,
+        object_kind=source.kind,
+        object_nouns=list_nouns(source.kind),
+        anchored=None if anchor.kind == "none" else anchor.reason or anchor.kind,
+        frame_count=timing.frame_count,
+        frames_fixed=True,
+        frame_dt=timing.frame_dt,
+        size=source.extent,
+        long_axis=find_long_axis(source, config.domain),
+        world="ground" if stands and ground else "free",
+        directions=DirectionTable(**find_viewer_directions(config.camera)),
+    )
+
+
+def read_sentence(evaluator: Evaluator, agents: Agents | None = None) -> SemanticReply:
+    """What the semantic agent makes of the task's sentence; nothing is simulated.
+
+    Raises:
+        UserError: Nothing in it can be understood.
+    """
+    agents = agents or make_agents()
+    return _ask(evaluator, agents.semantic.compile, _make_context(evaluator)).value
+
+
+def play_rounds(
+    evaluator: Evaluator,
+    reading: SemanticReply,
+    *,
+    rounds: int,
+    agents: Agents | None = None,
+    change: Change = keep_as_it_is,
+    rate: bool = True,
+) -> ForceField:
+    """Plays, perceives, judges and rewrites until the planner is satisfied or the executor has nothing left to try.
+
+    Args:
+        evaluator: Charged for every round.
+        reading: The semantic agent's answer.
+        rounds: At most.
+        agents: Who judges and rewrites; the offline rules by default.
+        change: Applied to every force field before it is played.
+        rate: Whether the planner's score, negated, becomes the objective of each round.
+
+    Returns:
+        The best round's force field by the planner's score.
+
+    Raises:
+        BudgetSpent: Before a round that cannot be paid.
+    """
+    agents = agents or make_agents()
+    field, done = change(reading.force_field), []
+    for index in range(rounds):
+        context = _make_context(evaluator, reading, tuple(done))
+        pictures = evaluator.play(field, f"round {index + 1}")
+        if pictures is None:
+            break  # what cannot be simulated is no success, and there is nothing to be learned from it
+        windows = agents.planner.windows(context)
+        seen = perceive(
+            pictures.rgb, pictures.depth, pictures.camera, frame_dt=pictures.frame_dt, windows=windows
+        )
+        observation = Observation(field, seen.report, PictureFrames(pictures))
+        judgement = _ask(evaluator, agents.planner.judge, context, observation).value
+        if rate and judgement.score is not None:
+            evaluator.rate(-judgement.score)
+        done.append(Round(field, seen.report, observation.key_frames, judgement))
+        if judgement.verdict is Verdict.SUCCESS or index + 1 == rounds:
+            break
+        rewritten = change(_ask(evaluator, agents.executor.rewrite, context, done[-1]).value.force_field)
+        if rewritten == field:
+            break
+        field = rewritten
+    if not done:
+        return field
+    scores = [-1.0 if each.judgement.score is None else each.judgement.score for each in done]
+    return done[scores.index(max(scores))].force_field
+
+
+def _ask(evaluator: Evaluator, ask: Callable[..., Reply], *arguments) -> Reply:
+    """An agent's reply, its calls and tokens counted; rules exchange no messages and cost none."""
+    reply = ask(*arguments)
+    if not reply.trace.is_empty:
+        evaluator.model_calls += 1 + len(reply.trace.validation_errors)
+        evaluator.tokens += reply.trace.input_tokens + reply.trace.output_tokens
+    return reply
+
+
+def _make_context(
+    evaluator: Evaluator, reading: SemanticReply | None = None, rounds: tuple[Round, ...] = ()
+) -> AgentContext:
+    task = evaluator.task
+    brief = make_scene_brief(task.build(task.start))
+    return AgentContext(task.spec.sentence, brief, describe_skills(), reading, rounds)

@@ -1,0 +1,23 @@
+"""What experts have published for such a sentence, played as it is."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from baselines.evaluation import Evaluator
+from baselines.protocol import Method
+from baselines.starts import find_expert
+
+
+@dataclasses.dataclass(frozen=True)
+class Expert(Method):
+    """The task's transcribed force field: one simulation, no search."""
+
+    @property
+    def name(self) -> str:
+        """As in the registry."""
+        return "expert"
+
+    def search(self, evaluator: Evaluator) -> None:
+        """Plays it."""
+        evaluator.play(find_expert(evaluator.task), "published")

@@ -1,0 +1,43 @@
+"""Random search: every method has to be better than this."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from baselines.evaluation import Evaluator
+from baselines.protocol import Method
+from baselines.starts import SOLVED, Types, make_starts
+
+
+@dataclasses.dataclass(frozen=True)
+class RandomSearch(Method):
+    """Force fields from the library's range, one after another.
+
+    Attributes:
+        types: Who says what the actions are; all types take turns by default.
+    """
+
+    types: Types = "enumerated"
+
+    @property
+    def name(self) -> str:
+        """As in the registry."""
+        return "random"
+
+    @property
+    def oracle(self) -> bool:
+        """It keeps the one nearest to the target."""
+        return True
+
+    @property
+    def stochastic(self) -> bool:
+        """Always."""
+        return True
+
+    def search(self, evaluator: Evaluator) -> None:
+        """Until the budget is spent."""
+        while True:
+            fields = make_starts(evaluator, self.types, "random", 1)
+            for index in evaluator.rng.permutation(len(fields)):
+                if evaluator.score(fields[index], "drawn").loss <= SOLVED:
+                    return

@@ -1,0 +1,187 @@
+"""Methods against simulators with a closed form, through the evaluator that they are given in earnest."""
+
+import numpy as np
+import pytest
+
+from baselines.methods import METHODS, make_method
+from baselines.methods.lbfgs import find_direction
+from baselines.methods.smoothed_adam import combine
+from baselines.starts import KINDS, enumerate_types
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.schema import ForceField
+from tests.baselines.analytic import Linear, make_evaluator
+from tests.baselines.tiny import act
+
+A = np.array([[3.0, 1.0, 0.0], [0.0, 2.0, 0.5], [1.0, 0.0, 4.0], [0.2, 0.3, 1.0]])
+WANTED = np.array([-0.7, 0.4, 0.6])  # |M| is 1.005
+LOCAL = ("levenberg_marquardt", "lbfgs", "adam", "smoothed_adam")
+ORACLES = (*LOCAL, "cma", "catcma", "random")
+
+
+def linear(kinds=None, offset=0.0):
+    """Least squares whose least value is at `WANTED`, with a residual that nothing removes if ``offset``."""
+    null = np.linalg.svd(A.T)[2][-1]
+    return Linear(A, A @ WANTED + offset * null, kinds)
+
+
+def fit(name, evaluator, **options):
+    pytest.importorskip("cmaes", reason="extra `baselines`") if "cma" in name else None
+    return make_method(name, options).finish(evaluator)
+
+
+def find(result) -> np.ndarray:
+    action = result.incumbent_at().actions[0]
+    return action.magnitude * np.asarray(action.vector)
+
+
+def test_levenberg_marquardt_finds_the_closed_form_of_linear_least_squares():
+    evaluator = make_evaluator(linear(offset=0.5), budget=60)
+    result = fit("levenberg_marquardt", evaluator)
+    exact = np.linalg.lstsq(A, linear(offset=0.5).b, rcond=None)[0]
+    np.testing.assert_allclose(find(result), exact, atol=2e-3)
+    assert result.find_incumbent().objective == pytest.approx(0.125, rel=1e-4)
+    assert result.spent < 40  # it knows when it has converged
+
+
+@pytest.mark.parametrize(
+    "name, budget", [("lbfgs", 100), ("adam", 600), ("smoothed_adam", 2000), ("cma", 600)]
+)
+def test_the_least_value_of_a_quadratic_is_found(name, budget):
+    options = dict(types="task") if name == "cma" else {}
+    result = fit(name, make_evaluator(linear(), budget=budget), **options)
+    np.testing.assert_allclose(find(result), WANTED, atol=0.02)
+
+
+def test_levenberg_marquardt_stays_in_the_library_s_range():
+    """The least value lies outside: the best force field inside is the nearest in the metric of the residuals."""
+    simulation = Linear(np.eye(3), np.array([0.0, 3.0, 0.0]))
+    result = fit("levenberg_marquardt", make_evaluator(simulation, budget=80))
+    np.testing.assert_allclose(find(result), [0.0, 1.6, 0.0], atol=0.02)
+
+
+def test_lbfgs_direction_is_newton_s_on_a_quadratic_that_it_knows():
+    H = A.T @ A
+    pairs = [(e, H @ e) for e in np.linalg.eigh(H)[1].T]
+    gradient = np.array([1.0, -2.0, 0.5])
+    np.testing.assert_allclose(find_direction(gradient, pairs), -np.linalg.solve(H, gradient), rtol=1e-8)
+
+
+def test_smoothed_gradient_takes_the_estimate_that_varies_less():
+    noise = np.random.default_rng(0).normal(size=(200, 2))
+    noise = np.concatenate([noise, -noise])
+    true = np.array([1.0, -2.0])
+    losses = 0.1 * noise @ true
+    rough = np.tile(true, (400, 1)) + 1e3 * np.random.default_rng(1).normal(size=(400, 2))
+    smooth = np.tile(true, (400, 1))
+    np.testing.assert_allclose(combine(smooth, losses, noise, 0.1), true, atol=1e-6)
+    np.testing.assert_allclose(combine(rough, losses, noise, 0.1), true, atol=0.5)
+
+
+@pytest.mark.parametrize("name", [*LOCAL, "cma"])
+def test_all_types_are_tried_and_the_right_one_is_polished(name):
+    simulation = linear(kinds=("torque",))
+    budget = 3000 if name == "smoothed_adam" else 600
+    result = fit(name, make_evaluator(simulation, budget=budget), types="enumerated", starts=2)
+    assert result.incumbent_at().actions[0].action_type == "torque"
+    np.testing.assert_allclose(find(result), WANTED, atol=0.1)
+
+
+def test_catcma_and_random_find_the_type():
+    for name, spread in (("catcma", 0.2), ("random", 0.6)):
+        result = fit(name, make_evaluator(linear(kinds=("impulse",)), budget=600))
+        assert result.incumbent_at().actions[0].action_type == "impulse"
+        assert np.linalg.norm(find(result) - WANTED) < spread
+
+
+@pytest.mark.parametrize("name", ORACLES)
+@pytest.mark.parametrize("budget", [3, 17])
+def test_a_budget_is_exceeded_by_one_evaluation_at_most_and_the_record_is_kept(name, budget):
+    result = fit(name, make_evaluator(linear(offset=1.0), budget=budget), **_all_types(name))
+    before = [0.0, *(each.spent for each in result.evaluations)][-2]
+    assert result.evaluations and before < budget
+    assert result.spent < budget + 4.3
+    assert all(np.diff([each.spent for each in result.evaluations]) >= 0)
+
+
+@pytest.mark.parametrize("name", ORACLES)
+def test_the_same_seed_gives_the_same_result(name):
+    runs = [
+        fit(name, make_evaluator(linear(offset=1.0), budget=60, seed=seed), **_all_types(name))
+        for seed in (1, 1, 2)
+    ]
+    tried = [[each.force_field for each in run.evaluations] for run in runs]
+    assert tried[0] == tried[1]
+    assert tried[0] != tried[2]
+
+
+@pytest.mark.parametrize("name", ORACLES)
+def test_the_incumbent_never_gets_worse(name):
+    result = fit(name, make_evaluator(linear(offset=1.0), budget=80), **_all_types(name))
+    at = [result.find_incumbent(spent) for spent in np.arange(0, 90, 2.5)]
+    values = [each.objective for each in at if each is not None]
+    assert len(values) > 20 and all(np.diff(values) <= 0)
+    assert result.incumbent_at(0.0) == result.start
+
+
+def test_failures_are_survived():
+    class Torn(Linear):
+        def simulate(self, force_field):
+            self.calls += 1
+            if force_field.actions[0].vector[0] > 0.1:
+                raise UserError("it tears")
+            return force_field
+
+    for name in LOCAL:
+        start = act("translation", (-0.1, 0.6, 0.8), 1.0)
+        simulation = Torn(np.eye(3), np.array([-0.1, 1.0, 0.0]))
+        result = fit(name, make_evaluator(simulation, start, budget=400))
+        assert np.isfinite(result.find_incumbent().objective)
+        np.testing.assert_allclose(find(result), [-0.1, 1.0, 0.0], atol=0.1)
+
+
+def test_a_task_without_actions_is_tried_as_it_is():
+    start = ForceField(default_drop=True)
+    simulation = Linear(np.zeros((2, 0)), np.array([1.0, 1.0]))
+    for name in ("levenberg_marquardt", "lbfgs", "adam"):
+        result = fit(name, make_evaluator(simulation, start))
+        assert [each.force_field for each in result.evaluations] == [start]
+
+
+def test_every_combination_of_kinds_is_there_once():
+    one = enumerate_types(act("translation", (1, 0, 0)))
+    assert len(one) == 2 * len(KINDS) + 1 and len(set(one)) == len(one)
+    action = act("translation", (1, 0, 0)).actions[0]
+    same = enumerate_types(ForceField(actions=(action, action)))
+    assert len(same) == 2 * 15 + 1
+    later = action.model_copy(update=dict(active_time=(3, 5)))
+    assert len(enumerate_types(ForceField(actions=(action, later)))) == 2 * 25 + 1
+
+
+def test_a_start_near_the_expert_is_where_a_search_begins():
+    expert = act("impulse", (0, 0, 1), 0.9, (0, 2))
+    evaluator = make_evaluator(linear(kinds=("impulse",)), expert=expert)
+    result = fit("levenberg_marquardt", evaluator, types="expert", numbers="expert")
+    assert result.evaluations[0].force_field == expert
+    np.testing.assert_allclose(find(result), WANTED, atol=0.01)
+    with pytest.raises(UserError, match="published"):
+        fit("levenberg_marquardt", make_evaluator(linear()), types="expert")
+
+
+def test_unknown_names_and_options_are_refused():
+    with pytest.raises(UserError, match="adam"):
+        make_method("adm")
+    for name, options in (
+        ("adam", dict(learning_rate=0)),
+        ("adam", dict(starts=0)),
+        ("smoothed_adam", dict(samples=3)),
+        ("hybrid", dict(part=0)),
+        ("physagent", dict(rounds=0)),
+        ("adam", dict(colour="red")),
+    ):
+        with pytest.raises(UserError):
+            make_method(name, options)
+    assert all(make_method(name).name == name for name in METHODS.entries)
+
+
+def _all_types(name):
+    return dict(types="enumerated", starts=2) if name in LOCAL or name == "cma" else {}
