@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections import OrderedDict
+from collections.abc import Callable
 
 import numpy as np
 
@@ -88,13 +89,15 @@ class Evaluator:
         *,
         oracle: bool = True,
         simulation: Simulation | None = None,
+        on_evaluation: Callable[[Evaluation], None] = lambda evaluation: None,
     ):
-        """Begins with nothing spent; ``simulation`` is the task's unless given."""
+        """Begins with nothing spent; ``simulation`` in place of the task's own, ``on_evaluation`` is told of each."""
         self.task, self.budget, self.seed, self.oracle = task, budget, seed, oracle
         self.rng = np.random.default_rng(seed)
         self.evaluations: list[Evaluation] = []
         self.spent = 0.0
         self.model_calls = self.tokens = 0
+        self._on_evaluation = on_evaluation
         self._begun = time.perf_counter()
         self._simulation = Simulation(task) if simulation is None else simulation
         self._rollouts: OrderedDict[str, tuple[ForceField, Rollout]] = OrderedDict()
@@ -178,6 +181,8 @@ class Evaluator:
             if score.failed or rollout is None:
                 return FAILED, np.zeros((0, unknowns.size))
         score = Score.of(self._simulation.compute_residuals(rollout))
+        if not self._is_rated(force_field):  # it was played for its pictures
+            self._record(force_field, score.loss, note)
         u = unknowns.encode(force_field)
         columns = [self._difference(unknowns, rollout, u, index, score) for index in range(unknowns.size)]
         return score, np.stack(columns, axis=1) if columns else np.zeros((score.residuals.size, 0))
@@ -250,6 +255,12 @@ class Evaluator:
 
     def _record(self, force_field: ForceField, objective: float | None, note: str) -> None:
         self.evaluations.append(Evaluation(force_field, self.spent, self.seconds, objective, note))
+        self._on_evaluation(self.evaluations[-1])
+
+    def _is_rated(self, force_field: ForceField) -> bool:
+        return any(
+            each.force_field == force_field and each.objective is not None for each in self.evaluations
+        )
 
     def _simulate(self, force_field: ForceField) -> Score:
         rollout = self._simulate_for_steps(force_field)

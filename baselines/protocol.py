@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from baselines.tasks import Task
@@ -135,7 +135,13 @@ class Method:
         raise NotImplementedError
 
     def fit(
-        self, task: Task, budget: Budget, seed: int = 0, options: Mapping[str, Any] | None = None
+        self,
+        task: Task,
+        budget: Budget,
+        seed: int = 0,
+        options: Mapping[str, Any] | None = None,
+        *,
+        on_evaluation: Callable[[Evaluation], None] = lambda evaluation: None,
     ) -> FitResult:
         """Searches within ``budget``.
 
@@ -144,6 +150,7 @@ class Method:
             budget: What may be spent.
             seed: Of everything random.
             options: Fields of this method in place of its own.
+            on_evaluation: Told of every evaluation as it is made.
 
         Raises:
             UserError: The task cannot be solved by this method at all, or there is no such option.
@@ -151,7 +158,7 @@ class Method:
         from baselines.evaluation import Evaluator
 
         method = self.with_options(options or {})
-        return method.finish(Evaluator(task, budget, seed, oracle=method.oracle))
+        return method.finish(Evaluator(task, budget, seed, oracle=method.oracle, on_evaluation=on_evaluation))
 
     def with_options(self, options: Mapping[str, Any]) -> Method:
         """The method with other options.

@@ -1,20 +1,24 @@
-"""`python -m baselines.run --method oracle_gradient --task push`: solve a task and leave a run folder."""
+"""`python -m baselines.run --method NAME --task NAME`: solve a task within a budget and leave a run folder."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
 import sys
+import tempfile
 from pathlib import Path
-from typing import Literal
+from typing import Any
 
 import tyro
 
 import physagent_jax as pa
-from baselines.oracle_gradient import Step, optimise
-from baselines.path_tasks import TASKS, Parameters, Task, make_task
+from baselines.methods import METHODS, make_method
+from baselines.protocol import Budget, Evaluation, FitResult, Method
+from baselines.tasks import Task, TaskSpec, load_tasks, make_task
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
+from physagent_jax.core.names import explain_unknown_name
+from physagent_jax.metrics.task_judge import TaskJudgement
 from physagent_jax.report.html import write_report
 from physagent_jax.run.artifacts import write_best, write_rollout
 from physagent_jax.run.manifest import Stages
@@ -23,25 +27,31 @@ from physagent_jax.run.spec import VIDEO_SIZE
 from physagent_jax.run.store import RunStore
 from physagent_jax.simulation.stopwatch import Stopwatch
 
+TASKS = Path(__file__).resolve().parents[1] / "benchmarks" / "tasks"
+
 
 @dataclasses.dataclass(frozen=True)
 class Command:
     """Solve a benchmark task with a baseline method."""
 
-    task: Literal["push", "drop"]
-    """Which task."""
-    method: Literal["oracle_gradient"] = "oracle_gradient"
-    """Which method."""
+    method: str
+    """Which method; a name that there is not lists them."""
+    task: str
+    """Which task; a name that there is not lists them."""
+    budget: float = 100.0
+    """Simulations that may be spent; a gradient counts as 4.3."""
+    seconds: float | None = None
+    """Wall time that may be spent [s]."""
+    seed: int = 0
+    """Of everything random."""
+    options: tuple[str, ...] = ()
+    """Of the method, as name=value."""
+    tasks: Path = TASKS
+    """Folder of tasks."""
+    data: Path | None = None
+    """Folder of captured objects, for the tasks on these."""
     out: Path | None = None
     """Run folder; default: runs/<method>_<task>."""
-    iterations: int = 40
-    """Gradients at most."""
-    learning_rate: float = 0.1
-    """Of Adam."""
-    frames: int = 26
-    """Frames of the clip."""
-    particles: int = 1500
-    """Particles at most."""
     overwrite: bool = False
     """Replace another run in the folder."""
 
@@ -59,69 +69,115 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def solve(command: Command) -> RunStore:
-    """Optimises, prints every iteration, and plays the solution into a run folder."""
-    if command.iterations < 1:
-        raise UserError("`--iterations` must be at least 1", got=command.iterations)
-    if not 0 < command.learning_rate <= 100:
-        raise UserError("`--learning-rate` must be above 0 and at most 100", got=command.learning_rate)
+    """Lets the method spend its budget, prints what it tries, and plays what it found into a run folder."""
+    budget = Budget(command.budget, command.seconds)
+    method = make_method(METHODS.check(command.method), read_options(command.options))
+    spec = find_task(command.tasks, command.task)
     out = command.out or Path("runs") / f"{command.method}_{command.task}"
-    settings: dict = {"method": command.method, "task": command.task, "lr": command.learning_rate}
-    settings.update(iterations=command.iterations, frames=command.frames, particles=command.particles)
+    settings = dict(
+        method=command.method,
+        options=dataclasses.asdict(method),
+        task=spec.model_dump(mode="json"),
+        budget=dataclasses.asdict(budget),
+        seed=command.seed,
+    )
     manifest = make_manifest(
         command=f"python -m baselines.run --method {command.method} --task {command.task}",
-        prompt=TASKS[command.task].prompt,
-        seed=0,
+        prompt=spec.sentence,
+        seed=command.seed,
         inputs={"settings": hash_settings(settings)},
     )
     with RunStore.open(out, manifest, overwrite=command.overwrite) as store:
         if store.manifest.complete:
             print(f"{out} is complete; pass --overwrite to make it again")
         else:
-            _solve(command, store)
+            _solve(store, method, spec, budget, command)
     return store
 
 
-def _solve(command: Command, store: RunStore) -> None:
-    out = store.path
+def read_options(pairs: tuple[str, ...]) -> dict[str, Any]:
+    """Options of a method from texts like ``starts=4``; values are JSON, else text.
+
+    Raises:
+        UserError: A text has no name or no value.
+    """
+    options = {}
+    for pair in pairs:
+        name, equals, value = pair.partition("=")
+        if not name or not equals:
+            raise UserError("an option of a method is name=value", got=pair)
+        try:
+            options[name] = json.loads(value)
+        except json.JSONDecodeError:
+            options[name] = value
+    return options
+
+
+def find_task(folder: Path, name: str) -> TaskSpec:
+    """The task of this name.
+
+    Raises:
+        UserError: There is none.
+    """
+    specs = {spec.name: spec for spec in load_tasks(folder)}
+    if name not in specs:
+        raise explain_unknown_name("`--task`", name, specs)
+    return specs[name]
+
+
+def _solve(store: RunStore, method: Method, spec: TaskSpec, budget: Budget, command: Command) -> None:
     store.begin()
     watch = Stopwatch()
-    with watch("prepare"):
-        task = make_task(TASKS[command.task], out, frame_count=command.frames, particles=command.particles)
+    with tempfile.TemporaryDirectory() as folder:
+        with watch("prepare"):
+            task = make_task(spec, Path(folder), command.data)
+        print(f"{'spent':>7}  {'seconds':>7}  {'objective':>11}  what for")
+        with watch("simulate"):
+            result = method.fit(task, budget, command.seed, on_evaluation=_print)
+        judgement = _write(store, task, result, watch)
+    best = result.find_incumbent()
+    objective = "-" if best is None or best.objective is None else f"{best.objective:.3g}"
     print(
-        f"{'iteration':>9}  {'loss [L^2]':>11}  {'|gradient|':>10}  {'M':>5}  direction              seconds"
-    )
-    with watch("simulate"):
-        parameters, history = optimise(
-            task, iterations=command.iterations, learning_rate=command.learning_rate, on_step=_print
-        )
-    _write(store, task, parameters, history, watch)
-    print(f"best loss {min(step.loss for step in history):.3g} body lengths^2; report: {write_report(out)}")
-
-
-def _print(step: Step) -> None:
-    x, y, z = step.vector
-    print(
-        f"{step.iteration:9d}  {step.loss:11.4e}  {step.gradient_norm:10.3e}  {step.magnitude:5.2f}  "
-        f"({x:+.3f} {y:+.3f} {z:+.3f})  {step.seconds:7.2f}",
-        flush=True,
+        f"{'success' if judgement.success else 'no success'}, error {judgement.error:.2f} tolerances, "
+        f"own objective {objective}; report: {write_report(store.path)}"
     )
 
 
-def _write(
-    store: RunStore, task: Task, parameters: Parameters, history: list[Step], watch: Stopwatch
-) -> None:
-    """Leaves the files of a run with one iteration: the solution, played with the adaptive driver."""
-    scene = task.solution(parameters)
-    print("simulating the solution")
+def _print(evaluation: Evaluation) -> None:
+    objective = "-" if evaluation.objective is None else f"{evaluation.objective:.4e}"
+    print(
+        f"{evaluation.spent:7.1f}  {evaluation.seconds:7.1f}  {objective:>11}  {evaluation.note}", flush=True
+    )
+
+
+def _write(store: RunStore, task: Task, result: FitResult, watch: Stopwatch) -> TaskJudgement:
+    """Leaves the files of a run with one iteration: the solution, played as any force field is, and judged."""
+    scene = task.build(result.incumbent_at())
     recording = pa.simulate_scene(scene, watch=watch)
+    judgement = task.judge(recording.x)
     with watch("write"):
         write_rollout(store, 0, scene, recording)
         write_best(
             store, 0, scene.config, scene.body, save_frames=False, save_splats=False, video_size=VIDEO_SIZE
         )
-        steps = [dataclasses.asdict(step) for step in history]
-        write_text(store.claimed("optimisation.json"), json.dumps(steps, indent=2) + "\n")
+        report = describe(result) | dict(judgement=dataclasses.asdict(judgement))
+        write_text(store.claimed("fit.json"), json.dumps(report, indent=2) + "\n")
     store.finish(stages=Stages(**watch.seconds()), iterations=1, best_iteration=0)
+    return judgement
+
+
+def describe(result: FitResult) -> dict[str, Any]:
+    """All of a result as JSON."""
+    fields = {field.name: getattr(result, field.name) for field in dataclasses.fields(result)}
+    fields["start"] = result.start.model_dump(mode="json")
+    fields["evaluations"] = [
+        {**dataclasses.asdict(each), "force_field": each.force_field.model_dump(mode="json")}
+        for each in result.evaluations
+    ]
+    for each in fields["evaluations"]:
+        if each["objective"] == float("inf"):
+            each["objective"] = "failed"  # JSON has no infinity
+    return fields
 
 
 if __name__ == "__main__":

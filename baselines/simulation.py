@@ -16,11 +16,11 @@ import jax.numpy as jnp
 import numpy as np
 
 import physagent_jax as pa
-from baselines.adaptor import compute_residuals
 from baselines.tasks import Task
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.gaussians.binding import deform
+from physagent_jax.metrics.task_judge import compute_residuals
 from physagent_jax.mpm import Schedule
 from physagent_jax.render import Camera, choose_pair_capacity, rasterize
 from physagent_jax.scene.compile import CompiledScene
@@ -34,7 +34,7 @@ class Rollout:
 
     Attributes:
         scene: What was simulated.
-        x: The body's particles per frame [m], shape (T, n, 3).
+        x: The model's particles per frame [m], shape (T, n, 3).
         schedule: By which steps.
     """
 
@@ -65,10 +65,9 @@ class Simulation:
 
     def __init__(self, task: Task):
         self.task = task
-        frame_dt = task.build(task.start).config.timing.frame_dt
 
         def residuals(x):
-            return compute_residuals(task.target, x, task.mass, frame_dt)
+            return compute_residuals(task.target, x, task.mass, task.frame_dt)
 
         def loss(x):
             r = residuals(x)
@@ -84,7 +83,7 @@ class Simulation:
         """
         scene = self.task.build(force_field)
         frames = list(simulate_frames(scene))
-        x = np.stack([np.asarray(frame.state.x)[scene.back] for frame in frames])
+        x = np.stack([np.asarray(frame.state.x) for frame in frames])
         return Rollout(scene, x, Schedule.of(scene.model, frames))
 
     def play(self, force_field: ForceField) -> tuple[Pictures, Rollout]:
@@ -134,7 +133,7 @@ class Simulation:
 
 
 def _play_particles(rollout: Rollout, parameters: ForceFieldParameters) -> jax.Array:
-    return pa.trajectory(rollout.scene, parameters, rollout.schedule).x[:, rollout.scene.back]
+    return pa.trajectory(rollout.scene, parameters, rollout.schedule).x
 
 
 def _to_device(parameters: ForceFieldParameters, rollout: Rollout) -> ForceFieldParameters:
@@ -143,7 +142,7 @@ def _to_device(parameters: ForceFieldParameters, rollout: Rollout) -> ForceField
 
 
 def _keep(recording: Recording) -> Rollout:
-    return Rollout(recording.scene, recording.x[:, recording.scene.back], recording.schedule)
+    return Rollout(recording.scene, recording.x, recording.schedule)
 
 
 def _show(recording: Recording) -> Pictures:

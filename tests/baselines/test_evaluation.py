@@ -34,7 +34,7 @@ def find_central_differences(evaluator, unknowns, u, h):
 
 @pytest.mark.parametrize("kind", ["translation", "torque"])
 def test_gradient_and_jacobian_agree_with_central_differences(tiny, kind):
-    field = act(kind, (0.6, -0.64, 0.48), 0.9, (1, 5))
+    field = act(kind, (0.6, -0.64, 0.48), 0.9)
     unknowns = Parametrisation(field, tiny.frame_count)
     evaluator, u = make(tiny), unknowns.encode(field)
     score, slope = evaluator.gradient(field)
@@ -49,7 +49,7 @@ def test_gradient_and_jacobian_agree_with_central_differences(tiny, kind):
 
 def test_a_stretch_that_turns_takes_particles_to_the_other_side(tiny):
     """Differences see them and reverse mode does not; with 200 particles they come in lumps."""
-    field = act("scale", (0.6, -0.64, 0.48), -0.9, (1, 5))
+    field = act("scale", (0.6, -0.64, 0.48), -0.9)
     unknowns = Parametrisation(field, tiny.frame_count)
     evaluator, u = make(tiny), unknowns.encode(field)
     score, slope = evaluator.gradient(field)

@@ -12,6 +12,8 @@ import numpy as np
 import physagent_jax as pa
 from physagent_jax.forces.schema import Action, ForceField
 from physagent_jax.gaussians.formats.ply import write_ply
+from physagent_jax.metrics.clips import Clip
+from physagent_jax.metrics.targets import Follow, Path, Target
 from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.scene.procedural import make_jelly
 from physagent_jax.simulation.simulate import simulate_frames
@@ -33,11 +35,12 @@ class TinyTask:
     start: ForceField
     frame_count: int
     mass: np.ndarray
+    frame_dt: float = 0.04
 
 
 def play(build, force_field: ForceField) -> np.ndarray:
     scene = build(force_field)
-    return np.stack([np.asarray(frame.state.x)[scene.back] for frame in simulate_frames(scene)])
+    return np.stack([np.asarray(frame.state.x) for frame in simulate_frames(scene)])
 
 
 def make_tiny_task(folder, hidden: ForceField, start: ForceField) -> TinyTask:
@@ -62,6 +65,11 @@ def make_tiny_task(folder, hidden: ForceField, start: ForceField) -> TinyTask:
         )
 
     camera = compose(start).camera
-    mass = np.ones(play(build, hidden).shape[1], np.float32)
+    mass = np.asarray(build(start).model.mass)
+    clip = Clip(play(build, hidden), mass, 0.04)
+    parts = (None, (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    paths = [np.asarray(clip.centre(part) - clip.centre(part)[0], float) for part in parts]
+    places = [Follow(part=part, centres=path.tolist()) for part, path in zip(parts, paths)]  # type: ignore[arg-type]
+    target = Target(clauses=(Path(window=(0, FRAMES - 1), places=tuple(places)),))
     spec = SimpleNamespace(name="tiny", sentence="push the jelly to the left", hidden=hidden, expert=hidden)
-    return TinyTask(spec, build, play(build, hidden), start, FRAMES, mass)
+    return TinyTask(spec, build, target, start, FRAMES, mass)
