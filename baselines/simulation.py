@@ -65,9 +65,10 @@ class Simulation:
 
     def __init__(self, task: Task):
         self.task = task
+        mass, frame_dt = task.mass, task.frame_dt
 
         def residuals(x):
-            return compute_residuals(task.target, x, task.mass, task.frame_dt)
+            return compute_residuals(task.target, x, mass, frame_dt)
 
         def loss(x):
             r = residuals(x)

@@ -16,6 +16,7 @@ import numpy as np
 
 from baselines.agents import read_sentence
 from baselines.evaluation import Evaluator
+from baselines.parametrisation import SHORTEST
 from baselines.protocol import Method
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
@@ -55,12 +56,14 @@ class LocalMethod(Method):
         numbers: Who says where they begin.
         starts: Starts of each type; all but the first are drawn at random.
         windows: Whether windows are sought too.
+        actions: How many, one after another in equal parts of the clip; None = as many as the task's own.
     """
 
     types: Types = "task"
     numbers: Numbers = "task"
     starts: int = 1
     windows: bool = False
+    actions: int | None = None
 
     @property
     def oracle(self) -> bool:
@@ -75,34 +78,59 @@ class LocalMethod(Method):
     def __post_init__(self):
         if self.starts < 1:
             raise UserError("`starts` must be at least 1", got=self.starts)
+        check_actions(self.actions)
 
     def descend(self, evaluator: Evaluator, start: ForceField, budget: float) -> Descent:
         """Searches from ``start``; ``budget`` are the forward-equivalents to plan with."""
         raise NotImplementedError
 
+    def find_cost(self, start: ForceField) -> float:
+        """Forward-equivalents of a step from ``start``."""
+        raise NotImplementedError
+
+    def count_unknowns(self, start: ForceField) -> int:
+        """How many numbers are sought from ``start``."""
+        return (5 if self.windows else 3) * (len(start.actions) + len(start.constraints))
+
     def search(self, evaluator: Evaluator) -> None:
         """From all starts, then from new ones while the budget lasts."""
         numbers = self.numbers
         while True:
-            found = make_starts(evaluator, self.types, numbers, self.starts)
-            best = share(evaluator, found, self.descend)
+            found = make_starts(
+                evaluator,
+                self.types,
+                numbers,
+                self.starts,
+                windows=self.windows,
+                actions=self.actions,
+            )
+            best = share(evaluator, found, self.descend, self.find_cost)
             if best <= SOLVED or not self.stochastic:
                 return
             numbers = "random"
 
 
-def make_starts(evaluator: Evaluator, types: Types, numbers: Numbers, count: int) -> list[ForceField]:
-    """Force fields to begin with, ``count`` of each type.
+def make_starts(
+    evaluator: Evaluator,
+    types: Types,
+    numbers: Numbers,
+    count: int = 1,
+    *,
+    windows: bool = False,
+    actions: int | None = None,
+) -> list[ForceField]:
+    """Force fields to begin with, ``count`` of each type; windows are drawn too where they are sought.
 
     Raises:
         UserError: The task has no expert, or its sentence is not understood, where these are asked for.
     """
-    made, templates = [], _choose_templates(evaluator, types)
+    frames = evaluator.task.frame_count if windows else None
+    made, templates = [], _choose_templates(evaluator, types, actions)
     whose = templates[0] if types == numbers else _choose(evaluator, numbers)
     for template in templates:
         for index in range(count):
             if index or whose is None:
-                made.append(draw_numbers(evaluator.rng, template))
+                made.append(draw_numbers(evaluator.rng, template, frames))
             else:
                 made.append(copy_numbers(template, whose))
     return list(dict.fromkeys(made))
@@ -112,20 +140,26 @@ def share(
     evaluator: Evaluator,
     starts: Sequence[ForceField],
     descend: Callable[[Evaluator, ForceField, float], Descent],
+    cost: Callable[[ForceField], float],
 ) -> float:
-    """Searches from ``starts`` with what is left of the budget; the best loss."""
+    """Searches from ``starts`` with what is left of the budget; the best loss.
+
+    Args:
+        evaluator: Charged.
+        starts: One or more.
+        descend: As `LocalMethod.descend`.
+        cost: As `LocalMethod.find_cost`: no more searches are begun than can take two steps each.
+    """
     if len(starts) == 1:
         return _exhaust(descend(evaluator, starts[0], evaluator.remaining))
-    total = FIRST_SHARE * evaluator.remaining
-    ranked = []
-    for start in starts[: max(1, int(total / 2))]:
-        ranked.append((evaluator.score(start, "start").loss, start))
+    order = evaluator.rng.permutation(len(starts))[: max(1, int(evaluator.remaining / 2))]
+    ranked = [(evaluator.score(starts[index], "start").loss, starts[index]) for index in sorted(order)]
     ranked.sort(key=lambda pair: pair[0])
+    best, left = ranked[0][0], FIRST_SHARE * evaluator.remaining
+    ranked = ranked[: max(1, int(left / 2.0 / max(cost(start) for _, start in ranked)))]
     rungs = max(1, math.ceil(math.log2(len(ranked))))
     running = [(loss, descend(evaluator, start, evaluator.remaining / 2)) for loss, start in ranked]
     waiting: list[tuple[float, Descent]] = []
-    left = max(0.0, total - len(ranked))
-    best = ranked[0][0]
     for _ in range(rungs):
         # At least one step each: where the budget is too small for all, the better starts have it.
         each = left / rungs / len(running)
@@ -143,12 +177,17 @@ def share(
     return best
 
 
-def draw_numbers(rng: np.random.Generator, template: ForceField) -> ForceField:
-    """The template with directions from the sphere and magnitudes from the library's range."""
+def draw_numbers(
+    rng: np.random.Generator, template: ForceField, frame_count: int | None = None
+) -> ForceField:
+    """The template with directions from the sphere and magnitudes from the library's range.
+
+    Windows are kept, or drawn from all within a clip of ``frame_count`` frames.
+    """
     return template.model_copy(
         update=dict(
-            actions=tuple(_draw_entry(rng, item) for item in template.actions),
-            constraints=tuple(_draw_entry(rng, item) for item in template.constraints),
+            actions=tuple(_draw_entry(rng, item, frame_count) for item in template.actions),
+            constraints=tuple(_draw_entry(rng, item, None) for item in template.constraints),
         )
     )
 
@@ -181,12 +220,27 @@ def enumerate_types(template: ForceField) -> list[ForceField]:
     return [*both, template.model_copy(update=dict(actions=(), default_drop=True))]
 
 
-def fill_actions(template: ForceField) -> ForceField:
-    """The template; with one action over the whole clip if it has none."""
-    if template.actions:
-        return template
-    push = Action(action_type=ActionType.TRANSLATION, vector=(1.0, 0.0, 0.0))
-    return template.model_copy(update=dict(actions=(push,)))
+def fill_actions(
+    template: ForceField, count: int | None = None, frame_count: int | None = None
+) -> ForceField:
+    """The template; with ``count`` actions in equal parts of the clip if it has another number, one if it has none."""
+    first = Action(action_type=ActionType.TRANSLATION, vector=(1.0, 0.0, 0.0))
+    first = template.actions[0] if template.actions else first
+    if count is None or count == len(template.actions) or frame_count is None:
+        return template if template.actions else template.model_copy(update=dict(actions=(first,)))
+    edges = np.linspace(0, frame_count - 1, count + 1).tolist()
+    actions = tuple(first.model_copy(update=dict(active_time=each)) for each in itertools.pairwise(edges))
+    return template.model_copy(update=dict(actions=actions))
+
+
+def check_actions(count: int | None) -> None:
+    """Refuses numbers of actions whose combinations nobody can try.
+
+    Raises:
+        UserError: There are none, or more than three.
+    """
+    if count is not None and not 1 <= count <= 3:
+        raise UserError("`actions` must be 1 to 3", got=count)
 
 
 def turn_into(action: Action, kind: tuple[ActionType, float]) -> Action:
@@ -198,10 +252,12 @@ def _choose_in_order(kinds, count):
     return itertools.product(kinds, repeat=count)
 
 
-def _choose_templates(evaluator: Evaluator, types: Types) -> list[ForceField]:
-    if types == "enumerated":
-        return enumerate_types(evaluator.task.start)
-    return [_choose(evaluator, types) or evaluator.task.start]
+def _choose_templates(evaluator: Evaluator, types: Types, actions: int | None) -> list[ForceField]:
+    task = evaluator.task
+    if types in ("task", "enumerated"):
+        template = task.start if actions is None else fill_actions(task.start, actions, task.frame_count)
+        return enumerate_types(template) if types == "enumerated" else [template]
+    return [_choose(evaluator, types) or task.start]
 
 
 def _choose(evaluator: Evaluator, who: str) -> ForceField | None:
@@ -232,11 +288,16 @@ def find_expert(task) -> ForceField:
     return task.spec.expert
 
 
-def _draw_entry(rng: np.random.Generator, item):
+def _draw_entry(rng: np.random.Generator, item, frame_count: int | None):
     vector = rng.normal(size=3)
     size = rng.uniform(MAGNITUDE_MIN, MAGNITUDE_MAX)
     x, y, z = (vector / np.linalg.norm(vector)).tolist()
-    return item.model_copy(update=dict(vector=(x, y, z), magnitude=math.copysign(size, item.magnitude)))
+    update: dict = dict(vector=(x, y, z), magnitude=math.copysign(size, item.magnitude))
+    if frame_count is not None:
+        first, last = np.sort(rng.uniform(0, frame_count - 1, 2)).tolist()
+        first = min(first, frame_count - 1 - SHORTEST)
+        update["active_time"] = first, max(last, first + SHORTEST)
+    return item.model_copy(update=update)
 
 
 def _advance(evaluator: Evaluator, loss: float, descent: Descent, budget: float) -> float:

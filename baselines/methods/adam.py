@@ -1,7 +1,8 @@
 """Adam on |M| v, through the simulator (Kingma & Ba 2015, from optax).
 
-With what serves the field best: dimensionless unknowns, a rate of 0.1 that falls to a tenth by a cosine, the short
-second memory of those who differentiate through contact (0.9, 0.99), clipped gradients, and the best that was seen.
+With what serves the field best: dimensionless unknowns, a rate that falls to a tenth by a cosine, the short second memory
+of those who differentiate through contact (0.9, 0.99), clipped gradients, and the best that was seen. The field's rate
+of 0.1 needs 120 iterations to cross the range of a push and back; with fewer, a greater one goes as far.
 """
 
 from __future__ import annotations
@@ -22,22 +23,26 @@ from physagent_jax.forces.schema import ForceField
 Slope = Callable[[np.ndarray], tuple[Score, np.ndarray]]
 """The loss and its gradient at unknowns."""
 
+TRAVEL = 12.0
+"""[|M| v] of a search, were all its steps as long as the first: on 12 random linear problems with budgets of 60 to 600
+the loss falls by 1 to 6 times more than with a rate of 0.1, and 16 is no better."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Adam(LocalMethod):
     """Options are those of `LocalMethod`, and these.
 
     Attributes:
-        learning_rate: At first, in |M| v.
+        learning_rate: At first, in |M| v; None = `TRAVEL` over the iterations, from 0.1 to 0.5.
         most: Iterations at most; fewer where the budget has fewer.
     """
 
-    learning_rate: float = 0.1
+    learning_rate: float | None = None
     most: int = 200
 
     def __post_init__(self):
         super().__post_init__()
-        if not 0 < self.learning_rate <= 10:
+        if self.learning_rate is not None and not 0 < self.learning_rate <= 10:
             raise UserError("`learning_rate` must be above 0 and at most 10", got=self.learning_rate)
 
     @property
@@ -45,9 +50,9 @@ class Adam(LocalMethod):
         """As in the registry."""
         return "adam"
 
-    @property
-    def cost(self) -> float:
+    def find_cost(self, start: ForceField) -> float:
         """Forward-equivalents of an iteration."""
+        del start
         return GRADIENT_COST
 
     def descend(self, evaluator: Evaluator, start: ForceField, budget: float) -> Descent:
@@ -55,12 +60,13 @@ class Adam(LocalMethod):
         unknowns = Parametrisation(start, evaluator.task.frame_count, self.windows)
         if unknowns.size == 0:
             return iter([evaluator.score(start, "start").loss])
-        count = int(np.clip(budget / self.cost, 10, self.most))
+        count = int(np.clip(budget / self.find_cost(start), 10, self.most))
 
         def slope(u: np.ndarray) -> tuple[Score, np.ndarray]:
             return self.find_slope(evaluator, unknowns, u)
 
-        return descend_adam(slope, unknowns, unknowns.encode(start), self.learning_rate, count)
+        rate = self.learning_rate or float(np.clip(TRAVEL / count, 0.1, 0.5))
+        return descend_adam(slope, unknowns, unknowns.encode(start), rate, count)
 
     def find_slope(
         self, evaluator: Evaluator, unknowns: Parametrisation, u: np.ndarray

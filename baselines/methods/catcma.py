@@ -14,7 +14,7 @@ from baselines.evaluation import Evaluator
 from baselines.methods.cma import WORST, import_cmaes
 from baselines.parametrisation import Parametrisation
 from baselines.protocol import Method
-from baselines.starts import KINDS, SOLVED, fill_actions, turn_into
+from baselines.starts import KINDS, SOLVED, check_actions, draw_numbers, fill_actions, turn_into
 from physagent_jax.forces.schema import ForceField
 
 
@@ -25,10 +25,15 @@ class CatCMA(Method):
     Attributes:
         spread: Standard deviation at first, in |M| v.
         windows: Whether windows are sought too.
+        actions: How many, as for `LocalMethod`.
     """
 
     spread: float = 0.5
     windows: bool = False
+    actions: int | None = None
+
+    def __post_init__(self):
+        check_actions(self.actions)
 
     @property
     def name(self) -> str:
@@ -47,8 +52,9 @@ class CatCMA(Method):
 
     def search(self, evaluator: Evaluator) -> None:
         """Until it is solved or the budget is spent."""
-        library, template = import_cmaes(), fill_actions(evaluator.task.start)
-        count, frames = len(template.actions), evaluator.task.frame_count
+        library, frames = import_cmaes(), evaluator.task.frame_count
+        template = fill_actions(evaluator.task.start, self.actions, frames)
+        count = len(template.actions)
         mean = Parametrisation(template, frames, self.windows).encode(template)
         while True:
             search = library.CatCMA(
@@ -67,7 +73,8 @@ class CatCMA(Method):
                         return
                     told.append(((u, choice), min(loss, WORST)))
                 search.tell(told)
-            mean = evaluator.rng.normal(size=len(mean)) * 0.6
+            unknowns = Parametrisation(template, frames, self.windows)
+            mean = unknowns.encode(draw_numbers(evaluator.rng, template, frames if self.windows else None))
 
 
 def choose_kinds(template: ForceField, choice: np.ndarray) -> ForceField:

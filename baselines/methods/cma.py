@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 
@@ -37,6 +38,10 @@ class CMA(LocalMethod):
     def stochastic(self) -> bool:
         """Always."""
         return True
+
+    def find_cost(self, start: ForceField) -> float:
+        """Forward-equivalents of a step: a generation's."""
+        return 4.0 + 3.0 * math.log(max(self.count_unknowns(start), 1))
 
     def descend(self, evaluator: Evaluator, start: ForceField, budget: float) -> Descent:
         """One simulation a step, until the search has converged."""

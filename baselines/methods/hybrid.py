@@ -58,4 +58,4 @@ class Hybrid(Method):
         local = METHODS.make((self.polish, dict(windows=self.windows)))
         rounds = max(1, min(self.rounds, int(self.part * evaluator.remaining)))
         field = play_rounds(evaluator, read_sentence(evaluator), rounds=rounds, rate=False)
-        share(evaluator, [field], local.descend)
+        share(evaluator, [field], local.descend, local.find_cost)

@@ -6,7 +6,7 @@ import dataclasses
 
 from baselines.evaluation import Evaluator
 from baselines.protocol import Method
-from baselines.starts import SOLVED, Types, make_starts
+from baselines.starts import SOLVED, Types, check_actions, make_starts
 
 
 @dataclasses.dataclass(frozen=True)
@@ -15,9 +15,16 @@ class RandomSearch(Method):
 
     Attributes:
         types: Who says what the actions are; all types take turns by default.
+        windows: Whether windows are drawn too.
+        actions: How many, as for `LocalMethod`.
     """
 
     types: Types = "enumerated"
+    windows: bool = False
+    actions: int | None = None
+
+    def __post_init__(self):
+        check_actions(self.actions)
 
     @property
     def name(self) -> str:
@@ -37,7 +44,7 @@ class RandomSearch(Method):
     def search(self, evaluator: Evaluator) -> None:
         """Until the budget is spent."""
         while True:
-            fields = make_starts(evaluator, self.types, "random", 1)
+            fields = make_starts(evaluator, self.types, "random", windows=self.windows, actions=self.actions)
             for index in evaluator.rng.permutation(len(fields)):
                 if evaluator.score(fields[index], "drawn").loss <= SOLVED:
                     return

@@ -15,6 +15,7 @@ from baselines.evaluation import FAILED, GRADIENT_COST, Evaluator, Score
 from baselines.methods.adam import Adam
 from baselines.parametrisation import Parametrisation
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.schema import ForceField
 
 
 @dataclasses.dataclass(frozen=True)
@@ -44,9 +45,9 @@ class SmoothedAdam(Adam):
         """Always."""
         return True
 
-    @property
-    def cost(self) -> float:
+    def find_cost(self, start: ForceField) -> float:
         """Forward-equivalents of an iteration."""
+        del start
         return self.samples * GRADIENT_COST
 
     def find_slope(

@@ -157,6 +157,29 @@ def test_every_combination_of_kinds_is_there_once():
     assert len(enumerate_types(ForceField(actions=(action, later)))) == 2 * 25 + 1
 
 
+@pytest.mark.parametrize("name", ["levenberg_marquardt", "random", "catcma"])
+def test_more_actions_follow_one_another(name):
+    wide = Linear(np.eye(6), np.array([0.8, 0, 0, 0, 0, -0.9]), ("translation", "torque"))
+    result = fit(
+        name,
+        make_evaluator(wide, budget=120),
+        actions=2,
+        **({"types": "enumerated"} if "marq" in name else {}),
+    )
+    assert {len(each.force_field.actions) for each in result.evaluations} <= {0, 2}
+    first, second = (action.active_time for action in result.incumbent_at().actions)
+    assert first == (0, 5) and second == (5, 10)
+    if name == "levenberg_marquardt":
+        assert result.find_incumbent().objective < 1e-3
+
+
+def test_drawn_windows_lie_in_the_clip():
+    result = fit("random", make_evaluator(linear(offset=1.0)), windows=True)
+    windows = np.array([a.active_time for each in result.evaluations for a in each.force_field.actions])
+    assert windows.min() >= 0 and windows.max() <= 10 and np.diff(windows).min() >= 1 - 1e-9
+    assert np.ptp(windows[:, 0]) > 5
+
+
 def test_a_start_near_the_expert_is_where_a_search_begins():
     expert = act("impulse", (0, 0, 1), 0.9, (0, 2))
     evaluator = make_evaluator(linear(kinds=("impulse",)), expert=expert)
