@@ -1,8 +1,8 @@
 """Adam on |M| v, through the simulator (Kingma & Ba 2015, from optax).
 
-With what serves the field best: dimensionless unknowns, a rate that falls to a tenth by a cosine, the short second memory
-of those who differentiate through contact (0.9, 0.99), clipped gradients, and the best that was seen. The field's rate
-of 0.1 needs 120 iterations to cross the range of a push and back; with fewer, a greater one goes as far.
+With what serves the field best: dimensionless unknowns, a rate that falls to a tenth by a cosine, the short second
+memory of those who differentiate through contact (0.9, 0.99), clipped gradients, and the best that was seen. The
+field's rate of 0.1 needs 120 iterations to cross the range of a push and back; with fewer, a greater one goes as far.
 """
 
 from __future__ import annotations
