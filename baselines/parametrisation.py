@@ -96,12 +96,15 @@ class Parametrisation:
     def pull_back(self, force_field: ForceField, gradient: ForceFieldParameters) -> np.ndarray:
         """A gradient by the simulator's numbers as one by the unknowns, shape (size,).
 
-        A vector acts by its product with the magnitude, so that the derivative by u is that by the vector over |M|.
+        Along v it is the derivative by the magnitude, across v that by the vector over |M|. What the simulator does
+        with vectors that are no unit vectors does not enter: where an object is held, what M = 1 means goes by v.
         """
         values, clip = [], self.frame_count - 1
         slopes = (*gradient.actions, *gradient.constraints)
         for item, slope in zip((*force_field.actions, *force_field.constraints), slopes):
-            values += (np.asarray(slope.vector, float) / abs(item.magnitude)).tolist()
+            v, by_vector = np.asarray(item.vector), np.asarray(slope.vector, float)
+            along = float(slope.magnitude) * math.copysign(1.0, item.magnitude)
+            values += (along * v + (by_vector - (by_vector @ v) * v) / abs(item.magnitude)).tolist()
             if self.windows:
                 first, last = np.asarray(slope.window, float)
                 values += [clip * (first + last), clip * last]

@@ -9,6 +9,7 @@ from baselines.evaluation import GRADIENT_COST, Evaluator, are_near
 from baselines.parametrisation import Parametrisation
 from baselines.protocol import Budget, BudgetSpent
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.parameters import ActionParameters, ForceFieldParameters
 from tests.baselines.tiny import act
 
 PUSH = act("translation", (0.6, -0.8, 0.0), 0.9)
@@ -32,7 +33,7 @@ def find_central_differences(evaluator, unknowns, u, h):
     return np.stack([(up - down) / (2 * h) for up, down in residuals], axis=1)
 
 
-@pytest.mark.parametrize("kind", ["translation", "torque"])
+@pytest.mark.parametrize("kind", ["translation", pytest.param("torque", marks=pytest.mark.slow)])
 def test_gradient_and_jacobian_agree_with_central_differences(tiny, kind):
     field = act(kind, (0.6, -0.64, 0.48), 0.9)
     unknowns = Parametrisation(field, tiny.frame_count)
@@ -47,6 +48,7 @@ def test_gradient_and_jacobian_agree_with_central_differences(tiny, kind):
     np.testing.assert_allclose(jacobian, central, atol=0.03 * np.abs(central).max())
 
 
+@pytest.mark.slow
 def test_a_stretch_that_turns_takes_particles_to_the_other_side(tiny):
     """Differences see them and reverse mode does not; with 200 particles they come in lumps."""
     field = act("scale", (0.6, -0.64, 0.48), -0.9)
@@ -59,6 +61,7 @@ def test_a_stretch_that_turns_takes_particles_to_the_other_side(tiny):
     np.testing.assert_allclose(jacobian.T @ score.residuals, wanted, atol=0.4 * np.linalg.norm(wanted))
 
 
+@pytest.mark.slow
 def test_derivatives_by_windows_agree_with_differences(tiny):
     field = act("translation", (0, 1, 0), 1.0, (1.4, 4.6))
     unknowns = Parametrisation(field, tiny.frame_count, windows=True)
@@ -167,3 +170,12 @@ def test_unknowns_come_back_and_are_kept_in_the_library_s_range():
     assert wide.actions[0].magnitude == pytest.approx(-1.6)
     np.testing.assert_allclose(wide.actions[0].active_time, [6, 7], atol=0.31)
     assert abs(unknowns.decode(np.zeros(5)).actions[0].magnitude) == pytest.approx(0.4)
+
+
+def test_gradients_by_unknowns_do_not_go_by_vectors_of_other_lengths():
+    """L = g.(M v): whatever the simulator does with vectors that are no unit vectors."""
+    g, field = np.array([0.3, -1.0, 2.0]), act("translation", (0.6, 0, 0.8), 1.2)
+    unknowns, v = Parametrisation(field, 8), np.array([0.6, 0, 0.8])
+    for wrong in (0.0, -7.0):
+        slope = ActionParameters(1.2 * g + wrong * v, np.asarray(g @ v), np.zeros(2))
+        np.testing.assert_allclose(unknowns.pull_back(field, ForceFieldParameters((slope,))), g)
