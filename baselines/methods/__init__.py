@@ -19,6 +19,7 @@ METHODS = Registry(
         "lbfgs": "baselines.methods.lbfgs:LBFGS",
         "levenberg_marquardt": "baselines.methods.levenberg_marquardt:LevenbergMarquardt",
         "smoothed_adam": "baselines.methods.smoothed_adam:SmoothedAdam",
+        "bo_leap": "baselines.methods.bo_leap:BOLeap",
         "physsplat_f": "baselines.methods.physsplat_f:PhysSplatF",
         "physagent": "baselines.methods.physagent:PhysAgent",
         "hybrid": "baselines.methods.hybrid:Hybrid",

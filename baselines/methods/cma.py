@@ -81,7 +81,7 @@ def import_cmaes():
         UserError: It is not installed.
     """
     try:
-        import cmaes
+        import cmaes  # pyright: ignore[reportMissingImports]
     except ImportError:
         raise UserError(
             "this method needs the package `cmaes`", do="pip install 'physagent-jax[baselines]'"

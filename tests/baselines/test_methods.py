@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from baselines.methods import METHODS, make_method
+from baselines.methods.bo_leap import predict
 from baselines.methods.lbfgs import find_direction
 from baselines.methods.smoothed_adam import combine
 from baselines.starts import KINDS, enumerate_types
@@ -15,7 +16,7 @@ from tests.baselines.tiny import act
 A = np.array([[3.0, 1.0, 0.0], [0.0, 2.0, 0.5], [1.0, 0.0, 4.0], [0.2, 0.3, 1.0]])
 WANTED = np.array([-0.7, 0.4, 0.6])  # |M| is 1.005
 LOCAL = ("levenberg_marquardt", "lbfgs", "adam", "smoothed_adam")
-ORACLES = (*LOCAL, "cma", "catcma", "random")
+ORACLES = (*LOCAL, "cma", "catcma", "random", "bo_leap")
 
 
 def linear(kinds=None, offset=0.0):
@@ -25,7 +26,8 @@ def linear(kinds=None, offset=0.0):
 
 
 def fit(name, evaluator, **options):
-    pytest.importorskip("cmaes", reason="extra `baselines`") if "cma" in name else None
+    for package in {"cma": ["cmaes"], "catcma": ["cmaes"], "bo_leap": ["cmaes", "sklearn"]}.get(name, []):
+        pytest.importorskip(package, reason="extra `baselines`")
     return make_method(name, options).finish(evaluator)
 
 
@@ -86,11 +88,11 @@ def test_all_types_are_tried_and_the_right_one_is_polished(name):
     np.testing.assert_allclose(find(result), WANTED, atol=0.1)
 
 
-def test_catcma_and_random_find_the_type():
-    for name, spread in (("catcma", 0.2), ("random", 0.6)):
-        result = fit(name, make_evaluator(linear(kinds=("impulse",)), budget=600))
-        assert result.incumbent_at().actions[0].action_type == "impulse"
-        assert np.linalg.norm(find(result) - WANTED) < spread
+@pytest.mark.parametrize("name, spread", [("catcma", 0.2), ("random", 0.6), ("bo_leap", 0.1)])
+def test_the_type_is_found(name, spread):
+    result = fit(name, make_evaluator(linear(kinds=("impulse",)), budget=600))
+    assert result.incumbent_at().actions[0].action_type == "impulse"
+    assert np.linalg.norm(find(result) - WANTED) < spread
 
 
 @pytest.mark.parametrize("name", ORACLES)
@@ -155,6 +157,14 @@ def test_every_combination_of_kinds_is_there_once():
     assert len(same) == 2 * 15 + 1
     later = action.model_copy(update=dict(active_time=(3, 5)))
     assert len(enumerate_types(ForceField(actions=(action, later)))) == 2 * 25 + 1
+
+
+def test_surrogate_goes_through_what_is_known_and_knows_where_it_does_not():
+    pytest.importorskip("sklearn", reason="extra `baselines`")
+    x = np.linspace(-1, 1, 9)[:, None]
+    mean, deviation = predict(x, np.sin(3 * x[:, 0]), np.array([[0.25], [0.1], [20.0]]))
+    np.testing.assert_allclose(mean[:2], np.sin([0.75, 0.3]), atol=0.05)
+    assert abs(mean[2]) < 0.05 and deviation[2] > 5 * deviation[0]
 
 
 @pytest.mark.parametrize("name", ["levenberg_marquardt", "random", "catcma"])
