@@ -34,6 +34,9 @@ KINDS = (
 )
 """What an action can be: the skills, a stretch and a squeeze apart, for no vector turns one into the other."""
 
+BLOW = (0.0, 2.0)
+"""[frames] of a blow whose window nobody has said: short, and at once."""
+
 SOLVED = 1e-6
 """Loss at which nothing is left to be gained."""
 
@@ -244,8 +247,11 @@ def check_actions(count: int | None) -> None:
 
 
 def turn_into(action: Action, kind: tuple[ActionType, float]) -> Action:
-    """The action as another kind; its direction, strength and window stay."""
-    return action.model_copy(update=dict(action_type=kind[0], magnitude=kind[1] * abs(action.magnitude)))
+    """The action as another kind; its direction, strength and window stay, but a blow over the whole clip is none."""
+    update: dict = dict(action_type=kind[0], magnitude=kind[1] * abs(action.magnitude))
+    if kind[0] is ActionType.IMPULSE and action.active_time is None:
+        update["active_time"] = BLOW
+    return action.model_copy(update=update)
 
 
 def _choose_in_order(kinds, count):

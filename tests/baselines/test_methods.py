@@ -152,6 +152,8 @@ def test_a_task_without_actions_is_tried_as_it_is():
 def test_every_combination_of_kinds_is_there_once():
     one = enumerate_types(act("translation", (1, 0, 0)))
     assert len(one) == 2 * len(KINDS) + 1 and len(set(one)) == len(one)
+    windows = {a.action_type: a.active_time for each in one for a in each.actions}
+    assert windows == {"translation": None, "scale": None, "torque": None, "impulse": (0, 2)}
     action = act("translation", (1, 0, 0)).actions[0]
     same = enumerate_types(ForceField(actions=(action, action)))
     assert len(same) == 2 * 15 + 1
