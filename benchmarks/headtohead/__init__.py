@@ -1,0 +1,1 @@
+"""All methods on the same tasks with equal budgets: `python -m benchmarks.headtohead`."""

@@ -1,0 +1,73 @@
+"""Who takes part in which table: methods with their options, by the label of their row."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+from baselines.methods import make_method
+from baselines.protocol import Method
+
+
+@dataclasses.dataclass(frozen=True)
+class Entrant:
+    """A row of a table.
+
+    Attributes:
+        label: Of the row.
+        method: Name in the registry.
+        options: Of the method.
+        question: What the row is there for, in a few words.
+    """
+
+    label: str
+    method: str
+    options: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    question: str = ""
+
+    def make(self) -> Method:
+        """The method."""
+        return make_method(self.method, self.options)
+
+
+_ENUMERATED = dict(types="enumerated", numbers="random")
+_AGENT = dict(types="agent", numbers="agent")
+
+METHODS = (
+    Entrant("expert", "expert", question="the forces of published scenes"),
+    Entrant("physsplat_f", "physsplat_f", question="one guess, no skills, no feedback"),
+    Entrant("random", "random", question="chance"),
+    Entrant("physagent", "physagent", question="ours: sees pictures and the sentence"),
+    Entrant("catcma", "catcma", question="evolution over types and numbers"),
+    Entrant("cma", "cma", question="evolution, each type"),
+    Entrant("adam, all types", "adam", _ENUMERATED, "gradients, each type"),
+    Entrant("lbfgs, all types", "lbfgs", _ENUMERATED, "gradients, each type"),
+    Entrant("levenberg_marquardt, all types", "levenberg_marquardt", _ENUMERATED, "least squares, each type"),
+    Entrant(
+        "smoothed_adam, all types", "smoothed_adam", _ENUMERATED, "gradients of a blurred loss, each type"
+    ),
+    Entrant("hybrid", "hybrid", question="agents choose, least squares polishes"),
+)
+"""Table 1: oracles, which read the true distance to the target, among those that see pictures only."""
+
+ABLATION = (
+    Entrant("full", "physagent", question="skills and feedback"),
+    Entrant("without skills", "physsplat_f", dict(feedback=True), "pushes of strength 1, with feedback"),
+    Entrant("without refinement", "physsplat_f", dict(skills=True), "the first guess"),
+    Entrant("types: agent, numbers: agent", "physsplat_f", dict(skills=True), "nobody optimises"),
+    Entrant("types: agent, numbers: least squares", "levenberg_marquardt", _AGENT, "the agent's types"),
+    Entrant("types: agent, numbers: adam", "adam", _AGENT, "the agent's types"),
+    Entrant("types: all, numbers: least squares", "levenberg_marquardt", _ENUMERATED, "enumeration"),
+    Entrant("types: all, numbers: adam", "adam", _ENUMERATED, "enumeration"),
+    Entrant(
+        "types: task, numbers: least squares",
+        "levenberg_marquardt",
+        dict(numbers="random"),
+        "the task's own kind",
+    ),
+)
+"""Table 2: what skills and feedback are worth, and who should choose types, who numbers."""
+
+ITERATIONS = (Entrant("physagent", "physagent", dict(rounds=6), "rounds after the first guess"),)
+"""Table 3: success after 0 to 5 rewrites."""

@@ -1,0 +1,149 @@
+"""The tables of the head-to-head: success, error and cost per method, with intervals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.harness import link, number, provenance, table
+from benchmarks.headtohead.statistics import CAP, compare, correct, estimate, read_mark
+
+PARTS = ("methods", "ablation", "iterations", "verify")
+REFERENCE = "physagent"
+_MEANING = f"""Made by `python -m benchmarks.headtohead`. Every method has the same tasks, the same simulator and the
+same budget in forward-equivalents (one plain simulation is 1; a value with its gradient is charged 4.3, failures, line
+searches and the choice of starts are charged too). A method is judged by the force field that it itself holds for its
+best when the budget is spent; the judge reads true particles. *Oracle* methods minimise the distance to the target,
+which nothing but a simulator with the answer at hand can know: they are bounds, not competitors. *Error* is the largest
+miss of a task's clauses in tolerances (1 = just a success), cut at {CAP:g}; its median over tasks. Brackets are 95 %
+intervals of the bootstrap over tasks, stratified by family; seeds are averaged first.
+"""
+
+
+def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
+    """The tables as Markdown."""
+    text = f"# Head to head\n\n{_MEANING}\nEvery row is in [{json_path.name}]({link(json_path, target)}).\n"
+    text += provenance(result, PARTS)
+    if "methods" in result:
+        rows = result["methods"]["rows"]
+        text += "\n## Methods\n" + _write_families(rows) + _write_costs(rows)
+        text += "\n### Success against budget\n" + _write_marks(rows) + _write_pairs(rows)
+    if "ablation" in result:
+        text += "\n## What skills, feedback and numbers are worth\n" + _write_marks(
+            result["ablation"]["rows"]
+        )
+    if "iterations" in result:
+        text += "\n## Rounds\n\nSuccess after so many simulations: the first guess, then rewrites.\n"
+        text += _write_marks(result["iterations"]["rows"])
+    if "verify" in result:
+        rows = result["verify"]["rows"]
+        good = sum(row["good"] for row in rows)
+        text += f"\n## Verified\n\n{good} of {len(rows)} stored force fields, simulated again, are judged as before.\n"
+    return text
+
+
+def group(rows: list[dict]) -> dict[str, list[dict]]:
+    """Rows by their label, in the order in which they first appear."""
+    groups: dict[str, list[dict]] = {}
+    for row in rows:
+        groups.setdefault(row["label"], []).append(row)
+    return groups
+
+
+def find_last_mark(rows: list[dict]) -> float:
+    """The largest mark of any row."""
+    return max((mark["mark"] for row in rows for mark in row["marks"]), default=0.0)
+
+
+def format_share(values: tuple[float, float, float]) -> str:
+    """A share with its interval in per cent."""
+    value, low, high = (100 * each for each in values)
+    return f"{value:.0f} % ({low:.0f}–{high:.0f})"
+
+
+def _name(label: str, rows: list[dict]) -> str:
+    return f"{label} (oracle)" if rows[0]["oracle"] else label
+
+
+def _write_families(rows: list[dict]) -> str:
+    last = find_last_mark(rows)
+    families = list(dict.fromkeys(row["family"] for row in rows))
+    lines = []
+    for label, mine in group(rows).items():
+        cells = []
+        for family in families:
+            solved = [read_mark(row, last)[0] for row in mine if row["family"] == family]
+            cells.append(f"{np.mean(solved):.0%} of {len(solved)}" if solved else "")
+        error = estimate(mine, last, 2, lambda values: float(np.median(values)))
+        lines.append(
+            [
+                _name(label, mine),
+                *cells,
+                format_share(estimate(mine, last, 1)),
+                f"{error[0]:.2f} ({error[1]:.2f}–{error[2]:.2f})",
+            ]
+        )
+    return table(["method", *families, "all", "error"], lines)
+
+
+def _write_costs(rows: list[dict]) -> str:
+    lines = []
+    for label, mine in group(rows).items():
+        done = [row for row in mine if "seconds" in row]
+        efforts = [
+            row["marks"][-1].get("effort") for row in done if row["marks"][-1].get("effort") is not None
+        ]
+        lines.append(
+            [
+                _name(label, mine),
+                *(_find_median(done, name) for name in ("spent", "seconds", "memory_gb", "evaluations")),
+                number(float(np.median(efforts))) if efforts else "", sum("refused" in row for row in mine),
+            ]
+        )  # fmt: skip
+    head = [
+        "method",
+        "forward-equivalents",
+        "seconds",
+        "memory [GB]",
+        "evaluations",
+        "effort [m/s]",
+        "refused",
+    ]
+    return "\nMedians over tasks; seconds with what had to be compiled.\n" + table(head, lines)
+
+
+def _find_median(rows: list[dict], name: str) -> str:
+    return number(float(np.median([row[name] or 0 for row in rows]))) if rows else ""
+
+
+def _write_marks(rows: list[dict]) -> str:
+    marks = sorted({mark["mark"] for row in rows for mark in row["marks"]})
+    lines = [
+        [_name(label, mine), *(format_share(estimate(mine, mark, 1)) for mark in marks)]
+        for label, mine in group(rows).items()
+    ]
+    return table(["method", *(f"{mark:g}" for mark in marks)], lines)
+
+
+def _write_pairs(rows: list[dict]) -> str:
+    """Every method against ours."""
+    groups, last = group(rows), find_last_mark(rows)
+    if REFERENCE not in groups:
+        return ""
+    others = [label for label in groups if label != REFERENCE]
+    found = [compare(groups[label], groups[REFERENCE], last) for label in others]
+    success, error = (correct([each[i] for each in found]) for i in (2, 3))
+    lines = [
+        [_name(label, groups[label]), first, second, f"{p:.2g}", f"{q:.2g}"]
+        for label, (first, second, _, _), p, q in zip(others, found, success, error)
+    ]
+    head = [
+        "method",
+        "tasks that it alone solves",
+        f"that {REFERENCE} alone solves",
+        "p (McNemar, Holm)",
+        "p of the error (Wilcoxon, Holm)",
+    ]
+    return f"\n### Against {REFERENCE}\n" + table(head, lines)

@@ -1,0 +1,44 @@
+"""Success against budget, a line per method with its band."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from benchmarks.headtohead.markdown import group
+from benchmarks.headtohead.statistics import estimate
+from physagent_jax.core.errors import UserError
+
+
+def plot(result: dict[str, Any], folder: Path) -> None:
+    """Writes ``headtohead-success.png`` to ``folder``.
+
+    Raises:
+        UserError: matplotlib is not installed.
+    """
+    try:
+        import matplotlib
+    except ModuleNotFoundError:
+        raise UserError("plots need matplotlib", do="Install the extra `benchmarks`") from None
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    rows = result["methods"]["rows"]
+    marks = sorted({mark["mark"] for row in rows for mark in row["marks"]})
+    figure, axis = plt.subplots(figsize=(8, 5))
+    for index, (label, mine) in enumerate(group(rows).items()):
+        values = [estimate(mine, mark, 1) for mark in marks]
+        style = "--" if mine[0]["oracle"] else "-"
+        color = plt.get_cmap("tab20")(index / 20)
+        axis.plot(
+            marks, [100 * v[0] for v in values], style, color=color, marker="o", markersize=3, label=label
+        )
+        axis.fill_between(
+            marks, [100 * v[1] for v in values], [100 * v[2] for v in values], color=color, alpha=0.07
+        )
+    axis.set(xscale="log", xlabel="budget [forward-equivalents]", ylabel="tasks solved [%]", ylim=(0, 100))
+    axis.set_title("Dashed: oracles. Bands: 95 % over tasks.", fontsize=9)
+    axis.legend(fontsize=7, loc="upper left", ncols=2)
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.savefig(folder / "headtohead-success.png", dpi=110, bbox_inches="tight")
+    plt.close(figure)

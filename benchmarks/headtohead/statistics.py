@@ -1,0 +1,94 @@
+"""Success and error of a method over tasks, with intervals: the task is the sampling unit.
+
+Seeds of a task are averaged first. Intervals are of the stratified bootstrap (Agarwal et al. 2021, "Deep Reinforcement
+Learning at the Edge of the Statistical Precipice"): tasks are drawn with replacement within their family. Two methods
+are compared on the tasks that both have done, by exact McNemar for success and by Wilcoxon's signed ranks for the
+error, with Holm's correction over all comparisons of a table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+DRAWS = 2000
+CAP = 10.0  # [tolerances] at which errors are cut: how far a miss is beyond that says nothing
+Rows = Sequence[Mapping[str, Any]]
+
+
+def read_mark(row: Mapping[str, Any], mark: float) -> tuple[float, float]:
+    """Success (0 or 1) and error of a row at a mark; a refusal is a miss."""
+    for each in row["marks"]:
+        if each["mark"] == mark:
+            return float(each["success"]), min(float(each["error"]), CAP)
+    return 0.0, CAP
+
+
+def average_tasks(rows: Rows, mark: float) -> dict[str, tuple[str, float, float]]:
+    """Per task its family, and success and error averaged over the seeds."""
+    tasks: dict[str, list] = {}
+    for row in rows:
+        tasks.setdefault(row["task"], []).append((row["family"], *read_mark(row, mark)))
+    return {
+        name: (each[0][0], float(np.mean([s for _, s, _ in each])), float(np.mean([e for _, _, e in each])))
+        for name, each in tasks.items()
+    }
+
+
+def estimate(
+    rows: Rows,
+    mark: float,
+    pick: int,
+    reduce: Callable[[np.ndarray], float] = lambda values: float(np.mean(values)),
+) -> tuple[float, float, float]:
+    """A figure over the tasks and its 95 % interval.
+
+    Args:
+        rows: Of one method.
+        mark: Of the budget.
+        pick: 1 = success, 2 = error.
+        reduce: Of the values per task.
+
+    Raises:
+        ValueError: There are no rows.
+    """
+    tasks = list(average_tasks(rows, mark).values())
+    if not tasks:
+        raise ValueError("there are no rows to estimate from")
+    strata: dict[str, list[float]] = {}
+    for task in tasks:
+        strata.setdefault(task[0], []).append(task[pick])
+    groups = [np.asarray(values) for values in strata.values()]
+    rng = np.random.default_rng(0)
+    drawn = [
+        reduce(np.concatenate([rng.choice(values, len(values)) for values in groups])) for _ in range(DRAWS)
+    ]
+    low, high = np.percentile(drawn, [2.5, 97.5])
+    return reduce(np.concatenate(groups)), float(low), float(high)
+
+
+def compare(one: Rows, other: Rows, mark: float) -> tuple[int, int, float, float]:
+    """Tasks that only ``one`` and only ``other`` solves, and the p values of McNemar and of Wilcoxon.
+
+    A task counts as solved where at least half of its seeds are.
+    """
+    a, b = average_tasks(one, mark), average_tasks(other, mark)
+    shared = sorted(a.keys() & b.keys())
+    first = sum(a[name][1] >= 0.5 > b[name][1] for name in shared)
+    second = sum(b[name][1] >= 0.5 > a[name][1] for name in shared)
+    exact = stats.binomtest(first, first + second).pvalue if first + second else 1.0
+    gap = np.array([a[name][2] - b[name][2] for name in shared])
+    ranks = stats.wilcoxon(gap).pvalue if np.any(gap) else 1.0
+    return first, second, float(exact), float(ranks)
+
+
+def correct(p_values: Sequence[float]) -> list[float]:
+    """Holm's step-down correction."""
+    order, adjusted, largest = np.argsort(p_values), np.empty(len(p_values)), 0.0
+    for place, index in enumerate(order):
+        largest = max(largest, min(1.0, (len(p_values) - place) * p_values[index]))
+        adjusted[index] = largest
+    return adjusted.tolist()

@@ -1,0 +1,59 @@
+"""Figures over tasks: against what is known in closed form."""
+
+import math
+
+import numpy as np
+import pytest
+
+from benchmarks.headtohead import statistics
+
+
+def make_rows(values, family="drop", seeds=1, mark=10.0):
+    """Rows of tasks whose success and error are ``values``."""
+    return [
+        {
+            "task": f"{family}-{index}",
+            "family": family,
+            "seed": seed,
+            "marks": [{"mark": mark, "success": bool(success), "error": error}],
+        }
+        for index, (success, error) in enumerate(values)
+        for seed in range(seeds)
+    ]
+
+
+def test_interval_of_a_share_is_the_binomials():
+    """40 of 100 tasks: 0.4 with 1.96 sqrt(p q / n) to either side, however many seeds each has."""
+    for seeds in (1, 5):
+        rows = make_rows([(index < 40, 1.0) for index in range(100)], seeds=seeds)
+        value, low, high = statistics.estimate(rows, 10.0, 1)
+        half = 1.96 * math.sqrt(0.4 * 0.6 / 100)
+        assert value == pytest.approx(0.4)
+        assert (low, high) == pytest.approx((0.4 - half, 0.4 + half), abs=0.02)
+
+
+def test_strata_keep_what_differs_between_families():
+    """One family always solved, the other never: drawn within families, the share does not vary at all."""
+    rows = make_rows([(True, 0.0)] * 10, "drop") + make_rows([(False, 5.0)] * 10, "sway")
+    assert statistics.estimate(rows, 10.0, 1) == (0.5, 0.5, 0.5)
+
+
+def test_a_refusal_is_a_miss():
+    row = {"task": "a", "family": "drop", "seed": 0, "marks": []}
+    assert statistics.read_mark(row, 10.0) == (0.0, statistics.CAP)
+    (far,) = make_rows([(False, float("inf"))])
+    assert statistics.read_mark(far, 10.0) == (0.0, statistics.CAP)
+
+
+def test_mcnemar_is_exact():
+    """8 tasks that only one solves, none that only the other does: 2 / 2^8."""
+    one = make_rows([(True, 0.5)] * 8 + [(True, 0.5)] * 3)
+    other = make_rows([(False, 2.0)] * 8 + [(True, 0.5)] * 3)
+    first, second, exact, _ = statistics.compare(one, other, 10.0)
+    assert (first, second) == (8, 0) and exact == pytest.approx(2 / 2**8)
+    assert statistics.compare(one, one, 10.0) == (0, 0, 1.0, 1.0)
+
+
+def test_holm():
+    """Textbook: 0.01, 0.04, 0.03, 0.005 become 0.03, 0.06, 0.06, 0.02."""
+    np.testing.assert_allclose(statistics.correct([0.01, 0.04, 0.03, 0.005]), [0.03, 0.06, 0.06, 0.02])
