@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from physagent_jax.metrics.effort import measure_effort
 
 from baselines.protocol import Budget, FitResult
 from baselines.tasks import Task
@@ -17,6 +16,7 @@ from benchmarks.headtohead.entrants import Entrant
 from benchmarks.peers.gradient import read_memory, reset_peak
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.metrics.effort import measure_effort
 
 
 def measure(entrant: Entrant, task: Task, marks: Sequence[float], seed: int, budget: float) -> list[Row]:
