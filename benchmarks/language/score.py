@@ -34,6 +34,17 @@ KINDS = {
     "chair": "furniture",
     "jacket": "object",
     "scan": "object",  # a file name that does not say what it is
+    "fern": "plant",
+    "fox": "animal",
+    "ukulele": "instrument",
+    "pudding": "jelly",
+    "cake": "food",
+    "baguette": "food",
+    "droid": "robot",
+    "doll": "toy",
+    "kettle": "vessel",
+    "stool": "furniture",
+    "coat": "object",
 }
 LENGTHWISE, UPRIGHT = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 LONG_AXES = {
@@ -41,6 +52,8 @@ LONG_AXES = {
     "bread": LENGTHWISE,
     "guitar": UPRIGHT,
     "violin": UPRIGHT,
+    "baguette": LENGTHWISE,
+    "ukulele": UPRIGHT,
 }  # the others have none
 SIZE = 1.6  # [m] so that metres are not lengths
 SLIGHT, STRONG = 0.7, 1.2  # strength up to and from which a motion is called so
