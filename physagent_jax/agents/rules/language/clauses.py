@@ -42,6 +42,7 @@ _OPPOSITES: tuple[tuple[Names, Names], ...] = (
     (("up",), ("down",)),
     (("toward",), ("away",)),
 )
+_GOING_ON = frozenset({Join.AND, Join.THEN})
 _DURING = frozenset({"while", "whilst", "as"})
 _SEPARATE_EFFECTS = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
 
@@ -113,6 +114,8 @@ def _split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]
                 segments.append((mention.value, []))
             elif len(segments) == 1 and mention.phrase in _DURING:
                 segments[-1] = (Join.WHILE, segments[-1][1])
+            elif mention.value is Join.AFTER and len(segments) > 1 and segments[-1][0] in _GOING_ON:
+                segments[-1] = (Join.THEN, segments[-1][1])  # "lift it, and after landing it spins"
             elif len(segments) > 1 or mention.value in (Join.BEFORE, Join.AFTER):
                 segments[-1] = (max(segments[-1][0], mention.value, key=rank.index), segments[-1][1])
         else:
@@ -124,17 +127,33 @@ def _apply_negations(mentions: list[Mention]) -> list[Mention]:
     """Resolves NOT on everything but verbs: what is negated vanishes or turns into its opposite."""
     result: list[Mention] = []
     pending: Mention | None = None
+    manner = False
     for mention in mentions:
+        denies_manner = pending is not None and mention.kind is MentionKind.VERB
+        manner = pending is not None and (
+            manner or denies_manner and _is_manner_denied(mentions, mention)
+        )  # "do not push it too hard" pushes it
         if mention.kind is MentionKind.NOT:
             pending = mention
         elif pending is None or mention.kind not in _NEGATABLE:
             result.append(mention)
         elif mention.kind is MentionKind.DEGREE:  # "not too hard": the intensity that follows is negated
             continue
+        elif manner and mention.kind is not MentionKind.INTENSITY:
+            result.append(mention)
         else:
             result += _negate(pending, mention)
             pending = None
     return result
+
+
+def _is_manner_denied(mentions: list[Mention], verb: Mention) -> bool:
+    """Whether only how strongly it is done is denied: "do not push it too hard"."""
+    behind = [m.kind for m in mentions if m.first > verb.first and m.kind is not MentionKind.FUNCTION]
+    return (
+        any(pair == (MentionKind.DEGREE, MentionKind.INTENSITY) for pair in zip(behind, behind[1:]))
+        and MentionKind.VERB not in behind
+    )
 
 
 def _negate(negation: Mention, mention: Mention) -> list[Mention]:
@@ -219,10 +238,11 @@ def _open_clause(
             not has_verb
             and join in (Join.AND, Join.COMMA, Join.RESULT)
             and not (has_cause and join is Join.COMMA)
+            and not (join is Join.COMMA and _is_subordinate(clauses))
         )
         turns_back = not has_verb and _is_turning_back(clauses, join, mentions)
         strokes = any(mention.kind is MentionKind.ORDINAL for mention in mentions)
-        if turns_back or strokes:
+        if turns_back or strokes or (not has_verb and _is_another(mentions)):
             clause = Clause(Join.THEN)
             clauses.append(clause)
             return clause
@@ -239,6 +259,23 @@ def _open_clause(
     clause = Clause(join)
     clauses.append(clause)
     return clause
+
+
+def _is_subordinate(clauses: list[Clause]) -> bool:
+    """Whether only the time was told so far: "once it has landed, ..."."""
+    return len(clauses) == 1 and clauses[0].join is Join.AFTER and clauses[0].verb is not None
+
+
+def _is_another(mentions: list[Mention]) -> bool:
+    """Whether a segment tells of one more of them: "two kicks from the left and one from above"."""
+    for mention, after in zip(mentions, mentions[1:]):
+        counts = mention.kind is MentionKind.FUNCTION and mention.form in ("one", "another", "other")
+        if counts and (
+            after.kind in (MentionKind.DIRECTION, MentionKind.FROM)
+            or after.phrase in ("to", "from", "toward", "towards")
+        ):
+            return any(m.kind in (MentionKind.DIRECTION, MentionKind.FROM) for m in mentions)
+    return False
 
 
 def _is_other_place(last: Clause, mentions: list[Mention]) -> bool:
@@ -326,6 +363,10 @@ def _inherit(clauses: list[Clause], index: int) -> None:
             value = Verb(Effect.SCALE, sign=1 if size.value >= 1 else -1, direction="right")
             clause.verb = replace(mention, kind=MentionKind.VERB, value=value, phrase="scale")
             return
+    pulls = clause.select(MentionKind.GRAVITY)
+    if pulls and pulls[0].value == "down" and not clause.select(MentionKind.FROM):  # "then let gravity act"
+        clause.verb = replace(pulls[0], kind=MentionKind.VERB, value=VERBS["fall"], phrase="fall")
+        return
     before = next((c for c in reversed(clauses[:index]) if c.head is not None), None)
     if before is None or get_verb(before.head).effect in (Effect.STILL, Effect.RELEASE, Effect.HOLD):
         angles = [m for m in clause.select(MentionKind.QUANTITY) if getattr(m.value, "unit", "") == "degrees"]

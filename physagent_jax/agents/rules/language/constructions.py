@@ -13,6 +13,7 @@ from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import (
     FUNCTION_WORDS,
     NUMBERS,
+    PAUSES,
     UNITS,
     WHOLE_WORDS,
     Join,
@@ -37,6 +38,16 @@ _POSTURES = frozenset({"stand", "sit", "lay", "lie", "rest"})
 _BECOMING = frozenset({"get", "gets", "getting", "become", "becomes", "becoming", "got", "became"})
 _KEEPING = frozenset({"keep", "keeps", "keeping", "kept"})
 _SCENE = frozenset({"ground", "floor", "table", "ceiling", "wall", "walls", "sky"})
+_SURFACES = frozenset({"ground", "floor", "table", "sky"})
+_ACROSS = frozenset({"over", "across", "along", "about", "around", "through"})
+_OPPOSITE = {
+    "left": "right",
+    "right": "left",
+    "up": "down",
+    "down": "up",
+    "toward": "away",
+    "away": "toward",
+}
 _MEASURES = (MentionKind.QUANTITY, MentionKind.COMPARATIVE, MentionKind.INTENSITY, MentionKind.DEGREE)
 _PARTICLES = frozenset({"in", "out", "around", "about", "through", "across", "along"})
 
@@ -44,7 +55,15 @@ _PARTICLES = frozenset({"in", "out", "around", "about", "through", "across", "al
 def find_constructions(mentions: list[Mention], clauses: list[Clause]) -> list[str]:
     """Plain sentences about constructions that were not understood."""
     doubts = [doubt for index in range(len(mentions)) for rule in _RULES for doubt in rule(mentions, index)]
-    return doubts + _find_restated(clauses) + _find_denied_way(clauses)
+    return (
+        doubts
+        + _find_restated(clauses)
+        + _find_denied_way(clauses)
+        + _find_contrary_way(clauses)
+        + _find_many_ways(clauses)
+        + _find_side_alone(clauses)
+        + _find_held_side(clauses)
+    )
 
 
 def _find_comparison(mentions: list[Mention], index: int) -> list[str]:
@@ -124,6 +143,34 @@ def _find_passage(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
+def _find_scene_passage(mentions: list[Mention], index: int) -> list[str]:
+    """Says "under the table", "around the table"; "across the floor" is where it moves anyway."""
+    mention, before = mentions[index], index - 1
+    while before >= 0 and mentions[before].phrase in DETERMINERS:
+        before -= 1
+    preposition = _get_phrase(mentions, before)
+    where = mention.kind is MentionKind.FUNCTION and mention.form in _SCENE
+    if where and preposition in _PAST and not (preposition in _ACROSS and mention.form in _SURFACES):
+        return [f"Where '{preposition} the {mention.words}' is, is not understood."]
+    return []
+
+
+def _find_idle_denial(mentions: list[Mention], index: int) -> list[str]:
+    """Says "but it can not", "or not": nothing follows that would not happen."""
+    ends = index + 1 == len(mentions) or mentions[index + 1].kind is MentionKind.JOIN
+    if mentions[index].kind is MentionKind.NOT and ends and _has_motion(mentions[:index]):
+        return [f"What '{mentions[index].words}' denies is not understood."]
+    return []
+
+
+def _find_idle_pause(mentions: list[Mention], index: int) -> list[str]:
+    """Says "pausing in between" of what is not counted."""
+    mention = mentions[index]
+    if mention.phrase in PAUSES and not any(m.kind is MentionKind.REPEAT for m in mentions):
+        return [f"What '{mention.words}' is between is not understood."]
+    return []
+
+
 def _find_nameless_part(mentions: list[Mention], index: int) -> list[str]:
     """Says "one end of it", "on its side"."""
     mention, before = mentions[index], _get_phrase(mentions, index - 1)
@@ -136,13 +183,14 @@ def _find_nameless_part(mentions: list[Mention], index: int) -> list[str]:
 def _find_posture(mentions: list[Mention], index: int) -> list[str]:
     """Says "lay it on its back", "it stands on its head": something is done, and not stillness."""
     mention = mentions[index]
-    if mention.kind is not MentionKind.VERB or FORMS.get(mention.form) not in _POSTURES:
+    turns = isinstance(mention.value, Verb) and mention.value.effect is Effect.TURN
+    if mention.kind is not MentionKind.VERB or not (turns or FORMS.get(mention.form) in _POSTURES):
         return []
     place = _find_telling(mentions, index, 1)
     if place is not None and isinstance(place.value, Place) and "down" not in place.value.names:
-        if any(m.phrase in ("on", "upon") for m in mentions[index : index + 3]):
+        if any(m.phrase in ("on", "onto", "upon") for m in mentions[index : index + 4]):
             return [f"How it comes to be on its {place.words} is not understood."]
-    if mention.form not in _POSTURES:
+    if turns or mention.form not in _POSTURES:
         return []
     behind = mentions[index + 1] if index + 1 < len(mentions) else None
     imperative = index == 0 or mentions[index - 1].kind is MentionKind.JOIN
@@ -284,6 +332,65 @@ def _find_denied_way(clauses: list[Clause]) -> list[str]:
     return doubts
 
 
+def _find_contrary_way(clauses: list[Clause]) -> list[str]:
+    """Says "lift it down": the verb has its way already."""
+    doubts = []
+    for clause in clauses:
+        verb = get_verb(clause.verb) if clause.verb is not None and not clause.inherited else None
+        opposite = (
+            {"up": ("down",), "down": ("up",)}.get(verb.direction or "") if verb and verb.bound else None
+        )
+        if opposite in [m.value for m in clause.select(MentionKind.DIRECTION)]:
+            doubts.append(f"Which way '{clause.words}' goes here is not understood.")
+    return doubts
+
+
+def _find_many_ways(clauses: list[Clause]) -> list[str]:
+    """Says "hit it from the left, the right and above": three blows, and not one along their sum."""
+    doubts = []
+    for clause in clauses:
+        ways = {m.value for m in clause.select(MentionKind.DIRECTION)}
+        ways |= {
+            _OPPOSITE.get(m.value[0], "") and (_OPPOSITE[m.value[0]],)
+            for m in clause.select(MentionKind.FROM)
+            if isinstance(m.value, tuple)
+        }
+        if len(ways) > 2 and any(
+            _OPPOSITE.get(way[0]) == other[0] for way in ways for other in ways if way and other
+        ):
+            doubts.append(f"In which order '{clause.words}' goes its ways is not understood.")
+    return doubts
+
+
+def _find_side_alone(clauses: list[Clause]) -> list[str]:
+    """Says "pull its right arm", "go at the left side": which way is not told, and the one assumed may be wrong."""
+    doubts = []
+    for clause in clauses:
+        if clause.verb is None or clause.negated or get_verb(clause.verb).effect is not Effect.PUSH:
+            continue
+        sided = [
+            m
+            for m in clause.select(MentionKind.PLACE)
+            if isinstance(m.value, Place) and {"left", "right"} & set(m.value.names)
+        ]
+        told = clause.select(*_WAYS, MentionKind.SIDES, MentionKind.SOLID, MentionKind.REPEAT)
+        if sided and not told and get_verb(clause.verb).direction is None:
+            doubts.append(f"Which way '{sided[0].words}' is to go is not understood.")
+    return doubts
+
+
+def _find_held_side(clauses: list[Clause]) -> list[str]:
+    """Says "hold the left side": only the base and the top can be held."""
+    doubts = []
+    for clause in clauses:
+        if clause.verb is None or clause.negated or get_verb(clause.verb).effect is not Effect.HOLD:
+            continue
+        places = [m for m in clause.select(MentionKind.PLACE) if isinstance(m.value, Place)]
+        if places and not any({"up", "down"} & set(m.value.names) for m in places):
+            doubts.append(f"'{places[0].words}' cannot be held: only the base and the top can.")
+    return doubts
+
+
 _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_comparison,
     _find_delay,
@@ -291,6 +398,9 @@ _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_explanation,
     _find_choice,
     _find_passage,
+    _find_scene_passage,
+    _find_idle_denial,
+    _find_idle_pause,
     _find_nameless_part,
     _find_posture,
     _find_thing,

@@ -10,9 +10,10 @@ from physagent_jax.agents.rules.language.clauses import Clause, get_verb
 from physagent_jax.agents.rules.language.constructions import find_constructions
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import LOCATIONS, PARTS, Place
+from physagent_jax.agents.rules.language.movers import find_other_movers
 from physagent_jax.agents.rules.language.naming import DETERMINERS, PREPOSITIONS, is_telling
 from physagent_jax.agents.rules.language.tokens import FORMS
-from physagent_jax.agents.rules.language.verbs import CAUSES, Effect
+from physagent_jax.agents.rules.language.verbs import CAUSES, Effect, Verb
 from physagent_jax.agents.schema import SceneBrief
 
 # Parts that no direction tells the place of; "the handle" is never the object.
@@ -157,6 +158,7 @@ def find_doubts(
             if isinstance(m.value, Place) and m.value.start < 0.5 and m.phrase in brief.object_nouns
             if m.phrase not in PARTS
         ]
+    doubts += find_other_movers(mentions, names)
     doubts += find_constructions(mentions, clauses)
     return list(dict.fromkeys(doubts))
 
@@ -206,6 +208,12 @@ def _is_decorating(mentions: list[Mention], index: int, names: frozenset[str]) -
     after = mentions[behind] if behind < len(mentions) else None
     if before in DETERMINERS and after is not None and after.phrase in names:
         return True  # "the old robot"
+    if (
+        before in DETERMINERS
+        and _get_phrase(mentions, index - 2) in ("off", "from")
+        and _is_raised(mentions[:index])
+    ):
+        return True  # "is lifted off the stove"
     first = index
     while first > 0 and _is_adjective(mentions[first - 1]):
         first -= 1
@@ -223,6 +231,12 @@ def _is_done_to(mentions: list[Mention], index: int) -> bool:
     return _get_phrase(mentions, index - 1) in DETERMINERS and (
         _get_phrase(mentions, index - 2) not in PREPOSITIONS
     )
+
+
+def _is_raised(mentions: list[Mention]) -> bool:
+    """Whether the last verb lifts: what it stood on changes nothing."""
+    verbs = [m.value for m in mentions if isinstance(m.value, Verb)]
+    return bool(verbs) and verbs[-1].bound and verbs[-1].direction == "up"
 
 
 def _is_passive(mentions: list[Mention]) -> bool:

@@ -359,7 +359,12 @@ def _resolve_strength(clause: Clause, verb: Verb, before: Event | None) -> tuple
 
 def _sum_directions(names: Names, brief: SceneBrief) -> Vector:
     """Sum of named directions (not normalised)."""
-    return add(_WORLD_AXES.get(name) or getattr(brief.directions, name) for name in names)
+    along = {
+        "long": brief.long_axis or brief.directions.up,
+        "lengthwise": brief.long_axis or brief.directions.right,
+    }
+    known = _WORLD_AXES | along
+    return add(known.get(name) or getattr(brief.directions, name) for name in names)
 
 
 def _list_names(mentions: list[Mention]) -> list[Names]:
@@ -381,8 +386,13 @@ def _resolve_direction(
         m.value for m in clause.select(MentionKind.SOLID) if isinstance(m.value, Solid) and m.value.kind
     ]
     if told:
-        parts = []
-        for mention, names in zip(told, _list_names(told)):
+        parts: list[Vector] = []
+        seen: set[tuple[MentionKind, Names]] = set()
+        for mention in told:
+            names = mention.value
+            if not isinstance(names, tuple) or (mention.kind, names) in seen:
+                continue
+            seen.add((mention.kind, names))
             sign = -1.0 if mention.kind is MentionKind.FROM and not verb.pulls else 1.0
             parts.append(scale(_sum_directions(names, brief), sign))
         total, words = normalise(add(parts)), " ".join(mention.words for mention in told)

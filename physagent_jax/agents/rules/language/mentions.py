@@ -125,7 +125,7 @@ class MentionParser:
         for at in range(len(self.tokens)):
             if at not in self._used:
                 self.mentions.append(self._parse(at))
-        self.mentions = _mark_exceptions(self.mentions)
+        self.mentions = _mark_exceptions(_spread_from(self.mentions))
 
     def _parse(self, at: int) -> Mention:
         token = self.tokens[at]
@@ -136,6 +136,7 @@ class MentionParser:
             return self._make_mention(MentionKind.FUNCTION, None, token.text, [at])
         return (
             self._match_solid(at)
+            or self._match_once(at)
             or self._match_floating(at)
             or self._match_quantity(at)
             or self._match_ordinal(at)
@@ -174,6 +175,17 @@ class MentionParser:
         else:
             self.mentions[index] = replace(verb, value=v.VERBS["move"], phrase="move")
 
+    def _match_once(self, at: int) -> Mention | None:
+        """Reads "once it has landed": a time, and no count."""
+        if self._get_text(at) != "once" or self._get_text(at + 1) not in _SUBJECTS | self._object_words:
+            return None
+        for token in self.tokens[at + 1 :]:
+            if not token.is_word:
+                break
+            if token.lemma in v.VERBS or token.text in _FINITE:
+                return self._make_mention(MentionKind.JOIN, m.Join.AFTER, "once", [at])
+        return None
+
     def _match_floating(self, at: int) -> Mention | None:
         """An adjective: "the floating robot" is weightless; elsewhere it is what happens."""
         adjective = self.tokens[at].text in ("floating", "hovering") and self._is_after_determiner(at)
@@ -202,14 +214,34 @@ class MentionParser:
             return self._make_mention(MentionKind.ORDINAL, order, "ordinal", [at, at + 1][: 1 + counted])
         return None
 
+    def _comes_to_lie(self, at: int) -> bool:
+        """Whether a side is what it falls or tips on ("falls on its back"): it goes over that way."""
+        if self._get_preposition(at) not in ("on", "onto") or not self.mentions:
+            return False
+        index = len(self.mentions) - 1
+        while index > 0 and self.mentions[index].kind in (MentionKind.FUNCTION, MentionKind.INTENSITY):
+            index -= 1
+        verb = self.mentions[index].value
+        if not isinstance(verb, v.Verb) or verb.effect not in _GOING_OVER:
+            return False
+        if verb.effect is not v.Effect.TOPPLE:
+            self.mentions[index] = replace(self.mentions[index], value=v.VERBS["topple"], phrase="topple")
+        return True
+
     def _match_place(self, at: int) -> Mention | None:
         """Places and directions that share words: "the left arm", "its upper half", "the top", "from the front"."""
+        if self.tokens[at].text in _LYING and self._comes_to_lie(at):
+            return self._make_mention(
+                MentionKind.DIRECTION, _LYING[self.tokens[at].text], self.tokens[at].text + " side", [at]
+            )
         for size in (2, 1):
             phrase = " ".join(t.text for t in self.tokens[at : at + size])
             names, part = m.PART_ADJECTIVES.get(phrase), self._get_text(at + size)
             towards = self._get_preposition(at) in ("to", "toward", "towards", "from", "into")
             if names and part in m.PARTS:
                 used = list(range(at, at + size + 1))
+                if part == "side" and self._comes_to_lie(at):
+                    return self._make_mention(MentionKind.DIRECTION, names, phrase, used)
                 if towards:
                     return self._make_direction(names, phrase, used)
                 return self._make_mention(
@@ -311,11 +343,20 @@ class MentionParser:
         """The place of ``until`` at most `LONGEST_GAP` words on; past the end if it is not there."""
         for reach in range(1, LONGEST_GAP + 1):
             there = position + reach
-            if there >= len(self.tokens) or not self.tokens[there - 1].is_word:
+            if there >= len(self.tokens) or not self._is_in_noun_phrase(there - 1):
                 break
             if until in (self.tokens[there].text, self.tokens[there].lemma):
                 return there
         return len(self.tokens)
+
+    def _is_in_noun_phrase(self, at: int) -> bool:
+        """Whether a word can stand between a verb and its particle: in "push it until it tips over" one cannot."""
+        token = self.tokens[at]
+        joins = m.JOINS.get(token.text, m.Join.AND) is not m.Join.AND
+        if not token.is_word or joins or token.text in _FINITE:
+            return False
+        named = token.text in self._object_words or self._is_after_determiner(at)
+        return named or token.lemma not in v.VERBS
 
     def _is_noun(self, entry: tuple[tuple[str, ...], MentionKind, object], at: int) -> bool:
         """Whether this reading is wrong because the word stands as a noun, or is the object or an agent."""
@@ -338,6 +379,9 @@ class MentionParser:
             return True  # nor does "push it over 3 seconds", "over the edge"
         if kind is not MentionKind.VERB or len(words) > 1:
             return False
+        inflected = text != self.tokens[at].lemma and not text.endswith(("ing", "s"))
+        if inflected and self._is_after_determiner(at) and self._get_text(at + 1) not in self._object_words:
+            return True  # "in this shot"
         if text in v.CAUSES:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
             return before in _DETERMINERS or before in m.INTENSITIES or self._get_text(at - 2) in ("a", "an")
         return phrase in v.NOUNS_AFTER_THE and before in ("the", "its", "a")
@@ -395,10 +439,35 @@ class MentionParser:
         return self._get_text(before)
 
 
+_GOING_OVER = (v.Effect.LEAN, v.Effect.TOPPLE, v.Effect.FALL)
+_LYING: dict[str, m.Names] = {
+    "back": ("away",),
+    "front": ("toward",),
+    "face": ("toward",),
+    "belly": ("toward",),
+}
+_ORIGINS = frozenset(
+    {"left", "right", "top", "bottom", "front", "back", "above", "below", "behind", "beneath"}
+)
+_SUBJECTS = _DETERMINERS | {"it", "he", "she", "they"}
+_FINITE = frozenset({"is", "are", "was", "were", "has", "have", "will", "would", "can", "should"})
 _BEHIND_NOUNS = frozenset(
     {".", ",", ";", "!", "?", "and", "on", "in", "at", "from", "to", "of", "above", "below"}
 )
 _AGAINST = frozenset({"against", "into", "at", "onto", "on", "off"})
+
+
+def _spread_from(mentions: list[Mention]) -> list[Mention]:
+    """Makes what is listed behind "from" a place that it comes from: "from the left, the right and above"."""
+    result: list[Mention] = []
+    listing = False
+    for mention in mentions:
+        joins = mention.kind is MentionKind.JOIN and mention.value in (m.Join.AND, m.Join.COMMA)
+        if listing and mention.kind is MentionKind.DIRECTION and mention.phrase in _ORIGINS:
+            mention = replace(mention, kind=MentionKind.FROM)
+        listing = mention.kind is MentionKind.FROM or listing and (joins or mention.phrase in _DETERMINERS)
+        result.append(mention)
+    return result
 
 
 def _mark_exceptions(mentions: list[Mention]) -> list[Mention]:

@@ -104,8 +104,10 @@ ENDS: dict[str, Names] = _spread(
 # An axis named as a line: stretching goes along it, rotation about it.
 AXES: dict[str, Names] = _spread(
     {
-        "vertical axis, upright axis, height, its own axis, its axis, long axis, vertical": ("up",),
-        "horizontal axis, width, length, horizontal, lengthwise, lengthways": ("right",),
+        "vertical axis, upright axis, height, its own axis, its axis, vertical": ("up",),
+        "horizontal axis, width, horizontal": ("right",),
+        "length, lengthwise, lengthways": ("lengthwise",),
+        "long axis, longest axis": ("long",),
         "depth, viewing axis, viewing direction, line of sight, view axis, depth axis, "
         "viewer axis, crosswise": ("toward",),
         "x axis": ("x",),
@@ -132,15 +134,28 @@ SIDES: dict[str, bool] = _spread(
 
 SENSES: dict[str, int] = _spread(
     {
-        "clockwise": -1,
-        "counterclockwise, anticlockwise, counter clockwise, anti clockwise": 1,
+        "clockwise, clock wise": -1,
+        "counterclockwise, anticlockwise, counter clockwise, anti clockwise, counter clock wise, anti clock wise": 1,
     }
 )
-VIEWS: dict[str, Names] = _spread(
+_ONLOOKERS: dict[str, Names] = _spread(
     {
-        "seen from above, viewed from above, from a bird eye view": ("up",),
-        "seen from below, viewed from below": ("down",),
-        "seen from the front, as we see it, as seen by the viewer, seen by the viewer, "
+        "above, the top": ("up",),
+        "below, underneath": ("down",),
+        "the front": ("toward",),
+        "behind, the back": ("away",),
+        "the left": ("left",),
+        "the right": ("right",),
+    }
+)
+VIEWS: dict[str, Names] = {
+    f"{looked} from {where}": names
+    for looked in ("seen", "viewed", "looked at", "as seen", "as viewed", "when seen", "when viewed")
+    for where, names in _ONLOOKERS.items()
+} | _spread(
+    {
+        "from a bird eye view": ("up",),
+        "as we see it, as seen by the viewer, seen by the viewer, "
         "in the picture, in the picture plane, in the image plane": ("toward",),
     }
 )
@@ -252,7 +267,7 @@ GRAVITY: dict[str, str] = _spread(
         "gravity, own weight, its weight, from a height, from height, from high up, from the sky, "
         "from a great height, free fall": "down",
         "weightless, weightlessly, weightlessness, zero gravity, in space, outer space, in zero g, "
-        "in mid air, in midair, held in the air, hold ~ in the air, floating in the air, gravity off, "
+        "in orbit, in mid air, in midair, held in the air, hold ~ in the air, floating in the air, gravity off, "
         "gravity stops, gravity vanishes, gravity disappears, gravity ceases, gravity is off, "
         "gravity is switched off, gravity is turned off, turn off gravity, turn off the gravity, turn gravity off, "
         "turn the gravity off, switch gravity off, switch the gravity off, switch off the gravity, "
@@ -325,7 +340,7 @@ JOINS: dict[str, Join] = _spread(
         "in order to, which, because of, caused by, due to, make, makes, cause, causes": Join.RESULT,
         "but, however, yet": Join.BUT,
         "before": Join.BEFORE,
-        "after": Join.AFTER,
+        "after, before that, beforehand, before this": Join.AFTER,
     }
 )
 NEGATIONS = frozenset(
@@ -392,7 +407,8 @@ FUNCTION_WORDS = frozenset(
         "given giving take takes took taken put puts keep keeps kept start starts started starting begin begins began "
         "beginning become becomes became try tries continue continues come comes came coming act acts acting applied "
         "apply applies applying receive receives received undergo undergoes experience experiences feel feels want "
-        "wants thank thanks kindly see show mind wish hope "
+        "wants need needs thank thanks kindly see show mind wish hope imagine suppose supposing assume assuming "
+        "possible set sets setting react reacts pointing directed aimed shot "
         "touch touching touched arrive arrives reach reaches happen happens likes please ok "
         "someone somebody person people something nothing anything everything hand hands finger fingers fist fists "
         "hammer ball foot feet rope string invisible giant "
@@ -403,6 +419,12 @@ FUNCTION_WORDS = frozenset(
         "seconds frame frames degrees whole entire entirely original straight directly toward towards much "
         "suddenly s t per percent"
     ).split()
+)
+# Strokes that are counted are apart anyway.
+PAUSES = frozenset(
+    f"{rest} {where}"
+    for rest in ("pause", "a pause", "wait", "rest", "a rest", "stop", "halt", "a break")
+    for where in ("in between", "between", "between them", "after each", "after each time", "each time")
 )
 FUNCTION_PHRASES = frozenset(
     {
@@ -424,6 +446,7 @@ FUNCTION_PHRASES = frozenset(
         "lots of",
         "each other",
     }
+    | PAUSES
 )
 # Words for whoever acts; with "a" or "an" in front they are not parts of the object.
 AGENT_NOUNS = frozenset("hand hands finger fingers fist foot arm leg head hammer stick ball".split())

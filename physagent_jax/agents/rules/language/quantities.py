@@ -133,6 +133,10 @@ def match_quantity(tokens: list[Token], at: int) -> tuple[Quantity, int] | None:
         behind, dimension = _match_dimension(tokens, at)
         if dimension:
             return Quantity(1.0, "share", dimension), behind
+    factor = at + (text in ("a", "the"))
+    if _get(tokens, factor) == "factor" and _get(tokens, factor + 1) == "of":  # "by a factor of 1.3"
+        counted = match_number(tokens, factor + 2)
+        return None if counted is None else (Quantity(counted[0], "share"), counted[1])
     counted = match_number(tokens, at)
     if counted is None:
         return None

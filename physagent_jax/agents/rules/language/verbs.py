@@ -52,6 +52,7 @@ class Verb:
         wind: A cause that pushes whatever verb it "does" ("the wind hits the plant").
         wrings: A turn of one end against the other, unless the sentence names a part.
         holds: The end that a HOLD verb or adjective fixes unless the sentence names one.
+        bound: ``direction`` is part of what it means: nothing is lifted downwards.
     """
 
     effect: Effect
@@ -66,6 +67,7 @@ class Verb:
     wind: bool = False
     wrings: bool = False
     holds: Literal["base", "top"] = "base"
+    bound: bool = False
 
 
 _D = Effect
@@ -81,10 +83,17 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     ("pull, drag, tug, draw, haul, tow, attract, suck", Verb(_D.PUSH, pulls=True)),
     ("yank, jerk", Verb(_D.PUSH, strength=1.3, pulls=True)),
     ("blow", Verb(_D.PUSH, wind=True)),
-    ("lift, raise, rise, hoist, elevate, ascend, climb, pick up, pick ~ up", Verb(_D.PUSH, direction="up")),
+    (
+        "lift, raise, rise, hoist, elevate, ascend, pick up, pick ~ up, put up, put ~ up",
+        Verb(_D.PUSH, direction="up", bound=True),
+    ),
+    ("climb", Verb(_D.PUSH, direction="up")),
     ("float, levitate, hover", Verb(_D.PUSH, strength=0.5, direction="up")),
     ("soar, take off", Verb(_D.PUSH, strength=1.3, direction="up")),
-    ("lower, sink, descend, set down, set ~ down, put down, put ~ down", Verb(_D.PUSH, direction="down")),
+    (
+        "lower, sink, descend, set down, set ~ down, put down, put ~ down",
+        Verb(_D.PUSH, direction="down", bound=True),
+    ),
     # the upper end goes somewhere
     ("bend, lean, tilt, tip", Verb(_D.LEAN)),
     ("droop", Verb(_D.LEAN, direction="down")),
@@ -206,12 +215,18 @@ _CAUSE_ROWS: tuple[tuple[str, Verb], ...] = (
 
 # Adjectives that say how the object becomes: "it gets taller".
 _RESULT_ROWS: tuple[tuple[str, Verb], ...] = (
-    ("taller, higher", Verb(_D.SCALE, direction="up", generic=True)),
-    ("wider, longer, broader", Verb(_D.SCALE, direction="right", generic=True)),
-    ("shorter, flatter, flat", Verb(_D.SCALE, sign=-1, direction="up", generic=True)),
-    ("thinner, narrower, slimmer", Verb(_D.SCALE, sign=-1, direction="right", generic=True)),
-    ("bigger, larger, fatter", Verb(_D.SWELL, generic=True)),
-    ("smaller", Verb(_D.SWELL, sign=-1, generic=True)),
+    ("taller, higher, more tall, more high", Verb(_D.SCALE, direction="up", generic=True)),
+    (
+        "wider, longer, broader, more wide, more long, more broad",
+        Verb(_D.SCALE, direction="right", generic=True),
+    ),
+    ("shorter, flatter, flat, more short, more flat", Verb(_D.SCALE, sign=-1, direction="up", generic=True)),
+    (
+        "thinner, narrower, slimmer, more thin, more narrow, more slim",
+        Verb(_D.SCALE, sign=-1, direction="right", generic=True),
+    ),
+    ("bigger, larger, fatter, more big, more large", Verb(_D.SWELL, generic=True)),
+    ("smaller, more small", Verb(_D.SWELL, sign=-1, generic=True)),
 )
 
 # Past forms that rules do not derive.

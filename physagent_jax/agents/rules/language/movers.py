@@ -1,0 +1,59 @@
+"""Sentences in which something other than the object moves: "a bird lands on the robot", "jump over it".
+
+The verbs are the grammar's own, so that word by word the object would land or jump.
+"""
+
+from __future__ import annotations
+
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.naming import DETERMINERS
+from physagent_jax.agents.rules.language.verbs import Effect, Verb
+
+# Who does these moves by itself: nothing is "landed" or "sat".
+_BY_ITSELF = (Effect.STILL, Effect.FALL, Effect.JUMP, Effect.ROLL, Effect.TURN)
+_ONTO = frozenset({"on", "onto", "upon", "into", "against", "off", "beside"})
+_BY = frozenset({"over", "under", "past", "around", "above", "below", "beneath", "behind", "between"})
+_BETWEEN = (
+    MentionKind.FUNCTION,
+    MentionKind.UNKNOWN,
+    MentionKind.DIRECTION,
+    MentionKind.INTENSITY,
+    MentionKind.DEGREE,
+)
+_ITSELF = frozenset({"it", "him", "her", "itself"})
+
+
+def find_other_movers(mentions: list[Mention], names: frozenset[str]) -> list[str]:
+    """Plain sentences about what moves past or onto the object, and is not the object."""
+    doubts = []
+    for index, mention in enumerate(mentions):
+        verb = mention.value
+        if mention.kind is not MentionKind.VERB or not isinstance(verb, Verb):
+            continue
+        if any(m.kind is MentionKind.CAUSE for m in mentions[:index]):
+            continue  # "the wind blows over the plant"
+        place = _find_preposition(mentions, index, names)
+        if place is None:
+            continue
+        alone = verb.effect in _BY_ITSELF or verb.effect is Effect.PUSH and verb.generic
+        passes = verb.effect in (Effect.PUSH, Effect.SWAY) and not verb.wind and place in _BY
+        if alone or passes:
+            doubts.append(f"What it is that goes '{place}' the object is not understood.")
+    return doubts
+
+
+def _find_preposition(mentions: list[Mention], index: int, names: frozenset[str]) -> str | None:
+    """The preposition that sets the object, named or "it", beside what the verb at ``index`` moves."""
+    for at in range(index + 1, len(mentions)):
+        mention = mentions[at]
+        if mention.kind not in _BETWEEN or mention.phrase in names | _ITSELF:
+            return None
+        if mention.phrase in _ONTO | _BY:
+            behind = at + 1
+            while behind < len(mentions) and mentions[behind].phrase in DETERMINERS:
+                behind += 1
+            if behind == len(mentions) or mentions[behind].phrase not in names | _ITSELF:
+                return None
+            owns = behind + 1 < len(mentions) and mentions[behind + 1].kind is MentionKind.PLACE
+            return None if owns else mention.phrase
+    return None
