@@ -122,6 +122,8 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     compile_slots(slots, builder)
     _state_gravity(mentions, builder)
     _expect_stillness(clauses, builder)
+    if builder.gravity == "none" and any(e.kind is MotionKind.FALL for e in builder.expectations):
+        builder.unsure.append("How it falls without gravity is not understood.")
     solids = [m for m in mentions if m.kind is MentionKind.SOLID]
     if len(solids) > len(builder.obstacles):
         builder.unsure.append(f"Where '{solids[-1].words}' is, is not understood.")
@@ -221,6 +223,9 @@ def _read_events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Even
         directed = next((e for e in reversed(events) if e.direction is not None), None)
         event = interpret(clause, directed, builder.brief)
         ways = [mention.value for mention in clause.select(MentionKind.DIRECTION)]
+        lands = bool(events) and events[-1].effect is Effect.FALL and event.effect is Effect.FALL
+        if lands and event.direction is None and event.when == events[-1].when:
+            continue  # "it drops and bounces"
         if event.effect is Effect.FALL and builder.gravity is None and ("up",) in ways:
             builder.gravity = "up"  # "it falls upwards"
         events.append(_put_under_gravity(event, clause, builder.gravity))
@@ -306,6 +311,8 @@ def _expect_stillness(clauses: list[Clause], builder: ForceFieldBuilder) -> None
     """A sentence that forbids all motion, or only holds something, asks for stillness."""
     if builder.expectations:
         return
+    if any(c.negated and c.verb is not None and get_verb(c.verb).effect is Effect.STILL for c in clauses):
+        builder.unsure.append("What it is to do, if not to be still, is not understood.")
     words = " ".join(c.words for c in clauses if c.head)
     window = builder.fit_window((0.0, builder.last)) or (0.0, builder.last)
     builder.expectations.append(ExpectedMotion(kind=MotionKind.STILL, window=window, words=words[:200]))

@@ -9,7 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
-from physagent_jax.agents.rules.language.modifiers import OPPOSITE_GRAVITY, Join, Names, Place, Repeat
+from physagent_jax.agents.rules.language.modifiers import (
+    OPPOSITE_GRAVITY,
+    SCENE_NOUNS,
+    Join,
+    Names,
+    Place,
+    Repeat,
+)
 from physagent_jax.agents.rules.language.quantities import Quantity
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 
@@ -42,6 +49,9 @@ _OPPOSITES: tuple[tuple[Names, Names], ...] = (
     (("up",), ("down",)),
     (("toward",), ("away",)),
 )
+_TIMED = frozenset({Join.WHILE, Join.AFTER, Join.BEFORE})
+_HEADS = (MentionKind.VERB, MentionKind.CAUSE)
+_MEASURED = {MentionKind.INTENSITY, MentionKind.COMPARATIVE, MentionKind.QUANTITY, MentionKind.TIME}
 _GOING_ON = frozenset({Join.AND, Join.THEN})
 _DURING = frozenset({"while", "whilst", "as"})
 _SEPARATE_EFFECTS = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
@@ -107,7 +117,8 @@ def _split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]
     """Cuts at connectives; of several in a row (", and then") the most telling one counts."""
     rank = [Join.COMMA, Join.AND, Join.RESULT, Join.WHILE, Join.BUT, Join.THEN, Join.AFTER, Join.BEFORE]
     segments: list[tuple[Join, list[Mention]]] = [(Join.THEN, [])]
-    for mention in mentions:
+    mentions = _part_list(mentions)
+    for index, mention in enumerate(mentions):
         if mention.kind is MentionKind.JOIN:
             assert isinstance(mention.value, Join)
             if any(m.kind is not MentionKind.FUNCTION for m in segments[-1][1]):
@@ -119,8 +130,48 @@ def _split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]
             elif len(segments) > 1 or mention.value in (Join.BEFORE, Join.AFTER):
                 segments[-1] = (max(segments[-1][0], mention.value, key=rank.index), segments[-1][1])
         else:
+            if (
+                len(segments) == 1
+                and segments[0][0] in _TIMED
+                and _begins_main_clause(mentions[index:], segments[0][1])
+            ):
+                segments.append((Join.COMMA, []))  # "as it falls it spins"
             segments[-1][1].append(mention)
     return [segment for segment in segments if segment[1]]
+
+
+def _begins_main_clause(mentions: list[Mention], before: list[Mention]) -> bool:
+    """Whether a subject with its verb stands behind the one that only told the time."""
+    subject, *rest = mentions
+    if subject.form not in ("it", "he", "she") or not any(m.kind in _HEADS for m in before):
+        return False
+    follows = next((m for m in rest if m.kind is not MentionKind.INTENSITY), None)
+    if follows is None:
+        return False
+    finite = follows.kind is MentionKind.VERB and follows.form.endswith("s")
+    return finite or follows.form in ("is", "gets", "will")
+
+
+def _part_list(mentions: list[Mention]) -> list[Mention]:
+    """Makes steps of the ways in a list that goes on with "then": "left, up, then right"."""
+    joins = [i for i, m in enumerate(mentions) if m.kind is MentionKind.JOIN]
+    result = list(mentions)
+    for begin, at, end in zip([-1, *joins], joins, joins[1:]):
+        if not any(m.kind is MentionKind.DIRECTION for m in mentions[begin + 1 : at]):
+            continue
+        listed = mentions[at].value is Join.COMMA and mentions[end].value in (Join.COMMA, Join.THEN)
+        kinds = {m.kind for m in mentions[at + 1 : end]} - {MentionKind.FUNCTION}
+        goes_on = any(
+            mentions[i].value is Join.THEN and mentions[i].words.isalpha() for i in joins if i >= end
+        )
+        if (
+            listed
+            and goes_on
+            and kinds <= {MentionKind.DIRECTION, MentionKind.INTENSITY}
+            and MentionKind.DIRECTION in kinds
+        ):
+            result[at] = replace(mentions[at], value=Join.THEN)
+    return result
 
 
 def _apply_negations(mentions: list[Mention]) -> list[Mention]:
@@ -135,6 +186,9 @@ def _apply_negations(mentions: list[Mention]) -> list[Mention]:
         )  # "do not push it too hard" pushes it
         if mention.kind is MentionKind.NOT:
             pending = mention
+        elif pending is not None and pending.phrase in ("no", "without") and mention.form in SCENE_NOUNS:
+            pending = None  # "without a floor it falls"
+            result.append(mention)
         elif pending is None or mention.kind not in _NEGATABLE:
             result.append(mention)
         elif mention.kind is MentionKind.DEGREE:  # "not too hard": the intensity that follows is negated
@@ -242,7 +296,8 @@ def _open_clause(
         )
         turns_back = not has_verb and _is_turning_back(clauses, join, mentions)
         strokes = any(mention.kind is MentionKind.ORDINAL for mention in mentions)
-        if turns_back or strokes or (not has_verb and _is_another(mentions)):
+        beside = not has_verb and (_is_another(mentions) or _is_other_measure(last, join, mentions))
+        if turns_back or strokes or beside:
             clause = Clause(Join.THEN)
             clauses.append(clause)
             return clause
@@ -276,6 +331,18 @@ def _is_another(mentions: list[Mention]) -> bool:
         ):
             return any(m.kind in (MentionKind.DIRECTION, MentionKind.FROM) for m in mentions)
     return False
+
+
+def _is_other_measure(last: Clause, join: Join, mentions: list[Mention]) -> bool:
+    """Whether a segment goes the other way by its own measure: "hard to the left and softly to the right"."""
+    if join is not Join.AND or last.head is None or get_verb(last.head).effect is Effect.SWAY:
+        return False
+    kinds = {mention.kind for mention in mentions}
+    before = [m.value for m in last.select(MentionKind.DIRECTION, MentionKind.FROM)]
+    now = [m.value for m in mentions if m.kind in (MentionKind.DIRECTION, MentionKind.FROM)]
+    opposite = bool(before and now) and any({before[-1], now[0]} == set(pair) for pair in _OPPOSITES)
+    both_counted = MentionKind.REPEAT in kinds and bool(last.select(MentionKind.REPEAT))
+    return opposite and (both_counted or bool(kinds & _MEASURED))
 
 
 def _is_other_place(last: Clause, mentions: list[Mention]) -> bool:
@@ -434,7 +501,10 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         if clause.join is Join.COMMA and clause.verb and merged and merged[-1].head is not None:
             participle = clause.verb.form.endswith("ing") and not merged[-1].head.form.endswith("ing")
             beside = participle and _is_moving_beside(merged[-1], clause)
+            beside = beside or merged == clauses[:1] and _is_meanwhile(merged[-1], clause)
             clause.join = Join.WHILE if beside else Join.RESULT if participle else Join.COMMA
+        if clause.join is Join.RESULT and merged and _is_at_rest(merged[-1]):
+            clause.join = Join.THEN  # "nothing happens until it is hit"
         related = clause.join is Join.RESULT
         if merged and _is_carried_off(merged[-1], clause):
             clause.modifiers = [mention for mention in clause.modifiers if mention.phrase != "away"]
@@ -458,6 +528,12 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         else:
             _merge(merged[-1], clause)
     return merged
+
+
+def _is_at_rest(clause: Clause) -> bool:
+    """Whether a clause says that nothing moves."""
+    verb = None if clause.verb is None or clause.negated else get_verb(clause.verb)
+    return verb is not None and verb.effect is Effect.STILL and not verb.generic
 
 
 def _share_direction(blow: Clause, clause: Clause) -> None:
@@ -484,6 +560,14 @@ def _is_moving_beside(cause: Clause, clause: Clause) -> bool:
     first, second = get_verb(cause.head), get_verb(clause.verb)
     pushed = first.effect is Effect.PUSH and not (first.wind or first.generic)
     return pushed and cause.cause is None and second.effect is Effect.TURN and bool(cause.select(*_WHERE))
+
+
+def _is_meanwhile(first: Clause, clause: Clause) -> bool:
+    """Whether a participle stands before what happens at the same time: "spinning, it rises"."""
+    if first.verb is None or clause.verb is None or first.join is Join.AFTER or first.negated:
+        return False
+    still = get_verb(first.verb).effect in (Effect.STILL, Effect.RELEASE, Effect.HOLD)
+    return first.verb.form.endswith("ing") and not clause.verb.form.endswith("ing") and not still
 
 
 def _is_introducing(cause: Clause, clause: Clause) -> bool:

@@ -8,18 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from physagent_jax.agents.rules.language.clauses import Clause, get_verb
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import (
     FUNCTION_WORDS,
     NUMBERS,
     PAUSES,
+    SCENE_NOUNS,
     UNITS,
     WHOLE_WORDS,
     Join,
     Place,
 )
 from physagent_jax.agents.rules.language.naming import DETERMINERS
+from physagent_jax.agents.rules.language.quantities import Quantity
 from physagent_jax.agents.rules.language.tokens import FORMS
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
@@ -35,35 +36,21 @@ _PAST = frozenset(
 _GOALS = frozenset({"to", "toward", "towards", "into", "onto", "from"})
 _NAMELESS_PARTS = frozenset({"end", "ends", "part", "parts", "side", "corner", "edge"})
 _POSTURES = frozenset({"stand", "sit", "lay", "lie", "rest"})
+_SCALES = (Effect.SCALE, Effect.SWELL)
 _BECOMING = frozenset({"get", "gets", "getting", "become", "becomes", "becoming", "got", "became"})
 _KEEPING = frozenset({"keep", "keeps", "keeping", "kept"})
 _SCENE = frozenset({"ground", "floor", "table", "ceiling", "wall", "walls", "sky"})
+_GOALS_HERE = frozenset({"table", "hand", "hands", "person", "people", "ball", "plate", "rope"})
+_SUPPORTS = frozenset({"plate", "plates"})
 _SURFACES = frozenset({"ground", "floor", "table", "sky"})
 _ACROSS = frozenset({"over", "across", "along", "about", "around", "through"})
-_OPPOSITE = {
-    "left": "right",
-    "right": "left",
-    "up": "down",
-    "down": "up",
-    "toward": "away",
-    "away": "toward",
-}
 _MEASURES = (MentionKind.QUANTITY, MentionKind.COMPARATIVE, MentionKind.INTENSITY, MentionKind.DEGREE)
 _PARTICLES = frozenset({"in", "out", "around", "about", "through", "across", "along"})
 
 
-def find_constructions(mentions: list[Mention], clauses: list[Clause]) -> list[str]:
+def find_constructions(mentions: list[Mention]) -> list[str]:
     """Plain sentences about constructions that were not understood."""
-    doubts = [doubt for index in range(len(mentions)) for rule in _RULES for doubt in rule(mentions, index)]
-    return (
-        doubts
-        + _find_restated(clauses)
-        + _find_denied_way(clauses)
-        + _find_contrary_way(clauses)
-        + _find_many_ways(clauses)
-        + _find_side_alone(clauses)
-        + _find_held_side(clauses)
-    )
+    return [doubt for index in range(len(mentions)) for rule in _RULES for doubt in rule(mentions, index)]
 
 
 def _find_comparison(mentions: list[Mention], index: int) -> list[str]:
@@ -155,11 +142,138 @@ def _find_scene_passage(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
+def _find_unknown_goal(mentions: list[Mention], index: int) -> list[str]:
+    """Says "towards the hand", "into a ball", "in the direction of the hill": a way that no direction tells."""
+    mention, after = mentions[index], mentions[index + 1 : index + 4]
+    noun = next((m.form for m in after if m.phrase not in DETERMINERS), "")
+    goal = mention.form in ("toward", "towards", "into") or mention.form == "to" and noun in _GOALS_HERE
+    goal = goal or mention.form == "direction" and _get_phrase(mentions, index + 1) == "of"
+    if mention.kind is not MentionKind.FUNCTION or not goal:
+        return []
+    if any(m.kind in (*_WAYS, MentionKind.SOLID, MentionKind.PLACE, MentionKind.UNKNOWN) for m in after):
+        return []
+    told = next((m for m in reversed(mentions[:index]) if isinstance(m.value, Verb)), None)
+    if told is not None and isinstance(told.value, Verb) and told.value.effect is Effect.STRIKE:
+        return []  # "bumps into it"
+    return [f"Where '{' '.join(m.words for m in (mention, *after[:2]))}' is, is not understood."]
+
+
+def _find_means(mentions: list[Mention], index: int) -> list[str]:
+    """Says "stretch it by pulling its head": one thing, told twice."""
+    mention, before = mentions[index], _get_phrase(mentions, index - 1)
+    means = mention.kind is MentionKind.VERB and mention.form.endswith("ing") and before == "by"
+    if means and _has_motion(mentions[: index - 1]):
+        return [f"How 'by {mention.words}' does it is not understood."]
+    return []
+
+
+def _find_camera(mentions: list[Mention], index: int) -> list[str]:
+    """Says "the camera moves left": no sentence moves it, and the object is not meant."""
+    mention = mentions[index]
+    if mention.kind is MentionKind.FUNCTION and mention.form in ("camera", "cameras"):
+        return ["What the camera does is not told by a sentence."]
+    return []
+
+
+def _find_growth(mentions: list[Mention], index: int) -> list[str]:
+    """Says "jump higher", "throw it twice, the second time longer": more of it, and no growth."""
+    mention = mentions[index]
+    grows = isinstance(mention.value, Verb) and mention.value.generic and mention.value.effect in _SCALES
+    if not grows or not mention.form.endswith("er"):
+        return []
+    for other in reversed(mentions[:index]):
+        if other.form in _BECOMING | {"make", "makes", "made", "making", "is", "be"}:
+            return []
+        if isinstance(other.value, Verb):
+            same = other.value.effect in (*_SCALES, Effect.STILL)
+            return [] if same else [f"What is '{mention.words}' is not understood."]
+    return []
+
+
+def _find_state(mentions: list[Mention], index: int) -> list[str]:
+    """Says "the fallen robot", "the robot is on the left": how it is at first."""
+    mention = mentions[index]
+    if mention.phrase == "state":
+        return [f"That it is '{mention.words}' at first is not understood."]
+    if mention.form not in ("is", "are", "was", "were") or mention.kind is not MentionKind.FUNCTION:
+        return []
+    first = index
+    while first > 0 and mentions[first - 1].kind is not MentionKind.JOIN:
+        first -= 1
+    end = index + 1
+    while end < len(mentions) and mentions[end].kind is not MentionKind.JOIN:
+        end += 1
+    kinds = {m.kind for m in mentions[first:end]}
+    says = kinds & {
+        *_MOTIONS,
+        MentionKind.GRAVITY,
+        MentionKind.ANCHOR,
+        MentionKind.COMPARATIVE,
+        MentionKind.NOT,
+    }
+    told = [m for m in mentions[index + 1 : end] if m.kind in (MentionKind.DIRECTION, MentionKind.QUANTITY)]
+    placed = [m for m in told if not isinstance(m.value, Quantity) or m.value.unit == "metres"]
+    if placed and not says:
+        return [f"That it is '{placed[0].words}' at first is not understood."]
+    return []
+
+
 def _find_idle_denial(mentions: list[Mention], index: int) -> list[str]:
     """Says "but it can not", "or not": nothing follows that would not happen."""
     ends = index + 1 == len(mentions) or mentions[index + 1].kind is MentionKind.JOIN
     if mentions[index].kind is MentionKind.NOT and ends and _has_motion(mentions[:index]):
         return [f"What '{mentions[index].words}' denies is not understood."]
+    return []
+
+
+def _find_counted_pause(mentions: list[Mention], index: int) -> list[str]:
+    """Says "three times with pauses of a second": how long the pauses are, and not what comes after all."""
+    mention = mentions[index]
+    rests = (
+        isinstance(mention.value, Verb) and mention.value.effect is Effect.STILL and not mention.value.generic
+    )
+    counted = any(m.kind is MentionKind.REPEAT for m in mentions[:index])
+    if (
+        rests
+        and counted
+        and mention.form.endswith(("ing", "s"))
+        and mentions[index - 1].kind is not MentionKind.NOT
+    ):
+        if mention.form.endswith("ing") or any(m.form == "with" for m in mentions[max(index - 4, 0) : index]):
+            return [f"When '{mention.words}' is, is not understood."]
+    return []
+
+
+def _find_acted_scene(mentions: list[Mention], index: int) -> list[str]:
+    """Says "tilt the plate", "push the wall": what is around the object; shaken, it shakes the object."""
+    mention = mentions[index]
+    solid = mention.kind is MentionKind.SOLID
+    placed = index >= 2 and _get_phrase(mentions, index - 1) in DETERMINERS
+    verb = mentions[index - 2].value if placed and mentions[index - 2].kind is MentionKind.VERB else None
+    scene = mention.kind is MentionKind.FUNCTION and mention.form in _SCENE | _SUPPORTS
+    acted = isinstance(verb, Verb) and verb.effect is not Effect.SWAY and not (solid and verb.generic)
+    return [f"'{mention.words}' does not move here."] if acted and (solid or scene) else []
+
+
+def _find_placed_thing(mentions: list[Mention], index: int) -> list[str]:
+    """Says "there is a table", "it bounces between two walls": things that are not here."""
+    mention = mentions[index]
+    there = [m.form for m in mentions[max(index - 3, 0) : index]]
+    if mention.kind is MentionKind.FUNCTION and mention.form in SCENE_NOUNS and there[:2] == ["there", "is"]:
+        return [f"There is no {mention.words} here."]
+    presses = any(isinstance(m.value, Verb) and m.value.effect in _SCALES for m in mentions)
+    if mention.phrase == "plates" and not presses:
+        return [f"Where '{mention.words}' is, is not understood."]
+    return []
+
+
+def _find_whereabouts(mentions: list[Mention], index: int) -> list[str]:
+    """Says "the robot on the left", "push it on the left": where, and not where to."""
+    mention = mentions[index]
+    if mention.kind is not MentionKind.DIRECTION or mention.phrase not in ("left", "right"):
+        return []
+    if _get_phrase(mentions, index - 1) in DETERMINERS and _get_phrase(mentions, index - 2) in ("on", "at"):
+        return [f"What is 'on the {mention.words}' is not understood."]
     return []
 
 
@@ -196,6 +310,16 @@ def _find_posture(mentions: list[Mention], index: int) -> list[str]:
     imperative = index == 0 or mentions[index - 1].kind is MentionKind.JOIN
     if imperative and behind is not None and behind.phrase in DETERMINERS | {"it", "him", "them"}:
         return [f"What '{mention.words}' does is not understood."]
+    return []
+
+
+def _find_facing(mentions: list[Mention], index: int) -> list[str]:
+    """Says "turn its back to us": all of it turns, so that its back is there."""
+    mention = mentions[index]
+    before = next((m for m in reversed(mentions[:index]) if m.phrase not in DETERMINERS), None)
+    turns = before is not None and isinstance(before.value, Verb) and before.value.effect is Effect.TURN
+    if turns and mention.kind is MentionKind.PLACE and mention.phrase in ("back", "front"):
+        return [f"Where its {mention.words} is to be is not understood."]
     return []
 
 
@@ -253,7 +377,9 @@ def _find_measured_gravity(mentions: list[Mention], index: int) -> list[str]:
 def _find_moved_scene(mentions: list[Mention], index: int) -> list[str]:
     """Says "the floor tilts", "a wall moves towards it"; a floor that shakes shakes what stands on it."""
     mention = mentions[index]
-    if mention.form not in _SCENE or _get_phrase(mentions, index - 1) not in DETERMINERS:
+    acts = any(m.phrase in ("it", "him", "her") for m in mentions[index:])
+    scene = mention.form in _SCENE or mention.form in _SUPPORTS and not acts
+    if not scene or _get_phrase(mentions, index - 1) not in DETERMINERS:
         return []
     begins = index < 2 or mentions[index - 2].kind is MentionKind.JOIN
     behind = index + 1
@@ -310,87 +436,6 @@ def _find_denial(mentions: list[Mention], index: int) -> list[str]:
     return [f"What is to be in place of what '{mention.words} {denied.words}' rules out is not understood."]
 
 
-def _find_restated(clauses: list[Clause]) -> list[str]:
-    """Says "an earthquake! It trembles": a cause by itself, and then the like of it."""
-    doubts = []
-    for cause, clause in zip(clauses, clauses[1:]):
-        alone = cause.verb is None and cause.cause is not None and not cause.negated
-        done = clause.verb is not None and clause.cause is None and not clause.negated
-        if alone and done and get_verb(cause.cause).effect is get_verb(clause.verb).effect:
-            doubts.append(f"Whether '{cause.words}' and '{clause.words}' are one thing is not understood.")
-    return doubts
-
-
-def _find_denied_way(clauses: list[Clause]) -> list[str]:
-    """Says "push it without toppling it to the right": the way of which of them?"""
-    doubts = []
-    for clause, denied in zip(clauses, clauses[1:]):
-        ways = denied.select(MentionKind.DIRECTION, MentionKind.FROM) if denied.negated else []
-        does = clause.verb is not None and not clause.negated and get_verb(clause.verb).direction is None
-        if ways and does and get_verb(clause.verb).effect in _DIRECTED and not clause.select(*_WAYS):
-            doubts.append(f"What goes '{ways[0].words}' is not understood.")
-    return doubts
-
-
-def _find_contrary_way(clauses: list[Clause]) -> list[str]:
-    """Says "lift it down": the verb has its way already."""
-    doubts = []
-    for clause in clauses:
-        verb = get_verb(clause.verb) if clause.verb is not None and not clause.inherited else None
-        opposite = (
-            {"up": ("down",), "down": ("up",)}.get(verb.direction or "") if verb and verb.bound else None
-        )
-        if opposite in [m.value for m in clause.select(MentionKind.DIRECTION)]:
-            doubts.append(f"Which way '{clause.words}' goes here is not understood.")
-    return doubts
-
-
-def _find_many_ways(clauses: list[Clause]) -> list[str]:
-    """Says "hit it from the left, the right and above": three blows, and not one along their sum."""
-    doubts = []
-    for clause in clauses:
-        ways = {m.value for m in clause.select(MentionKind.DIRECTION)}
-        ways |= {
-            _OPPOSITE.get(m.value[0], "") and (_OPPOSITE[m.value[0]],)
-            for m in clause.select(MentionKind.FROM)
-            if isinstance(m.value, tuple)
-        }
-        if len(ways) > 2 and any(
-            _OPPOSITE.get(way[0]) == other[0] for way in ways for other in ways if way and other
-        ):
-            doubts.append(f"In which order '{clause.words}' goes its ways is not understood.")
-    return doubts
-
-
-def _find_side_alone(clauses: list[Clause]) -> list[str]:
-    """Says "pull its right arm", "go at the left side": which way is not told, and the one assumed may be wrong."""
-    doubts = []
-    for clause in clauses:
-        if clause.verb is None or clause.negated or get_verb(clause.verb).effect is not Effect.PUSH:
-            continue
-        sided = [
-            m
-            for m in clause.select(MentionKind.PLACE)
-            if isinstance(m.value, Place) and {"left", "right"} & set(m.value.names)
-        ]
-        told = clause.select(*_WAYS, MentionKind.SIDES, MentionKind.SOLID, MentionKind.REPEAT)
-        if sided and not told and get_verb(clause.verb).direction is None:
-            doubts.append(f"Which way '{sided[0].words}' is to go is not understood.")
-    return doubts
-
-
-def _find_held_side(clauses: list[Clause]) -> list[str]:
-    """Says "hold the left side": only the base and the top can be held."""
-    doubts = []
-    for clause in clauses:
-        if clause.verb is None or clause.negated or get_verb(clause.verb).effect is not Effect.HOLD:
-            continue
-        places = [m for m in clause.select(MentionKind.PLACE) if isinstance(m.value, Place)]
-        if places and not any({"up", "down"} & set(m.value.names) for m in places):
-            doubts.append(f"'{places[0].words}' cannot be held: only the base and the top can.")
-    return doubts
-
-
 _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_comparison,
     _find_delay,
@@ -400,9 +445,19 @@ _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_passage,
     _find_scene_passage,
     _find_idle_denial,
+    _find_unknown_goal,
+    _find_means,
+    _find_camera,
+    _find_growth,
+    _find_state,
+    _find_placed_thing,
+    _find_whereabouts,
     _find_idle_pause,
+    _find_counted_pause,
+    _find_acted_scene,
     _find_nameless_part,
     _find_posture,
+    _find_facing,
     _find_thing,
     _find_particle,
     _find_keeping,

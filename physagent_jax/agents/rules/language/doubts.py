@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from physagent_jax.agents.rules.language.clauses import Clause, get_verb
 from physagent_jax.agents.rules.language.constructions import find_constructions
+from physagent_jax.agents.rules.language.contradictions import find_contradictions
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import LOCATIONS, PARTS, Place
 from physagent_jax.agents.rules.language.movers import find_other_movers
@@ -159,7 +160,8 @@ def find_doubts(
             if m.phrase not in PARTS
         ]
     doubts += find_other_movers(mentions, names)
-    doubts += find_constructions(mentions, clauses)
+    doubts += find_constructions(mentions)
+    doubts += find_contradictions(clauses)
     return list(dict.fromkeys(doubts))
 
 

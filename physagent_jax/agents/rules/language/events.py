@@ -18,7 +18,7 @@ from physagent_jax.agents.rules.language.clauses import (
     get_verb,
 )
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
-from physagent_jax.agents.rules.language.modifiers import ADDRESSEES, Join, Names, Place, Repeat
+from physagent_jax.agents.rules.language.modifiers import ADDRESSEES, FRONTS, Join, Names, Place, Repeat
 from physagent_jax.agents.rules.language.quantities import Quantity
 from physagent_jax.agents.rules.language.solids import Solid
 from physagent_jax.agents.rules.language.timing import TimeSpan
@@ -144,6 +144,8 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         verb, phrase = replace(VERBS["sway"], strength=verb.strength), "sway"
     if verb.effect is Effect.FALL and any(repeat.alternate for repeat in find_repeats(clause)):
         verb, phrase = VERBS["bob"], "bob"  # "bounces up and down"
+    if phrase == "bounce" and any(m.value == ("up",) for m in clause.select(MentionKind.DIRECTION)):
+        verb, phrase = VERBS["jump"], "jump"
     if verb.effect is Effect.SWELL and clause.select(*_LINES):
         verb = replace(verb, effect=Effect.SCALE)  # "expands horizontally", "grows upwards"
     if verb.effect is Effect.SWAY:
@@ -410,6 +412,8 @@ def _resolve_direction(
         total = normalise(_sum_directions(repeat.names, brief))
         source = ValueSource(clause.select(MentionKind.REPEAT)[0].words, "to and fro, this way first")
         repeat = replace(repeat, alternate=verb.effect is not Effect.SCALE)
+        if verb.effect is Effect.TURN and total is not None:
+            total = _find_turn_towards(total, brief)
     elif solids and verb.effect in _TOWARDS:
         names = solids[0].names or (ASSUMED,)
         total = normalise(_sum_directions(names, brief))
@@ -417,6 +421,8 @@ def _resolve_direction(
         source = ValueSource(words, "towards what is in the way")
         if not solids[0].names:
             return total, repeat, source, [f"'{words}': no side given, assumed {ASSUMED}."]
+    elif place and verb.effect is Effect.STRIKE and clause.select(MentionKind.PLACE)[0].phrase in FRONTS:
+        total, source = brief.directions.away, ValueSource(clause.words, "a blow on the front drives it away")
     elif place and place.names and verb.effect is Effect.STRIKE:
         total = normalise(scale(_sum_directions(place.names, brief), -1.0))
         source = ValueSource(

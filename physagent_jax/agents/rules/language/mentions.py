@@ -137,6 +137,10 @@ class MentionParser:
         return (
             self._match_solid(at)
             or self._match_once(at)
+            or self._match_condition(at)
+            or self._match_prevention(at)
+            or self._match_state(at)
+            or self._match_target(at)
             or self._match_floating(at)
             or self._match_quantity(at)
             or self._match_ordinal(at)
@@ -186,6 +190,53 @@ class MentionParser:
                 return self._make_mention(MentionKind.JOIN, m.Join.AFTER, "once", [at])
         return None
 
+    def _match_target(self, at: int) -> Mention | None:
+        """Reads "smash it on the floor": down, where no other way is told."""
+        if self.tokens[at].text not in _SURFACES or self._get_preposition(at) not in (
+            "on",
+            "onto",
+            "against",
+        ):
+            return None
+        index = max((i for i, e in enumerate(self.mentions) if isinstance(e.value, v.Verb)), default=None)
+        if index is None or self.mentions[index].value.effect is not v.Effect.STRIKE:
+            return None
+        beside = self.mentions[index + 1 :]
+        told = any(
+            e.kind in (MentionKind.DIRECTION, MentionKind.FROM, MentionKind.JOIN) for e in self.mentions
+        )
+        if told or not any(e.form in self._object_words | {"it", "him", "her"} for e in beside):
+            return None
+        return self._make_mention(MentionKind.DIRECTION, ("down",), "onto the ground", [at])
+
+    def _match_condition(self, at: int) -> Mention | None:
+        """Reads "does it fall if it is pushed": both happen; a sentence that begins with "what if" tells one thing."""
+        behind = next((e for e in self.mentions if e.kind is MentionKind.VERB), None)
+        if self._get_text(at) != "if" or behind is None or self._get_text(at - 1) == "as":
+            return None
+        if not any(token.lemma in v.VERBS for token in self.tokens[at + 1 :]):
+            return None
+        return self._make_mention(MentionKind.JOIN, m.Join.WHILE, "if", [at])
+
+    def _match_prevention(self, at: int) -> Mention | None:
+        """Reads "keep it from falling": it does not fall."""
+        after = self.tokens[at + 1] if at + 1 < len(self.tokens) else None
+        prevented = self._get_text(at) == "from" and any(e.form in _PREVENTING for e in self.mentions)
+        if not prevented or after is None or after.lemma not in v.VERBS or not after.text.endswith("ing"):
+            return None
+        return self._make_mention(MentionKind.NOT, None, "from", [at])
+
+    def _match_state(self, at: int) -> Mention | None:
+        """An adjective that says what was before: "the fallen robot"; what holds it ("the tied robot") holds it yet."""
+        token = self.tokens[at]
+        verb = v.VERBS.get(token.lemma)
+        done = token.text != token.lemma and not token.text.endswith(("ing", "s"))
+        if verb is None or verb.effect is v.Effect.HOLD or not (done and self._is_after_determiner(at)):
+            return None
+        if self._get_text(at + 1) not in self._object_words:
+            return None
+        return self._make_mention(MentionKind.FUNCTION, None, "state", [at])
+
     def _match_floating(self, at: int) -> Mention | None:
         """An adjective: "the floating robot" is weightless; elsewhere it is what happens."""
         adjective = self.tokens[at].text in ("floating", "hovering") and self._is_after_determiner(at)
@@ -214,6 +265,11 @@ class MentionParser:
             return self._make_mention(MentionKind.ORDINAL, order, "ordinal", [at, at + 1][: 1 + counted])
         return None
 
+    def _is_striking(self) -> bool:
+        """Whether the last verb is a blow."""
+        verbs = [e.value for e in self.mentions if isinstance(e.value, v.Verb)]
+        return bool(verbs) and verbs[-1].effect is v.Effect.STRIKE
+
     def _comes_to_lie(self, at: int) -> bool:
         """Whether a side is what it falls or tips on ("falls on its back"): it goes over that way."""
         if self._get_preposition(at) not in ("on", "onto") or not self.mentions:
@@ -237,6 +293,7 @@ class MentionParser:
         for size in (2, 1):
             phrase = " ".join(t.text for t in self.tokens[at : at + size])
             names, part = m.PART_ADJECTIVES.get(phrase), self._get_text(at + size)
+            part = part if part == "sides" else part.removesuffix("s")
             towards = self._get_preposition(at) in ("to", "toward", "towards", "from", "into")
             if names and part in m.PARTS:
                 used = list(range(at, at + size + 1))
@@ -247,13 +304,19 @@ class MentionParser:
                 return self._make_mention(
                     MentionKind.PLACE, m.Place(names, m.PARTS[part]), f"{phrase} {part}", used
                 )
+            struck = self._get_preposition(at) in ("on", "at") and self._is_after_determiner(at)
+            if names and struck and phrase in ("left", "right") and self._is_striking():
+                return self._make_mention(MentionKind.PLACE, m.Place(names, 2 / 3), f"{phrase} side", [at])
             if names is None or phrase not in m.ENDS or self._is_longer_phrase(at):
                 continue
+            if self._get_text(at - 1) in ("a", "an") and part in v.VERBS:
+                return self._make_mention(MentionKind.DIRECTION, names, phrase, [at])  # "a front flip"
             if towards:
                 return self._make_direction(names, phrase, [at])
             if phrase == "back" and self._is_told_where(at):
                 return self._make_mention(MentionKind.FUNCTION, None, phrase, [at])  # "back to the left"
-            if phrase != "back" or self._is_after_determiner(at):
+            owned = at > 0 and self.tokens[at - 1].possessive
+            if phrase != "back" or owned or self._is_after_determiner(at):
                 return self._make_mention(MentionKind.PLACE, m.Place(names, 2 / 3), phrase, [at])
             return self._make_mention(MentionKind.DIRECTION, names, phrase, [at])
         return None
@@ -373,6 +436,10 @@ class MentionParser:
             "forth",
         ):
             return True  # "swings back and forth" does not swing back
+        if phrase == "left and then right" and before == "first":
+            return True
+        if phrase == "and back" and before == "front":
+            return True  # "from the front and back"
         if phrase.endswith(" over") and kind is MentionKind.VERB and self._is_over_and_over(at):
             return True  # "push it over and over" does not push it over
         if phrase.endswith("~ over") and self._is_over_something(at):
@@ -384,7 +451,8 @@ class MentionParser:
             return True  # "in this shot"
         if text in v.CAUSES:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
             return before in _DETERMINERS or before in m.INTENSITIES or self._get_text(at - 2) in ("a", "an")
-        return phrase in v.NOUNS_AFTER_THE and before in ("the", "its", "a")
+        described = before in m.INTENSITIES and self._get_text(at - 2) in ("the", "its", "a")
+        return phrase in v.NOUNS_AFTER_THE and (described or before in ("the", "its", "a"))
 
     def _is_over_and_over(self, at: int) -> bool:
         texts = [token.text for token in self.tokens[at : at + LONGEST_GAP + 6]]
@@ -449,6 +517,8 @@ _LYING: dict[str, m.Names] = {
 _ORIGINS = frozenset(
     {"left", "right", "top", "bottom", "front", "back", "above", "below", "behind", "beneath"}
 )
+_PREVENTING = frozenset({"keep", "keeps", "keeping", "prevent", "prevents", "preventing"})
+_SURFACES = frozenset({"ground", "floor", "table"})
 _SUBJECTS = _DETERMINERS | {"it", "he", "she", "they"}
 _FINITE = frozenset({"is", "are", "was", "were", "has", "have", "will", "would", "can", "should"})
 _BEHIND_NOUNS = frozenset(

@@ -63,7 +63,17 @@ def _spread(rows: Mapping[str, T]) -> dict[str, T]:
     return {phrase.strip(): value for phrases, value in rows.items() for phrase in phrases.split(",")}
 
 
-DIRECTIONS: dict[str, Names] = _spread(
+_LANDMARKS: dict[str, Names] = {
+    "camera": ("toward",),
+    "viewer": ("toward",),
+    "sky": ("up",),
+    "ceiling": ("up",),
+    "ground": ("down",),
+    "floor": ("down",),
+}
+DIRECTIONS: dict[str, Names] = {
+    f"in the direction of the {where}": names for where, names in _LANDMARKS.items()
+} | _spread(
     {
         "left, leftward, leftwards, to the viewer left": ("left",),
         "right, rightward, rightwards, to the viewer right": ("right",),
@@ -230,6 +240,8 @@ PLACES: dict[str, Place] = _spread(
         "middle, center, centre, waist, belly, torso, midsection": Place(()),
     }
 )
+# A blow on them comes from the front.
+FRONTS = frozenset({"face", "belly", "torso", "waist"})
 # Nouns that take a direction in front: "the left arm", "its upper half"; value = where the part begins.
 PARTS: dict[str, float] = _spread(
     {
@@ -262,7 +274,13 @@ PART_ADJECTIVES: dict[str, Names] = _spread(
 )
 
 # Where gravity acts to, as far as the words say: `agents.schema.WorldRequest.gravity`.
-GRAVITY: dict[str, str] = _spread(
+GRAVITY: dict[str, str] = {
+    phrase: "down"
+    for turn in ("turn", "switch")
+    for back in ("", "back ")
+    for the in ("", "the ")
+    for phrase in (f"{turn} {back}on {the}gravity", f"{turn} {the}gravity {back}on", f"gravity {back}on")
+} | _spread(
     {
         "gravity, own weight, its weight, from a height, from height, from high up, from the sky, "
         "from a great height, free fall": "down",
@@ -294,6 +312,13 @@ REVERSALS = frozenset(
 )
 OPPOSITE_GRAVITY = {"down": "none", "none": "down", "up": "down"}
 GROUND_WORDS = frozenset({"ground", "floor"})  # "no ground"
+# Things around the object that are neither walls nor blocks.
+SCENE_NOUNS = frozenset(
+    (
+        "ground floor table ceiling sky wall walls plate plates hand hands finger fingers rope ball hammer person "
+        "people"
+    ).split()
+)
 # Solids that a sentence names: `agents.schema.ObstacleRequest.kind`. Blocks only where something goes against them.
 OBSTACLES: dict[str, str] = _spread(
     {
@@ -404,7 +429,8 @@ FUNCTION_WORDS = frozenset(
         "only even again still all each every both some any own other one ones first second now like until upon up due "
         "because while "
         "let lets letting make makes made making cause causes caused causing get gets got getting give gives gave "
-        "given giving take takes took taken put puts keep keeps kept start starts started starting begin begins began "
+        "given giving take takes took taken put puts keep keeps kept prevent prevents preventing "
+        "start starts started starting begin begins began "
         "beginning become becomes became try tries continue continues come comes came coming act acts acting applied "
         "apply applies applying receive receives received undergo undergoes experience experiences feel feels want "
         "wants need needs thank thanks kindly see show mind wish hope imagine suppose supposing assume assuming "

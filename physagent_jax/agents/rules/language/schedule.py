@@ -191,6 +191,9 @@ def contrary(before: Event, event: Event) -> bool:
     if before.effect is not event.effect:
         return False
     if event.effect in (Effect.SCALE, Effect.SWELL):
+        crossed = before.direction and event.direction and abs(dot(before.direction, event.direction)) < 0.5
+        if crossed:
+            return False  # "wider and shorter"
         return before.verb.sign != event.verb.sign
     if before.direction is None or event.direction is None or before.region != event.region:
         return False

@@ -1,0 +1,151 @@
+"""Clauses that do not say which way, or say several ways at once: one would have to be guessed."""
+
+from __future__ import annotations
+
+from physagent_jax.agents.rules.language.clauses import Clause, get_verb
+from physagent_jax.agents.rules.language.mentions import MentionKind
+from physagent_jax.agents.rules.language.modifiers import Join, Place
+from physagent_jax.agents.rules.language.verbs import Effect
+
+_WAYS = (MentionKind.DIRECTION, MentionKind.FROM, MentionKind.AXIS, MentionKind.PLANE, MentionKind.SENSE)
+_DIRECTED = (Effect.PUSH, Effect.LEAN, Effect.STRIKE, Effect.ROLL, Effect.TOPPLE)
+_OPPOSITE = {
+    "left": "right",
+    "right": "left",
+    "up": "down",
+    "down": "up",
+    "toward": "away",
+    "away": "toward",
+}
+
+
+def find_contradictions(clauses: list[Clause]) -> list[str]:
+    """Plain sentences about ways, sides and ends that the clauses leave open."""
+    return [doubt for rule in _RULES for doubt in rule(clauses)]
+
+
+def _find_restated(clauses: list[Clause]) -> list[str]:
+    """Says "an earthquake! It trembles": a cause by itself, and then the like of it."""
+    doubts = []
+    for cause, clause in zip(clauses, clauses[1:]):
+        alone = cause.verb is None and cause.cause is not None and not cause.negated
+        done = clause.verb is not None and clause.cause is None and not clause.negated
+        if alone and done and get_verb(cause.cause).effect is get_verb(clause.verb).effect:
+            doubts.append(f"Whether '{cause.words}' and '{clause.words}' are one thing is not understood.")
+    return doubts
+
+
+def _find_denied_way(clauses: list[Clause]) -> list[str]:
+    """Says "push it without toppling it to the right": the way of which of them?"""
+    doubts = []
+    for clause, denied in zip(clauses, clauses[1:]):
+        ways = denied.select(MentionKind.DIRECTION, MentionKind.FROM) if denied.negated else []
+        does = clause.verb is not None and not clause.negated and get_verb(clause.verb).direction is None
+        if ways and does and get_verb(clause.verb).effect in _DIRECTED and not clause.select(*_WAYS):
+            doubts.append(f"What goes '{ways[0].words}' is not understood.")
+    return doubts
+
+
+def _find_contrary_way(clauses: list[Clause]) -> list[str]:
+    """Says "lift it down": the verb has its way already."""
+    doubts = []
+    for clause in clauses:
+        verb = get_verb(clause.verb) if clause.verb is not None and not clause.inherited else None
+        opposite = (
+            {"up": ("down",), "down": ("up",)}.get(verb.direction or "") if verb and verb.bound else None
+        )
+        if opposite in [m.value for m in clause.select(MentionKind.DIRECTION)]:
+            doubts.append(f"Which way '{clause.words}' goes here is not understood.")
+    return doubts
+
+
+def _find_rolling_upright(clauses: list[Clause]) -> list[str]:
+    """Says "roll it up": nothing rolls up or down where there is no slope."""
+    return [
+        f"How it is to '{clause.words}' up or down is not understood."
+        for clause in clauses
+        if clause.verb is not None and get_verb(clause.verb).effect is Effect.ROLL
+        if any(m.value in (("up",), ("down",)) for m in clause.select(MentionKind.DIRECTION))
+    ]
+
+
+def _find_many_ways(clauses: list[Clause]) -> list[str]:
+    """Says "hit it from the left, the right and above": three blows, and not one along their sum."""
+    doubts = []
+    for clause in clauses:
+        ways = {m.value for m in clause.select(MentionKind.DIRECTION)}
+        ways |= {
+            _OPPOSITE.get(m.value[0], "") and (_OPPOSITE[m.value[0]],)
+            for m in clause.select(MentionKind.FROM)
+            if isinstance(m.value, tuple)
+        }
+        if len(ways) > 2 and any(
+            _OPPOSITE.get(way[0]) == other[0] for way in ways for other in ways if way and other
+        ):
+            doubts.append(f"In which order '{clause.words}' goes its ways is not understood.")
+    return doubts
+
+
+def _find_driven(clauses: list[Clause]) -> list[str]:
+    """Says "does it move when it is hit from the left": it goes where the blow drives it."""
+    doubts = []
+    for clause in clauses:
+        if (
+            clause.head is None
+            or clause.negated
+            or clause.select(*_WAYS, MentionKind.SIDES, MentionKind.SOLID)
+        ):
+            continue
+        verb = get_verb(clause.head)
+        others = [
+            other
+            for other in clauses
+            if other is not clause and other.head is not None and not other.negated
+            if Join.WHILE in (clause.join, other.join)
+            and other.select(MentionKind.DIRECTION, MentionKind.FROM)
+            if get_verb(other.head).effect in (Effect.PUSH, Effect.STRIKE)
+        ]
+        if verb.effect in _DIRECTED and verb.direction is None and others:
+            doubts.append(f"Which way '{clause.words}' goes is not understood.")
+    return doubts
+
+
+def _find_side_alone(clauses: list[Clause]) -> list[str]:
+    """Says "pull its right arm", "go at the left side": which way is not told, and the one assumed may be wrong."""
+    doubts = []
+    for clause in clauses:
+        if clause.verb is None or clause.negated or get_verb(clause.verb).effect is not Effect.PUSH:
+            continue
+        sided = [
+            m
+            for m in clause.select(MentionKind.PLACE)
+            if isinstance(m.value, Place) and {"left", "right"} & set(m.value.names)
+        ]
+        told = clause.select(*_WAYS, MentionKind.SIDES, MentionKind.SOLID, MentionKind.REPEAT)
+        if sided and not told and get_verb(clause.verb).direction is None:
+            doubts.append(f"Which way '{sided[0].words}' is to go is not understood.")
+    return doubts
+
+
+def _find_held_side(clauses: list[Clause]) -> list[str]:
+    """Says "hold the left side": only the base and the top can be held."""
+    doubts = []
+    for clause in clauses:
+        if clause.verb is None or clause.negated or get_verb(clause.verb).effect is not Effect.HOLD:
+            continue
+        places = [m for m in clause.select(MentionKind.PLACE) if isinstance(m.value, Place)]
+        if places and not any({"up", "down"} & set(m.value.names) for m in places):
+            doubts.append(f"'{places[0].words}' cannot be held: only the base and the top can.")
+    return doubts
+
+
+_RULES = (
+    _find_restated,
+    _find_denied_way,
+    _find_contrary_way,
+    _find_many_ways,
+    _find_rolling_upright,
+    _find_driven,
+    _find_side_alone,
+    _find_held_side,
+)
