@@ -3,4 +3,7 @@
 `verbs` and `modifiers` are the lexicon (tables); `tokens` cuts the sentence, `mentions` finds the lexicon's phrases
 in it, `timing` its durations, `clauses` its grammar, `events` what each clause does, `schedule` when, and
 `compilation` turns that into actions, expectations and evidence, which `builder` collects.
+
+`doubts` says what was not understood and would change the motion: words, and, with `constructions`, `contradictions`,
+`surroundings` and `movers`, what the words that are known say together.
 """

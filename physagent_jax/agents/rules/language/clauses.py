@@ -52,6 +52,7 @@ _OPPOSITES: tuple[tuple[Names, Names], ...] = (
 _TIMED = frozenset({Join.WHILE, Join.AFTER, Join.BEFORE})
 _HEADS = (MentionKind.VERB, MentionKind.CAUSE)
 _MEASURED = {MentionKind.INTENSITY, MentionKind.COMPARATIVE, MentionKind.QUANTITY, MentionKind.TIME}
+_SHAPING = (Effect.TURN, Effect.SCALE, Effect.SWAY)
 _GOING_ON = frozenset({Join.AND, Join.THEN})
 _DURING = frozenset({"while", "whilst", "as"})
 _SEPARATE_EFFECTS = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
@@ -406,7 +407,8 @@ def _split_turning_winds(clauses: list[Clause]) -> list[Clause]:
     result: list[Clause] = []
     for clause in clauses:
         turns = clause.verb is not None and get_verb(clause.verb).effect is Effect.TURN and not clause.negated
-        if not turns or clause.cause is None or not get_verb(clause.cause).wind:
+        veers = turns and clause.verb is not None and clause.verb.phrase.startswith("turn")
+        if not veers or clause.cause is None or not get_verb(clause.cause).wind:
             result.append(clause)
             continue
         clause.verb = None
@@ -521,6 +523,9 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         )
         if not mergeable:
             merged.append(clause)
+        elif _is_besides(merged[-1], clause):
+            clause.join = Join.WHILE
+            merged.append(clause)
         elif get_verb(clause.verb).effect in _SEPARATE_EFFECTS:
             stops = get_verb(clause.verb).effect in (Effect.STILL, Effect.RELEASE)
             clause.join = Join.THEN if stops else Join.WHILE
@@ -528,6 +533,12 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         else:
             _merge(merged[-1], clause)
     return merged
+
+
+def _is_besides(cause: Clause, clause: Clause) -> bool:
+    """Whether what comes of it is another motion than what is done: "twist it until it tears"."""
+    first, second = get_verb(cause.head), get_verb(clause.verb)
+    return first.effect in _SHAPING and second.effect in _SHAPING and second.effect is not first.effect
 
 
 def _is_at_rest(clause: Clause) -> bool:
@@ -558,8 +569,9 @@ def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:
 def _is_moving_beside(cause: Clause, clause: Clause) -> bool:
     """Whether a participle tells another motion at the same time: "push it right, spinning it"."""
     first, second = get_verb(cause.head), get_verb(clause.verb)
-    pushed = first.effect is Effect.PUSH and not (first.wind or first.generic)
-    return pushed and cause.cause is None and second.effect is Effect.TURN and bool(cause.select(*_WHERE))
+    pushed = first.effect is Effect.PUSH and not first.wind and (not first.generic or cause.verb is not None)
+    beside = second.effect in (Effect.TURN, Effect.SWAY)
+    return pushed and cause.cause is None and beside and bool(cause.select(*_WHERE))
 
 
 def _is_meanwhile(first: Clause, clause: Clause) -> bool:

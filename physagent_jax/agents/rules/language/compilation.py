@@ -325,7 +325,7 @@ def _compile_strike(
         released=builder.anchored,
     )
     thrown = event.verb.gravity or builder.default_drop
-    if rises and thrown and not any(e.effect is Effect.FALL for e in after):
+    if rises and thrown and not any(e.effect in (Effect.FALL, Effect.TOPPLE) for e in after):
         builder.add_expectation(event, MotionKind.FALL, None, fall)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from physagent_jax.agents.rules.language.clauses import Clause, get_verb
 from physagent_jax.agents.rules.language.mentions import MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join, Place
-from physagent_jax.agents.rules.language.verbs import Effect
+from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
 _WAYS = (MentionKind.DIRECTION, MentionKind.FROM, MentionKind.AXIS, MentionKind.PLANE, MentionKind.SENSE)
 _DIRECTED = (Effect.PUSH, Effect.LEAN, Effect.STRIKE, Effect.ROLL, Effect.TOPPLE)
@@ -73,15 +73,9 @@ def _find_many_ways(clauses: list[Clause]) -> list[str]:
     """Says "hit it from the left, the right and above": three blows, and not one along their sum."""
     doubts = []
     for clause in clauses:
-        ways = {m.value for m in clause.select(MentionKind.DIRECTION)}
-        ways |= {
-            _OPPOSITE.get(m.value[0], "") and (_OPPOSITE[m.value[0]],)
-            for m in clause.select(MentionKind.FROM)
-            if isinstance(m.value, tuple)
-        }
-        if len(ways) > 2 and any(
-            _OPPOSITE.get(way[0]) == other[0] for way in ways for other in ways if way and other
-        ):
+        to = {m.value[0] for m in clause.select(MentionKind.DIRECTION) if isinstance(m.value, tuple)}
+        to |= {_OPPOSITE[m.value[0]] for m in clause.select(MentionKind.FROM) if isinstance(m.value, tuple)}
+        if len(to) > 2 and any(_OPPOSITE[way] in to for way in to):
             doubts.append(f"In which order '{clause.words}' goes its ways is not understood.")
     return doubts
 
@@ -127,6 +121,19 @@ def _find_side_alone(clauses: list[Clause]) -> list[str]:
     return doubts
 
 
+def _find_held_with(clauses: list[Clause]) -> list[str]:
+    """Says "bend it and hold it there three times": what is held goes on, and takes no count or measure."""
+    counted = (MentionKind.REPEAT, MentionKind.QUANTITY, MentionKind.SENSE)
+    doubts = []
+    for clause in clauses:
+        holds = [m for m in clause.mentions if isinstance(m.value, Verb) and m.value.effect is Effect.HOLD]
+        if not clause.stays or not holds:
+            continue
+        held = [m for m in clause.mentions if m.kind in counted and m.first > holds[0].first]
+        doubts += [f"What '{m.words}' means for '{holds[0].words}' is not understood." for m in held]
+    return doubts
+
+
 def _find_held_side(clauses: list[Clause]) -> list[str]:
     """Says "hold the left side": only the base and the top can be held."""
     doubts = []
@@ -134,7 +141,10 @@ def _find_held_side(clauses: list[Clause]) -> list[str]:
         if clause.verb is None or clause.negated or get_verb(clause.verb).effect is not Effect.HOLD:
             continue
         places = [m for m in clause.select(MentionKind.PLACE) if isinstance(m.value, Place)]
-        if places and not any({"up", "down"} & set(m.value.names) for m in places):
+        places = clause.select(MentionKind.SIDES) or places
+        if places and not any(
+            isinstance(m.value, Place) and {"up", "down"} & set(m.value.names) for m in places
+        ):
             doubts.append(f"'{places[0].words}' cannot be held: only the base and the top can.")
     return doubts
 
@@ -148,4 +158,5 @@ _RULES = (
     _find_driven,
     _find_side_alone,
     _find_held_side,
+    _find_held_with,
 )

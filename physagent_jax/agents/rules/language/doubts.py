@@ -13,6 +13,7 @@ from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import LOCATIONS, PARTS, Place
 from physagent_jax.agents.rules.language.movers import find_other_movers
 from physagent_jax.agents.rules.language.naming import DETERMINERS, PREPOSITIONS, is_telling
+from physagent_jax.agents.rules.language.surroundings import find_surroundings
 from physagent_jax.agents.rules.language.tokens import FORMS
 from physagent_jax.agents.rules.language.verbs import CAUSES, Effect, Verb
 from physagent_jax.agents.schema import SceneBrief
@@ -161,6 +162,7 @@ def find_doubts(
         ]
     doubts += find_other_movers(mentions, names)
     doubts += find_constructions(mentions)
+    doubts += find_surroundings(mentions)
     doubts += find_contradictions(clauses)
     return list(dict.fromkeys(doubts))
 

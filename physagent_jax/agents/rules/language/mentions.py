@@ -136,6 +136,7 @@ class MentionParser:
             return self._make_mention(MentionKind.FUNCTION, None, token.text, [at])
         return (
             self._match_solid(at)
+            or self._match_thanks(at)
             or self._match_once(at)
             or self._match_condition(at)
             or self._match_prevention(at)
@@ -179,6 +180,15 @@ class MentionParser:
         else:
             self.mentions[index] = replace(verb, value=v.VERBS["move"], phrase="move")
 
+    def _match_thanks(self, at: int) -> Mention | None:
+        """Reads "thank you very much", whose "much" is of no motion."""
+        if self._get_text(at) not in ("thank", "thanks"):
+            return None
+        behind = at + 1
+        while self._get_text(behind) in _THANKING:
+            behind += 1
+        return self._make_mention(MentionKind.FUNCTION, None, "thanks", list(range(at, behind)))
+
     def _match_once(self, at: int) -> Mention | None:
         """Reads "once it has landed": a time, and no count."""
         if self._get_text(at) != "once" or self._get_text(at + 1) not in _SUBJECTS | self._object_words:
@@ -198,14 +208,12 @@ class MentionParser:
             "against",
         ):
             return None
-        index = max((i for i, e in enumerate(self.mentions) if isinstance(e.value, v.Verb)), default=None)
-        if index is None or self.mentions[index].value.effect is not v.Effect.STRIKE:
+        if not self._is_striking():
             return None
-        beside = self.mentions[index + 1 :]
         told = any(
             e.kind in (MentionKind.DIRECTION, MentionKind.FROM, MentionKind.JOIN) for e in self.mentions
         )
-        if told or not any(e.form in self._object_words | {"it", "him", "her"} for e in beside):
+        if told or not any(e.form in self._object_words | {"it", "him", "her"} for e in self.mentions):
             return None
         return self._make_mention(MentionKind.DIRECTION, ("down",), "onto the ground", [at])
 
@@ -374,6 +382,8 @@ class MentionParser:
         (words, kind, value), used = max(
             matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0])
         )
+        if kind is MentionKind.VERB and self._is_means(value, at):
+            kind = MentionKind.CAUSE
         if kind is MentionKind.DIRECTION and (
             self._get_preposition(at) == "from" or self._is_locating_cause(words)
         ):
@@ -436,7 +446,8 @@ class MentionParser:
             "forth",
         ):
             return True  # "swings back and forth" does not swing back
-        if phrase == "left and then right" and before == "first":
+        listed = before == "first" or [self._get_text(behind + i) for i in (0, 1)] == ["and", "then"]
+        if phrase == "left and then right" and listed:
             return True
         if phrase == "and back" and before == "front":
             return True  # "from the front and back"
@@ -465,6 +476,16 @@ class MentionParser:
         behind = self._get_text(over + 1)
         counted = parse_number(self.tokens, over + 1)
         return behind in _DETERMINERS or (counted is not None and self._get_text(counted[1]) in m.UNITS)
+
+    def _is_means(self, verb: object, at: int) -> bool:
+        """Whether a push or blow tells how it is done: "with a sudden jerk it is lifted"."""
+        if not isinstance(verb, v.Verb) or verb.effect not in (v.Effect.PUSH, v.Effect.STRIKE):
+            return False
+        before = at - 1
+        while self._get_text(before) in m.INTENSITIES or self._get_text(before) in m.MOMENTS:
+            before -= 1
+        article = self._get_text(before) in ("a", "an", "one")
+        return article and self._get_text(before - 1) == "with"
 
     def _is_locating_cause(self, words: tuple[str, ...]) -> bool:
         """Whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
@@ -517,6 +538,7 @@ _LYING: dict[str, m.Names] = {
 _ORIGINS = frozenset(
     {"left", "right", "top", "bottom", "front", "back", "above", "below", "behind", "beneath"}
 )
+_THANKING = frozenset("you very so much a an lot again in advance for your help".split())
 _PREVENTING = frozenset({"keep", "keeps", "keeping", "prevent", "prevents", "preventing"})
 _SURFACES = frozenset({"ground", "floor", "table"})
 _SUBJECTS = _DETERMINERS | {"it", "he", "she", "they"}

@@ -186,6 +186,8 @@ def contrary(before: Event, event: Event) -> bool:
     """Whether two events joined by "and" would cancel if they happened together ("squeezed and stretched")."""
     if before.effect in (Effect.STRIKE, Effect.JUMP) and event.effect is Effect.FALL:
         return True  # "jumps and lands"
+    if before.effect is Effect.JUMP and event.effect is Effect.TOPPLE:
+        return True  # "jumps and lands on its back"
     if before.effect is Effect.PUSH and before.phrase != event.phrase and event.effect is Effect.FALL:
         return True  # "lifted and dropped"
     if before.effect is not event.effect:

@@ -9,7 +9,7 @@ from physagent_jax.agents.rules.language.verbs import IRREGULAR_FORMS, VERBS
 
 # A word with its contraction, a number, or a mark of punctuation that can end a clause.
 _TOKEN = re.compile(
-    r"(?<!\w)[-\u2212](?=\d)|\d{1,9}(?:\.\d{1,9})?|[^\W\d_]+(?:'[^\W\d_]+)?|[,;.!?:\n\u2014\u2013%\u00b0/]"
+    r"(?<!\w)[-\u2212](?=\d)|(?<=\s)-(?=\s)|\d{1,9}(?:\.\d{1,9})?|[^\W\d_]+(?:'[^\W\d_]+)?|[,;.!?:\n\u2014\u2013%\u00b0/]"
 )
 _SIGNS = {"%": "percent", "\u00b0": "degrees", "/": "per", "-": "minus", "\u2212": "minus"}
 _VOWELS = "aeiou"
@@ -48,7 +48,9 @@ def tokenise(prompt: str) -> list[Token]:
         word, _, suffix = match.group().partition("'")
         negated = suffix == "t" and word.endswith("n")
         word = word[:-1] if negated else word
+        dash = word in ("-", "\u2013", "\u2014") and not text[match.end() : match.end() + 1].isdigit()
         word = {"ca": "can", "wo": "will"}.get(word, word) if negated else _SIGNS.get(word, word)
+        word = "," if dash else word  # "push it left - gently"
         tokens.append(Token(word, FORMS.get(word, word), match.start(), match.end(), suffix == "s"))
         if negated:
             tokens.append(Token("not", "not", match.start(), match.end()))

@@ -1,0 +1,154 @@
+"""Constructions that change what a sentence says although each of its words is known: read, or said to be unclear."""
+
+import pytest
+
+from physagent_jax.agents.schema import ExpectedMotion
+from tests.agents.scenes import brief, read
+
+NAMES = {
+    (1, 0, 0): "right", (-1, 0, 0): "left", (0, 0, 1): "up", (0, 0, -1): "down", (0, -1, 0): "toward",
+    (0, 1, 0): "away",
+}  # fmt: skip
+
+
+def ground(**changes):
+    """A robot on the ground, in a clip that grows with the sentence."""
+    return brief(**({"world": "ground", "frames_fixed": False, "frame_count": 51} | changes))
+
+
+def tell(motion: ExpectedMotion) -> str:
+    """A motion as "hit left x2 on up"."""
+    words = ["hit" if motion.sudden else motion.kind.value]
+    if motion.direction is not None:
+        words.append(NAMES.get(tuple(round(c) for c in motion.direction), "?"))
+    words += [f"x{motion.repeats}"] if motion.repeats > 1 else []
+    if motion.part is not None:
+        words += ["on", NAMES[tuple(round(c) for c in motion.part)]]
+    return " ".join(words)
+
+
+def order(prompt: str) -> str:
+    """The motions in their order; "&" joins those that begin together. The sentence must be understood."""
+    reply = read(prompt, ground())
+    assert reply.unsure == ()
+    steps: dict[float, list[str]] = {}
+    for motion in sorted(reply.expectations, key=lambda motion: motion.window[0]):
+        steps.setdefault(motion.window[0], []).append(tell(motion))
+    return "; ".join(" & ".join(step) for step in steps.values())
+
+
+@pytest.mark.parametrize(
+    ("prompt", "expected"),
+    [
+        # a time told by a clause
+        ("push it to the left once it has landed", "fall; move left"),
+        ("once the push to the left is over, let gravity take it down", "move left; fall"),
+        ("kick it left, but before that lift it", "move up; hit left"),
+        ("it rises and after landing it spins", "move up; fall & rotate up"),
+        ("after falling it is pushed to the right", "fall; move right"),
+        ("as it moves left it spins", "move left & rotate up"),
+        ("spinning, it rises", "rotate up & move up"),
+        ("nothing happens until it is hit from the right", "still; hit left"),
+        # lists
+        ("it moves left, up, then right", "move left; move up; move right"),
+        ("push it gently to the left and hard to the right", "move left; move right"),
+        ("two kicks from the left and one from above", "hit right x2; hit down"),
+        ("bend it left and then right and then left", "rotate toward; rotate away; rotate toward"),
+        # sides and fronts
+        ("it falls on its back", "rotate left & fall"),
+        ("tip it onto its right side", "rotate away & fall"),
+        ("kick it in the belly", "hit away"),
+        ("hit it on the left", "hit right on left"),
+        ("lift the left legs of the robot", "move up on left"),
+        ("smash it on the floor", "hit down"),
+        # manner, and what is prevented
+        ("do not push it too hard to the right", "move right"),
+        ("push it to the left but keep it from falling", "move left"),
+        ("with a sudden jerk the robot is pulled upwards", "move up"),
+        ("without a floor the robot falls", "fall"),
+        # a particle belongs to its own verb
+        ("push it until it tips over", "move left & rotate toward & fall"),
+        ("push it in the direction of the camera", "move toward"),
+        ("make it wider and shorter", "stretch right & squeeze up"),
+        ("it moves left, shaking", "move left & sway left x4"),
+        ("twist it until it tears", "rotate up on up & rotate down on down & stretch right"),
+    ],
+)  # fmt: skip
+def test_what_a_construction_says(prompt, expected):
+    """Order, way and part as a person reads them; the readings were written by hand."""
+    assert order(prompt) == expected
+
+
+def test_a_view_belongs_to_its_turn():
+    """ "As seen from above" tells which way is clockwise, and is no second turn."""
+    (turn,) = read("rotate it clockwise as seen from above", ground()).expectations
+    assert turn.direction == (0.0, 0.0, -1.0)
+
+
+def test_manner_alone_is_denied():
+    """What must not be done too hard is done, less hard than what is done hard."""
+    denied, hard = (
+        read(prompt, ground()).expectations[0]
+        for prompt in ("do not push it too hard to the right", "push it too hard to the right")
+    )
+    assert tell(denied) == tell(hard) == "move right" and denied.strength <= 1.0 < hard.strength
+    assert read("do not push it", ground()).expectations[0].kind.value == "still"
+
+
+def test_thanks_have_no_strength():
+    """The "much" of "thank you very much" is of no motion."""
+    plain, thanked = (
+        read(prompt, ground()).expectations[0].strength
+        for prompt in ("push it left", "push it left, thank you very much")
+    )
+    assert plain == thanked
+
+
+def test_the_long_axis_is_the_object_s():
+    """What is longest across is stretched across."""
+    (motion,) = read(
+        "stretch it along its long axis by a factor of 1.3", ground(long_axis=(1, 0, 0))
+    ).expectations
+    assert motion.direction == (1.0, 0.0, 0.0)
+    assert motion.amount is not None and (motion.amount.value, motion.amount.unit) == (1.3, "factor")
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        # something else moves
+        "a bird lands on the robot", "jump over it", "sit on the robot", "the camera moves left",
+        "tilt the plate to the left", "push the wall",
+        # which way is not told
+        "lower it upwards", "pull its right arm", "does it move when it is hit from the left", "push it on the left",
+        "hit it from the left, the right and above", "push it, but neither to the left nor to the right",
+        "push it under the table", "roll it into a ball", "drag it to the table",
+        # how it is at first
+        "the fallen robot is pushed to the left", "the robot is on the left, push it to the right",
+        # what a word belongs to
+        "turn it on", "turn it on its head", "turn its back to us", "hop twice, the second time higher",
+        "it wants to go left but it can not", "stretch it by pulling its head up", "don't stay still",
+        "squeeze it three times with one second pauses", "bend it left and hold it there three times",
+        "push it left, pausing in between", "push it a foot to the left",
+        # what cannot be had
+        "hold the left side and pull the right side to the right", "first there is no gravity, then it falls",
+    ],
+)  # fmt: skip
+def test_what_is_said_to_be_unclear(prompt):
+    """A plain sentence in ``unsure``, which keeps a run from being called a success."""
+    unsure = read(prompt, ground()).unsure
+    assert unsure and all(text.endswith(".") for text in unsure)
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "the storm goes over the robot",
+        "shake the table",
+        "push it toward the camera",
+        "slide across the floor",
+    ],
+)
+def test_what_is_clear(prompt):
+    """The like of them without the construction: no doubt."""
+    assert read(prompt, ground()).unsure == ()
