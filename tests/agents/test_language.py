@@ -291,7 +291,6 @@ def test_a_wind_that_turns_is_no_torque():
         "the stem stays still while the head moves left", "a wall stands to the left; throw it there",
         "pull its corners outwards", "kick it at the start and again at the end",
         "hold the top of the plant to the left", "it is squeezed and released twice",
-        "hit it from the left after half a second and from the right after one second",
     ],
 )  # fmt: skip
 def test_what_is_beyond_the_grammar_is_said(prompt):
@@ -406,7 +405,6 @@ def test_floating_is_where_it_is_and_not_what_has_to_be_still(sentence):
         "push the cup and the saucer left",
         "push it twice: first left, then right",
         "it leans towards the light on the right",
-        "push it for two seconds to the left and for one second to the right",
         "move it left by the same amount",
     ],
 )

@@ -79,6 +79,17 @@ def test_what_a_construction_says(prompt, expected):
     assert order(prompt) == expected
 
 
+def test_each_way_has_its_own_time():
+    """Two ways with a time each are two steps."""
+    first, second = read(
+        "push it for two seconds to the left and for one second to the right", ground()
+    ).expectations
+    assert (tell(first), tell(second)) == ("move left", "move right")
+    assert second.window[0] == first.window[1]
+    assert first.amount is not None and first.amount.value == 2.0
+    assert second.amount is not None and second.amount.value == 1.0
+
+
 def test_a_view_belongs_to_its_turn():
     """ "As seen from above" tells which way is clockwise, and is no second turn."""
     (turn,) = read("rotate it clockwise as seen from above", ground()).expectations

@@ -224,7 +224,7 @@ def _read_events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Even
         event = interpret(clause, directed, builder.brief)
         ways = [mention.value for mention in clause.select(MentionKind.DIRECTION)]
         lands = bool(events) and events[-1].effect is Effect.FALL and event.effect is Effect.FALL
-        if lands and not clause.modifiers:
+        if lands and all(mention.kind is MentionKind.INTENSITY for mention in clause.modifiers):
             continue  # "it drops and bounces"
         if event.effect is Effect.FALL and builder.gravity is None and ("up",) in ways:
             builder.gravity = "up"  # "it falls upwards"

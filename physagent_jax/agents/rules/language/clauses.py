@@ -54,6 +54,7 @@ _HEADS = (MentionKind.VERB, MentionKind.CAUSE)
 _MEASURED = {MentionKind.INTENSITY, MentionKind.COMPARATIVE, MentionKind.QUANTITY, MentionKind.TIME}
 _SHAPING = (Effect.TURN, Effect.SCALE, Effect.SWAY)
 _GOING_ON = frozenset({Join.AND, Join.THEN})
+_MEANWHILE = frozenset({"at the same time", "and at the same time", "simultaneously", "meanwhile"})
 _DURING = frozenset({"while", "whilst", "as"})
 _SEPARATE_EFFECTS = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
 
@@ -126,6 +127,8 @@ def _split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]
                 segments.append((mention.value, []))
             elif len(segments) == 1 and mention.phrase in _DURING:
                 segments[-1] = (Join.WHILE, segments[-1][1])
+            elif len(segments) > 1 and mention.phrase in _MEANWHILE:
+                segments[-1] = (Join.WHILE, segments[-1][1])  # "it rises; at the same time it spins"
             elif mention.value is Join.AFTER and len(segments) > 1 and segments[-1][0] in _GOING_ON:
                 segments[-1] = (Join.THEN, segments[-1][1])  # "lift it, and after landing it spins"
             elif len(segments) > 1 or mention.value in (Join.BEFORE, Join.AFTER):
@@ -157,17 +160,16 @@ def _part_list(mentions: list[Mention]) -> list[Mention]:
     """Makes steps of the ways in a list that goes on with "then": "left, up, then right"."""
     joins = [i for i, m in enumerate(mentions) if m.kind is MentionKind.JOIN]
     result = list(mentions)
+    thens = (i for i in reversed(joins) if mentions[i].value is Join.THEN and mentions[i].words.isalpha())
+    last = next(thens, -1)
     for begin, at, end in zip([-1, *joins], joins, joins[1:]):
         if not any(m.kind is MentionKind.DIRECTION for m in mentions[begin + 1 : at]):
             continue
         listed = mentions[at].value is Join.COMMA and mentions[end].value in (Join.COMMA, Join.THEN)
         kinds = {m.kind for m in mentions[at + 1 : end]} - {MentionKind.FUNCTION}
-        goes_on = any(
-            mentions[i].value is Join.THEN and mentions[i].words.isalpha() for i in joins if i >= end
-        )
         if (
             listed
-            and goes_on
+            and end <= last
             and kinds <= {MentionKind.DIRECTION, MentionKind.INTENSITY}
             and MentionKind.DIRECTION in kinds
         ):

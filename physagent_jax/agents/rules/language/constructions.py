@@ -118,6 +118,23 @@ def _find_means(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
+def _find_halfway(mentions: list[Mention], index: int) -> list[str]:
+    """Says "tilt it halfway to the left": how far, and not when."""
+    if mentions[index].phrase not in ("halfway", "midway"):
+        return []
+    behind = next((m for m in mentions[index + 1 :] if m.phrase not in ("to", "the")), None)
+    far = behind is not None and behind.kind in WAYS
+    return [f"How far '{mentions[index].words}' is, is not understood."] if far else []
+
+
+def _find_attempt(mentions: list[Mention], index: int) -> list[str]:
+    """Says "someone tries to lift it, but ...": it does not come to that."""
+    tries = mentions[index].form in ("try", "tries", "tried", "trying")
+    if tries and any(m.value is Join.BUT for m in mentions[index:]):
+        return ["Whether what is tried succeeds is not understood."]
+    return []
+
+
 def _find_growth(mentions: list[Mention], index: int) -> list[str]:
     """Says "jump higher", "throw it twice, the second time longer": more of it, and no growth."""
     mention = mentions[index]
@@ -211,11 +228,11 @@ def _find_particle(mentions: list[Mention], index: int) -> list[str]:
     after = mentions[index + 1] if index + 1 < len(mentions) else None
     ends = after is None or after.kind in (MentionKind.JOIN, MentionKind.TIME, MentionKind.REPEAT)
     told = find_telling(mentions, index, -1)
-    turns = any(isinstance(m.value, Verb) and m.value.effect is Effect.TURN for m in mentions[:index])
     loose = told is not None and told.kind is not MentionKind.JOIN
-    loose = loose and not (turns and mention.form in ("around", "about"))
     if mention.kind is MentionKind.FUNCTION and mention.form in _PARTICLES and ends and loose:
-        return [f"Which way '{mention.words}' is, is not understood."]
+        turns = any(isinstance(m.value, Verb) and m.value.effect is Effect.TURN for m in mentions[:index])
+        if not (turns and mention.form in ("around", "about")):
+            return [f"Which way '{mention.words}' is, is not understood."]
     if mention.kind is MentionKind.PLACE and mention.phrase in ("face", "head"):
         begins = index == 0 or mentions[index - 1].kind is MentionKind.JOIN or before in ("it", "to")
         if after is not None and begins and after.phrase in DETERMINERS | {"it", "to", "toward"}:
@@ -292,6 +309,8 @@ _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_choice,
     _find_idle_denial,
     _find_means,
+    _find_halfway,
+    _find_attempt,
     _find_growth,
     _find_idle_pause,
     _find_counted_pause,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from physagent_jax.agents.rules.language.clauses import Clause, get_verb
 from physagent_jax.agents.rules.language.mentions import MentionKind
-from physagent_jax.agents.rules.language.modifiers import Join, Place
+from physagent_jax.agents.rules.language.modifiers import Join, Place, Repeat
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
 _WAYS = (MentionKind.DIRECTION, MentionKind.FROM, MentionKind.AXIS, MentionKind.PLANE, MentionKind.SENSE)
@@ -80,8 +80,42 @@ def _find_many_ways(clauses: list[Clause]) -> list[str]:
     return doubts
 
 
+def _find_ends_one_way(clauses: list[Clause]) -> list[str]:
+    """Says "both ends move up": neither from both sides nor all of it."""
+    return [
+        f"What '{clause.select(MentionKind.SIDES)[0].words}' means for '{clause.words}' is not understood."
+        for clause in clauses
+        if clause.head is not None and clause.select(MentionKind.SIDES)
+        if get_verb(clause.head).effect in (Effect.PUSH, Effect.STRIKE)
+        and len(clause.select(MentionKind.DIRECTION)) == 1
+    ]
+
+
+def _find_swings_apart(clauses: list[Clause]) -> list[str]:
+    """Says "up and down and left and right": two swings, or one and then another."""
+    doubts = []
+    for clause in clauses:
+        swings = [
+            m for m in clause.select(MentionKind.REPEAT) if isinstance(m.value, Repeat) and m.value.names
+        ]
+        ways = {m.value for m in clause.select(MentionKind.DIRECTION)}
+        ways |= {m.value.names for m in swings if isinstance(m.value, Repeat)}
+        axes = {frozenset({way[0], _OPPOSITE[way[0]]}) for way in ways if isinstance(way, tuple)}
+        if swings and len(axes) > 1:
+            doubts.append(f"In which order '{clause.words}' goes its ways is not understood.")
+    return doubts
+
+
 def _find_driven(clauses: list[Clause]) -> list[str]:
     """Says "does it move when it is hit from the left": it goes where the blow drives it."""
+    drivers = [
+        clause
+        for clause in clauses
+        if clause.head is not None and not clause.negated
+        if get_verb(clause.head).effect in (Effect.PUSH, Effect.STRIKE)
+        if clause.select(MentionKind.DIRECTION, MentionKind.FROM)
+    ]
+    during = [clause for clause in drivers if clause.join is Join.WHILE]
     doubts = []
     for clause in clauses:
         if (
@@ -91,15 +125,8 @@ def _find_driven(clauses: list[Clause]) -> list[str]:
         ):
             continue
         verb = get_verb(clause.head)
-        others = [
-            other
-            for other in clauses
-            if other is not clause and other.head is not None and not other.negated
-            if Join.WHILE in (clause.join, other.join)
-            and other.select(MentionKind.DIRECTION, MentionKind.FROM)
-            if get_verb(other.head).effect in (Effect.PUSH, Effect.STRIKE)
-        ]
-        if verb.effect in _DIRECTED and verb.direction is None and others:
+        driven = bool(drivers if clause.join is Join.WHILE else during)
+        if driven and verb.effect in _DIRECTED and verb.direction is None:
             doubts.append(f"Which way '{clause.words}' goes is not understood.")
     return doubts
 
@@ -155,6 +182,8 @@ _RULES = (
     _find_contrary_way,
     _find_many_ways,
     _find_rolling_upright,
+    _find_ends_one_way,
+    _find_swings_apart,
     _find_driven,
     _find_side_alone,
     _find_held_side,

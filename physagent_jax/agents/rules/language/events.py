@@ -378,7 +378,7 @@ def _resolve_direction(
 ) -> tuple[Vector | None, Repeat, ValueSource, list[str]]:
     """Direction (or axis), repetition, source and notes."""
     repeat = _resolve_repeat(clause)
-    if verb.effect is Effect.TURN and clause.select(MentionKind.SENSE, MentionKind.AXIS, MentionKind.PLANE):
+    if verb.effect is Effect.TURN and clause.select(*_TURNING, MentionKind.AXIS, MentionKind.PLANE):
         return *_resolve_turn_axis(clause, verb, phrase, brief, repeat), []
     told = clause.select(MentionKind.DIRECTION, MentionKind.FROM)
     if verb.wrings and place is None and not told and brief.long_axis is not None:
@@ -388,6 +388,7 @@ def _resolve_direction(
         m.value for m in clause.select(MentionKind.SOLID) if isinstance(m.value, Solid) and m.value.kind
     ]
     if told:
+        pulled_from = verb.pulls and not clause.select(MentionKind.DIRECTION)  # "pull it from left to right"
         parts: list[Vector] = []
         seen: set[tuple[MentionKind, Names]] = set()
         for mention in told:
@@ -395,7 +396,7 @@ def _resolve_direction(
             if not isinstance(names, tuple) or (mention.kind, names) in seen:
                 continue
             seen.add((mention.kind, names))
-            sign = -1.0 if mention.kind is MentionKind.FROM and not verb.pulls else 1.0
+            sign = -1.0 if mention.kind is MentionKind.FROM and not pulled_from else 1.0
             parts.append(scale(_sum_directions(names, brief), sign))
         total, words = normalise(add(parts)), " ".join(mention.words for mention in told)
         if total is None:  # "to the left and to the right": an axis for stretching, to and fro for the rest

@@ -10,7 +10,7 @@ from physagent_jax.agents.rules.language import verbs as v
 from physagent_jax.agents.rules.language.quantities import match_quantity
 from physagent_jax.agents.rules.language.solids import match_solid
 from physagent_jax.agents.rules.language.timing import match_time, parse_moment, parse_number
-from physagent_jax.agents.rules.language.tokens import tokenise
+from physagent_jax.agents.rules.language.tokens import FORMS, tokenise
 
 GAP = "~"
 LONGEST_GAP = 4
@@ -219,8 +219,9 @@ class MentionParser:
 
     def _match_condition(self, at: int) -> Mention | None:
         """Reads "does it fall if it is pushed": both happen; a sentence that begins with "what if" tells one thing."""
-        behind = next((e for e in self.mentions if e.kind is MentionKind.VERB), None)
-        if self._get_text(at) != "if" or behind is None or self._get_text(at - 1) == "as":
+        if self._get_text(at) != "if" or self._get_text(at - 1) == "as":
+            return None
+        if not any(e.kind is MentionKind.VERB for e in self.mentions):
             return None
         if not any(token.lemma in v.VERBS for token in self.tokens[at + 1 :]):
             return None
@@ -301,7 +302,8 @@ class MentionParser:
         for size in (2, 1):
             phrase = " ".join(t.text for t in self.tokens[at : at + size])
             names, part = m.PART_ADJECTIVES.get(phrase), self._get_text(at + size)
-            part = part if part == "sides" else part.removesuffix("s")
+            plural = part != "sides" and FORMS.get(part) is None  # "from the left tips it over"
+            part = part.removesuffix("s") if plural else part
             towards = self._get_preposition(at) in ("to", "toward", "towards", "from", "into")
             if names and part in m.PARTS:
                 used = list(range(at, at + size + 1))
@@ -388,6 +390,8 @@ class MentionParser:
             self._get_preposition(at) == "from" or self._is_locating_cause(words)
         ):
             kind = MentionKind.FROM
+        elif kind is MentionKind.NOT and "why" in [self._get_text(at - back) for back in (1, 2)]:
+            kind = MentionKind.FUNCTION  # "why don't you push it"
         elif kind is MentionKind.DIRECTION and words == ("away",) and self._is_way_told_behind(at):
             kind, value = MentionKind.FUNCTION, None  # "flies away to the right"
         elif kind is MentionKind.INTENSITY and self._is_thing(at, len(used)):
@@ -502,6 +506,9 @@ class MentionParser:
     def _is_describing_thing(self, at: int, size: int) -> bool:
         """Whether an adjective belongs to a thing ("the heavy robot") rather than to what happens ("a heavy blow")."""
         after = self._get_text(at + size)
+        copula = at - 1 - (self._get_text(at - 1) in m.DEGREES)
+        if self._get_text(copula) in ("is", "are", "was") and not after.isalpha():
+            return self._get_text(copula - 1) in self._object_words | {"it", "he", "she"}  # "it is too heavy"
         if not self._is_after_determiner(at) or not after.isalpha():
             return False
         known = after in _LEXICON or self.tokens[at + size].lemma in _LEXICON or after in m.FUNCTION_WORDS

@@ -30,11 +30,9 @@ def find_other_movers(mentions: list[Mention], names: frozenset[str]) -> list[st
         verb = mention.value
         if mention.kind is not MentionKind.VERB or not isinstance(verb, Verb):
             continue
-        if any(m.kind is MentionKind.CAUSE for m in mentions[:index]):
-            continue  # "the wind blows over the plant"
         place = _find_preposition(mentions, index, names)
-        if place is None:
-            continue
+        if place is None or any(m.kind is MentionKind.CAUSE for m in mentions[:index]):
+            continue  # "the wind blows over the plant"
         alone = verb.effect in _BY_ITSELF or verb.effect is Effect.PUSH and verb.generic
         passes = verb.effect in (Effect.PUSH, Effect.SWAY) and not verb.wind and place in _BY
         if alone or passes:

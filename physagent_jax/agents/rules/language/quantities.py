@@ -93,6 +93,8 @@ _COMPARED = frozenset(
     {"longer", "taller", "higher", "wider", "broader", "bigger", "larger", "shorter", "flatter", "thinner"}
     | {"narrower", "smaller", "slimmer"}
 )
+# Before "around".
+_CIRCLES = {("all", "the", "way"): 360.0, ("halfway",): 180.0, ("half", "way"): 180.0}
 _WHOLE = frozenset({"full", "complete", "whole", "entire"})
 
 
@@ -133,6 +135,10 @@ def match_quantity(tokens: list[Token], at: int) -> tuple[Quantity, int] | None:
         behind, dimension = _match_dimension(tokens, at)
         if dimension:
             return Quantity(1.0, "share", dimension), behind
+    words = [_get(tokens, at + i) for i in range(4)]
+    for phrase, value in _CIRCLES.items():
+        if words[: len(phrase)] == list(phrase) and words[len(phrase)] in ("around", "round"):
+            return Quantity(value, "degrees"), at + len(phrase) + 1
     factor = at + (text in ("a", "the"))
     if _get(tokens, factor) == "factor" and _get(tokens, factor + 1) == "of":  # "by a factor of 1.3"
         counted = match_number(tokens, factor + 2)

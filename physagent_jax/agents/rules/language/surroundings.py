@@ -21,7 +21,7 @@ _SCENE = frozenset({"ground", "floor", "table", "ceiling", "wall", "walls", "sky
 _GOALS_HERE = frozenset({"table", "hand", "hands", "person", "people", "ball", "plate", "rope"})
 _SUPPORTS = frozenset({"plate", "plates"})
 _SURFACES = frozenset({"ground", "floor", "table", "sky"})
-_ACROSS = frozenset({"over", "across", "along", "about", "around", "through"})
+_ACROSS = frozenset({"over", "across", "along", "about", "around"})
 _MEASURES = (MentionKind.QUANTITY, MentionKind.COMPARATIVE, MentionKind.INTENSITY, MentionKind.DEGREE)
 
 
@@ -70,6 +70,14 @@ def _find_unknown_goal(mentions: list[Mention], index: int) -> list[str]:
     if told is not None and isinstance(told.value, Verb) and told.value.effect is Effect.STRIKE:
         return []  # "bumps into it"
     return [f"Where '{' '.join(m.words for m in (mention, *after[:2]))}' is, is not understood."]
+
+
+def _find_retreat(mentions: list[Mention], index: int) -> list[str]:
+    """Says "away from the wall": the way is the wall's other side."""
+    behind = mentions[index + 1 : index + 4]
+    leaves = mentions[index].phrase == "away" and any(m.form == "from" for m in behind)
+    solid = next((m for m in behind if m.kind is MentionKind.SOLID or m.form in SCENE_NOUNS), None)
+    return [f"Where 'away from {solid.words}' is, is not understood."] if leaves and solid is not None else []
 
 
 def _find_camera(mentions: list[Mention], index: int) -> list[str]:
@@ -125,10 +133,10 @@ def _find_placed_thing(mentions: list[Mention], index: int) -> list[str]:
     there = [m.form for m in mentions[max(index - 3, 0) : index]]
     if mention.kind is MentionKind.FUNCTION and mention.form in SCENE_NOUNS and there[:2] == ["there", "is"]:
         return [f"There is no {mention.words} here."]
+    if mention.phrase != "plates":
+        return []
     presses = any(isinstance(m.value, Verb) and m.value.effect in _SCALES for m in mentions)
-    if mention.phrase == "plates" and not presses:
-        return [f"Where '{mention.words}' is, is not understood."]
-    return []
+    return [] if presses else [f"Where '{mention.words}' is, is not understood."]
 
 
 def _find_whereabouts(mentions: list[Mention], index: int) -> list[str]:
@@ -160,9 +168,9 @@ def _find_thing(mentions: list[Mention], index: int) -> list[str]:
 def _find_moved_scene(mentions: list[Mention], index: int) -> list[str]:
     """Says "the floor tilts", "a wall moves towards it"; a floor that shakes shakes what stands on it."""
     mention = mentions[index]
-    acts = any(m.phrase in ("it", "him", "her") for m in mentions[index:])
-    scene = mention.form in _SCENE or mention.form in _SUPPORTS and not acts
-    if not scene or get_phrase(mentions, index - 1) not in DETERMINERS:
+    if mention.form not in _SCENE | _SUPPORTS or get_phrase(mentions, index - 1) not in DETERMINERS:
+        return []
+    if mention.form in _SUPPORTS and any(m.phrase in ("it", "him", "her") for m in mentions[index:]):
         return []
     begins = index < 2 or mentions[index - 2].kind is MentionKind.JOIN
     behind = index + 1
@@ -187,6 +195,7 @@ _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_passage,
     _find_scene_passage,
     _find_unknown_goal,
+    _find_retreat,
     _find_camera,
     _find_state,
     _find_acted_scene,
