@@ -32,7 +32,10 @@ were neither refused nor marked as unsure (which keeps a run from being called a
 as not understood do not count as a mark. *Marked in vain* were understood and refused or marked all the same. Required:
 at most {limit:.0%} silently wrong on the test splits together.
 """
-_BEFORE = "\n## Before tuning\n\nThe parser as it was when the second and the third author's sentences were first read to it.\n"
+_BEFORE = (
+    "\n## Before tuning\n\nThe parser as it was when the second and the third author's sentences were first read to "
+    "it.\n"
+)
 _EARLIER = (
     ("before", "The second author's, expectations as they were first written"),
     (

@@ -5,7 +5,7 @@ import pytest
 from physagent_jax.agents.schema import ExpectedMotion
 from tests.agents.scenes import brief, read
 
-NAMES = {
+NAMES: dict[tuple[int, ...], str] = {
     (1, 0, 0): "right", (-1, 0, 0): "left", (0, 0, 1): "up", (0, 0, -1): "down", (0, -1, 0): "toward",
     (0, 1, 0): "away",
 }  # fmt: skip

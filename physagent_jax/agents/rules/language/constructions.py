@@ -161,18 +161,14 @@ def _find_idle_denial(mentions: list[Mention], index: int) -> list[str]:
 def _find_counted_pause(mentions: list[Mention], index: int) -> list[str]:
     """Says "three times with pauses of a second": how long the pauses are, and not what comes after all."""
     mention = mentions[index]
-    rests = (
-        isinstance(mention.value, Verb) and mention.value.effect is Effect.STILL and not mention.value.generic
-    )
-    counted = any(m.kind is MentionKind.REPEAT for m in mentions[:index])
-    if (
-        rests
-        and counted
-        and mention.form.endswith(("ing", "s"))
-        and mentions[index - 1].kind is not MentionKind.NOT
-    ):
-        if mention.form.endswith("ing") or any(m.form == "with" for m in mentions[max(index - 4, 0) : index]):
-            return [f"When '{mention.words}' is, is not understood."]
+    verb = mention.value
+    rests = isinstance(verb, Verb) and verb.effect is Effect.STILL and not verb.generic
+    if not rests or index == 0 or mentions[index - 1].kind is MentionKind.NOT:
+        return []
+    joined = any(m.form == "with" for m in mentions[max(index - 4, 0) : index])
+    between = mention.form.endswith("ing") or mention.form.endswith("s") and joined
+    if between and any(m.kind is MentionKind.REPEAT for m in mentions[:index]):
+        return [f"When '{mention.words}' is, is not understood."]
     return []
 
 

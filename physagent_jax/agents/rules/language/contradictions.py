@@ -91,6 +91,19 @@ def _find_ends_one_way(clauses: list[Clause]) -> list[str]:
     ]
 
 
+def _find_shape(clauses: list[Clause]) -> list[str]:
+    """Says "longer and thinner": not along one axis, and which the other is, is not told."""
+    doubts = []
+    for before, clause in zip(clauses, clauses[1:]):
+        if before.verb is None or clause.verb is None or clause.join is not Join.AND:
+            continue
+        first, second = get_verb(before.verb), get_verb(clause.verb)
+        shapes = first.generic and second.generic and first.effect is second.effect is Effect.SCALE
+        if shapes and first.sign != second.sign and first.direction == second.direction:
+            doubts.append(f"Along which axis it gets '{clause.words}' is not understood.")
+    return doubts
+
+
 def _find_swings_apart(clauses: list[Clause]) -> list[str]:
     """Says "up and down and left and right": two swings, or one and then another."""
     doubts = []
@@ -183,6 +196,7 @@ _RULES = (
     _find_many_ways,
     _find_rolling_upright,
     _find_ends_one_way,
+    _find_shape,
     _find_swings_apart,
     _find_driven,
     _find_side_alone,

@@ -562,8 +562,11 @@ def _spread_from(mentions: list[Mention]) -> list[Mention]:
     listing = False
     for mention in mentions:
         joins = mention.kind is MentionKind.JOIN and mention.value in (m.Join.AND, m.Join.COMMA)
-        if listing and mention.kind is MentionKind.DIRECTION and mention.phrase in _ORIGINS:
-            mention = replace(mention, kind=MentionKind.FROM)
+        if listing and mention.phrase in _ORIGINS:
+            if mention.kind is MentionKind.DIRECTION:
+                mention = replace(mention, kind=MentionKind.FROM)
+            elif isinstance(mention.value, m.Place):  # "from top and bottom"
+                mention = replace(mention, kind=MentionKind.FROM, value=mention.value.names)
         listing = mention.kind is MentionKind.FROM or listing and (joins or mention.phrase in _DETERMINERS)
         result.append(mention)
     return result
