@@ -158,6 +158,7 @@ def test_what_is_said_to_be_unclear(prompt):
         "shake the table",
         "push it toward the camera",
         "slide across the floor",
+        "glue it to the table",
     ],
 )
 def test_what_is_clear(prompt):

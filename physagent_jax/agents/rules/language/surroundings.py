@@ -67,8 +67,12 @@ def _find_unknown_goal(mentions: list[Mention], index: int) -> list[str]:
     if any(m.kind in (*WAYS, MentionKind.SOLID, MentionKind.PLACE, MentionKind.UNKNOWN) for m in after):
         return []
     told = next((m for m in reversed(mentions[:index]) if isinstance(m.value, Verb)), None)
-    if told is not None and isinstance(told.value, Verb) and told.value.effect is Effect.STRIKE:
-        return []  # "bumps into it"
+    if (
+        told is not None
+        and isinstance(told.value, Verb)
+        and told.value.effect in (Effect.STRIKE, Effect.HOLD)
+    ):
+        return []  # "bumps into it", "glued to the table"
     return [f"Where '{' '.join(m.words for m in (mention, *after[:2]))}' is, is not understood."]
 
 
