@@ -71,13 +71,24 @@ def document(result: dict, json_path: Path, target: Path) -> str:
     text += provenance(result, ("sentences",))
     if not rows:
         return text
-    text += _compare_splits(rows)
+    text += _compare_splits(rows) + _state_requirement(rows)
     text += _describe_earlier(json_path, target)
     text += "\n## By group\n" + _compare_by(rows, "group")
     text += "\n## By field\n\nOf the fields that sentences have which were not refused.\n"
     text += _list_fields(rows)
     text += "\n## Not right on the development splits\n\n"
     return text + _list_wrong([row for row in rows if row["split"] == "development"])
+
+
+def _state_requirement(rows: Sequence[Row]) -> str:
+    """Whether few enough of the sentences held back are silently wrong, all together and by each author."""
+    held = [row for row in rows if row["split"] == "test"]
+    told = []
+    for who, chosen in [("all", held), *((f"the {a}", [r for r in held if r["author"] == a]) for a in FILES)]:
+        silent = sum(row["silent"] for row in chosen)
+        met = "met" if silent <= LIMIT * len(chosen) else "not met"
+        told.append(f"{who}: {silent} of {len(chosen)}, {100 * silent / max(len(chosen), 1):.2f} % ({met})")
+    return f"\nSilently wrong of those held back, at most {LIMIT:.0%} required: {'; '.join(told)}.\n"
 
 
 def _describe_earlier(json_path: Path, target: Path) -> str:
