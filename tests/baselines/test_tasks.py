@@ -20,7 +20,7 @@ DATA = FOLDER.parents[2] / "shared" / "data"
 ALL = load_tasks(FOLDER)
 WITNESSES = load_witnesses(FOLDER)
 HERE = {spec.name: spec for spec in split_available(ALL, None)[0]}
-QUICK = ("drop-loaf", "twist-robot-quarter", "recovery-jelly-push")
+QUICK = ("twist-robot-quarter", "recovery-jelly-push")
 """Of which the default suite plays the witness; the slow one plays all."""
 
 LATE = 4  # of the clip that a late clip begins after: one part of so many
