@@ -7,6 +7,7 @@ import pytest
 import scipy.linalg
 from scipy.spatial.transform import Rotation
 
+from physagent_jax.kernels import use_kernels
 from physagent_jax.mpm.linalg import (
     Principal,
     cofactor,
@@ -166,6 +167,18 @@ def test_svd_keeps_the_relative_accuracy_of_small_singular_values():
     directions = np.linalg.cond(double / np.linalg.norm(double, axis=1, keepdims=True))
     error = np.abs(np.abs(s) / reference - 1).max(1)
     assert np.all(error <= 10 * np.finfo(np.float32).eps * directions)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_svd_of_rotations_does_not_depend_on_how_xla_splits_its_loops(dtype, x64):
+    """Columns that are orthogonal but for round-off take any angle, but both the same one: also in unoptimised code."""
+    turns = 0.02 * np.random.default_rng(0).normal(size=(4096, 3))
+    F = jnp.asarray(Rotation.from_rotvec(turns).as_matrix(), dtype)
+    with use_kernels("reference"):
+        plain = jax.jit(svd, compiler_options={"xla_backend_optimization_level": 0})
+        U, s, V = plain(F)
+    np.testing.assert_allclose(s, 1, atol=20 * np.finfo(dtype).eps)
+    np.testing.assert_allclose((U * s[:, None]) @ jnp.swapaxes(V, 1, 2), F, atol=20 * np.finfo(dtype).eps)
 
 
 def test_svd_of_what_is_not_finite_is_not_finite():

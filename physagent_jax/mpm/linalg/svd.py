@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from physagent_jax.kernels import use_cpu
 from physagent_jax.mpm.linalg import kernels
 
+_PAIRS = ((0, 1), (0, 2), (1, 2))
 SWEEPS = {4: 4, 8: 5}  # by bytes per number; more change no error, also at condition numbers beyond 1e6
 
 
@@ -49,9 +50,9 @@ def _sweep_jacobi(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     scaled = jnp.moveaxis(F / scale[..., None, None], (-2, -1), (0, 1))
     unit = jnp.moveaxis(jnp.broadcast_to(jnp.eye(3, dtype=F.dtype), F.shape), (-2, -1), (0, 1))
     # Column j of F V and of V as one array (6, ...): the particles lie in the fast axis.
-    both = jnp.concatenate([scaled, unit])
-    columns = tuple(both[:, j] for j in range(3))
-    columns = jax.lax.fori_loop(0, SWEEPS[F.dtype.itemsize], _sweep, columns)
+    columns = jnp.moveaxis(jnp.concatenate([scaled, unit]), 1, 0)
+    start = columns, *_measure_angle(columns, 0)
+    columns = jax.lax.fori_loop(0, len(_PAIRS) * SWEEPS[F.dtype.itemsize], _rotate_pair, start)[0]
     U, s = _find_left_factor(*(column[:3] for column in columns))
     return (
         _join_columns(U),
@@ -60,23 +61,39 @@ def _sweep_jacobi(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     )
 
 
-def _sweep(_: int, columns: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
-    """Makes each pair of columns of F V orthogonal once, by rotations that V collects."""
-    rotated = list(columns)
-    for p, q in ((0, 1), (0, 2), (1, 2)):
-        a, b = rotated[p], rotated[q]
-        c, s = _find_rotation(a[:3], b[:3])
-        rotated[p], rotated[q] = c * a - s * b, s * a + c * b
-    return tuple(rotated)
+def _rotate_pair(turn: jax.Array, carry: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
+    """Makes one pair of columns of F V orthogonal, by a rotation that V collects; three turns are a sweep.
+
+    The angle's two numbers come from the turn before: where both are nothing but round-off any angle will do, but only
+    one. XLA computes what is cheap again in each of its loops, and not always to the last bit, and two columns turned
+    by two angles are not orthogonal; what a turn hands to the next is computed once.
+    """
+    columns, difference, product = carry
+    p, q = _take_pair(turn)
+    a, b = columns[p], columns[q]
+    c, s = _find_rotation(difference, product)
+    columns = columns.at[p].set(c * a - s * b).at[q].set(s * a + c * b)
+    return columns, *_measure_angle(columns, turn + 1)
 
 
-def _find_rotation(a: jax.Array, b: jax.Array) -> tuple[jax.Array, jax.Array]:
+def _take_pair(turn: jax.Array | int) -> tuple[jax.Array, jax.Array]:
+    pair = jnp.asarray(_PAIRS)[turn % len(_PAIRS)]
+    return pair[0], pair[1]
+
+
+def _measure_angle(columns: jax.Array, turn: jax.Array | int) -> tuple[jax.Array, jax.Array]:
+    """|b|^2 - |a|^2 and a . b of the pair (a, b) of columns of F V that it is the turn of, shapes (...)."""
+    p, q = _take_pair(turn)
+    a, b = columns[p, :3], columns[q, :3]
+    return _dot(b, b) - _dot(a, a), _dot(a, b)
+
+
+def _find_rotation(difference: jax.Array, product: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Cosine and sine of the angle that makes vectors a and b orthogonal, the longer one the first.
 
     It is the smaller angle, at most 45 degrees, where a is the longer; else that less a right angle, which
-    exchanges the two.
+    exchanges the two. ``difference`` and ``product`` are those of `_measure_angle`.
     """
-    difference, product = _dot(b, b) - _dot(a, a), _dot(a, b)
     exchange = difference > 0
     twice = 2 * jnp.where(exchange, product, -product)
     denominator = jnp.abs(difference) + jnp.sqrt(difference**2 + twice**2)
