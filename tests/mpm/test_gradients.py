@@ -336,24 +336,44 @@ def assert_slopes_are_differences(case: Case) -> None:
     assert all(found[name][0] != 0 for name in ("law", "mass", "forces", "x", "v", "F"))
 
 
-@pytest.mark.parametrize(
-    "case",
-    [
-        (
-            "neo-Hookean",
-            ("floor with friction", "moving floor", "mesh"),
-            "grip",
-            ("slide", "swing", "torque"),
-        ),
-        ("von Mises", ("ball", "box around"), "none", ("wind",)),
-    ],
-    ids=lambda case: case[0],
-)
-def test_two_of_the_cases(case, x64):
-    assert_slopes_are_differences(case)
+def test_one_of_the_cases(x64):
+    walls, terms = ("floor with friction", "moving floor", "mesh"), ("slide", "swing", "torque")
+    assert_slopes_are_differences(("neo-Hookean", walls, "grip", terms))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", cover_pairs(), ids=lambda case: "-".join([case[0], case[2]]))
 def test_every_pair_of_kinds(case, x64):
     assert_slopes_are_differences(case)
+
+
+def test_the_height_after_a_bounce_by_the_height_of_the_drop(x64):
+    """Before contact 1; afterwards what starts higher comes later: -e + (1 + e) g s / v, a time s after the impact.
+
+    Simulators that miss the time of impact have the wrong sign there. The rebound speed is e of the impact's; it, and
+    the time, are those of the simulated motion, which has no closed form.
+    """
+    gravity, height, frame_dt = 9.8, 0.2, 0.01
+    model, state = block((2, 2, 2), low=(0.45, 0.45, 0.2), youngs_modulus=4e5, dtype=np.float64, dt=5e-4)
+    floor = HalfSpace(**arrays(point=[0.5, 0.5, 0.2], normal=[0, 0, 1], friction=0.0, **ALWAYS))
+    model = model.replace(gravity=jnp.array([0, 0, -gravity]), boundaries=(floor,), kernels="reference")
+
+    def compute_heights(height):
+        begun = dataclasses.replace(state, x=state.x + height * jnp.array([0, 0, 1.0]))
+        states = rollout(model, begun, frame_count=24, substeps=20)[1]
+        return states.x[..., 2].mean(1)
+
+    heights = quick_jit(compute_heights)
+    slope = quick_jit(jax.grad(lambda height, weight: compute_heights(height) @ weight))
+    z, h = np.asarray(heights(height)), 1e-6
+    speed = np.diff(z) / frame_dt  # at the middle of each frame
+    impact, rebound = -speed.min(), speed.max()
+    lowest = (z.argmin() + 1) * frame_dt
+    differences = (heights(height + h) - heights(height - h)) / (2 * h)
+    for frame in (9, 17, 18, 23):  # falling, at contact's onset, in contact, rising
+        got = slope(height, jnp.zeros(24).at[frame].set(1.0))
+        assert got == pytest.approx(float(differences[frame]), rel=1e-5)
+    assert differences[9] == pytest.approx(1.0)
+    e, s = rebound / impact, 24 * frame_dt - lowest
+    wanted = -e + (1 + e) * gravity * s / impact
+    assert 0.4 < e < 1 and wanted < -0.1 and got == pytest.approx(wanted, abs=0.2)
