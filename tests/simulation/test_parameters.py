@@ -107,6 +107,28 @@ def test_a_simulation_of_other_numbers_is_their_own(folder, body):
     np.testing.assert_allclose(trajectory(scene, thrown, other.schedule).x, other.x, atol=1e-6)
 
 
+@pytest.mark.slow
+def test_single_precision_and_its_kernels_point_the_same_way(folder, body, x64):
+    """As double precision by the reference path: all numbers, along a schedule, with contact."""
+    scene = make_rich_scene(folder, body, material_regions=(), forces=TERMS[:1])
+    schedule = simulate_scene(scene).schedule
+    weight = np.random.default_rng(0).normal(size=scene.state.x.shape)
+    exact = in_double_precision(scene)
+    exact = dataclasses.replace(exact, model=exact.model.replace(kernels="reference"))
+    at = SceneParameters.of(scene)
+
+    def find_slopes(scene, numbers):
+        def respond(numbers):
+            return (trajectory(scene, numbers, schedule).x[1:] * weight).sum()
+
+        slopes, values = ravel_pytree(jax.grad(respond)(numbers))[0], ravel_pytree(numbers)[0]
+        return np.asarray(slopes, float) * np.maximum(np.abs(values), 1e-3)  # each by its own size
+
+    one = find_slopes(scene, jax.tree.map(lambda value: jnp.asarray(value, jnp.float32), at))
+    other = find_slopes(exact, at)
+    assert one @ other > 0.999 * np.linalg.norm(one) * np.linalg.norm(other)
+
+
 HELD = {"constraint_type": "enforce_particle_translation", "vector": [0.3, -0.2, 0.9], "held_until": 1.9}
 HELD |= {"region": {"kind": "half_space", "point": [0.5, 0.5, 0.6], "normal": [0, 0, 1]}}
 BLOW = {"constraint_type": "particle_impulse", "vector": [0.5, 0.2, 0.3], "magnitude": 0.6}
