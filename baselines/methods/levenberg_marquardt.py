@@ -7,6 +7,7 @@ squares problems", 3.2). Steps are projected to what the skill library allows, a
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Generator
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from baselines.evaluation import Evaluator
 from baselines.parametrisation import Parametrisation
 from baselines.starts import SOLVED, Descent, LocalMethod
 from physagent_jax.forces.schema import ForceField
+
+COARSE = 0.03
+"""[|M| v] of a step at which numbers have settled well enough for windows to be sought."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -34,33 +38,42 @@ class LevenbergMarquardt(LocalMethod):
         return "levenberg_marquardt"
 
     def find_cost(self, start: ForceField) -> float:
-        """Forward-equivalents of a step."""
-        return 1.0 + self.count_unknowns(start)
+        """Forward-equivalents of a step, with the windows as they are."""
+        return 1.0 + 3.0 * (len(start.actions) + len(start.constraints))
 
     def descend(self, evaluator: Evaluator, start: ForceField, budget: float) -> Descent:
-        """One trial a step; those that gain are followed by a Jacobian."""
+        """One trial a step; windows, which double the unknowns nearly, are sought once the rest has settled."""
         del budget
-        unknowns = Parametrisation(start, evaluator.task.frame_count, self.windows)
-        if unknowns.size == 0:
-            yield evaluator.score(start, "start").loss
-            return
-        u, damping, growth = unknowns.encode(start), self.damping, 2.0
+        stages = ((False, COARSE), (True, self.shortest)) if self.windows else ((False, self.shortest),)
+        field = start
+        for windows, shortest in stages:
+            unknowns = Parametrisation(field, evaluator.task.frame_count, windows)
+            if unknowns.size == 0:
+                yield evaluator.score(start, "start").loss
+                return
+            field = yield from self._settle(evaluator, unknowns, field, shortest)
+
+    def _settle(
+        self, evaluator: Evaluator, unknowns: Parametrisation, start: ForceField, shortest: float
+    ) -> Generator[float, None, ForceField]:
+        """Steps until they are ``shortest``, those that gain followed by a Jacobian; where it ends."""
+        u, damping, growth, best = unknowns.encode(start), self.damping, 2.0, start
         score, jacobian = evaluator.jacobian(start, unknowns, "start")
         if score.failed:
-            return
+            return best
         yield score.loss
         while score.loss > SOLVED:
             normal, slope = jacobian.T @ jacobian, jacobian.T @ score.residuals
-            scale = np.maximum(np.diag(normal), 1e-9 * max(normal.max(), 1e-30))
+            scale = np.maximum(np.diag(normal), 1e-9 * normal.max() + 1e-12)
             step = unknowns.project(u - np.linalg.solve(normal + damping * np.diag(scale), slope)) - u
-            if np.linalg.norm(step) < self.shortest:
-                return
+            if np.linalg.norm(step) < shortest:
+                break
             field = unknowns.decode(u + step)
             trial = evaluator.score(field, "trial")
             expected = -(slope @ step + 0.5 * step @ normal @ step)
             gain = (score.loss - trial.loss) / expected if expected > 0 else -1.0
             if gain > 1e-3:
-                u, growth = unknowns.encode(field), 2.0
+                u, growth, best = unknowns.encode(field), 2.0, field
                 damping *= max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0) ** 3)
                 score = trial
                 yield score.loss
@@ -69,3 +82,4 @@ class LevenbergMarquardt(LocalMethod):
             else:
                 damping, growth = damping * growth, 2.0 * growth
                 yield score.loss
+        return best

@@ -220,3 +220,9 @@ def test_unknown_names_and_options_are_refused():
 
 def _all_types(name):
     return dict(types="enumerated", starts=2) if name in LOCAL or name == "cma" else {}
+
+
+def test_what_no_number_changes_ends_at_once():
+    for name in ("levenberg_marquardt", "lbfgs"):
+        result = fit(name, make_evaluator(Linear(np.zeros((2, 3)), np.ones(2))))
+        assert result.spent < 20 and result.find_incumbent().objective == 1.0
