@@ -33,8 +33,10 @@ DIFFERENCE = 0.02
 """[1] step of a Jacobian's differences, in |M| v: far above single precision's noise, far below what bends a path."""
 
 SIDES = 0.15
-"""[1] the same for the skill `scale`, whose field is k sgn(d) v: when v turns, particles change sides one by one, and a
-step has to take many of them along. Reverse mode sees none of it: the derivative of sgn is zero where it has one."""
+"""[rad] by which the direction of a `scale` is turned to either side. Its field is k sgn(d) v: when v turns, particles
+change sides one by one, and a turn has to take many of them along. Reverse mode sees none of it: the derivative of sgn
+is zero where it has one. To both sides, because the best direction is often one of symmetry, at which a difference to
+one side alone is none of a slope."""
 
 KINDS = 32
 """Simulations that are remembered for their steps, one per kind of force field."""
@@ -127,7 +129,7 @@ class Evaluator:
     def gradient(self, force_field: ForceField, note: str = "") -> tuple[Score, ForceFieldParameters]:
         """The same with the gradient of the loss; zero where the simulation fails.
 
-        Charged `GRADIENT_COST`, one simulation more unless the last one of its kind was `NEAR`, and two for every
+        Charged `GRADIENT_COST`, one simulation more unless the last one of its kind was `NEAR`, and four for every
         `scale`, whose direction needs differences (`SIDES`).
 
         Raises:
@@ -157,8 +159,9 @@ class Evaluator:
     ) -> tuple[Score, np.ndarray]:
         """The residuals and their derivatives by the unknowns, by one difference each.
 
-        Forward differences by the steps of the force field's own simulation, so that no step size jumps between
-        them. Those by a window's unknowns are simulated anew: which frames a force takes part in is part of a schedule.
+        Forward differences by the steps of the force field's own simulation, so that no step size jumps between them;
+        for what turns a `scale`, to both sides (`SIDES`). Those by a window's unknowns are simulated anew: which frames
+        a force takes part in is part of a schedule.
 
         Args:
             force_field: Where.
@@ -184,7 +187,13 @@ class Evaluator:
         if not self._is_rated(force_field):  # it was played for its pictures
             self._record(force_field, score.loss, note)
         u = unknowns.encode(force_field)
-        columns = [self._difference(unknowns, rollout, u, index, score) for index in range(unknowns.size)]
+        columns: list[np.ndarray] = []
+        for row, item in enumerate(unknowns.entries):
+            first, last = row * unknowns.stride, (row + 1) * unknowns.stride
+            if isinstance(item, Action) and item.action_type is ActionType.SCALE:
+                columns += self._turn(unknowns, rollout, u, first, score)
+                first += 3
+            columns += [self._difference(unknowns, rollout, u, index, score) for index in range(first, last)]
         return score, np.stack(columns, axis=1) if columns else np.zeros((score.residuals.size, 0))
 
     def play(self, force_field: ForceField, note: str = "") -> Pictures | None:
@@ -292,17 +301,15 @@ class Evaluator:
             along = np.asarray(action.vector)
             slope = (np.asarray(slopes[index].vector, float) @ along) * along
             for across in find_tangents(along):
-                for step in (SIDES, -SIDES):
-                    self._charge(1.0)
-                    turned = along + step * across
-                    turned /= np.linalg.norm(turned)
+                there = []
+                for side in (SIDES, -SIDES):
                     entries = list(parameters.actions)
+                    turned = np.cos(side) * along + np.sin(side) * across
                     entries[index] = dataclasses.replace(entries[index], vector=turned)
                     moved = dataclasses.replace(parameters, actions=tuple(entries))
-                    there = Score.of(self._simulation.replay(rollout, moved))
-                    if not there.failed:
-                        slope = slope + (there.loss - score.loss) / np.arctan(step) * across
-                        break
+                    there.append((side, self._replay(rollout, moved)))
+                values = [(side, np.array([each.loss])) for side, each in there if not each.failed]
+                slope = slope + divide(values, np.array([score.loss]))[0] * across
             slopes[index] = dataclasses.replace(slopes[index], vector=slope)
         return dataclasses.replace(gradient, actions=tuple(slopes))
 
@@ -327,6 +334,32 @@ class Evaluator:
     def _numbers(self, force_field: ForceField) -> ForceFieldParameters:
         return ForceFieldParameters.of(force_field, self.task.frame_count)
 
+    def _replay(self, rollout: Rollout, parameters: ForceFieldParameters) -> Score:
+        self._charge(1.0)
+        return Score.of(self._simulation.replay(rollout, parameters))
+
+    def _turn(
+        self, unknowns: Parametrisation, rollout: Rollout, u: np.ndarray, first: int, score: Score
+    ) -> list[np.ndarray]:
+        """The three columns of a `scale`: along its vector, and by turns to both sides of it."""
+        vector = u[first : first + 3]
+        size = float(np.linalg.norm(vector))
+        along = vector / size
+        basis, slopes = np.stack([along, *find_tangents(along)]), []
+        for way in basis:
+            values = []
+            for step in (-DIFFERENCE,) if len(slopes) == 0 else (SIDES, -SIDES):
+                moved = u.copy()
+                if len(slopes) == 0:
+                    moved[first : first + 3] = (size + step) * along
+                else:
+                    moved[first : first + 3] = size * (np.cos(step) * along + np.sin(step) * way)
+                there = self._replay(rollout, unknowns.to_parameters(moved))
+                if not there.failed:
+                    values.append((step if len(slopes) == 0 else size * step, there.residuals))
+            slopes.append(divide(values, score.residuals))
+        return list((np.stack(slopes, axis=1) @ basis).T)
+
     def _difference(
         self, unknowns: Parametrisation, rollout: Rollout, u: np.ndarray, index: int, score: Score
     ) -> np.ndarray:
@@ -338,11 +371,25 @@ class Evaluator:
             if is_window:
                 there = self._simulate(unknowns.decode(moved))
             else:
-                self._charge(1.0)
-                there = Score.of(self._simulation.replay(rollout, unknowns.to_parameters(moved)))
+                there = self._replay(rollout, unknowns.to_parameters(moved))
             if not there.failed:
                 return (there.residuals - score.residuals) / step
         return np.zeros_like(score.residuals)
+
+
+def divide(values: list[tuple[float, np.ndarray]], here: np.ndarray) -> np.ndarray:
+    """A derivative from values at steps to both sides, to one, or, where nothing is known, zero.
+
+    Args:
+        values: Pairs of a step and the value there.
+        here: The value at step 0.
+    """
+    match values:
+        case [(up, above), (down, below)]:
+            return (above - below) / (up - down)
+        case [(step, there)]:
+            return (there - here) / step
+    return np.zeros_like(here)
 
 
 def find_tangents(vector: np.ndarray) -> np.ndarray:
@@ -385,9 +432,7 @@ def _choose_steps(unknowns: Parametrisation, u: np.ndarray, index: int) -> tuple
         step = 1.0 / (unknowns.frame_count - 1)
         inwards = -step if u[index] + step > 1.0 - (u[row * 5 + 3] if column == 4 else 0.0) else step
         return inwards, -inwards
-    item = unknowns.entries[row]
-    sided = isinstance(item, Action) and item.action_type is ActionType.SCALE
-    inwards = -np.copysign(SIDES if sided else DIFFERENCE, u[index])
+    inwards = -np.copysign(DIFFERENCE, u[index])
     return float(inwards), float(-inwards)
 
 

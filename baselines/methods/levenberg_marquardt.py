@@ -1,6 +1,6 @@
 """Levenberg-Marquardt on the target's residuals: few unknowns, so that a Jacobian costs as many simulations.
 
-Damping by Marquardt's scaling and Nielsen's update (Madsen, Nielsen & Tingleff 2004, "Methods for non-linear least
+Damping is Levenberg's, with Nielsen's update (Madsen, Nielsen & Tingleff 2004, "Methods for non-linear least
 squares problems", 3.2). Steps are projected to what the skill library allows, and their gain is judged after that.
 """
 
@@ -25,7 +25,8 @@ class LevenbergMarquardt(LocalMethod):
     """Options are those of `LocalMethod`, and these.
 
     Attributes:
-        damping: Of the first step, in shares of J^T J's diagonal.
+        damping: Of the first step, in shares of the greatest element of J^T J's diagonal; the same for all unknowns,
+            which are of one size, so that those that hardly matter stay where they are.
         shortest: Step at which it has converged, in |M| v.
     """
 
@@ -64,8 +65,8 @@ class LevenbergMarquardt(LocalMethod):
         yield score.loss
         while score.loss > SOLVED:
             normal, slope = jacobian.T @ jacobian, jacobian.T @ score.residuals
-            scale = np.maximum(np.diag(normal), 1e-9 * normal.max() + 1e-12)
-            step = unknowns.project(u - np.linalg.solve(normal + damping * np.diag(scale), slope)) - u
+            ridge = (damping * np.diag(normal).max() + 1e-12) * np.eye(len(u))
+            step = unknowns.project(u - np.linalg.solve(normal + ridge, slope)) - u
             if np.linalg.norm(step) < shortest:
                 break
             field = unknowns.decode(u + step)

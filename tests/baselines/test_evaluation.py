@@ -10,6 +10,7 @@ from baselines.parametrisation import Parametrisation
 from baselines.protocol import Budget, BudgetSpent
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.parameters import ActionParameters, ForceFieldParameters
+from tests.baselines.analytic import Linear, make_evaluator, pushes
 from tests.baselines.tiny import act
 
 PUSH = act("translation", (0.6, -0.8, 0.0), 0.9)
@@ -179,3 +180,20 @@ def test_gradients_by_unknowns_do_not_go_by_vectors_of_other_lengths():
     for wrong in (0.0, -7.0):
         slope = ActionParameters(1.2 * g + wrong * v, np.asarray(g @ v), np.zeros(2))
         np.testing.assert_allclose(unknowns.pull_back(field, ForceFieldParameters((slope,))), g)
+
+
+def test_a_scale_s_derivatives_are_those_of_a_closed_form():
+    """r = A (M v) has the Jacobian A whatever the kind; at a direction of symmetry, an even r has none across it."""
+    A = np.array([[3.0, 1.0, 0.0], [0.0, 2.0, 0.5], [1.0, 0.0, 4.0]])
+    field = act("scale", (0.6, -0.64, 0.48), 0.9)
+    _, jacobian = make_evaluator(Linear(A, np.ones(3))).jacobian(field)
+    np.testing.assert_allclose(jacobian, A, atol=0.02)
+
+    class Even(Linear):
+        def replay(self, rollout, parameters):
+            return np.array([pushes(parameters)[0], 0.0]) - self.b
+
+    evaluator = make_evaluator(Even(A[:2], np.array([1.0, 0.0])))
+    score, jacobian = evaluator.jacobian(act("scale", (1, 0, 0), 0.4))
+    np.testing.assert_allclose(jacobian, [[1, 0, 0], [0, 0, 0]], atol=1e-9)
+    assert evaluator.spent == 1 + 5
