@@ -151,7 +151,7 @@ def share(
         evaluator: Charged.
         starts: One or more.
         descend: As `LocalMethod.descend`.
-        cost: As `LocalMethod.find_cost`: no more searches are begun than can take two steps each.
+        cost: As `LocalMethod.find_cost`: no more searches are begun than can take a step each.
     """
     if len(starts) == 1:
         return _exhaust(descend(evaluator, starts[0], evaluator.remaining))
@@ -159,7 +159,7 @@ def share(
     ranked = [(evaluator.score(starts[index], "start").loss, starts[index]) for index in sorted(order)]
     ranked.sort(key=lambda pair: pair[0])
     best, left = ranked[0][0], FIRST_SHARE * evaluator.remaining
-    ranked = ranked[: max(1, int(left / 2.0 / max(cost(start) for _, start in ranked)))]
+    ranked = ranked[: max(1, int(left / max(cost(start) for _, start in ranked)))]
     rungs = max(1, math.ceil(math.log2(len(ranked))))
     running = [(loss, descend(evaluator, start, evaluator.remaining / 2)) for loss, start in ranked]
     waiting: list[tuple[float, Descent]] = []
