@@ -28,6 +28,7 @@ ENDS = (
 )
 """Beside the whole, what a recovery task's target follows: it then says how the object turns and deforms too."""
 _DIGITS = 4  # of stored paths [body lengths]
+_SIGNIFICANT = 9  # digits of numbers in files
 _WIDTH = 110
 
 
@@ -71,6 +72,8 @@ def _dump(value: Any) -> Any:
         return [_dump(each) for each in value]
     if isinstance(value, StrEnum):
         return value.value
+    if isinstance(value, float):
+        return float(f"{value:.{_SIGNIFICANT}g}")  # a unit vector that is read again is written as it was
     if not isinstance(value, BaseModel):
         return value
     names = sorted(type(value).model_fields, key=lambda name: name != "kind")
