@@ -17,6 +17,7 @@ from baselines.parametrisation import Parametrisation
 from baselines.protocol import Budget, BudgetSpent, Evaluation
 from baselines.simulation import Pictures, Rollout, Simulation
 from baselines.tasks import Task
+from baselines.truncation import WHOLE, Truncation
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.schema import Action, ActionType, ForceField
@@ -214,15 +215,24 @@ class Evaluator:
         self._record(force_field, None, note)
         return pictures
 
-    def pull_back(self, force_field: ForceField, pixels: np.ndarray) -> ForceFieldParameters:
+    def pull_back(
+        self,
+        force_field: ForceField,
+        pixels: np.ndarray,
+        truncation: Truncation = WHOLE,
+        silent: tuple[Action, ...] = (),
+    ) -> ForceFieldParameters:
         """The gradient by a force field's numbers from one by the colours of its pictures.
 
-        Charged `GRADIENT_COST`, and one simulation more unless ``force_field`` was played last.
+        Charged `GRADIENT_COST`, less where it does not go back all the way (`Truncation.count_cost`), and one
+        simulation more unless ``force_field`` was played last.
 
         Args:
             force_field: Whose pictures they are.
             pixels: d loss / d colour, colours in [0, 1], shape (T, height, width, 3). Frames of zeros cost nothing to
                 draw.
+            truncation: How far it goes back.
+            silent: Actions that do not act: the gradient has them behind its own, at magnitude 0.
 
         Raises:
             BudgetSpent: There is nothing left.
@@ -234,8 +244,15 @@ class Evaluator:
         camera, count = rollout.scene.camera, len(rollout.x)
         if np.shape(pixels) != (wanted := (count, camera.height, camera.width, 3)):
             raise UserError(f"`pixels` must have the pictures' shape {wanted}", got=np.shape(pixels))
-        self._charge(GRADIENT_COST)
-        return self._simulation.pull_back(rollout, self._numbers(force_field), np.asarray(pixels, np.float32))
+        self._charge(truncation.count_cost(count, GRADIENT_COST))
+        parameters = self._numbers(force_field)
+        if silent:
+            rollout = self._simulation.add_silent(rollout, force_field, silent)
+            none = self._numbers(ForceField(actions=silent)).actions
+            none = tuple(dataclasses.replace(each, magnitude=np.zeros(())) for each in none)
+            parameters = dataclasses.replace(parameters, actions=(*parameters.actions, *none))
+        pixels = np.asarray(pixels, np.float32)
+        return self._simulation.pull_back(rollout, parameters, pixels, truncation)
 
     def rate(self, objective: float, note: str | None = None) -> None:
         """Gives the latest evaluation the method's own objective, less is better.

@@ -17,8 +17,9 @@ import numpy as np
 
 import physagent_jax as pa
 from baselines.tasks import Task
+from baselines.truncation import WHOLE, Truncation, fit_schedule, replay_truncated
 from physagent_jax.forces.parameters import ForceFieldParameters
-from physagent_jax.forces.schema import ForceField
+from physagent_jax.forces.schema import Action, ForceField
 from physagent_jax.gaussians.binding import deform
 from physagent_jax.metrics.task_judge import compute_residuals
 from physagent_jax.mpm import Schedule
@@ -115,22 +116,33 @@ class Simulation:
         return np.asarray(residuals), jax.tree.map(np.asarray, gradient)
 
     def pull_back(
-        self, rollout: Rollout, parameters: ForceFieldParameters, pixels: np.ndarray
+        self,
+        rollout: Rollout,
+        parameters: ForceFieldParameters,
+        pixels: np.ndarray,
+        truncation: Truncation = WHOLE,
     ) -> ForceFieldParameters:
         """The gradient by the parameters from one by the pictures' colours in [0, 1], shape (T, height, width, 3)."""
         parameters, scene = _to_device(parameters, rollout), rollout.scene
-        played, pull = jax.vjp(lambda p: pa.trajectory(scene, p, rollout.schedule), parameters)
-        slope_x, slope_F = np.zeros(played.x.shape, np.float32), np.zeros(played.F.shape, np.float32)
+        (x, F), pull = jax.vjp(lambda p: replay_truncated(scene, p, rollout.schedule, truncation), parameters)
+        slope_x, slope_F = np.zeros(x.shape, np.float32), np.zeros(F.shape, np.float32)
         for index, by_pixel in enumerate(pixels):
             if np.any(by_pixel):
-                slope_x[index], slope_F[index] = _pull_frame(
-                    scene, played.x[index], played.F[index], by_pixel
-                )
-        slope = dataclasses.replace(
-            played, x=jnp.asarray(slope_x), F=jnp.asarray(slope_F), time=jnp.zeros_like(played.time)
-        )
-        (gradient,) = pull(slope)
+                slope_x[index], slope_F[index] = _pull_frame(scene, x[index], F[index], by_pixel)
+        (gradient,) = pull((jnp.asarray(slope_x), jnp.asarray(slope_F)))
         return jax.tree.map(np.asarray, gradient)
+
+    def add_silent(self, rollout: Rollout, force_field: ForceField, silent: tuple[Action, ...]) -> Rollout:
+        """The same simulation of a scene with further actions, for derivatives by their strength at zero.
+
+        Args:
+            rollout: Of ``force_field``.
+            force_field: What acts.
+            silent: What could act as well.
+        """
+        extended = force_field.model_copy(update=dict(actions=(*force_field.actions, *silent)))
+        scene = dataclasses.replace(self.task.build(extended), camera=rollout.scene.camera)
+        return Rollout(scene, rollout.x, fit_schedule(rollout.schedule, scene))
 
 
 def _play_particles(rollout: Rollout, parameters: ForceFieldParameters) -> jax.Array:

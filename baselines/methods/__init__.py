@@ -22,6 +22,8 @@ METHODS = Registry(
         "bo_leap": "baselines.methods.bo_leap:BOLeap",
         "physsplat_f": "baselines.methods.physsplat_f:PhysSplatF",
         "physagent": "baselines.methods.physagent:PhysAgent",
+        "dreamphysics_f": "baselines.methods.dreamphysics_f:DreamPhysicsF",
+        "omniphysgs_f": "baselines.methods.omniphysgs_f:OmniPhysGSF",
         "hybrid": "baselines.methods.hybrid:Hybrid",
     },
 )
