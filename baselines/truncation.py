@@ -1,7 +1,7 @@
 """Derivatives that go back only so far, as published methods of score distillation have them.
 
 DreamPhysics and Physics3D differentiate the last substep before a picture, OmniPhysGS the frames of a stage. What was
-before is taken as given. The values are those of the whole simulation.
+before is taken as given. The values are those of the whole simulation. (`pa.trajectory` cuts after whole frames only.)
 """
 
 from __future__ import annotations

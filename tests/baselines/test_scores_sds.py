@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from baselines.scores import Cost, ScorePrior, SdsSettings, open_prior, sds
+from baselines.scores import Cost, ScorePrior, SdsSettings, change_settings, open_prior, sds
 from baselines.scores.bridge import distil
 from physagent_jax.core.errors import UserError
 
@@ -152,6 +152,15 @@ def test_calls_are_counted():
         prior = GaussianPrior(draw_clip(4), 0.3, sds.Form.FLOW, settings)
         prior.gradient(draw_clip(5), "", 0)
         assert prior.cost.calls == calls
+
+
+def test_settings_are_changed_by_plain_data():
+    found = change_settings(SdsSettings(guidance=3.0), dict(draws=4, weighting="uniform", motion=True))
+    assert found == SdsSettings(guidance=3.0, draws=4, weighting=sds.Weighting.UNIFORM, motion=True)
+    assert found.weighting is sds.Weighting.UNIFORM
+    for wrong in (dict(colour=1), dict(weighting="some"), dict(draws=0)):
+        with pytest.raises(UserError):
+            change_settings(SdsSettings(), wrong)
 
 
 def test_without_torch_the_extra_is_named(monkeypatch):

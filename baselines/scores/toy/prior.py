@@ -49,6 +49,7 @@ class ToyPrior:
     name = "toy prior"
     toy = True
     licence = "Apache-2.0"
+    default_settings = SETTINGS
 
     def __init__(self, model: ToyVideoModel, validation: Validation, settings: sds.SdsSettings = SETTINGS):
         if not validation.accuracy >= LEAST_ACCURACY:
