@@ -282,6 +282,16 @@ def test_a_longer_and_larger_clip_is_resampled_and_its_gradient_goes_back(kind):
 
 
 @EACH
+def test_frames_that_are_shown_twice_have_both_gradients(kind):
+    prior = make_prior(kind)
+    video = make_video(prior)[: prior.frames // 2]
+    places = sds.pick_frames(len(video), prior.frames)
+    apart = prior.gradient(video[places], PROMPT, 1)
+    wanted = np.stack([apart[places == index].sum(0) for index in range(len(video))])
+    assert np.allclose(prior.gradient(video, PROMPT, 1), wanted, atol=1e-6 * np.abs(wanted).max())
+
+
+@EACH
 def test_the_same_key_means_the_same_draws(kind):
     prior = make_prior(kind)
     video = make_video(prior)
