@@ -9,7 +9,6 @@ the skills (a stretch and a squeeze apart), and its vector is moved as well.
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -18,7 +17,7 @@ from baselines.evaluation import Evaluator
 from baselines.methods.dreamphysics_f import make_adam
 from baselines.parametrisation import Parametrisation
 from baselines.scores.method import Glance, SdsMethod
-from baselines.starts import KINDS
+from baselines.starts import KINDS, turn_into
 from baselines.truncation import Truncation
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import Action, ForceField
@@ -187,13 +186,11 @@ class Choice:
         return tuple(self._make_one(index, kind) for index, kind in enumerate(kinds))
 
     def _make_one(self, index: int, kind: int) -> Action:
-        skill, sign = KINDS[kind]
         vector = self.vectors[index]
         size = float(np.linalg.norm(vector))
         x, y, z = (float(each) / size for each in vector)
-        known = self.start.actions[index]
-        update = dict(action_type=skill, magnitude=math.copysign(size, sign), vector=(x, y, z))
-        return known.model_copy(update=update)
+        update = dict(magnitude=size, vector=(x, y, z))
+        return turn_into(self.start.actions[index].model_copy(update=update), KINDS[kind])
 
 
 def find_kind(action: Action) -> int:
