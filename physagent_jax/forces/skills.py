@@ -36,6 +36,7 @@ of them that JAX differentiates. What is known is computed on the host in double
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import jax
@@ -338,7 +339,7 @@ class _Bound:
                 got=repr(timed.object),
                 do="Leave `object` out",
             )
-        self.values = values = jax.tree.map(_check_known, values)
+        self.values = values = _normalise(jax.tree.map(_check_known, values))
         if not _is_traced(values.window) and values.window[0] >= frame_count - 1:
             raise UserError(
                 f"`{place}.active_time` begins after the clip's last frame {frame_count - 1}",
@@ -384,11 +385,6 @@ class _Bound:
         if extent == 0:  # all particles in one place
             return 1.0
         xp = jnp if _is_traced(axis) else np
-        length = xp.linalg.norm(axis)
-        # A direction of the schema has unit length but for round-off, which is left as it is: it may decide on which
-        # side of the middle a particle lies.
-        if _is_traced(axis) or abs(length - 1) > 1e-12:
-            axis = axis / length
         volume = self._volume[inside].astype(xp.result_type(float))
         height = self._rest[inside] @ axis
         side = xp.sign(height - xp.average(height, weights=volume))
@@ -446,6 +442,20 @@ class _Bound:
             stop = point + velocity * (end - start)
             plates.append(MovingPlate(HalfSpace(stop, normal, friction, end, self._held_until)))
         return plates
+
+
+def _normalise(values: ActionParameters) -> ActionParameters:
+    """The vector's length as a part of the magnitude: what is made up for goes by directions.
+
+    A direction of the schema has unit length but for round-off, which is left as it is: it may decide on which side of
+    the middle a particle lies.
+    """
+    squared = values.vector @ values.vector
+    if not _is_traced(squared) and abs(squared - 1) < 1e-12:
+        return values
+    xp = jnp if _is_traced(squared) else np
+    size = xp.sqrt(xp.maximum(squared, 1e-30))
+    return dataclasses.replace(values, vector=values.vector / size, magnitude=size * values.magnitude)
 
 
 def _is_traced(value) -> bool:

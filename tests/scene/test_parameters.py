@@ -9,6 +9,7 @@ import pytest
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.parameters import ForceFieldParameters
+from physagent_jax.forces.schema import Action, ActionType, ForceField, Holding, Opposition
 from physagent_jax.forces.skills import make_closed_form_scaling
 from physagent_jax.mpm.step import kirchhoff_stress
 from physagent_jax.scene import config as c
@@ -248,3 +249,49 @@ def test_terms_of_another_kind_are_refused(rich):
     wind = dataclasses.replace(numbers.forces[0], speed=np.ones(2))
     with pytest.raises(UserError, match="must have the shape"):
         rich.with_parameters(dataclasses.replace(numbers, forces=(wind, *numbers.forces[1:])))
+
+
+@pytest.mark.parametrize(
+    "opposing",
+    [
+        dict(
+            opposition=Opposition(
+                friction=3.0, weight=9.8, turning=2.0, tipping=5.0, lever=0.2, travel=0.8, time=1.4
+            )
+        ),
+        dict(
+            holding=Holding(
+                compliance=((2e-3, 0, 0), (0, 2e-3, 0), (0, 0, 1e-3)), shift=0.1, least=1.0, most=300.0
+            )
+        ),
+    ],
+)
+@pytest.mark.parametrize("traced", [False, True])
+def test_a_longer_vector_is_a_larger_magnitude_where_something_opposes(opposing, traced, folder, body):
+    """What is made up for goes by the direction alone, whatever the vector's length."""
+    windows = ((0, 1), (1, 2), (0, 2))
+    kinds = (ActionType.TRANSLATION, ActionType.IMPULSE, ActionType.TORQUE)
+    field = ForceField(
+        actions=tuple(
+            Action(action_type=kind, vector=(0.6, 0.0, 0.8), magnitude=0.8, active_time=window)
+            for kind, window in zip(kinds, windows)
+        )
+    )
+    scaling = make_closed_form_scaling(extent=0.8, youngs_modulus=3e4, density=400.0, duration=0.1)
+    config = make_config(folder, force_field=field, scaling=scaling.model_copy(update=opposing))
+    scene = compile_scene(config, body, folder)
+    own = ForceFieldParameters.of(field, scene.config.timing.frame_count)
+
+    def compile_with(values):
+        return scene.with_parameters(values).model.forces
+
+    def change(name, factor):
+        actions = tuple(
+            dataclasses.replace(each, **{name: factor * getattr(each, name)}) for each in own.actions
+        )
+        return dataclasses.replace(own, actions=actions)
+
+    compile_ = jax.jit(compile_with) if traced else compile_with
+    one, other = compile_(change("vector", 1.5)), compile_(change("magnitude", 1.5))
+    assert differ(one, other) < 1e-6
+    assert differ(one, compile_(own)) > 0.01
