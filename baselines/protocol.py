@@ -90,13 +90,15 @@ class FitResult:
     def find_incumbent(self, spent: float = math.inf) -> Evaluation | None:
         """The best evaluation by the method's own objective within ``spent`` forward-equivalents.
 
-        The latest where the method has no objective, the first of equals; None where nothing is evaluated by then.
+        The latest that could be simulated where the method has no objective, the first of equals; None where nothing is
+        evaluated by then.
         """
         made = [each for each in self.evaluations if each.spent <= spent]
-        rated = [(each.objective, each) for each in made if each.objective is not None]
+        worked = [each for each in made if each.objective is None or math.isfinite(each.objective)]
+        rated = [(each.objective, each) for each in worked if each.objective is not None]
         if rated:
             return min(rated, key=lambda pair: pair[0])[1]
-        return made[-1] if made else None
+        return (worked or made or [None])[-1]
 
     def incumbent_at(self, spent: float = math.inf) -> ForceField:
         """The force field of `find_incumbent`; the start where there is none."""
