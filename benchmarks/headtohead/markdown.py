@@ -18,7 +18,9 @@ searches and the choice of starts are charged too). A method is judged by the fo
 best when the budget is spent; the judge reads true particles. *Oracle* methods minimise the distance to the target,
 which nothing but a simulator with the answer at hand can know: they are bounds, not competitors. *Error* is the largest
 miss of a task's clauses in tolerances (1 = just a success), cut at {CAP:g}; its median over tasks. Brackets are 95 %
-intervals of the bootstrap over tasks, stratified by family; seeds are averaged first.
+intervals of the bootstrap over tasks, stratified by family; seeds are averaged first. Score distillation
+(`dreamphysics_f`, `omniphysgs_f`) takes no part: it needs a video model, and the toy prior fails the check that it has to
+pass before it is used ([score-priors.md](score-priors.md)). `bo_leap` is left out for its time.
 """
 
 _ELSEWHERE = """
