@@ -19,7 +19,7 @@ best when the budget is spent; the judge reads true particles. *Oracle* methods 
 which nothing but a simulator with the answer at hand can know: they are bounds, not competitors. *Error* is the largest
 miss of a task's clauses in tolerances (1 = just a success), cut at {CAP:g}; its median over tasks. Brackets are 95 %
 intervals of the bootstrap over tasks, stratified by family; seeds are averaged first. Score distillation
-(`dreamphysics_f`, `omniphysgs_f`) takes no part: it needs a video model, and the toy prior fails the check that it has to
+(`dreamphysics_f`, `omniphysgs_f`) takes no part: it needs a video model, and the toy prior fails the check that it must
 pass before it is used ([score-priors.md](score-priors.md)). `bo_leap` is left out for its time.
 """
 

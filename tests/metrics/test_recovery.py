@@ -118,7 +118,7 @@ def test_the_effort_of_a_turn_is_by_the_distance_from_its_axis():
     turn = Torque(number([0.0, 0.0, 1.0]), number(2.0), number(0.0), number(1.0))
     arm = REST - MASS @ REST / MASS.sum()
     expected = 2.0 * (MASS @ np.linalg.norm(arm[:, :2], axis=1)) / MASS.sum()
-    assert measure_effort(Scene(MASS, (turn,)), STILL, DT) == pytest.approx(expected, rel=0.05)
+    assert measure_effort(Scene(MASS, (turn,)), STILL, DT) == pytest.approx(float(expected), rel=0.05)
 
 
 def test_what_prescribes_a_velocity_counts_as_it():
