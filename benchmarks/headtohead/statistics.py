@@ -1,9 +1,9 @@
 """Success and error of a method over tasks, with intervals: the task is the sampling unit.
 
 Seeds of a task are averaged first. Intervals are of the stratified bootstrap (Agarwal et al. 2021, "Deep Reinforcement
-Learning at the Edge of the Statistical Precipice"): tasks are drawn with replacement within their family. Two methods
-are compared on the tasks that both have done, by exact McNemar for success and by Wilcoxon's signed ranks for the
-error, with Holm's correction over all comparisons of a table.
+Learning at the Edge of the Statistical Precipice"): tasks are drawn with replacement within their family, those that
+are alone in theirs among each other. Two methods are compared on the tasks that both have done, by exact McNemar for
+success and by Wilcoxon's signed ranks for the error, with Holm's correction over all comparisons of a table.
 """
 
 from __future__ import annotations
@@ -61,7 +61,9 @@ def estimate(
     strata: dict[str, list[float]] = {}
     for task in tasks:
         strata.setdefault(task[0], []).append(task[pick])
-    groups = [np.asarray(values) for values in strata.values()]
+    alone = [values[0] for values in strata.values() if len(values) == 1]  # one has no spread to draw from
+    larger = [values for values in strata.values() if len(values) > 1]
+    groups = [np.asarray(values) for values in (*larger, alone) if values]
     rng = np.random.default_rng(0)
     drawn = [
         reduce(np.concatenate([rng.choice(values, len(values)) for values in groups])) for _ in range(DRAWS)

@@ -38,6 +38,16 @@ def test_strata_keep_what_differs_between_families():
     assert statistics.estimate(rows, 10.0, 1) == (0.5, 0.5, 0.5)
 
 
+def test_tasks_alone_in_their_families_are_drawn_among_each_other():
+    """As if they were of one family: else the interval would be a point."""
+    solved = [True, False, True, False, False, False, False, False]
+    apart = [make_rows([(each, 1.0)], f"family{i}")[0] for i, each in enumerate(solved)]
+    together = make_rows([(each, 1.0) for each in solved])
+    assert statistics.estimate(apart, 10.0, 1) == statistics.estimate(together, 10.0, 1)
+    value, low, high = statistics.estimate(apart, 10.0, 1)
+    assert (value, low) == (0.25, 0.0) and high >= 0.5
+
+
 def test_a_refusal_is_a_miss():
     row = {"task": "a", "family": "drop", "seed": 0, "marks": []}
     assert statistics.read_mark(row, 10.0) == (0.0, statistics.CAP)
