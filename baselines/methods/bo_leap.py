@@ -188,5 +188,5 @@ def predict(x: np.ndarray, y: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, n
             "ignore", ConvergenceWarning
         )  # of lengths at the ends of their range: as good as any
         model = GaussianProcessRegressor(kernel, normalize_y=False, random_state=0).fit(x, y)
-        mean, deviation = model.predict(at, return_std=True)
+        mean, deviation = (np.asarray(each) for each in model.predict(at, return_std=True))
     return mean, deviation
