@@ -6,7 +6,8 @@ its schedule, of a loss over the last frame, by gravity, the initial velocity an
 warm; first calls compile. Memory is what the process takes more at its peak. "precision" compares the gradient by the
 kernels in single precision with that of the reference path in double precision. "peers" sets the same gradient by
 Warp's tape and by Taichi's automatic differentiation beside it, each in a process of its own with as many cores; they
-are looked for in the interpreter that the environment variable PEER_PYTHON names.
+are looked for in the interpreter that the environment variable PEER_PYTHON names. "materials" and "growth" are cost and
+precision of the other laws, return mappings and viscosity among them.
 """
 
 from __future__ import annotations
@@ -43,6 +44,15 @@ CASES = (  # particles, frames, substeps of a frame, memory of the reverse pass 
     (200_000, 1, 100, 4e9, None),
 )
 HORIZONS = (10, 100, 1000)  # substeps
+NEO_HOOKEAN = "neo-Hookean"
+MATERIALS = {  # law, viscosity [Pa s]; E = 1e5 Pa, a fluid's K likewise
+    "fixed corotated": (Material.JELLY, 0.0),
+    "von Mises": (Material.METAL, 0.0),
+    "Drucker-Prager": (Material.SAND, 0.0),
+    "fluid": (Material.FLUID, 0.0),
+    "viscous fluid": (Material.FLUID, 20.0),
+    "Kelvin-Voigt": (Material.NEO_HOOKEAN, 20.0),
+}
 ROOT = Path(__file__).resolve().parents[1]
 _MEANING = """What the gradient of a simulation costs, by `python -m benchmarks.gradients`. The elastic cube that the
 codes are timed on, dropped on a floor, with eight particles per cell. *Forward* is what the product runs (`simulate`,
@@ -53,7 +63,8 @@ against that of the reference path in double precision, of 1,000 particles, and 
 *Peers*: the same scene, loss and unknowns by the automatic differentiation of Warp (kernels of the classical substep,
 every substep's arrays on the tape) and of Taichi (as in DiffTaichi: nodes are filled again in reverse), each in
 a process of its own with as many cores; Warp has one thread on a CPU. *Cosine* is between the gradients: the classical
-stress form and MLS-MPM differ at this resolution.
+stress form and MLS-MPM differ at this resolution. *Materials* and *growth* are cost and precision for the other laws:
+the impact makes metal and sand yield, so that their gradients go through the return mapping.
 """
 COLUMNS = {
     "particles": lambda row: f"{row['particles']:,}",
@@ -75,6 +86,8 @@ PRECISION = {
     "norm": lambda row: number(row["norm"]),
     "double precision against central differences": lambda row: f"{row['difference_error']:.1e}",
 }
+MATERIAL_COLUMNS = {"material": lambda row: row["material"]} | COLUMNS
+GROWTH = {"material": lambda row: row["material"]} | PRECISION
 PEERS = {
     "code": lambda row: f"{row['code']}: {row['version']}",
     "cores": lambda row: str(row["cores"]),
@@ -89,12 +102,21 @@ PEERS = {
     "cosine with ours": lambda row: f"{row['cosine']:.4f}",
 }
 
+TABLES = {
+    "cost": COLUMNS,
+    "precision": PRECISION,
+    "peers": PEERS,
+    "materials": MATERIAL_COLUMNS,
+    "growth": GROWTH,
+}
+PARTS = ("cost", "precision", "peers", "materials", "growth")
+
 
 @dataclasses.dataclass(frozen=True)
 class Command(harness.Command):
     """Measure what gradients cost, and how exact they are."""
 
-    parts: tuple[Literal["cost", "precision", "peers"], ...] = ("cost", "precision", "peers")
+    parts: tuple[Literal["cost", "precision", "peers", "materials", "growth"], ...] = PARTS
     """Which to measure."""
     repeats: int = 3
     """Timed pairs; quick: one."""
@@ -107,6 +129,8 @@ def main() -> int:
         "cost": lambda: _list_costs(command),
         "precision": lambda: _list_precisions(command),
         "peers": lambda: _list_peers(command),
+        "materials": lambda: _list_materials(command),
+        "growth": lambda: _list_growth(command),
     }
     return harness.main(command, parts, document)
 
@@ -114,8 +138,8 @@ def main() -> int:
 def document(result: dict, json_path: Path, target: Path) -> str:
     """The tables as Markdown."""
     text = f"# Gradients\n\n{_MEANING}\nEvery row is in [{json_path.name}]({link(json_path, target)}).\n"
-    text += provenance(result, ("cost", "precision", "peers"))
-    for part, columns in (("cost", COLUMNS), ("precision", PRECISION), ("peers", PEERS)):
+    text += provenance(result, PARTS)
+    for part, columns in TABLES.items():
         if part in result:
             rows = [[show(row) for show in columns.values()] for row in result[part]["rows"]]
             text += f"\n## {part.capitalize()}\n" + table(tuple(columns), rows)
@@ -132,6 +156,21 @@ def _list_costs(command: Command) -> list[Job]:
 def _list_precisions(command: Command) -> list[Job]:
     horizons = HORIZONS[:1] if command.quick else HORIZONS
     return [Job(f"{count} substeps", partial(_measure_precision, count)) for count in horizons]
+
+
+def _list_materials(command: Command) -> list[Job]:
+    n, steps, repeats = (2_000, 20, 1) if command.quick else (20_000, 200, command.repeats)
+    return [Job(f"{name}, {n} x {steps}", partial(_measure_cost, n, 1, steps, 2e9, None, repeats, name))
+            for name in MATERIALS]  # fmt: skip
+
+
+def _list_growth(command: Command) -> list[Job]:
+    horizons = HORIZONS[:1] if command.quick else HORIZONS
+    return [
+        Job(f"{name}, {count} substeps", partial(_measure_precision, count, name))
+        for name in MATERIALS
+        for count in horizons
+    ]
 
 
 def _list_peers(command: Command) -> list[Job]:
@@ -177,23 +216,32 @@ def _measure_peers(particles: int, steps: int, cores: int, repeats: int) -> list
     return rows
 
 
-def make_scene(particles: int) -> PeerScene:
+def make_scene(particles: int, material: Material = Material.NEO_HOOKEAN) -> PeerScene:
     """The cube above the floor, eight particles in a cell."""
-    return drop(particles, Material.NEO_HOOKEAN, round(SIZE / (SIDE * (8 / particles) ** (1 / 3))))
+    cells = round(SIZE / (SIDE * (8 / particles) ** (1 / 3)))
+    scene = drop(particles, Material.NEO_HOOKEAN, cells)
+    return dataclasses.replace(scene, material=material, bulk_modulus=scene.youngs_modulus)
 
 
-def make_cube(particles: int, precision: Any, kernels: str = "auto") -> tuple[Model, State]:
+def make_cube(
+    particles: int, precision: Any, kernels: str = "auto", material: str = NEO_HOOKEAN
+) -> tuple[Model, State]:
     """The cube above the floor, its particles sorted, eight in a cell."""
-    scene = make_scene(particles)
+    law, viscosity = MATERIALS.get(material, (Material.NEO_HOOKEAN, 0.0))
+    scene = make_scene(particles, law)
     scene = scene.take(cell_order(scene.x, scene.dx))
     scene = dataclasses.replace(scene, x=scene.x.astype(precision), v=scene.v.astype(precision))
-    return build(scene, kernels)
+    model, state = build(scene, kernels)
+    if viscosity:
+        model = model.replace(viscosity=jnp.full(particles, viscosity, precision))
+    return model, state
 
 
 def _measure_cost(
-    n: int, frames: int, steps: int, memory: float, aim: float | None, repeats: int
-) -> list[Row]:
-    model, state = make_cube(n, np.float32)
+    n: int, frames: int, steps: int, memory: float, aim: float | None, repeats: int,
+    material: str = NEO_HOOKEAN,
+) -> list[Row]:  # fmt: skip
+    model, state = make_cube(n, np.float32, material=material)
     frame_dt = steps * 1e-4
     run = dict(frame_count=frames + 1, frame_dt=frame_dt, substep_dt=1e-4)
     made = list(simulate(model, state, **run))
@@ -214,6 +262,7 @@ def _measure_cost(
     ratios = sorted(both / forward for forward, both in pairs)
     count = schedule.substeps
     row = {
+        "material": material,
         "particles": n,
         "substeps": count,
         "forward_ms": 1e3 * float(np.median([pair[0] for pair in pairs])) / count,
@@ -229,10 +278,10 @@ def _measure_cost(
     return [row]
 
 
-def _measure_precision(count: int) -> list[Row]:
+def _measure_precision(count: int, material: str = NEO_HOOKEAN) -> list[Row]:
     particles = 1000
     with jax.enable_x64(True):
-        model, state = make_cube(particles, np.float64, "reference")
+        model, state = make_cube(particles, np.float64, "reference", material)
         run = dict(frame_count=2, frame_dt=count * 2e-4, substep_dt=2e-4)
         schedule = Schedule.of(model, simulate(model, state, **run))
         loss = find_loss(model, state, schedule, draw_weight(particles), 2e9)
@@ -240,13 +289,14 @@ def _measure_precision(count: int) -> list[Row]:
         exact = np.asarray(jax.grad(loss)(at))
         step = h * np.eye(3)
         differences = np.array([(loss(at + e) - loss(at - e)) / (2 * h) for e in step])
-    single, begun = make_cube(particles, np.float32)
+    single, begun = make_cube(particles, np.float32, material=material)
     got = np.asarray(
         jax.grad(find_loss(single, begun, schedule, draw_weight(particles), 2e9))(jnp.ones(3, jnp.float32)),
         np.float64,
     )
     norm = float(np.linalg.norm(exact))
     row = {
+        "material": material,
         "particles": particles,
         "substeps": schedule.substeps,
         "cosine": float(got @ exact / (np.linalg.norm(got) * norm)),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -44,14 +45,15 @@ def make_schedule(model: Model, state: State, frames: int, steps: int, dt: float
 
 def find_loss(model: Model, state: State, schedule: Schedule, weight: np.ndarray, memory: float):
     """The loss of `benchmarks.peers.gradient` as a function of three factors: of gravity, velocity and stiffness."""
-    weight = jnp.asarray(weight, state.x.dtype)
-    law = model.materials[0]
+    direction = jnp.asarray(weight, state.x.dtype)
+    law: Any = model.materials[0]
+    moduli = [name for name in ("mu", "lam", "bulk_modulus") if hasattr(law, name)]
 
     def loss(scales):
-        stiff = dataclasses.replace(law, mu=scales[2] * law.mu, lam=scales[2] * law.lam)
+        stiff = dataclasses.replace(law, **{name: scales[2] * getattr(law, name) for name in moduli})
         changed = model.replace(gravity=scales[0] * model.gravity, materials=(stiff,))
         begun = dataclasses.replace(state, v=scales[1] * state.v)
         end = replay(changed, begun, schedule, memory=memory)[-1]
-        return (end.x[:, 2] ** 2).mean() + 0.1 * (weight * end.x).mean()
+        return (end.x[:, 2] ** 2).mean() + 0.1 * (direction * end.x).mean()
 
     return loss

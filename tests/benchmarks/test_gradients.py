@@ -2,7 +2,19 @@
 
 from pathlib import Path
 
-from benchmarks.gradients import document
+import numpy as np
+import pytest
+
+from benchmarks.gradients import MATERIALS, document, make_cube
+from benchmarks.peers.scene import Material
+
+LAWS = {
+    Material.JELLY: "FixedCorotated",
+    Material.NEO_HOOKEAN: "NeoHookean",
+    Material.METAL: "VonMises",
+    Material.SAND: "DruckerPrager",
+    Material.FLUID: "Fluid",
+}
 
 
 def test_the_page_shows_ratio_aim_and_memory_and_what_is_missing():
@@ -27,3 +39,12 @@ def test_the_page_shows_ratio_aim_and_memory_and_what_is_missing():
     page = document({"cost": {"runs": [run], "complete": True, "rows": [row]}}, Path("a.json"), Path("b.md"))
     assert "| 20,000 | 200 | 1.5 | 6 | 4 (3.9 to 4.1) | 5 |  | 2 | 1, 9 |" in page
     assert "Not measured yet: precision" in page
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_cubes_of_other_materials_have_their_law_and_viscosity(material):
+    model, state = make_cube(200, np.float32, material=material)
+    law, viscosity = MATERIALS[material]
+    assert type(model.materials[0]).__name__ == LAWS[law]
+    assert (0 if model.viscosity is None else float(model.viscosity.max())) == viscosity
+    assert state.v.shape == (200, 3)

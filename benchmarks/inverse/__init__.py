@@ -1,0 +1,1 @@
+"""Inverse problems from synthetic truth: numbers of a scene found again from tracks of its particles."""
