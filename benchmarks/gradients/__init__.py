@@ -1,0 +1,1 @@
+"""What the gradient of a simulation costs, what it is made of, and how exact it is."""

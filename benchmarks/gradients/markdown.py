@@ -1,0 +1,96 @@
+"""The page of what gradients cost."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from benchmarks.harness import link, number, provenance, table
+
+_MEANING = """What the gradient of a simulation costs, by `python -m benchmarks.gradients`. The elastic cube that the
+codes are timed on, dropped on a floor, with eight particles per cell. *Forward* is what the product runs (`simulate`,
+with its window and kernels); *value and gradient* is `jax.value_and_grad` through `replay` of its schedule, by gravity,
+initial velocity and stiffness. Both in turn, warm; median and range of the ratio. *Memory* is what the process takes
+more at its peak; *allowed* is what `replay` was given. *Precision*: the gradient by the kernels in single precision
+against that of the reference path in double precision, of 1,000 particles, and that one against central differences.
+*Peers*: the same scene, loss and unknowns by the automatic differentiation of Warp (kernels of the classical substep,
+every substep's arrays on the tape) and of Taichi (as in DiffTaichi: nodes are filled again in reverse), each in
+a process of its own with as many cores; Warp has one thread on a CPU. *Cosine* is between the gradients: the classical
+stress form and MLS-MPM differ at this resolution. *Materials* and *growth* are cost and precision for the other laws:
+the impact makes metal and sand yield, so that their gradients go through the return mapping. *Profile*: each stage of
+a substep, and its derivative, jitted alone, with the floor: the larger of the bytes that must go in and out over the
+bandwidth of a copy of as many, and the operations that XLA counts in the reference path over those of a matrix product.
+The reverse of the whole is its value and gradient less its forward; stages alone pay for a call each.
+"""
+COLUMNS = {
+    "particles": lambda row: f"{row['particles']:,}",
+    "substeps": lambda row: f"{row['substeps']:,}",
+    "forward [ms per substep]": lambda row: number(row["forward_ms"]),
+    "value and gradient [ms per substep]": lambda row: number(row["gradient_ms"]),
+    "times the forward": lambda row: (
+        f"{number(row['ratio'])} ({' to '.join(map(number, row['ratio_range']))})"
+    ),
+    "aim": lambda row: number(row["aim"]),
+    "memory [GB]": lambda row: number(row["memory_gb"]),
+    "allowed [GB]": lambda row: number(row["allowed_gb"]),
+    "first calls [s]": lambda row: ", ".join(map(number, row["first_seconds"])),
+}
+PRECISION = {
+    "substeps": lambda row: f"{row['substeps']:,}",
+    "cosine": lambda row: f"{row['cosine']:.7f}",
+    "relative error": lambda row: f"{row['error']:.1e}",
+    "norm": lambda row: number(row["norm"]),
+    "double precision against central differences": lambda row: f"{row['difference_error']:.1e}",
+}
+MATERIAL_COLUMNS = {"material": lambda row: row["material"]} | COLUMNS
+GROWTH = {"material": lambda row: row["material"]} | PRECISION
+PEERS = {
+    "code": lambda row: f"{row['code']}: {row['version']}",
+    "cores": lambda row: str(row["cores"]),
+    "particles": lambda row: f"{row['particles']:,}",
+    "substeps": lambda row: str(row["substeps"]),
+    "value and gradient [s]": lambda row: (
+        f"{number(row['seconds'])} ({' to '.join(map(number, row['range']))})"
+    ),
+    "times ours": lambda row: number(row["ratio"]),
+    "first call [s]": lambda row: number(row["first_seconds"]),
+    "memory [GB]": lambda row: number(row["memory_gb"]),
+    "cosine with ours": lambda row: f"{row['cosine']:.4f}",
+}
+
+PROFILE = {
+    "stage": lambda row: row["stage"],
+    "particles": lambda row: f"{row['particles']:,}",
+    "forward [ms]": lambda row: number(row["forward_ms"]),
+    "floor [ms]": lambda row: number(row["forward_floor_ms"]),
+    "reverse [ms]": lambda row: number(row["reverse_ms"]),
+    "its floor [ms]": lambda row: number(row["reverse_floor_ms"]),
+    "moved, there and back [MB]": lambda row: _show_pair(row, "bytes"),
+    "million operations, there and back": lambda row: _show_pair(row, "operations"),
+}
+
+TABLES = {
+    "cost": COLUMNS,
+    "precision": PRECISION,
+    "peers": PEERS,
+    "materials": MATERIAL_COLUMNS,
+    "growth": GROWTH,
+    "profile": PROFILE,
+}
+PARTS = tuple(TABLES)
+
+
+def document(result: dict, json_path: Path, target: Path) -> str:
+    """The tables as Markdown."""
+    text = f"# Gradients\n\n{_MEANING}\nEvery row is in [{json_path.name}]({link(json_path, target)}).\n"
+    text += provenance(result, PARTS)
+    for part, columns in TABLES.items():
+        if part in result:
+            rows = [[show(row) for show in columns.values()] for row in result[part]["rows"]]
+            text += f"\n## {part.capitalize()}\n" + table(tuple(columns), rows)
+    return text
+
+
+def _show_pair(row: dict, what: str) -> str:
+    if f"forward_{what}" not in row:
+        return ""
+    return ", ".join(number(row[f"{way}_{what}"] / 1e6) for way in ("forward", "reverse"))
