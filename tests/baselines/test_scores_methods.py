@@ -17,6 +17,7 @@ from baselines.scores import Cost
 from baselines.scores.compare import compare_with_truth, summarise
 from baselines.starts import KINDS
 from baselines.truncation import Truncation
+from benchmarks import distillation
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.parameters import ActionParameters, ForceFieldParameters
 from physagent_jax.forces.schema import ForceField
@@ -206,6 +207,25 @@ def test_comparison_with_the_truth(tiny):
     assert left.cosine > 0.5 and right.cosine < -0.5
     assert left.draws == 4 and left.cosines.shape == (4,) and left.variance.shape == (3,)
     assert left.share_downhill == 1 and left.signal_to_noise > 1
+
+
+def test_the_benchmark_of_distillation_tells_a_prior_that_agrees_from_one_that_does_not(tiny, tmp_path):
+    named = dataclasses.replace(
+        tiny, spec=SimpleNamespace(name="tiny", family="push", sentence="push it left")
+    )
+    rows = []
+    for side in ("left", "right"):
+        made = distillation.compare(named, lambda _, side=side: Wish(side, name=side), places=1, draws=2)
+        rows += made
+    assert [row["setting"] for row in rows] == 2 * list(distillation.SETTINGS)
+    whole = [row["cosine"] for row in rows if row["setting"] == "whole clip"]
+    assert whole[0] > 0.5 and whole[1] < -0.5
+    page = distillation.document(
+        {"cosines": {"runs": [], "complete": True, "rows": rows}}, tmp_path / "a.json", tmp_path / "a.md"
+    )
+    agreeing, opposed = page.split("## Right: whole clip\n")
+    assert "| push | 1 |" in agreeing and "| 100 % | 100 % |" in agreeing.split("## Left: whole clip\n")[1]
+    assert "| 0 % | 0 % |" in opposed.split("##")[0]
 
 
 def test_comparison_s_figures():
