@@ -48,13 +48,13 @@ takes off the gradient of the clip in which nothing moves.
 COLUMNS = {
     "family": lambda rows: rows[0]["family"],
     "places": lambda rows: str(len(rows)),
-    "mean": lambda rows: number(np.mean([row["cosine"] for row in rows])),
+    "mean": lambda rows: number(float(np.mean([row["cosine"] for row in rows]))),
     "range over places": lambda rows: (
         f"{number(min(r['cosine'] for r in rows))} to {number(max(r['cosine'] for r in rows))}"
     ),
     "places with a positive mean": lambda rows: f"{100 * np.mean([row['cosine'] > 0 for row in rows]):.0f} %",
     "downhill": lambda rows: f"{100 * np.mean([row['downhill'] for row in rows]):.0f} %",
-    "signal to noise": lambda rows: number(np.median([row["signal_to_noise"] for row in rows])),
+    "signal to noise": lambda rows: number(float(np.median([row["signal_to_noise"] for row in rows]))),
 }
 _KEPT = tempfile.TemporaryDirectory()
 
