@@ -14,6 +14,8 @@ Its direction follows in the viewer's words (an axis for ``rotate``, by the righ
 (strength; else plain), ``=90deg``, ``=2x``, ``=0.5L``, ``=2m`` (a quantity), ``x3`` or ``x*`` (how often), ``on up``,
 ``on mid``, ``on any``, ``except up`` (the part), ``for=0.5``, ``at=0.5-1.5``, ``from=1`` (when the cause acts [s]),
 ``stays``, ``released``, ``first`` (a sway's first way counts), ``noted`` (an assumption must be said).
+
+A ``?fall`` after a ``lean`` may as well begin with it: nobody sees where toppling ends and falling begins.
 """
 
 from __future__ import annotations
@@ -169,9 +171,26 @@ def _add_word(clause: Clause, word: str, rest) -> Clause:
 
 
 def expand_options(reading: Reading) -> list[Reading]:
-    """The reading with and without each motion that may be left out."""
+    """The reading with and without each motion that may be left out, and with a fall that begins with the lean."""
     if reading.answer != "motion":
         return [reading]
+    return [each for reading in (reading, *_join_falls(reading)) for each in _leave_out(reading)]
+
+
+def _join_falls(reading: Reading) -> list[Reading]:
+    """The reading with every ``?fall`` that follows a ``lean`` at the same time as that; none if there is no such."""
+    groups: list[tuple[Clause, ...]] = []
+    for group in reading.groups:
+        falls = [clause.kind for clause in group] == ["fall"] and group[0].optional
+        if falls and groups and any(clause.kind == "lean" for clause in groups[-1]):
+            groups[-1] += group
+        else:
+            groups.append(group)
+    return [] if len(groups) == len(reading.groups) else [replace(reading, groups=tuple(groups))]
+
+
+def _leave_out(reading: Reading) -> list[Reading]:
+    """With and without each motion that may be left out."""
     choices = [
         [clause, None] if clause.optional else [clause] for group in reading.groups for clause in group
     ]

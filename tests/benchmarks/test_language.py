@@ -136,3 +136,15 @@ def test_silent_errors_fail_the_benchmark_beyond_the_limit():
 
 def sentence_of(text: str, expected: str) -> Sentence:
     return Sentence(text, "robot", "", expected, sentence(expected).readings)
+
+
+def test_a_fall_may_begin_with_the_lean_that_it_follows_and_with_nothing_else():
+    turn = ExpectedMotion(kind=MotionKind.ROTATE, direction=(0.0, -1.0, 0.0), window=(0, 49))
+    fall = ExpectedMotion(kind=MotionKind.FALL, window=(0, 49))
+    later = ExpectedMotion(kind=MotionKind.FALL, window=(25, 49))
+    short = ExpectedMotion(kind=MotionKind.ROTATE, direction=(0.0, -1.0, 0.0), window=(0, 25))
+    assert not wrong("lean left any ; ?fall", reply(turn, fall))
+    assert not wrong("lean left any ; ?fall", reply(short, later))
+    assert not wrong("lean left any ; ?fall", reply(turn))
+    assert wrong("lean left any ; fall", reply(turn, fall))  # asked for one after the other
+    assert wrong("move left any ; ?fall", reply(move(), fall))
