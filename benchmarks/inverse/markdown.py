@@ -30,8 +30,10 @@ are ours, for numbers that the reference values do not name. *Steps*: until the 
 were made; the search knows nothing of the truth and ends by itself. *Cost*: forward-equivalents of the search (a
 gradient is 4.3). *Condition*: largest over smallest singular value of J at what was found, in the scales of the starts.
 *Bound*: the standard error that no unbiased estimate from such tracks can beat (Cramér-Rao), at the row's noise; for
-tracks without noise at 0.1 %. *Gradient*: the adjoint at the start against central differences of the loss, relative
-(the best of four steps, single precision; above 1 % the row fails). Seconds are wall time with what had to be compiled.
+tracks without noise at 0.1 %. *Left*: root mean square of the residuals where it ended. *Gradient*: the adjoint at the
+start against central differences of the loss, relative (the best of four steps, single precision; above 1 % the row
+fails). Seconds are wall time with what had to be compiled; where the load at the start is above the machine's cores,
+other programs kept them busy.
 """
 _INTRO = {
     "exact": "Tracks of the same simulator at the same resolution, without noise.",
@@ -96,13 +98,13 @@ def _write_fits(rows: list[dict]) -> str:
         "seconds",
         "condition",
     ]
-    return table([*head, "bound", "gradient"], [_show_fit(row) for row in rows])
+    return table([*head, "bound", "left", "gradient"], [_show_fit(row) for row in rows])
 
 
 def _show_fit(row: dict) -> list[Any]:
     start = [row["problem"], row["start"]]
     if not row["fitted"]:
-        return [*start, row["optimiser"], row["noise"], "not sought", *[""] * 9]
+        return [*start, row["optimiser"], row["noise"], "not sought", *[""] * 10]
     reached = "never" if row["steps_to_tolerance"] is None else row["steps_to_tolerance"]
     noise = f"{row['noise']:.1%}" if row["noise"] else "0"
     return [
@@ -118,6 +120,7 @@ def _show_fit(row: dict) -> list[Any]:
         number(row["seconds"]),
         "not finite" if row["condition"] is None else number(row["condition"]),
         _join(row, lambda name: _show_error(name, row["standard_errors"][name])),
+        number(row["residual"]),
         f"{row['gradient_error']:.1e}",
     ]
 

@@ -171,6 +171,19 @@ PROBLEMS = (
         {f"{angle:g} degrees": {"friction_angle": angle} for angle in (12.0, 50.0)},
     ),
     Problem("yield stress", SMASHED, {"yield_stress": 3e3}, times("yield_stress", 3e3, 3.0, 1 / 3)),
+    Problem(
+        "E, nu, friction and velocity",
+        THROWN,
+        {"youngs_modulus": 3e4, "poissons_ratio": 0.3, "friction": 0.3, "velocity": np.array(THROW)},
+        {
+            "all wrong": {
+                "youngs_modulus": 9e4,
+                "poissons_ratio": 0.1,
+                "friction": 0.1,
+                "velocity": turn(THROW, 45.0, 2.0),
+            }
+        },
+    ),
     Problem("viscosity", SPILT, {"viscosity": 20.0}, times("viscosity", 20.0, 3.0, 1 / 3)),
 )
 """What the tracks tell."""
