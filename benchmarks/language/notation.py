@@ -25,12 +25,14 @@ import itertools
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-# Authors: their file, and which share of it is held back (one in ...). The second and the third had read neither the
-# parser nor, but for the first lines, the others' sentences when writing.
+# Authors: their file, and which share of it is held back (one in ...). All but the first had read neither the parser
+# nor, but for a few lines that show the notation, the others' sentences when writing.
 FILES = {
     "first": ("sentences.txt", 3),
     "second": ("second_author.txt", 2),
     "third": ("third_author.txt", 2),
+    "fourth": ("fourth_author.txt", 2),
+    "fifth": ("fifth_author.txt", 2),
 }
 LIMIT = 0.03  # of the sentences held back that may be misread without a word
 UNITS = {"deg": "degrees", "x": "factor", "L": "lengths", "m": "metres"}

@@ -15,7 +15,7 @@ from physagent_jax.agents.schema import (
     SemanticReply,
 )
 from physagent_jax.agents.vectors import add, cosine, cross, normalise
-from physagent_jax.scene.priors import list_nouns
+from physagent_jax.scene.priors import guess_kind, list_nouns
 
 Fields = list[tuple[str, bool]]
 KINDS = {
@@ -45,7 +45,7 @@ KINDS = {
     "kettle": "vessel",
     "stool": "furniture",
     "coat": "object",
-}
+}  # the others are of the kind that the product guesses from the name
 LENGTHWISE, UPRIGHT = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 LONG_AXES = {
     "loaf": LENGTHWISE,
@@ -64,14 +64,15 @@ AXES = ("stretch", "squeeze", "sway")  # either sense is the same
 
 def make_scene(object_name: str) -> SceneBrief:
     """What the parser is told of the object: a clip of two seconds, seen by a camera that looks along +y."""
+    kind = KINDS.get(object_name) or guess_kind(object_name)
     table = DirectionTable(
         right=(1, 0, 0), left=(-1, 0, 0), up=(0, 0, 1), down=(0, 0, -1), toward=(0, -1, 0), away=(0, 1, 0)
     )
     return SceneBrief(
         object_name=object_name,
-        object_kind=KINDS[object_name],
-        object_nouns=list_nouns(KINDS[object_name]),
-        anchored="it is rooted" if KINDS[object_name] == "plant" else None,
+        object_kind=kind,
+        object_nouns=list_nouns(kind),
+        anchored="it is rooted" if kind == "plant" else None,
         frame_count=50,
         frame_dt=0.04,
         size=SIZE,
