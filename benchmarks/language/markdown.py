@@ -36,7 +36,8 @@ as not understood do not count as a mark. *Marked in vain* were understood and r
 at most {limit:.0%} silently wrong on the test splits together.
 """
 _BEFORE = (
-    "\n## Before tuning\n\nThe parser as it was when the sentences of each author after the first were first read to it.\n"
+    "\n## Before tuning\n\nThe parser as it was when the sentences of each author after the first were first read "
+    "to it.\n"
 )
 _EARLIER = (
     ("before", "The second author's, expectations as they were first written"),
@@ -54,8 +55,8 @@ _EARLIER = (
     ),
     (
         "fifth-before",
-        "The fourth and the fifth author's, which were written and committed before they were read to the parser, as it "
-        "was after the third author's",
+        "The fourth and the fifth author's, which were written and committed before they were read to the parser, as "
+        "it was after the third author's",
     ),
 )
 _COLUMNS = (

@@ -10,13 +10,15 @@ from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, describe_skill
-from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb, read_clauses
+from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb
 from physagent_jax.agents.rules.language.compilation import compile_slots
 from physagent_jax.agents.rules.language.doubts import find_doubts, is_mostly_unknown, list_unknown
 from physagent_jax.agents.rules.language.events import Event, ValueSource, interpret, resolve_obstacles
-from physagent_jax.agents.rules.language.mentions import Mention, MentionKind, find_mentions
+from physagent_jax.agents.rules.language.grammar import read_clauses
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import GROUND_WORDS, OPPOSITE_GRAVITY, Join
 from physagent_jax.agents.rules.language.naming import collect_object_words
+from physagent_jax.agents.rules.language.reading import find_mentions
 from physagent_jax.agents.rules.language.schedule import schedule
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 from physagent_jax.agents.schema import (

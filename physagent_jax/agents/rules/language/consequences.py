@@ -1,0 +1,142 @@
+"""Cause and effect in two clauses: one action, or two at the same time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from physagent_jax.agents.rules.language.clauses import WHERE, Clause, get_verb
+from physagent_jax.agents.rules.language.mentions import MentionKind
+from physagent_jax.agents.rules.language.modifiers import Join
+from physagent_jax.agents.rules.language.verbs import Effect
+
+_SHAPING = (Effect.TURN, Effect.SCALE, Effect.SWAY)
+_SEPARATE_EFFECTS = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
+
+
+def split_turning_winds(clauses: list[Clause]) -> list[Clause]:
+    """Makes two winds of one that turns: it blows to the first side, then to the second."""
+    result: list[Clause] = []
+    for clause in clauses:
+        turns = clause.verb is not None and get_verb(clause.verb).effect is Effect.TURN and not clause.negated
+        veers = turns and clause.verb is not None and clause.verb.phrase.startswith("turn")
+        if not veers or clause.cause is None or not get_verb(clause.cause).wind:
+            result.append(clause)
+            continue
+        clause.verb = None
+        result.append(clause)
+        ways = clause.select(MentionKind.FROM, MentionKind.DIRECTION)
+        if [way.kind for way in ways] == [MentionKind.FROM, MentionKind.DIRECTION]:
+            rest = [mention for mention in clause.modifiers if mention not in ways]
+            clause.modifiers = [*rest, replace(ways[0], kind=MentionKind.DIRECTION)]
+            result.append(Clause(Join.THEN, None, clause.cause, [*rest, ways[1]], mentions=clause.mentions))
+    return result
+
+
+def merge_results(clauses: list[Clause]) -> list[Clause]:
+    """Makes one action of cause and effect ("pushes it so that it bends"): the effect's verb, all modifiers."""
+    merged: list[Clause] = []
+    for before, clause in zip(clauses, clauses[1:]):
+        _share_direction(before, clause)
+    for clause in clauses:
+        if clause.join is Join.COMMA and clause.verb and merged and merged[-1].head is not None:
+            participle = clause.verb.form.endswith("ing") and not merged[-1].head.form.endswith("ing")
+            beside = participle and _is_moving_beside(merged[-1], clause)
+            beside = beside or merged == clauses[:1] and _is_meanwhile(merged[-1], clause)
+            clause.join = Join.WHILE if beside else Join.RESULT if participle else Join.COMMA
+        if clause.join is Join.RESULT and merged and _is_at_rest(merged[-1]):
+            clause.join = Join.THEN  # "nothing happens until it is hit"
+        related = clause.join is Join.RESULT
+        if merged and _is_carried_off(merged[-1], clause):
+            clause.modifiers = [mention for mention in clause.modifiers if mention.phrase != "away"]
+            related = True
+        related = related or (bool(merged) and _is_moved_by_wind(merged[-1], clause))
+        related = related or (bool(merged) and _is_introducing(merged[-1], clause))
+        mergeable = (
+            related
+            and merged
+            and merged[-1].head
+            and clause.verb
+            and not clause.negated
+            and not merged[-1].negated
+        )
+        if not mergeable:
+            merged.append(clause)
+        elif _is_besides(merged[-1], clause):
+            clause.join = Join.WHILE
+            merged.append(clause)
+        elif get_verb(clause.verb).effect in _SEPARATE_EFFECTS:
+            stops = get_verb(clause.verb).effect in (Effect.STILL, Effect.RELEASE)
+            clause.join = Join.THEN if stops else Join.WHILE
+            merged.append(clause)
+        else:
+            _merge(merged[-1], clause)
+    return merged
+
+
+def _is_besides(cause: Clause, clause: Clause) -> bool:
+    """Whether what comes of it is another motion than what is done: "twist it until it tears"."""
+    first, second = get_verb(cause.head), get_verb(clause.verb)
+    return first.effect in _SHAPING and second.effect in _SHAPING and second.effect is not first.effect
+
+
+def _is_at_rest(clause: Clause) -> bool:
+    """Whether a clause says that nothing moves."""
+    verb = None if clause.verb is None or clause.negated else get_verb(clause.verb)
+    return verb is not None and verb.effect is Effect.STILL and not verb.generic
+
+
+def _share_direction(blow: Clause, clause: Clause) -> None:
+    """A blow goes where what it fells goes: "a kick topples it to the right"."""
+    told = clause.select(MentionKind.DIRECTION)
+    if blow.head is None or clause.verb is None or blow.select(*WHERE) or clause.join is Join.THEN:
+        return
+    if get_verb(blow.head).effect is Effect.STRIKE and get_verb(clause.verb).effect is Effect.TOPPLE:
+        blow.modifiers += told
+
+
+def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:
+    """Whether a swaying is the wind's work and goes its way: "wind blows from the left and the plant sways"."""
+    if clause.verb is None or wind.head is None or not get_verb(wind.head).wind or clause.join is Join.THEN:
+        return False
+    effect = get_verb(clause.verb).effect
+    return effect is Effect.LEAN or (
+        effect is Effect.SWAY and not clause.select(MentionKind.DIRECTION, MentionKind.FROM)
+    )
+
+
+def _is_moving_beside(cause: Clause, clause: Clause) -> bool:
+    """Whether a participle tells another motion at the same time: "push it right, spinning it"."""
+    first, second = get_verb(cause.head), get_verb(clause.verb)
+    pushed = first.effect is Effect.PUSH and not first.wind and (not first.generic or cause.verb is not None)
+    beside = second.effect in (Effect.TURN, Effect.SWAY)
+    return pushed and cause.cause is None and beside and bool(cause.select(*WHERE))
+
+
+def _is_meanwhile(first: Clause, clause: Clause) -> bool:
+    """Whether a participle stands before what happens at the same time: "spinning, it rises"."""
+    if first.verb is None or clause.verb is None or first.join is Join.AFTER or first.negated:
+        return False
+    still = get_verb(first.verb).effect in (Effect.STILL, Effect.RELEASE, Effect.HOLD)
+    return first.verb.form.endswith("ing") and not clause.verb.form.endswith("ing") and not still
+
+
+def _is_introducing(cause: Clause, clause: Clause) -> bool:
+    """Whether a cause stands before a comma and what it does behind: "with great force, it is thrown"."""
+    if cause.verb is not None or cause.cause is None or clause.verb is None or clause.join is not Join.COMMA:
+        return False
+    return clause.cause is None and not cause.select(MentionKind.TIME)
+
+
+def _is_carried_off(cause: Clause, clause: Clause) -> bool:
+    """Whether a travel is a blow's work: "kicked from the left and flies away"."""
+    if clause.verb is None or cause.head is None or clause.join not in (Join.AND, Join.COMMA):
+        return False
+    verb = get_verb(clause.verb)
+    return verb.generic and verb.effect is Effect.PUSH and get_verb(cause.head).effect is Effect.STRIKE
+
+
+def _merge(cause: Clause, effect: Clause) -> None:
+    if not get_verb(effect.verb).generic:
+        cause.cause, cause.verb = cause.cause or cause.verb, effect.verb
+    cause.modifiers += effect.modifiers
+    cause.mentions += effect.mentions

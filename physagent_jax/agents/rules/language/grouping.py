@@ -1,0 +1,176 @@
+"""Segments as clauses: whether a segment goes on with the clause before it or begins one."""
+
+from __future__ import annotations
+
+from physagent_jax.agents.rules.language.clauses import (
+    HOLDABLE,
+    OPPOSITES,
+    WHERE,
+    Clause,
+    find_repeats,
+    get_verb,
+)
+from physagent_jax.agents.rules.language.holding import is_bare_hold
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.modifiers import Join
+from physagent_jax.agents.rules.language.verbs import Effect
+
+_KEEPS = frozenset({"keep", "keeps", "kept", "keeping"})
+_MEASURED = {MentionKind.INTENSITY, MentionKind.COMPARATIVE, MentionKind.QUANTITY, MentionKind.TIME}
+
+
+def add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> None:
+    """Continues the last clause or starts new ones, at each verb of the segment."""
+    has_verb = any(mention.kind is MentionKind.VERB for mention in mentions)
+    has_cause = any(mention.kind is MentionKind.CAUSE for mention in mentions)
+    clause = _open_clause(clauses, join, has_verb, has_cause, mentions)
+    fresh = clause.verb is None
+    negated = kept = False
+    for mention in mentions:
+        kept = kept or mention.kind is MentionKind.FUNCTION and mention.form in _KEEPS
+        if mention.kind is MentionKind.NOT:
+            negated = True
+        elif mention.kind is MentionKind.VERB and (negated or not _is_absorbed(clause, mention, fresh)):
+            participle = not mention.form.endswith("ing")
+            is_hold = participle and (
+                kept or fresh and is_bare_hold(clause)
+            )  # "hold it bent", "keep it bent"
+            replaceable = clause.verb is not None and (
+                _is_replaceable(clause.verb) or _is_becoming(clause.verb, mention)
+            )
+            if clause.verb is not None and not is_hold and (negated or not replaceable):
+                clause = Clause(Join.AND)
+                clauses.append(clause)
+            clause.stays = is_hold and get_verb(mention).effect in HOLDABLE
+            clause.verb, clause.negated, negated = mention, negated, False
+            clause.mentions.append(mention)
+        elif mention.kind is MentionKind.CAUSE:
+            _add_cause(clause, mention, negated, has_verb)
+            negated = False
+        elif mention.kind not in (MentionKind.FUNCTION, MentionKind.UNKNOWN, MentionKind.VERB):
+            clause.modifiers.append(mention)
+            clause.mentions.append(mention)
+
+
+def _add_cause(clause: Clause, mention: Mention, negated: bool, has_verb: bool) -> None:
+    if negated and has_verb:  # "moves without wind": the cause is merely absent
+        return
+    clause.cause = clause.cause or mention
+    clause.negated = clause.negated or negated
+    clause.mentions.append(mention)
+
+
+def _open_clause(
+    clauses: list[Clause], join: Join, has_verb: bool, has_cause: bool, mentions: list[Mention]
+) -> Clause:
+    """The clause that a segment belongs to; a new one is appended."""
+    last = clauses[-1] if clauses else None
+    if last is not None:
+        waiting = last.head is None and not (len(clauses) > 1 and last.select(*WHERE))
+        # "a breeze comes and moves it": the noun of the last segment does what this verb says
+        carried = (
+            last.verb is None and last.cause is not None and has_verb and join in (Join.AND, Join.RESULT)
+        )
+        continues = (
+            not has_verb
+            and join in (Join.AND, Join.COMMA, Join.RESULT)
+            and not (has_cause and join is Join.COMMA)
+            and not (join is Join.COMMA and _is_subordinate(clauses))
+        )
+        turns_back = not has_verb and _is_turning_back(clauses, join, mentions)
+        strokes = any(mention.kind is MentionKind.ORDINAL for mention in mentions)
+        beside = not has_verb and (_is_another(mentions) or _is_other_measure(last, join, mentions))
+        if turns_back or strokes or beside:
+            clause = Clause(Join.THEN)
+            clauses.append(clause)
+            return clause
+        corrects = (
+            join is Join.BUT and not has_verb and not last.negated
+        )  # "not to the left but to the right"
+        if (
+            (waiting and join is not Join.THEN)
+            or carried
+            or corrects
+            or (continues and not _is_other_place(last, mentions))
+        ):
+            return last
+    clause = Clause(join)
+    clauses.append(clause)
+    return clause
+
+
+def _is_subordinate(clauses: list[Clause]) -> bool:
+    """Whether only the time was told so far: "once it has landed, ..."."""
+    return len(clauses) == 1 and clauses[0].join is Join.AFTER and clauses[0].verb is not None
+
+
+def _is_another(mentions: list[Mention]) -> bool:
+    """Whether a segment tells of one more of them: "two kicks from the left and one from above"."""
+    for mention, after in zip(mentions, mentions[1:]):
+        counts = mention.kind is MentionKind.FUNCTION and mention.form in ("one", "another", "other")
+        if counts and (
+            after.kind in (MentionKind.DIRECTION, MentionKind.FROM)
+            or after.phrase in ("to", "from", "toward", "towards")
+        ):
+            return any(m.kind in (MentionKind.DIRECTION, MentionKind.FROM) for m in mentions)
+    return False
+
+
+def _is_other_measure(last: Clause, join: Join, mentions: list[Mention]) -> bool:
+    """Whether a segment goes the other way by its own measure: "hard to the left and softly to the right"."""
+    if join is not Join.AND or last.head is None or get_verb(last.head).effect is Effect.SWAY:
+        return False
+    kinds = {mention.kind for mention in mentions}
+    before = [m.value for m in last.select(MentionKind.DIRECTION, MentionKind.FROM)]
+    now = [m.value for m in mentions if m.kind in (MentionKind.DIRECTION, MentionKind.FROM)]
+    opposite = bool(before and now) and any({before[-1], now[0]} == set(pair) for pair in OPPOSITES)
+    both_counted = MentionKind.REPEAT in kinds and bool(last.select(MentionKind.REPEAT))
+    return opposite and (both_counted or bool(kinds & _MEASURED))
+
+
+def _is_other_place(last: Clause, mentions: list[Mention]) -> bool:
+    """Whether a segment sends another part elsewhere: "... the top to the left and the bottom to the right"."""
+    kinds = {mention.kind for mention in mentions}
+    return (
+        MentionKind.PLACE in kinds
+        and bool(kinds & {MentionKind.DIRECTION, MentionKind.FROM, MentionKind.SENSE})
+        and bool(last.select(MentionKind.PLACE))
+    )
+
+
+def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention]) -> bool:
+    """Whether a list goes the other way now: "push it left, right, and left again"."""
+    last = clauses[-1]
+    listed = len(clauses) > 1 and last.verb is None and last.cause is None
+    if join is not Join.COMMA and not (join is Join.AND and listed):
+        return False
+    if any(repeat.alternate for repeat in find_repeats(last)):
+        return False
+    before, now = (
+        [m.value for m in group if m.kind is MentionKind.DIRECTION] for group in (last.modifiers, mentions)
+    )
+    return bool(before and now) and any({before[-1], now[0]} == set(pair) for pair in OPPOSITES)
+
+
+def _is_absorbed(clause: Clause, mention: Mention, fresh: bool) -> bool:
+    """Whether a second verb adds nothing: "stops moving", "a kick sends it flying"."""
+    if clause.verb is None or not fresh:
+        return False
+    first, second = get_verb(clause.verb), get_verb(mention)
+    stops = (
+        first.effect is Effect.STILL and not first.generic and not clause.negated
+    )  # "never stops spinning"
+    return stops or (
+        second.generic and first.effect is not Effect.STILL and not _is_becoming(clause.verb, mention)
+    )
+
+
+def _is_replaceable(mention: Mention) -> bool:
+    """Whether a verb only announces the next one: "goes spinning", "stands swaying"."""
+    return get_verb(mention).generic
+
+
+def _is_becoming(first: Mention, second: Mention) -> bool:
+    """Whether an adjective tells how it grows: "grows taller"."""
+    result = get_verb(second)
+    return get_verb(first).effect is Effect.SWELL and result.effect is Effect.SCALE and result.generic

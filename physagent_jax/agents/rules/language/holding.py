@@ -1,0 +1,49 @@
+"""What is held: it keeps what was just done, or it anchors the object."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from physagent_jax.agents.rules.language.clauses import HOLDABLE, Clause, find_places, get_verb
+from physagent_jax.agents.rules.language.mentions import MentionKind
+from physagent_jax.agents.rules.language.modifiers import Join
+from physagent_jax.agents.rules.language.verbs import VERBS, Effect
+
+
+def apply_holding(clauses: list[Clause]) -> list[Clause]:
+    """Holding what was just moved keeps it there; holding what is then let go is no anchor."""
+    result: list[Clause] = []
+    for index, clause in enumerate(clauses):
+        last = next((c for c in reversed(result) if c.head is not None), None)
+        follows = next((c for c in clauses[index + 1 :] if c.head is not None), None)
+        if clause.stays and last is not None and last.verb is not None and clause.verb is not None:
+            if get_verb(last.verb).effect is get_verb(clause.verb).effect and not clause.modifiers:
+                last.stays = True  # "compress it and keep it compressed"
+                continue
+        if clause.negated or not is_bare_hold(clause) or clause.select(MentionKind.ANCHOR):
+            result.append(clause)
+            continue
+        if follows is not None and clause.select(MentionKind.TIME) and clause.verb is not None:
+            clause.verb = replace(
+                clause.verb, value=VERBS["wait"], phrase="wait"
+            )  # "hold it for a second, then"
+            result.append(clause)
+            continue
+        moved = last is not None and not last.negated and get_verb(last.head).effect in HOLDABLE
+        if moved and clause.join is not Join.WHILE:
+            assert last is not None
+            last.stays = follows is None
+            last.mentions += clause.mentions
+        elif follows is None or get_verb(follows.head).effect not in (Effect.FALL, Effect.RELEASE):
+            if clause.verb is not None and clause.verb.phrase.startswith(("stay", "remain")):
+                clause.verb = replace(clause.verb, value=VERBS["stay put"], phrase="stay put")
+            result.append(clause)
+    return result
+
+
+def is_bare_hold(clause: Clause) -> bool:
+    """Whether a clause only holds the object so far."""
+    verb = None if clause.verb is None else get_verb(clause.verb)
+    return (
+        verb is not None and verb.effect is Effect.HOLD and verb.holds == "base" and not find_places(clause)
+    )

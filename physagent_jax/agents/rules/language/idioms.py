@@ -1,0 +1,126 @@
+"""Expressions whose words mean something else apart: thanks, conditions, prevention, states, what it hits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from physagent_jax.agents.rules.language import modifiers as m
+from physagent_jax.agents.rules.language import verbs as v
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.reader import FINITE, OWNING, Reader
+from physagent_jax.agents.rules.language.solids import match_solid
+
+_THANKING = frozenset("you very so much a an lot again in advance for your help".split())
+_PREVENTING = frozenset({"keep", "keeps", "keeping", "prevent", "prevents", "preventing"})
+_SURFACES = frozenset({"ground", "floor", "table"})
+_SUBJECTS = OWNING | {"it", "he", "she", "they"}
+_AGAINST = frozenset({"against", "into", "at", "onto", "on", "off"})
+
+
+def read_solid(reader: Reader, at: int) -> Mention | None:
+    """A wall or block; what "hits" it only goes there."""
+    found = match_solid(reader.tokens, at, reader.object_words)
+    if found is None:
+        return None
+    solid, behind = found
+    if reader.mentions and solid.kind:
+        _convert_collision(reader, at)
+    used = [index for index in range(at, behind) if index not in reader.used]
+    if not solid.kind:  # "between two plates"
+        return reader.make_mention(MentionKind.FUNCTION, None, "plates", used)
+    return reader.make_mention(MentionKind.SOLID, solid, "solid", used)
+
+
+def _convert_collision(reader: Reader, at: int) -> None:
+    """Makes "hits a wall", "bounces off the wall" the way there: no blow."""
+    index = len(reader.mentions) - 1
+    while index >= 0 and reader.mentions[index].kind is MentionKind.FUNCTION:
+        index -= 1
+    verb, between = reader.mentions[index], reader.mentions[index + 1 :]
+    if index < 0 or not isinstance(verb.value, v.Verb) or verb.value.gravity:
+        return
+    strikes = verb.value.effect in (v.Effect.STRIKE, v.Effect.FALL)
+    if not strikes or any(e.phrase in _AGAINST | reader.object_words for e in between):
+        return
+    if any(e.kind in (MentionKind.VERB, MentionKind.CAUSE) for e in reader.mentions[:index]):
+        reader.mentions[index] = replace(verb, kind=MentionKind.FUNCTION, value=None)
+    else:
+        reader.mentions[index] = replace(verb, value=v.VERBS["move"], phrase="move")
+
+
+def read_thanks(reader: Reader, at: int) -> Mention | None:
+    """Reads "thank you very much", whose "much" is of no motion."""
+    if reader.get_text(at) not in ("thank", "thanks"):
+        return None
+    behind = at + 1
+    while reader.get_text(behind) in _THANKING:
+        behind += 1
+    return reader.make_mention(MentionKind.FUNCTION, None, "thanks", list(range(at, behind)))
+
+
+def read_once(reader: Reader, at: int) -> Mention | None:
+    """Reads "once it has landed": a time, and no count."""
+    if reader.get_text(at) != "once" or reader.get_text(at + 1) not in _SUBJECTS | reader.object_words:
+        return None
+    for token in reader.tokens[at + 1 :]:
+        if not token.is_word:
+            break
+        if token.lemma in v.VERBS or token.text in FINITE:
+            return reader.make_mention(MentionKind.JOIN, m.Join.AFTER, "once", [at])
+    return None
+
+
+def read_target(reader: Reader, at: int) -> Mention | None:
+    """Reads "smash it on the floor": down, where no other way is told."""
+    if reader.tokens[at].text not in _SURFACES or reader.get_preposition(at) not in (
+        "on",
+        "onto",
+        "against",
+    ):
+        return None
+    if not reader.is_striking():
+        return None
+    told = any(e.kind in (MentionKind.DIRECTION, MentionKind.FROM, MentionKind.JOIN) for e in reader.mentions)
+    if told or not any(e.form in reader.object_words | {"it", "him", "her"} for e in reader.mentions):
+        return None
+    return reader.make_mention(MentionKind.DIRECTION, ("down",), "onto the ground", [at])
+
+
+def read_condition(reader: Reader, at: int) -> Mention | None:
+    """Reads "does it fall if it is pushed": both happen; a sentence that begins with "what if" tells one thing."""
+    if reader.get_text(at) != "if" or reader.get_text(at - 1) == "as":
+        return None
+    if not any(e.kind is MentionKind.VERB for e in reader.mentions):
+        return None
+    if not any(token.lemma in v.VERBS for token in reader.tokens[at + 1 :]):
+        return None
+    return reader.make_mention(MentionKind.JOIN, m.Join.WHILE, "if", [at])
+
+
+def read_prevention(reader: Reader, at: int) -> Mention | None:
+    """Reads "keep it from falling": it does not fall."""
+    after = reader.tokens[at + 1] if at + 1 < len(reader.tokens) else None
+    prevented = reader.get_text(at) == "from" and any(e.form in _PREVENTING for e in reader.mentions)
+    if not prevented or after is None or after.lemma not in v.VERBS or not after.text.endswith("ing"):
+        return None
+    return reader.make_mention(MentionKind.NOT, None, "from", [at])
+
+
+def read_state(reader: Reader, at: int) -> Mention | None:
+    """An adjective that says what was before: "the fallen robot"; what holds it ("the tied robot") holds it yet."""
+    token = reader.tokens[at]
+    verb = v.VERBS.get(token.lemma)
+    done = token.text != token.lemma and not token.text.endswith(("ing", "s"))
+    if verb is None or verb.effect is v.Effect.HOLD or not (done and reader.is_after_determiner(at)):
+        return None
+    if reader.get_text(at + 1) not in reader.object_words:
+        return None
+    return reader.make_mention(MentionKind.FUNCTION, None, "state", [at])
+
+
+def read_floating(reader: Reader, at: int) -> Mention | None:
+    """An adjective: "the floating robot" is weightless; elsewhere it is what happens."""
+    adjective = reader.tokens[at].text in ("floating", "hovering") and reader.is_after_determiner(at)
+    if adjective and reader.get_text(at + 1) in reader.object_words:
+        return reader.make_mention(MentionKind.GRAVITY, "none", reader.tokens[at].text, [at])
+    return None

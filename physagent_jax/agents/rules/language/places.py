@@ -1,0 +1,95 @@
+"""Places and directions that share words: "the left arm", "its upper half", "the top", "from the front"."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from physagent_jax.agents.rules.language import modifiers as m
+from physagent_jax.agents.rules.language import verbs as v
+from physagent_jax.agents.rules.language.lexicon import LEXICON
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.phrases import match_words
+from physagent_jax.agents.rules.language.reader import Reader
+from physagent_jax.agents.rules.language.tokens import FORMS
+
+_GOING_OVER = (v.Effect.LEAN, v.Effect.TOPPLE, v.Effect.FALL)
+_LYING: dict[str, m.Names] = {
+    "back": ("away",),
+    "front": ("toward",),
+    "face": ("toward",),
+    "belly": ("toward",),
+}
+
+
+def _comes_to_lie(reader: Reader, at: int) -> bool:
+    """Whether a side is what it falls or tips on ("falls on its back"): it goes over that way."""
+    if reader.get_preposition(at) not in ("on", "onto") or not reader.mentions:
+        return False
+    index = len(reader.mentions) - 1
+    while index > 0 and reader.mentions[index].kind in (MentionKind.FUNCTION, MentionKind.INTENSITY):
+        index -= 1
+    verb = reader.mentions[index].value
+    if not isinstance(verb, v.Verb) or verb.effect not in _GOING_OVER:
+        return False
+    if verb.effect is not v.Effect.TOPPLE:
+        reader.mentions[index] = replace(reader.mentions[index], value=v.VERBS["topple"], phrase="topple")
+    return True
+
+
+def read_place(reader: Reader, at: int) -> Mention | None:
+    """Places and directions that share words: "the left arm", "its upper half", "the top", "from the front"."""
+    if reader.tokens[at].text in _LYING and _comes_to_lie(reader, at):
+        return reader.make_mention(
+            MentionKind.DIRECTION, _LYING[reader.tokens[at].text], reader.tokens[at].text + " side", [at]
+        )
+    for size in (2, 1):
+        phrase = " ".join(t.text for t in reader.tokens[at : at + size])
+        names, part = m.PART_ADJECTIVES.get(phrase), reader.get_text(at + size)
+        plural = part != "sides" and FORMS.get(part) is None  # "from the left tips it over"
+        part = part.removesuffix("s") if plural else part
+        towards = reader.get_preposition(at) in ("to", "toward", "towards", "from", "into")
+        if names and part in m.PARTS:
+            used = list(range(at, at + size + 1))
+            if part == "side" and _comes_to_lie(reader, at):
+                return reader.make_mention(MentionKind.DIRECTION, names, phrase, used)
+            if towards:
+                return _make_direction(reader, names, phrase, used)
+            return reader.make_mention(
+                MentionKind.PLACE, m.Place(names, m.PARTS[part]), f"{phrase} {part}", used
+            )
+        struck = reader.get_preposition(at) in ("on", "at") and reader.is_after_determiner(at)
+        if names and struck and phrase in ("left", "right") and reader.is_striking():
+            return reader.make_mention(MentionKind.PLACE, m.Place(names, 2 / 3), f"{phrase} side", [at])
+        if names is None or phrase not in m.ENDS or _is_longer_phrase(reader, at):
+            continue
+        if reader.get_text(at - 1) in ("a", "an") and part in v.VERBS:
+            return reader.make_mention(MentionKind.DIRECTION, names, phrase, [at])  # "a front flip"
+        if towards:
+            return _make_direction(reader, names, phrase, [at])
+        if phrase == "back" and _is_told_where(reader, at):
+            return reader.make_mention(MentionKind.FUNCTION, None, phrase, [at])  # "back to the left"
+        owned = at > 0 and reader.tokens[at - 1].possessive
+        if phrase != "back" or owned or reader.is_after_determiner(at):
+            return reader.make_mention(MentionKind.PLACE, m.Place(names, 2 / 3), phrase, [at])
+        return reader.make_mention(MentionKind.DIRECTION, names, phrase, [at])
+    return None
+
+
+def _is_told_where(reader: Reader, at: int) -> bool:
+    """Whether "back" goes a way that is named ("back to the left"), not to where it came from."""
+    if reader.get_text(at + 1) not in ("to", "toward", "towards"):
+        return False
+    return any(reader.get_text(at + reach) in (*m.DIRECTIONS, *m.ENDS, *m.PLACES) for reach in (2, 3))
+
+
+def _is_longer_phrase(reader: Reader, at: int) -> bool:
+    """Whether a fixed phrase begins here: "back and forth" is not the back."""
+    return any(
+        len(words) > 1 and match_words(reader, words, at)
+        for words, _, _ in LEXICON.get(reader.tokens[at].text, ())
+    )
+
+
+def _make_direction(reader: Reader, names: m.Names, phrase: str, used: list[int]) -> Mention:
+    kind = MentionKind.FROM if reader.get_preposition(used[0]) == "from" else MentionKind.DIRECTION
+    return reader.make_mention(kind, names, phrase, used)

@@ -1,0 +1,56 @@
+"""A sentence as a list of mentions in the order of the words."""
+
+from __future__ import annotations
+
+from physagent_jax.agents.rules.language import modifiers as m
+from physagent_jax.agents.rules.language import verbs as v
+from physagent_jax.agents.rules.language.counts import read_ordinal, read_quantity, read_time_or_count
+from physagent_jax.agents.rules.language.idioms import (
+    read_condition,
+    read_floating,
+    read_once,
+    read_prevention,
+    read_solid,
+    read_state,
+    read_target,
+    read_thanks,
+)
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.phrases import read_phrase, read_word
+from physagent_jax.agents.rules.language.places import read_place
+from physagent_jax.agents.rules.language.reader import Reader
+from physagent_jax.agents.rules.language.scopes import mark_exceptions, spread_from
+
+
+def find_mentions(prompt: str, object_words: frozenset[str]) -> list[Mention]:
+    """The mentions of ``prompt``; ``object_words`` are names of the object and never verbs after "the"."""
+    reader = Reader(prompt, object_words)
+    for at in range(len(reader.tokens)):
+        if at not in reader.used:
+            reader.mentions.append(_read_at(reader, at))
+    return mark_exceptions(spread_from(reader.mentions))
+
+
+def _read_at(reader: Reader, at: int) -> Mention:
+    token = reader.tokens[at]
+    if not token.is_word:
+        join = m.Join.COMMA if token.text in (",", ":") else m.Join.THEN
+        return reader.make_mention(MentionKind.JOIN, join, token.text, [at])
+    if token.text in reader.object_words and (token.lemma not in v.VERBS or reader.is_after_determiner(at)):
+        return reader.make_mention(MentionKind.FUNCTION, None, token.text, [at])
+    return (
+        read_solid(reader, at)
+        or read_thanks(reader, at)
+        or read_once(reader, at)
+        or read_condition(reader, at)
+        or read_prevention(reader, at)
+        or read_state(reader, at)
+        or read_target(reader, at)
+        or read_floating(reader, at)
+        or read_quantity(reader, at)
+        or read_ordinal(reader, at)
+        or read_place(reader, at)
+        or read_time_or_count(reader, at)
+        or read_phrase(reader, at)
+        or read_word(reader, at)
+    )

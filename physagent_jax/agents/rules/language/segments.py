@@ -1,0 +1,76 @@
+"""A sentence cut at its connectives."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from physagent_jax.agents.rules.language.clauses import HEADS
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.modifiers import Join
+
+_TIMED = frozenset({Join.WHILE, Join.AFTER, Join.BEFORE})
+_GOING_ON = frozenset({Join.AND, Join.THEN})
+_MEANWHILE = frozenset({"at the same time", "and at the same time", "simultaneously", "meanwhile"})
+_DURING = frozenset({"while", "whilst", "as"})
+
+
+def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
+    """Cuts at connectives; of several in a row (", and then") the most telling one counts."""
+    rank = [Join.COMMA, Join.AND, Join.RESULT, Join.WHILE, Join.BUT, Join.THEN, Join.AFTER, Join.BEFORE]
+    segments: list[tuple[Join, list[Mention]]] = [(Join.THEN, [])]
+    mentions = _part_list(mentions)
+    for index, mention in enumerate(mentions):
+        if mention.kind is MentionKind.JOIN:
+            assert isinstance(mention.value, Join)
+            if any(m.kind is not MentionKind.FUNCTION for m in segments[-1][1]):
+                segments.append((mention.value, []))
+            elif len(segments) == 1 and mention.phrase in _DURING:
+                segments[-1] = (Join.WHILE, segments[-1][1])
+            elif len(segments) > 1 and mention.phrase in _MEANWHILE:
+                segments[-1] = (Join.WHILE, segments[-1][1])  # "it rises; at the same time it spins"
+            elif mention.value is Join.AFTER and len(segments) > 1 and segments[-1][0] in _GOING_ON:
+                segments[-1] = (Join.THEN, segments[-1][1])  # "lift it, and after landing it spins"
+            elif len(segments) > 1 or mention.value in (Join.BEFORE, Join.AFTER):
+                segments[-1] = (max(segments[-1][0], mention.value, key=rank.index), segments[-1][1])
+        else:
+            if (
+                len(segments) == 1
+                and segments[0][0] in _TIMED
+                and _begins_main_clause(mentions[index:], segments[0][1])
+            ):
+                segments.append((Join.COMMA, []))  # "as it falls it spins"
+            segments[-1][1].append(mention)
+    return [segment for segment in segments if segment[1]]
+
+
+def _begins_main_clause(mentions: list[Mention], before: list[Mention]) -> bool:
+    """Whether a subject with its verb stands behind the one that only told the time."""
+    subject, *rest = mentions
+    if subject.form not in ("it", "he", "she") or not any(m.kind in HEADS for m in before):
+        return False
+    follows = next((m for m in rest if m.kind is not MentionKind.INTENSITY), None)
+    if follows is None:
+        return False
+    finite = follows.kind is MentionKind.VERB and follows.form.endswith("s")
+    return finite or follows.form in ("is", "gets", "will")
+
+
+def _part_list(mentions: list[Mention]) -> list[Mention]:
+    """Makes steps of the ways in a list that goes on with "then": "left, up, then right"."""
+    joins = [i for i, m in enumerate(mentions) if m.kind is MentionKind.JOIN]
+    result = list(mentions)
+    thens = (i for i in reversed(joins) if mentions[i].value is Join.THEN and mentions[i].words.isalpha())
+    last = next(thens, -1)
+    for begin, at, end in zip([-1, *joins], joins, joins[1:]):
+        if not any(m.kind is MentionKind.DIRECTION for m in mentions[begin + 1 : at]):
+            continue
+        listed = mentions[at].value is Join.COMMA and mentions[end].value in (Join.COMMA, Join.THEN)
+        kinds = {m.kind for m in mentions[at + 1 : end]} - {MentionKind.FUNCTION}
+        if (
+            listed
+            and end <= last
+            and kinds <= {MentionKind.DIRECTION, MentionKind.INTENSITY}
+            and MentionKind.DIRECTION in kinds
+        ):
+            result[at] = replace(mentions[at], value=Join.THEN)
+    return result
