@@ -72,6 +72,54 @@ def order(prompt: str) -> str:
         ("make it wider and shorter", "stretch right & squeeze up"),
         ("it moves left, shaking", "move left & sway left x4"),
         ("twist it until it tears", "rotate up on up & rotate down on down & stretch right"),
+        # likenesses and suppositions
+        ("the robot swings like a cradle", "sway left x2"),
+        ("it moves like a pendulum", "sway left x2"),
+        ("the robot keels over like an old oak to the right", "rotate away & fall"),
+        ("it wobbles as though somebody had woken it", "sway left x3"),
+        ("it lurches as if pushed from the left", "hit right"),
+        # nouns of what is done
+        ("a downward impulse is imparted to the top of the robot", "hit down on up"),
+        ("the robot undergoes inflation", "stretch"),
+        ("compressive loading of the robot along the vertical axis", "squeeze up"),
+        ("slide it to the right, do a half turn, then stop", "move right; rotate up; still"),
+        ("it hops a little hop to the left", "hit ?; fall"),
+        # what frames a sentence
+        ("Take 3: the robot moves left", "move left"),
+        ("I was thinking that perhaps the robot could bow", "rotate right"),
+        ("push it to the right, it is fearless", "move right"),
+        ("Here it is, right, and now it is shoved to the left", "move left"),
+        ('"Up!" shouted the king, and the robot rose', "move up"),
+        ("it tilts to the left to show its front", "rotate toward"),
+        # words that change nothing
+        ("with a shriek, the robot moves left", "move left"),
+        ("the robot falls off its ledge", "fall"),
+        ("the bitter wind pushes the robot left", "move left"),
+        ("it trembles with fury", "sway left x4"),
+        ("push it left with a broomstick", "move left"),
+        # said again
+        ("hop hop hop", "hit up x3; fall"),
+        ("they pulled and pulled, and the robot moved a little to the left", "move left"),
+        # lists, ways and parts
+        ("it goes left, up, right", "move left; move up; move right"),
+        ("the upper half is pushed left, the lower half right", "move left on up & move right on down"),
+        ("up went the robot, and down it came", "move up; move down"),
+        ("it moves right, then spins and moves on in the same direction", "move right; rotate up & move right"),
+        ("the wind blows left to right", "move right"),
+        ("hit it right on the head", "hit down on up"),
+        ("spin it to the left, then move it left and later back", "rotate down; move left; move right"),
+        # what is denied
+        ("not a hard kick, only a soft one to the right", "hit right"),
+        ("no rotation, just up", "move up"),
+        # holding and time
+        ("with its feet welded to the pavement, push the robot to the right", "move right"),
+        ("for half a second nothing, then it moves left", "still; move left"),
+        ("half a second into the clip it spins", "rotate up"),
+        ("it moves left and tips over at the end", "move left; rotate toward & fall"),
+        ("an earthquake hits the robot", "sway left x4"),
+        # slips of the keyboard
+        ("psuh the robto to the rihgt", "move right"),
+        ("spinn it", "rotate up"),
     ],
 )  # fmt: skip
 def test_what_a_construction_says(prompt, expected):
@@ -104,6 +152,71 @@ def test_manner_alone_is_denied():
     )
     assert tell(denied) == tell(hard) == "move right" and denied.strength <= 1.0 < hard.strength
     assert read("do not push it", ground()).expectations[0].kind.value == "still"
+
+
+@pytest.mark.parametrize(
+    ("prompt", "amount"),
+    [
+        ("rotate the robot by pi radians", (180.0, "degrees")),
+        ("it turns a quarter to the left", (90.0, "degrees")),
+        ("it turns to face the other way", (180.0, "degrees")),
+        ("stretch it upwards, approx. 20 %", (1.2, "factor")),
+    ],
+)
+def test_how_much_a_construction_says(prompt, amount):
+    """Quantities told in other words."""
+    (motion,) = read(prompt, ground()).expectations
+    assert motion.amount is not None
+    assert motion.amount.value == pytest.approx(amount[0]) and motion.amount.unit == amount[1]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "alike"),
+    [
+        ("push it left, medium force", "push it left with medium force"),
+        ("push it left with great violence", "push it violently to the left"),
+        ("move it a smidgen to the left", "move it slightly to the left"),
+        ("don't push it hard to the left", "don't push it too hard to the left"),
+    ],
+)
+def test_manner_in_other_words(prompt, alike):
+    """A noun of manner is as strong as its adjective."""
+    one, other = (read(text, ground()).expectations[0].strength for text in (prompt, alike))
+    assert one == pytest.approx(other, abs=0.15)
+
+
+def test_what_rolls_on_wheels_stays_upright():
+    """A barrel turns as it rolls, a cart does not."""
+    barrel, cart = (
+        read("roll it to the left", ground(object_name=name)).expectations
+        for name in ("barrel", "shopping cart")
+    )
+    assert [tell(motion) for motion in barrel] == ["move left", "rotate toward"]
+    assert [tell(motion) for motion in cart] == ["move left"]
+
+
+def test_what_is_not_there():
+    """A wall that is denied, and a hold that is none: what hangs at the top of its flight falls."""
+    assert read("no wall, push the robot left", ground()).world.obstacles == ()
+    reply = read("it is hurled up, hangs there for a moment and falls", ground())
+    assert reply.anchor.kind is None and [tell(motion) for motion in reply.expectations] == ["hit up", "fall"]
+
+
+def test_what_holds_is_no_motion():
+    """A part that is stuck does nothing more; one that is fixed by somebody is held."""
+    reply = read("squash the robot from above while its feet are stuck to the ground", ground())
+    assert reply.anchor.kind == "base" and [tell(motion) for motion in reply.expectations] == ["squeeze down"]
+
+
+def test_two_walls():
+    """One on either side."""
+    walls = read("with walls on both sides, shake the robot sideways", ground()).world.obstacles
+    assert [tuple(round(c) for c in wall.direction) for wall in walls] == [(-1, 0, 0), (1, 0, 0)]
+
+
+def test_what_was_misspelt_is_told():
+    """Reading one word for another is an assumption."""
+    assert "'psuh' is read as 'push'." in read("psuh the robot to the left", ground()).notes
 
 
 def test_thanks_have_no_strength():
@@ -143,6 +256,12 @@ def test_the_long_axis_is_the_object_s():
         "push it left, pausing in between", "push it a foot to the left",
         # what cannot be had
         "hold the left side and pull the right side to the right", "first there is no gravity, then it falls",
+        # likenesses that tell how fast, or what is not known
+        "the robot drops like a snowflake", "it moves like a snake", "push it left as if it were made of porcelain",
+        # things that are not here, ways that are not told
+        "a monkey climbs on the robot", "it crashes into something on its left", "the robot exits stage left",
+        "gravity drags the robot sideways to the left", "between two kicks to the left it rests",
+        "the robot sags", "the top is pushed left, the bottom right",
     ],
 )  # fmt: skip
 def test_what_is_said_to_be_unclear(prompt):

@@ -12,7 +12,7 @@ from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, describe_skill
 from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb
 from physagent_jax.agents.rules.language.compilation import compile_slots
-from physagent_jax.agents.rules.language.doubts import find_doubts, is_mostly_unknown, list_unknown
+from physagent_jax.agents.rules.language.doubts import find_doubts
 from physagent_jax.agents.rules.language.events import Event, ValueSource, interpret, resolve_obstacles
 from physagent_jax.agents.rules.language.grammar import read_clauses
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
@@ -20,6 +20,8 @@ from physagent_jax.agents.rules.language.modifiers import GROUND_WORDS, OPPOSITE
 from physagent_jax.agents.rules.language.naming import collect_object_words
 from physagent_jax.agents.rules.language.reading import find_mentions
 from physagent_jax.agents.rules.language.schedule import schedule
+from physagent_jax.agents.rules.language.spelling import describe_corrections
+from physagent_jax.agents.rules.language.unknowns import is_mostly_unknown, list_unknown
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 from physagent_jax.agents.schema import (
     AnchorRequest,
@@ -101,6 +103,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     clauses = read_clauses(mentions)
     gravity = _read_gravity(mentions)
     unknown, notes = list_unknown(mentions, names, brief)
+    notes += describe_corrections(prompt, names)
     clauses = _assume_push(clauses, unknown)
     if is_mostly_unknown(mentions, unknown):
         raise UserError(
@@ -126,8 +129,8 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     _expect_stillness(clauses, builder)
     if builder.gravity == "none" and any(e.kind is MotionKind.FALL for e in builder.expectations):
         builder.unsure.append("How it falls without gravity is not understood.")
-    solids = [m for m in mentions if m.kind is MentionKind.SOLID]
-    if len(solids) > len(builder.obstacles):
+    solids = [m for clause in clauses for m in clause.select(MentionKind.SOLID)]
+    if len({m.first for m in solids}) > len(builder.obstacles):
         builder.unsure.append(f"Where '{solids[-1].words}' is, is not understood.")
     for doubt in find_doubts(mentions, names, unknown, clauses, brief):
         if doubt not in builder.unsure:
@@ -222,7 +225,7 @@ def _read_events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Even
         if clause.negated:
             builder.add_note(f"'{clause.words}' is negated: it does not happen.")
             continue
-        directed = next((e for e in reversed(events) if e.direction is not None), None)
+        directed = _find_measure(events, clause)
         event = interpret(clause, directed, builder.brief)
         ways = [mention.value for mention in clause.select(MentionKind.DIRECTION)]
         lands = bool(events) and events[-1].effect is Effect.FALL and event.effect is Effect.FALL
@@ -241,6 +244,17 @@ def _read_events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Even
             if not (e.effect is Effect.STILL and e.verb.generic) or (e is tail and e.join is Join.THEN)
         ]
     return events
+
+
+def _find_measure(events: list[Event], clause: Clause) -> Event | None:
+    """The last event with a direction; for what comes "back" or goes on the same way, the last like it."""
+    directed = [e for e in events if e.direction is not None]
+    if any(m.phrase == "back" for m in clause.select(MentionKind.DIRECTION)):
+        turns = get_verb(clause.head).effect is Effect.TURN
+        directed = [e for e in directed if (e.effect is Effect.TURN) == turns] or directed
+    if any(m.value == "same" for m in clause.select(MentionKind.REVERSAL)):
+        directed = [e for e in directed if e.effect is not Effect.TURN] or directed
+    return directed[-1] if directed else None
 
 
 def _put_under_gravity(event: Event, clause: Clause, gravity: Gravity) -> Event:

@@ -17,6 +17,7 @@ from physagent_jax.agents.vectors import clamp
 from physagent_jax.forces import calibration
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 
+MOST = 1e5  # of any unit, as in `agents.schema.Amount`: more is no target
 _AXES: dict[str, Names] = {"height": ("up",), "width": ("right",), "depth": ("toward",)}
 _TRAVELS = (Effect.PUSH, Effect.STRIKE, Effect.ROLL, Effect.SWAY, Effect.LEAN, Effect.JUMP)
 _TURNS = (Effect.TURN, Effect.LEAN, Effect.SWAY, Effect.TOPPLE, Effect.ROLL)
@@ -48,6 +49,8 @@ def find_target(quantity: Quantity, verb: Verb, before: Amount | None) -> Target
     if quantity.dimension == "far":
         known = before is not None and before.unit in ("lengths", "metres") and effect in _TRAVELS
         return Target(before.model_copy(update={"value": before.value * value}) if known and before else None)
+    if value > MOST:
+        return Target(None)
     if unit == "degrees" and effect in _TURNS:
         return Target(Amount(value=value, unit="degrees"))
     if unit == "lengths" and effect in _TRAVELS:

@@ -20,6 +20,7 @@ WHERE = (
     MentionKind.REPEAT,
     MentionKind.REVERSAL,
 )
+TURNING = (Effect.TURN, Effect.ROLL, Effect.LEAN, Effect.TOPPLE)
 HOLDABLE = (Effect.PUSH, Effect.LEAN, Effect.SCALE, Effect.SWELL, Effect.TURN)
 OPPOSITES: tuple[tuple[Names, Names], ...] = (
     (("left",), ("right",)),

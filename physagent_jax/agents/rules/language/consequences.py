@@ -51,6 +51,11 @@ def merge_results(clauses: list[Clause]) -> list[Clause]:
             related = True
         related = related or (bool(merged) and _is_moved_by_wind(merged[-1], clause))
         related = related or (bool(merged) and _is_introducing(merged[-1], clause))
+        related = related or (bool(merged) and _is_driven(merged[-1], clause))
+        if merged and _is_restating(merged[-1], clause):
+            merged[-1].modifiers += clause.modifiers
+            merged[-1].mentions += clause.mentions
+            continue
         mergeable = (
             related
             and merged
@@ -109,7 +114,8 @@ def _is_moving_beside(cause: Clause, clause: Clause) -> bool:
     first, second = get_verb(cause.head), get_verb(clause.verb)
     pushed = first.effect is Effect.PUSH and not first.wind and (not first.generic or cause.verb is not None)
     beside = second.effect in (Effect.TURN, Effect.SWAY)
-    return pushed and cause.cause is None and beside and bool(cause.select(*WHERE))
+    goes = bool(cause.select(*WHERE)) or first.direction is not None
+    return pushed and cause.cause is None and beside and goes
 
 
 def _is_meanwhile(first: Clause, clause: Clause) -> bool:
@@ -125,6 +131,25 @@ def _is_introducing(cause: Clause, clause: Clause) -> bool:
     if cause.verb is not None or cause.cause is None or clause.verb is None or clause.join is not Join.COMMA:
         return False
     return clause.cause is None and not cause.select(MentionKind.TIME)
+
+
+def _is_driven(push: Clause, clause: Clause) -> bool:
+    """Whether a travel is a push's work: "they pushed, and the cart moved a little to the right"."""
+    if clause.verb is None or push.verb is None or push.select(*WHERE) or clause.join is Join.THEN:
+        return False
+    first, second = get_verb(push.verb), get_verb(clause.verb)
+    pushed = first.effect is Effect.PUSH and not first.generic and first.direction is None
+    travels = second.effect is Effect.PUSH and second.generic
+    return pushed and travels and bool(clause.select(MentionKind.DIRECTION, MentionKind.FROM))
+
+
+def _is_restating(first: Clause, clause: Clause) -> bool:
+    """Whether two nouns name one thing in a list of what is done: "tensile loading, elongation to 1.5 times"."""
+    if first.verb is not None or clause.verb is not None or first.cause is None or clause.cause is None:
+        return False
+    one, other = get_verb(first.cause), get_verb(clause.cause)
+    alike = one.effect is other.effect and one.sign == other.sign
+    return alike and one.effect in _SHAPING and clause.join is Join.COMMA and not clause.select(*WHERE)
 
 
 def _is_carried_off(cause: Clause, clause: Clause) -> bool:

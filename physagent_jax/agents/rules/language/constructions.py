@@ -27,6 +27,8 @@ _CHOOSABLE = (*MOTIONS, *WAYS, MentionKind.PLACE)
 _DOERS = frozenset({"people", "persons", "hands", "fingers", "fists", "plates"})
 _NAMELESS_PARTS = frozenset({"end", "ends", "part", "parts", "side", "corner", "edge"})
 _POSTURES = frozenset({"stand", "sit", "lay", "lie", "rest"})
+_PRONOUNS = frozenset({"it", "he", "she", "him", "her"})
+_TOWARDS = frozenset({"to", "toward", "towards", "from", "into"})
 _SCALES = (Effect.SCALE, Effect.SWELL)
 _BECOMING = frozenset({"get", "gets", "getting", "become", "becomes", "becoming", "got", "became"})
 _KEEPING = frozenset({"keep", "keeps", "keeping", "kept"})
@@ -45,7 +47,7 @@ def _find_comparison(mentions: list[Mention], index: int) -> list[str]:
         return ["What is compared by 'than' is not understood."]
     pair = mentions[index + 1 : index + 3]
     doubled = len(pair) == 2 and pair[0].phrase == "and" and pair[1].words.lower() == mention.words.lower()
-    if doubled and mention.kind is not MentionKind.JOIN:
+    if doubled and mention.kind is not MentionKind.JOIN and mention.phrase not in _PRONOUNS:
         return [f"How it changes by '{mention.words} and {mention.words}' is not understood."]
     each = any(other.form in ("each", "every") for other in mentions[max(index - 3, 0) : index + 4])
     alike = mention.kind is MentionKind.INTENSITY and "as" in (mention.form, get_phrase(mentions, index - 1))
@@ -79,11 +81,54 @@ def _find_bare_unit(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
+def _find_interval(mentions: list[Mention], index: int) -> list[str]:
+    """Says "between two pushes it rests"."""
+    after = [m.kind for m in mentions[index + 1 : index + 3]]
+    between = mentions[index].form == "between" and mentions[index].kind is MentionKind.FUNCTION
+    if between and after and (after[0] is MentionKind.REPEAT or after[-1] is MentionKind.VERB):
+        return ["What is done 'between' is not understood."]
+    return []
+
+
+def _find_stage_side(mentions: list[Mention], index: int) -> list[str]:
+    """Says "stage left": the actor's left, the viewer's right, or does the writer mean the viewer's?"""
+    after = mentions[index + 1] if index + 1 < len(mentions) else None
+    if mentions[index].form != "stage" or after is None or after.phrase not in ("left", "right"):
+        return []
+    return [f"Whose left or right 'stage {after.words}' is, is not understood."]
+
+
+def _find_unnamed(mentions: list[Mention], index: int) -> list[str]:
+    """Says "something on its left": a thing that is there, and no part."""
+    after = mentions[index + 1 : index + 4]
+    place = next((m for m in after if m.kind is MentionKind.PLACE), None)
+    some = mentions[index].form in ("something", "someone", "somebody", "anything")
+    if some and place is not None and after[0].form in ("on", "at", "near", "behind"):
+        return [f"What is '{place.words}' is not understood."]
+    return []
+
+
+def _find_corner(mentions: list[Mention], index: int) -> list[str]:
+    """Says "push the bottom right": a corner, or the bottom to the right?"""
+    mention = mentions[index]
+    corner = (
+        mention.kind is MentionKind.DIRECTION and isinstance(mention.value, tuple) and len(mention.value) > 1
+    )
+    if (
+        corner
+        and get_phrase(mentions, index - 1) == "the"
+        and get_phrase(mentions, index - 2) not in _TOWARDS
+    ):
+        return [f"Whether 'the {mention.words}' is a place or a way is not understood."]
+    return []
+
+
 def _find_loose_number(mentions: list[Mention], index: int) -> list[str]:
     """Says "in two"; how many do it ("two people") does not matter."""
     mention = mentions[index]
     counts = mention.kind is MentionKind.FUNCTION and NUMBERS.get(mention.form, 0) >= 2
-    if counts and get_phrase(mentions, index + 1) not in _DOERS:
+    behind = [get_phrase(mentions, index + reach) for reach in (1, 2)]
+    if counts and not _DOERS & set(behind):
         return [f"What '{mention.words}' counts is not understood."]
     return []
 
@@ -300,6 +345,10 @@ _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_comparison,
     _find_delay,
     _find_bare_unit,
+    _find_interval,
+    _find_corner,
+    _find_unnamed,
+    _find_stage_side,
     _find_loose_number,
     _find_explanation,
     _find_choice,

@@ -5,14 +5,14 @@ from __future__ import annotations
 from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
-from physagent_jax.agents.rules.language.quantities import match_quantity
+from physagent_jax.agents.rules.language.quantities import Quantity, match_number, match_quantity
 from physagent_jax.agents.rules.language.reader import Reader
 from physagent_jax.agents.rules.language.timing import match_time, parse_number
 
 
 def read_quantity(reader: Reader, at: int) -> Mention | None:
     """Reads "90 degrees", "half a body length", "twice as strong"."""
-    found = match_quantity(reader.tokens, at)
+    found = match_quantity(reader.tokens, at) or _match_part_of_turn(reader, at) or _match_facing(reader, at)
     if found is None:
         return None
     quantity, behind = found
@@ -20,6 +20,27 @@ def read_quantity(reader: Reader, at: int) -> Mention | None:
     if quantity.dimension == "strength":
         return reader.make_mention(MentionKind.COMPARATIVE, quantity.value, "as strong", used)
     return reader.make_mention(MentionKind.QUANTITY, quantity, "quantity", used)
+
+
+def _match_part_of_turn(reader: Reader, at: int) -> tuple[Quantity, int] | None:
+    """Reads the quarter in "it turns a quarter to the left": of a turn, where that is what was done last."""
+    last = next((e.value for e in reversed(reader.mentions) if isinstance(e.value, v.Verb)), None)
+    counted = match_number(reader.tokens, at)
+    if last is None or last.effect is not v.Effect.TURN or counted is None or not 0.0 < counted[0] < 1.0:
+        return None
+    behind = reader.get_text(counted[1])
+    goes_on = behind in ("", "one", "back", "to", ".", ",", "and", "then", "clockwise", "left", "right")
+    return (Quantity(360.0 * counted[0], "degrees"), counted[1]) if goes_on else None
+
+
+def _match_facing(reader: Reader, at: int) -> tuple[Quantity, int] | None:
+    """Reads "it turns to face the other way", "... to face away": half a turn."""
+    last = next((e.value for e in reversed(reader.mentions) if isinstance(e.value, v.Verb)), None)
+    faces = reader.get_text(at) in ("face", "facing") and last is not None and last.effect is v.Effect.TURN
+    for ways in (("the", "other", "way"), ("the", "opposite", "way"), ("away",), ("backwards",)):
+        if faces and tuple(reader.get_text(at + 1 + i) for i in range(len(ways))) == ways:
+            return Quantity(180.0, "degrees"), at + 1 + len(ways)
+    return None
 
 
 def read_ordinal(reader: Reader, at: int) -> Mention | None:
@@ -42,7 +63,7 @@ def read_time_or_count(reader: Reader, at: int) -> Mention | None:
     counted = parse_number(reader.tokens, at)
     if (
         counted
-        and reader.get_text(counted[1]) in ("times", "time")
+        and reader.get_text(counted[1]) in ("times", "time", "x", "cycles", "repetitions", "strokes")
         and reader.tokens[at].text not in ("a", "an")
     ):
         # A count beyond any clip's frames means nothing more than "very often".

@@ -12,23 +12,15 @@ from physagent_jax.agents.rules.language.contradictions import find_contradictio
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import LOCATIONS, PARTS, Place
 from physagent_jax.agents.rules.language.movers import find_other_movers
-from physagent_jax.agents.rules.language.naming import DETERMINERS, PREPOSITIONS, is_telling
+from physagent_jax.agents.rules.language.naming import DETERMINERS
+from physagent_jax.agents.rules.language.neighbours import get_phrase
 from physagent_jax.agents.rules.language.surroundings import find_surroundings
-from physagent_jax.agents.rules.language.tokens import FORMS
+from physagent_jax.agents.rules.language.unplaced import UNPLACED_PARTS
 from physagent_jax.agents.rules.language.verbs import CAUSES, Effect, Verb
 from physagent_jax.agents.schema import SceneBrief
 
-# Parts that no direction tells the place of; "the handle" is never the object.
-UNPLACED_PARTS = frozenset(
-    (
-        "handle handles knob knobs lid button buttons screw screws tail string strings strap spout door lever hook "
-        "horn horns finger fingers nose mouth beak paw paws tooth teeth thumb elbow knee knees rim cap sleeve cord "
-        "chain zip label sticker"
-    ).split()
-)
 # Other things, when something is done to them; elsewhere they are who or what acts.
 THINGS = frozenset({"ball", "hammer", "rope", "string", "stick"})
-_LEAST_WORDS, _MOST_UNKNOWN = 3, 0.5
 _TELLING = (
     MentionKind.DIRECTION,
     MentionKind.FROM,
@@ -45,44 +37,6 @@ _TELLING = (
 _PAIRS = frozenset({"two", "three", "four", "both", "several"})
 
 
-def list_unknown(
-    mentions: list[Mention], names: frozenset[str], brief: SceneBrief
-) -> tuple[list[str], list[str]]:
-    """Unknown content words, and notes; a noun is taken for the object if the sentence does not name it otherwise."""
-    named = any(mention.phrase in names for mention in mentions)
-    may_be_named = not is_telling(brief.object_name)
-    unknown: list[str] = []
-    taken: list[str] = []
-    for index, mention in enumerate(mentions):
-        word = mention.phrase
-        if mention.kind is not MentionKind.UNKNOWN or word in unknown or word in names:
-            continue
-        before = _get_phrase(mentions, index - 1)
-        owned = (
-            before in ("its", "his", "her", "their") or word.removesuffix("s") in PARTS
-        )  # "its corners", "the arms"
-        if _is_describing_part(mentions, index) or word in UNPLACED_PARTS or owned:
-            unknown.append(word)
-        elif (
-            word.isalpha()
-            and may_be_named
-            and (before in taken or not (named or taken) and _is_done_to(mentions, index))
-        ):
-            taken.append(word)  # "the castle", "the sand castle"
-        elif word not in taken and not _is_decorating(mentions, index, names):
-            unknown.append(word)
-    notes = [f"'{' '.join(taken)}' is taken to be the object ({brief.object_name})."] if taken else []
-    return unknown, notes
-
-
-def is_mostly_unknown(mentions: list[Mention], unknown: list[str]) -> bool:
-    """Whether so little was understood that what was is probably misunderstood: another language, say."""
-    words = [
-        mention for mention in mentions if mention.kind is not MentionKind.JOIN or mention.words.isalpha()
-    ]
-    return len(words) >= _LEAST_WORDS and len(unknown) >= _MOST_UNKNOWN * len(words)
-
-
 def find_doubts(
     mentions: list[Mention],
     names: frozenset[str],
@@ -95,10 +49,11 @@ def find_doubts(
     named = any(mention.phrase in names for mention in mentions)
     own = brief.object_name.lower().split()
     for index, mention in enumerate(mentions):
-        before = _get_phrase(mentions, index - 1)
+        before = get_phrase(mentions, index - 1)
         following = mentions[index + 1] if index + 1 < len(mentions) else None
         if (
             mention.form == "like"
+            and mention.kind is MentionKind.FUNCTION
             and before not in ("would", "d", "i")
             and not _is_naming_cause(mentions, index)
         ):
@@ -106,12 +61,12 @@ def find_doubts(
         elif (
             mention.form == "way"
             and before == "the"
-            and _get_phrase(mentions, index - 2) not in ("all", "half")
+            and get_phrase(mentions, index - 2) not in ("all", "half")
         ):
             doubts.append("'the way' of doing it is not understood.")
         elif mention.kind is MentionKind.EXCEPT:
             doubts.append(f"What '{mention.words}' leaves out is not understood.")
-        elif mention.form in ("apart", "together") and _get_phrase(mentions, index - 1) in names | THINGS:
+        elif mention.form in ("apart", "together") and get_phrase(mentions, index - 1) in names | THINGS:
             doubts.append(f"What goes '{mention.form}' is more than one object.")
         elif mention.phrase in names and before in _PAIRS:
             doubts.append(f"There is only one object here, not '{before} {mention.words}'.")
@@ -130,7 +85,7 @@ def find_doubts(
             doubts.append(f"Where '{mention.words}' that part is, is not known.")
         elif mention.phrase in ("table", "shelf", "cliff") and "off" in (
             before,
-            _get_phrase(mentions, index - 2),
+            get_phrase(mentions, index - 2),
         ):
             doubts.append(f"There is no {mention.words} here.")
         elif mention.phrase == "gravity" and mention.value == "down" and _is_turning_aside(mentions, index):
@@ -151,6 +106,8 @@ def find_doubts(
         f"What '{m.words}' belongs to is not understood."
         for clause in clauses
         if clause.head is None
+        and not clause.select(MentionKind.ANCHOR)
+        and not _is_told_again(clause, clauses)
         for m in clause.select(*_TELLING)
     ]
     if not any(mention.phrase in own for mention in mentions):
@@ -167,6 +124,17 @@ def find_doubts(
     return list(dict.fromkeys(doubts))
 
 
+def _is_told_again(clause: Clause, clauses: list[Clause]) -> bool:
+    """Whether all that a clause without a verb says is said with one: "not left, right! push it right"."""
+    said = [(m.kind, m.value) for c in clauses if c.head is not None for m in c.select(*_TELLING)]
+    said += [
+        (MentionKind.DIRECTION, (get_verb(c.verb).direction,))
+        for c in clauses
+        if c.verb is not None and get_verb(c.verb).direction is not None
+    ]
+    return all((m.kind, m.value) in said for m in clause.select(*_TELLING))
+
+
 def _find_next_telling(mentions: list[Mention], index: int) -> MentionKind | None:
     """The kind of the next mention that is no article."""
     return next((m.kind for m in mentions[index + 1 :] if m.kind is not MentionKind.FUNCTION), None)
@@ -175,7 +143,10 @@ def _find_next_telling(mentions: list[Mention], index: int) -> MentionKind | Non
 def _is_turning_aside(mentions: list[Mention], index: int) -> bool:
     """Whether what follows gravity, before any verb, is a direction to a side."""
     for mention in mentions[index + 1 :]:
-        if mention.kind in (MentionKind.VERB, MentionKind.JOIN):
+        pulls = (
+            isinstance(mention.value, Verb) and mention.value.effect is Effect.PUSH
+        )  # "gravity pulls it aside"
+        if mention.kind is MentionKind.JOIN or mention.kind is MentionKind.VERB and not pulls:
             return False
         if mention.kind in (MentionKind.DIRECTION, MentionKind.PLANE):
             return mention.value not in (("down",), ("up",))
@@ -189,74 +160,6 @@ def _find_loose_quantities(mentions: list[Mention], clauses: list[Clause]) -> li
     return [
         m for m in mentions if m.kind is MentionKind.QUANTITY and not any(m.first == u.first for u in used)
     ]
-
-
-def _is_describing_part(mentions: list[Mention], index: int) -> bool:
-    """Whether a word tells which part: "the red part", "the blue corner"."""
-    following = mentions[index + 1] if index + 1 < len(mentions) else None
-    if following is None or _get_phrase(mentions, index - 1) not in DETERMINERS:
-        return False
-    return (
-        following.kind is MentionKind.PLACE
-        or following.phrase in PARTS
-        or following.phrase in ("part", "end")
-    )
-
-
-def _is_decorating(mentions: list[Mention], index: int, names: frozenset[str]) -> bool:
-    """Whether a word changes nothing: an adjective of the object, or who acts ("by a crane", "the baker presses")."""
-    before = _get_phrase(mentions, index - 1)
-    behind = index + 1
-    while behind < len(mentions) and mentions[behind].kind is MentionKind.UNKNOWN:
-        behind += 1
-    after = mentions[behind] if behind < len(mentions) else None
-    if before in DETERMINERS and after is not None and after.phrase in names:
-        return True  # "the old robot"
-    if (
-        before in DETERMINERS
-        and _get_phrase(mentions, index - 2) in ("off", "from")
-        and _is_raised(mentions[:index])
-    ):
-        return True  # "is lifted off the stove"
-    first = index
-    while first > 0 and _is_adjective(mentions[first - 1]):
-        first -= 1
-    determined = _get_phrase(mentions, first - 1) in DETERMINERS | {"two", "three", "some"}
-    if determined and _get_phrase(mentions, first - 2) == "by" and _is_passive(mentions[: first - 2]):
-        return True  # "is lifted by a crane"
-    begins = first - 1 <= 0
-    acts = after is not None and after.kind is MentionKind.VERB and not after.form.endswith("ing")
-    done_to = any(m.phrase in names or m.phrase in ("it", "him", "her") for m in mentions[behind:])
-    return determined and begins and acts and done_to  # "the baker presses the bread"
-
-
-def _is_done_to(mentions: list[Mention], index: int) -> bool:
-    """Whether a noun with its article stands as a subject or an object, not after a preposition: "in a circle"."""
-    return _get_phrase(mentions, index - 1) in DETERMINERS and (
-        _get_phrase(mentions, index - 2) not in PREPOSITIONS
-    )
-
-
-def _is_raised(mentions: list[Mention]) -> bool:
-    """Whether the last verb lifts: what it stood on changes nothing."""
-    verbs = [m.value for m in mentions if isinstance(m.value, Verb)]
-    return bool(verbs) and verbs[-1].bound and verbs[-1].direction == "up"
-
-
-def _is_passive(mentions: list[Mention]) -> bool:
-    """Whether the last verb tells what is done to the object: "is lifted", not "move it left"."""
-    verbs = [mention for mention in mentions if mention.kind is MentionKind.VERB]
-    if not verbs:
-        return True
-    return FORMS.get(verbs[-1].form) != verbs[-1].form or any(
-        mention.form in ("is", "are", "gets", "being", "be") for mention in mentions[:-1]
-    )
-
-
-def _is_adjective(mention: Mention) -> bool:
-    """Whether a word may stand between an article and its noun."""
-    loose = mention.kind is MentionKind.FUNCTION and mention.phrase not in DETERMINERS | {"by", "with", "of"}
-    return loose or mention.kind in (MentionKind.UNKNOWN, MentionKind.INTENSITY)
 
 
 def _is_acted_on(mentions: list[Mention], index: int) -> bool:
@@ -280,7 +183,3 @@ def _is_acted_on(mentions: list[Mention], index: int) -> bool:
 def _is_naming_cause(mentions: list[Mention], index: int) -> bool:
     """Whether what follows is a cause that is understood: "like in a storm"."""
     return any(m.kind is MentionKind.CAUSE or m.phrase in CAUSES for m in mentions[index + 1 : index + 5])
-
-
-def _get_phrase(mentions: list[Mention], index: int) -> str:
-    return mentions[index].phrase if 0 <= index < len(mentions) else ""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from physagent_jax.agents.rules.language.amounts import Target, find_target
+from physagent_jax.agents.rules.language.amounts import MOST, Target, find_target
 from physagent_jax.agents.rules.language.clauses import (
     Clause,
     find_excluded,
@@ -19,6 +19,7 @@ from physagent_jax.agents.rules.language.clauses import (
 )
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import ADDRESSEES, FRONTS, Join, Names, Place, Repeat
+from physagent_jax.agents.rules.language.naming import has_wheels
 from physagent_jax.agents.rules.language.quantities import Quantity
 from physagent_jax.agents.rules.language.solids import Solid
 from physagent_jax.agents.rules.language.timing import TimeSpan
@@ -146,6 +147,10 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         verb, phrase = VERBS["bob"], "bob"  # "bounces up and down"
     if phrase == "bounce" and any(m.value == ("up",) for m in clause.select(MentionKind.DIRECTION)):
         verb, phrase = VERBS["jump"], "jump"
+    if phrase == "bounce" and any((repeat.count or 1) > 1 for repeat in find_repeats(clause)):
+        verb, phrase = VERBS["jump"], "jump"  # "it bounces three times"
+    if verb.effect is Effect.ROLL and has_wheels(brief):
+        verb, phrase = VERBS["push"], "push"  # its wheels turn, and it does not
     if verb.effect is Effect.SWELL and clause.select(*_LINES):
         verb = replace(verb, effect=Effect.SCALE)  # "expands horizontally", "grows upwards"
     if verb.effect is Effect.SWAY:
@@ -178,7 +183,9 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
     target, doubts = _resolve_amount(clause, verb, before)
     if verb.effect is Effect.TURN and repeat.count is not None and not repeat.alternate and not target.amount:
         if not repeat.vague:  # "spin three times" counts turns
-            target = Target(Amount(value=360.0 * repeat.count, unit="degrees"))
+            target = Target(Amount(value=min(360.0 * repeat.count, MOST), unit="degrees"))
+            if 360.0 * repeat.count > MOST:
+                doubts.append(f"So many turns ('{words}') cannot be shown.")
         repeat = replace(repeat, count=None)
     if phrase in TURNED_OVER and target.amount is None:
         target = Target(Amount(value=180.0, unit="degrees"))
@@ -196,15 +203,23 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         doubts.append(f"Which of it happens when ({', '.join(m.words for m in starts)}) is not understood.")
     if verb.effect in (Effect.RELEASE, Effect.STILL) and (repeat.count or 1) > 1:
         doubts.append(f"What is repeated by '{words}' is not understood.")
-    if clause.select(MentionKind.REVERSAL):
+    reversals = clause.select(MentionKind.REVERSAL)
+    if reversals and reversals[0].value == "same":
+        going = _find_way(before)
+        if going is not None and verb.effect in _TOWARDS:
+            direction, notes = going, []
+            direction_source = replace(direction_source, why="the same way as before")
+        else:
+            doubts.append(f"Which way '{reversals[0].words}' is, is not understood.")
+    elif reversals:
         if before is not None and before.direction is not None and before.effect is verb.effect:
             direction, notes = scale(before.direction, -1.0), []
             direction_source = replace(direction_source, why="the other way than before")
         else:
-            doubts.append(
-                f"What '{clause.select(MentionKind.REVERSAL)[0].words}' is opposed to is not understood."
-            )
+            doubts.append(f"What '{reversals[0].words}' is opposed to is not understood.")
     doubts += _find_unused(clause, verb)
+    if phrase in ("droop", "sag") and brief.object_kind not in ("plant", "cloth", "animal"):
+        doubts.append(f"How it '{phrase}s' is not understood.")
     whole_part, region_doubts = _resolve_part(clause, verb, place, brief)
     region, part, excludes = whole_part
     doubts += region_doubts
@@ -238,6 +253,11 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         tuple(notes),
         tuple(doubts),
     )
+
+
+def _find_way(before: Event | None) -> Vector | None:
+    """Where an event went; nothing that turns on the spot goes anywhere."""
+    return None if before is None or before.effect not in _TOWARDS else before.direction
 
 
 def _find_unused(clause: Clause, verb: Verb) -> list[str]:
@@ -301,6 +321,10 @@ def resolve_obstacles(clause: Clause, way: Vector | None, brief: SceneBrief) -> 
         direction = normalise(_sum_directions(solid.names, brief)) if solid.names else way
         if direction is not None:
             found.append(ObstacleRequest(kind=solid.kind, direction=direction, words=mention.words))
+        if solid.opposite:
+            other = normalise(_sum_directions(solid.opposite, brief))
+            assert other is not None
+            found.append(ObstacleRequest(kind=solid.kind, direction=other, words=mention.words))
     return found
 
 
@@ -317,7 +341,9 @@ def _choose_verb(clause: Clause) -> tuple[Verb, str]:
     verb, phrase = get_verb(clause.verb), clause.verb.phrase
     if clause.cause is not None:
         cause = get_verb(clause.cause)
-        if (verb.generic and verb.effect is Effect.PUSH) or (cause.wind and verb.effect is Effect.STRIKE):
+        quakes = cause.effect is Effect.SWAY and phrase in ("hit", "strike")
+        struck = (cause.wind and verb.effect is Effect.STRIKE) or quakes  # "an earthquake hits"
+        if (verb.generic and verb.effect is Effect.PUSH) or struck:
             return cause, clause.cause.phrase
         return replace(verb, brief=verb.brief or cause.brief), phrase
     return verb, phrase
@@ -404,7 +430,7 @@ def _resolve_direction(
         source = ValueSource(
             words, "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"
         )
-    elif lines:
+    elif lines and not (repeat.names and verb.effect is Effect.SCALE):
         total, source = (
             normalise(_sum_directions(_list_names(lines)[0], brief)),
             ValueSource(lines[0].words, "an axis by name"),

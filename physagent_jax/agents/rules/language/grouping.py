@@ -5,6 +5,7 @@ from __future__ import annotations
 from physagent_jax.agents.rules.language.clauses import (
     HOLDABLE,
     OPPOSITES,
+    TURNING,
     WHERE,
     Clause,
     find_repeats,
@@ -13,6 +14,7 @@ from physagent_jax.agents.rules.language.clauses import (
 from physagent_jax.agents.rules.language.holding import is_bare_hold
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join
+from physagent_jax.agents.rules.language.quantities import Quantity
 from physagent_jax.agents.rules.language.verbs import Effect
 
 _KEEPS = frozenset({"keep", "keeps", "kept", "keeping"})
@@ -67,6 +69,7 @@ def _open_clause(
     last = clauses[-1] if clauses else None
     if last is not None:
         waiting = last.head is None and not (len(clauses) > 1 and last.select(*WHERE))
+        waiting = waiting and not any(_is_turn(m) for m in last.modifiers)
         # "a breeze comes and moves it": the noun of the last segment does what this verb says
         carried = (
             last.verb is None and last.cause is not None and has_verb and join in (Join.AND, Join.RESULT)
@@ -76,12 +79,18 @@ def _open_clause(
             and join in (Join.AND, Join.COMMA, Join.RESULT)
             and not (has_cause and join is Join.COMMA)
             and not (join is Join.COMMA and _is_subordinate(clauses))
+            and not (last.negated and last.verb is None)  # "no rotation, just up"
         )
+        if not has_verb and join is Join.COMMA and last.head is not None and _is_other_place(last, mentions):
+            clause = Clause(Join.WHILE)  # "the top is pushed left, the bottom right"
+            clauses.append(clause)
+            return clause
         turns_back = not has_verb and _is_turning_back(clauses, join, mentions)
         strokes = any(mention.kind is MentionKind.ORDINAL for mention in mentions)
         beside = not has_verb and (_is_another(mentions) or _is_other_measure(last, join, mentions))
-        if turns_back or strokes or beside:
-            clause = Clause(Join.THEN)
+        turns = not has_verb and last.head is not None and _is_own_turn(last, mentions)
+        if turns_back or strokes or beside or turns:
+            clause = Clause(join if turns and join in (Join.BEFORE, Join.AFTER, Join.WHILE) else Join.THEN)
             clauses.append(clause)
             return clause
         corrects = (
@@ -97,6 +106,16 @@ def _open_clause(
     clause = Clause(join)
     clauses.append(clause)
     return clause
+
+
+def _is_own_turn(last: Clause, mentions: list[Mention]) -> bool:
+    """Whether a segment names a turn that the verb before it does not make: "it slides in, does a half turn"."""
+    return any(map(_is_turn, mentions)) and get_verb(last.head).effect not in TURNING
+
+
+def _is_turn(mention: Mention) -> bool:
+    degrees = isinstance(mention.value, Quantity) and mention.value.unit == "degrees"
+    return degrees and "turn" in mention.words.lower()
 
 
 def _is_subordinate(clauses: list[Clause]) -> bool:
@@ -142,6 +161,7 @@ def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention])
     """Whether a list goes the other way now: "push it left, right, and left again"."""
     last = clauses[-1]
     listed = len(clauses) > 1 and last.verb is None and last.cause is None
+    listed = listed or any(m.form in ("it", "he", "she", "they") for m in mentions)  # "and down it came"
     if join is not Join.COMMA and not (join is Join.AND and listed):
         return False
     if any(repeat.alternate for repeat in find_repeats(last)):

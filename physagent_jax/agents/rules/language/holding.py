@@ -20,6 +20,10 @@ def apply_holding(clauses: list[Clause]) -> list[Clause]:
             if get_verb(last.verb).effect is get_verb(clause.verb).effect and not clause.modifiers:
                 last.stays = True  # "compress it and keep it compressed"
                 continue
+        if clause.verb is not None and _is_hanging_in_the_air(clause, last):
+            if follows is not None and get_verb(follows.head).effect is Effect.FALL:
+                continue  # "thrown up, it hangs there and falls": so does all that turns back
+            clause.verb = replace(clause.verb, value=VERBS["wait"], phrase="wait")
         if clause.negated or not is_bare_hold(clause) or clause.select(MentionKind.ANCHOR):
             result.append(clause)
             continue
@@ -39,6 +43,15 @@ def apply_holding(clauses: list[Clause]) -> list[Clause]:
                 clause.verb = replace(clause.verb, value=VERBS["stay put"], phrase="stay put")
             result.append(clause)
     return result
+
+
+def _is_hanging_in_the_air(clause: Clause, last: Clause | None) -> bool:
+    """Whether what hangs has just been moved, and nothing is told that it hangs from."""
+    if clause.verb is None or clause.verb.phrase != "hang" or clause.negated or clause.join is Join.WHILE:
+        return False
+    if last is None or last.negated or clause.select(MentionKind.ANCHOR, MentionKind.FROM, MentionKind.PLACE):
+        return False
+    return get_verb(last.head).effect in (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
 
 
 def is_bare_hold(clause: Clause) -> bool:

@@ -124,3 +124,24 @@ def read_floating(reader: Reader, at: int) -> Mention | None:
     if adjective and reader.get_text(at + 1) in reader.object_words:
         return reader.make_mention(MentionKind.GRAVITY, "none", reader.tokens[at].text, [at])
     return None
+
+
+def read_nothing(reader: Reader, at: int) -> Mention | None:
+    """Reads "for half a second nothing, then ...": stillness."""
+    ends = at + 1 == len(reader.tokens) or not reader.tokens[at + 1].is_word
+    timed = bool(reader.mentions) and reader.mentions[-1].kind is MentionKind.TIME
+    if reader.get_text(at) != "nothing" or not (ends and timed):
+        return None
+    return reader.make_mention(MentionKind.VERB, v.VERBS["nothing happens"], "nothing happens", [at])
+
+
+def read_manner(reader: Reader, at: int) -> Mention | None:
+    """The noun in "with great force", "at high speed", ", medium force": its adjective says how it is done."""
+    if reader.get_text(at) not in m.MANNERS or not any(e.kind is MentionKind.VERB for e in reader.mentions):
+        return None
+    before = at - 1
+    while reader.get_text(before) in m.INTENSITIES or reader.get_text(before) in m.DEGREES:
+        before -= 1
+    if reader.get_text(before) not in ("with", "at", ","):
+        return None
+    return reader.make_mention(MentionKind.FUNCTION, None, "manner", [at])

@@ -4,11 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from physagent_jax.agents.rules.language.clauses import WHERE, Clause, get_verb
-from physagent_jax.agents.rules.language.mentions import MentionKind
+from physagent_jax.agents.rules.language.clauses import TURNING, WHERE, Clause, get_verb
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import Repeat
 from physagent_jax.agents.rules.language.quantities import Quantity
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
+
+_MOVING = (
+    MentionKind.DIRECTION,
+    MentionKind.FROM,
+    MentionKind.SENSE,
+    MentionKind.QUANTITY,
+    MentionKind.REPEAT,
+    MentionKind.INTENSITY,
+    MentionKind.COMPARATIVE,
+)
 
 
 def inherit(clauses: list[Clause], index: int) -> None:
@@ -16,6 +26,8 @@ def inherit(clauses: list[Clause], index: int) -> None:
     clause = clauses[index]
     if clause.head is not None or not clause.modifiers:
         return
+    if clause.select(MentionKind.ANCHOR) and not clause.select(*_MOVING):
+        return  # "while its feet are stuck to the ground"
     for mention in clause.select(MentionKind.QUANTITY):
         size = mention.value
         if isinstance(size, Quantity) and size.acts and size.dimension != "far":  # "make it twice as tall"
@@ -32,6 +44,16 @@ def inherit(clauses: list[Clause], index: int) -> None:
         if angles:  # "a full turn"
             clause.verb = replace(angles[0], kind=MentionKind.VERB, value=VERBS["turn"], phrase="turn")
         return
+    if (
+        before.negated and before.verb is None and clause.select(MentionKind.DIRECTION)
+    ):  # "no rotation, just up"
+        way = clause.select(MentionKind.DIRECTION)[0]
+        clause.verb = replace(way, kind=MentionKind.VERB, value=VERBS["push"], phrase="push")
+        return
+    angles = [m for m in clause.select(MentionKind.QUANTITY) if _is_turn(m)]
+    if angles and get_verb(before.head).effect not in TURNING:
+        clause.verb = replace(angles[0], kind=MentionKind.VERB, value=VERBS["turn"], phrase="turn")
+        return
     clause.verb, clause.cause, clause.inherited = before.verb, before.cause, True
     ordinals = clause.select(MentionKind.ORDINAL)
     if ordinals:
@@ -43,6 +65,12 @@ def inherit(clauses: list[Clause], index: int) -> None:
         MentionKind.AXIS, MentionKind.VIEW
     ):  # about the same axis
         clause.modifiers += before.select(MentionKind.AXIS, MentionKind.VIEW)
+
+
+def _is_turn(mention: Mention) -> bool:
+    """Whether a quantity is a turn in so many words: "a quick half turn"."""
+    degrees = isinstance(mention.value, Quantity) and mention.value.unit == "degrees"
+    return degrees and any(noun in mention.words.lower() for noun in ("turn", "rotation", "revolution"))
 
 
 def _take_stroke(clause: Clause) -> None:

@@ -30,6 +30,7 @@ def _build_lexicon() -> dict[str, list[Entry]]:
         (MentionKind.DEGREE, m.DEGREES),
         (MentionKind.JOIN, m.JOINS),
         (MentionKind.REVERSAL, dict.fromkeys(m.REVERSALS)),
+        (MentionKind.REVERSAL, dict.fromkeys(m.SAME_WAYS, "same")),
         (MentionKind.EXCEPT, dict.fromkeys(m.EXCEPTIONS)),
         (MentionKind.TIME, {phrase: parse_moment(phrase) for phrase in m.MOMENTS}),
         (MentionKind.NOT, dict.fromkeys(m.NEGATIONS)),

@@ -27,7 +27,7 @@ class MentionKind(enum.Enum):
     EXCEPT = enum.auto()  # None: what is not meant is not understood
     TIME = enum.auto()  # TimeSpan
     QUANTITY = enum.auto()  # Quantity
-    REVERSAL = enum.auto()  # None: the other way
+    REVERSAL = enum.auto()  # None: the other way; "same": the same
     ORDINAL = enum.auto()  # int: "the second time"
     SOLID = enum.auto()  # Solid
     GRAVITY = enum.auto()  # str: where to

@@ -71,9 +71,13 @@ _LANDMARKS: dict[str, Names] = {
     "ground": ("down",),
     "floor": ("down",),
 }
-DIRECTIONS: dict[str, Names] = {
-    f"in the direction of the {where}": names for where, names in _LANDMARKS.items()
-} | _spread(
+# Whoever looks, and what looks for them.
+_WATCHERS = ("camera", "viewer", "lens", "audience", "observer", "spectator")
+DIRECTIONS: dict[str, Names] = (
+    {f"in the direction of the {where}": names for where, names in _LANDMARKS.items()}
+    | {f"{to} the {who}": ("toward",) for to in ("toward", "towards", "to", "at") for who in _WATCHERS}
+    | {f"away from the {who}": ("away",) for who in _WATCHERS}
+) | _spread(
     {
         "left, leftward, leftwards, to the viewer left": ("left",),
         "right, rightward, rightwards, to the viewer right": ("right",),
@@ -86,12 +90,11 @@ DIRECTIONS: dict[str, Names] = {
         "into the ground, onto the ground, into the floor, onto the floor, against the floor, "
         "against the ground, beneath": ("down",),
         "forward, forwards, toward us, towards us, toward me, towards me, at us, "
-        "toward the camera, towards the camera, to the camera, at the camera, toward the viewer, "
-        "towards the viewer, to the viewer, to us, to me, to you, out of the screen, closer, out of the picture, "
-        "toward you, towards you, frontward, frontwards, nearer": ("toward",),
-        "away, backward, backwards, away from us, away from the camera, away from the viewer, "
+        "to us, to me, to you, out of the screen, closer, out of the picture, "
+        "toward you, towards you, frontward, frontwards, nearer, over here, downstage": ("toward",),
+        "away, backward, backwards, away from us, "
         "away from me, behind, into the screen, into the picture, into the distance, rearward, "
-        "rearwards, into the background": ("away",),
+        "rearwards, into the background, upstage, frontal, head on": ("away",),
         "upper left, top left": ("up", "left"),
         "upper right, top right": ("up", "right"),
         "lower left, bottom left": ("down", "left"),
@@ -119,7 +122,7 @@ AXES: dict[str, Names] = _spread(
         "length, lengthwise, lengthways": ("lengthwise",),
         "long axis, longest axis": ("long",),
         "depth, viewing axis, viewing direction, line of sight, view axis, depth axis, "
-        "viewer axis, crosswise": ("toward",),
+        "viewer axis, crosswise, front to back, from front to back, back to front": ("toward",),
         "x axis": ("x",),
         "y axis": ("y",),
         "z axis": ("z",),
@@ -128,7 +131,7 @@ AXES: dict[str, Names] = _spread(
 # An axis named as the plane of the motion: rotation in it is about its normal.
 PLANES: dict[str, Names] = _spread(
     {
-        "horizontally, sideways, sideway, laterally, to the side, to one side": ("right",),
+        "horizontally, sideways, sideway, laterally, lateral, to the side, to one side, aside": ("right",),
         "vertically": ("up",),
         "diagonally": ("up", "left"),
     }
@@ -144,8 +147,9 @@ SIDES: dict[str, bool] = _spread(
 
 SENSES: dict[str, int] = _spread(
     {
-        "clockwise, clock wise": -1,
-        "counterclockwise, anticlockwise, counter clockwise, anti clockwise, counter clock wise, anti clock wise": 1,
+        "clockwise, clock wise, cw": -1,
+        "counterclockwise, anticlockwise, ccw, acw, counter clockwise, anti clockwise, counter clock wise, "
+        "anti clock wise": 1,
     }
 )
 _ONLOOKERS: dict[str, Names] = _spread(
@@ -164,7 +168,7 @@ VIEWS: dict[str, Names] = {
     for where, names in _ONLOOKERS.items()
 } | _spread(
     {
-        "from a bird eye view": ("up",),
+        "from a bird eye view, top view, from the top view, from a top view": ("up",),
         "as we see it, as seen by the viewer, seen by the viewer, "
         "in the picture, in the picture plane, in the image plane": ("toward",),
     }
@@ -172,25 +176,38 @@ VIEWS: dict[str, Names] = {
 
 INTENSITIES: dict[str, float] = _spread(
     {
-        "slightly, slight, barely, minimally, faint, faintly, a tiny bit, a touch, a tad, "
-        "as gently as possible, as gently as you can, as softly as possible": MAGNITUDE_MIN,
+        "slightly, slight, barely, minimally, feebly, imperceptibly, hardly, scarcely, ever so slightly, "
+        "a wee bit, tiniest, slightest, faintest, gentlest, softest, lightest, "
+        " faint, faintly, a tiny bit, a touch, a tad, "
+        "as gently as possible, as gently as you can, as softly as possible, a hair, a smidge, a smidgen, a notch, "
+        "a whisker, a trifle": MAGNITUDE_MIN,
         "gently, gentle, softly, soft, a bit, a little, a little bit, weak, weakly, lightly, "
         "light, mild, mildly, little, tiny, delicately, delicate, subtle, subtly, small, calm, "
-        "calmly, carefully, tender, tenderly": 0.5,
-        "slowly, slow, lazily, leisurely": 0.6,
+        "calmly, carefully, tender, tenderly, gingerly, limply, languid, languidly, low, with care, "
+        "with great care": 0.5,
+        "slowly, slow, lazily, leisurely, sluggishly, unhurriedly": 0.6,
         "moderate, moderately, somewhat, medium": 0.8,
-        "quickly, quick, fast, rapidly, rapid, swiftly, swift, briskly": 1.3,
+        "quickly, quick, fast, rapidly, rapid, swiftly, swift, briskly, hastily, hurriedly, speedily, at speed, "
+        "at full speed, at top speed": 1.3,
         "strong, strongly, hard, firmly, firm, heavily, forcefully, forceful, powerfully, "
         "powerful, big, much, severely, severe, vigorously, vigorous, a lot, far, intense, "
-        "intensely, sharply, sharp, considerably, large, high, deeply, heavy, with force, mighty, "
-        "great, greatly, energetically, significantly": 1.3,
+        "intensely, sharply, sharp, considerably, deep, large, high, deeply, heavy, with force, mighty, "
+        "great, greatly, energetically, significantly, forcibly, mightily, decisively, with vigour, with vigor": 1.3,
+        "frantically, feverishly, madly, crazily, savagely, ruthlessly, explosively, at breakneck speed, "
         "violently, violent, fiercely, fierce, extremely strong, extreme, brutally, brutal, "
         "furiously, furious, wildly, wild, massive, massively, tremendous, enormous, huge, "
         "ferocious, with all its force, with all your might, with all its might, with all my might, "
         "completely, hugely, ferociously, drastically, immense, "
-        "as hard as possible, as hard as you can, as strongly as possible, with full force, "
+        "as fast as possible, as fast as you can, as quickly as possible, strongest, hardest, mightiest, "
+        "with all your strength, "
+        "as hard as possible, as hard as you can, as strongly as possible, with full force, like mad, like crazy, "
+        "with violence, with great violence, "
         "dramatically, enormously": MAGNITUDE_MAX,
     }
+)
+# What is great or small in "with great violence", "at high speed": how it is done, and no motion.
+MANNERS = frozenset(
+    "speed pace rate frequency amplitude force strength power energy intensity violence vigour vigor effort".split()
 )
 DEGREES: dict[str, float] = _spread(
     {
@@ -212,7 +229,7 @@ REPEATS: dict[str, Repeat] = _spread(
     {
         "twice": Repeat(2),
         "thrice": Repeat(3),
-        "once": Repeat(1),
+        "once, once more, one more time, once again": Repeat(1),
         "repeatedly, again and again, several times, a few times, many times, multiple times, "
         "a couple of times, over and over, over and over again": Repeat(3, vague=True),
         "changing direction, changes direction, back and forth, to and fro, alternating, "
@@ -231,21 +248,27 @@ REPEATS: dict[str, Repeat] = _spread(
 # Parts that name their own place.
 PLACES: dict[str, Place] = _spread(
     {
-        "leaf, leaves, branches, branch, foliage, crown, canopy, flowers, flower, blossoms, "
+        "blossom, petal, frond, leaf, leaves, branches, branch, foliage, crown, canopy, flowers, flower, blossoms, "
         "petals, fronds": Place(("up",), 0.4),
         "head, face, hat, ears, antenna, neck, hair": Place(("up",), 0.72),
         "tip, peak, summit": Place(("up",), 0.8),
+        "lampshade, roof": Place(("up",), 0.6),
         "base, pot, roots, flowerpot, vase base, stand": Place(("down",), 0.75),
         "feet, foot, legs, wheels, trunk base": Place(("down",), 0.65),
-        "middle, center, centre, waist, belly, torso, midsection": Place(()),
+        "middle, center, centre, waist, belly, tummy, stomach, torso, midsection": Place(()),
     }
 )
+# With "a" in front these are parts of the object still; "a hat", "a top" are other things.
+ONE_OF_MANY = frozenset(
+    "blossom petal frond leaf leaves branches branch flowers flower blossoms petals fronds".split()
+)
 # A blow on them comes from the front.
-FRONTS = frozenset({"face", "belly", "torso", "waist"})
+FRONTS = frozenset({"face", "belly", "tummy", "stomach", "torso", "waist"})
 # Nouns that take a direction in front: "the left arm", "its upper half"; value = where the part begins.
 PARTS: dict[str, float] = _spread(
     {
         "half, side, part, portion, section, region, area": 0.5,
+        "face, surface": 0.8,
         "third": 2 / 3,
         "quarter": 0.75,
         "end, edge, tip, corner, slab": 0.8,
@@ -287,7 +310,8 @@ GRAVITY: dict[str, str] = {
         "weightless, weightlessly, weightlessness, zero gravity, in space, outer space, in zero g, "
         "in orbit, in mid air, in midair, held in the air, hold ~ in the air, floating in the air, gravity off, "
         "gravity stops, gravity vanishes, gravity disappears, gravity ceases, gravity is off, "
-        "gravity is switched off, gravity is turned off, turn off gravity, turn off the gravity, turn gravity off, "
+        "gravity is switched off, gravity is turned off, gravity switched off, gravity turned off, "
+        "turn off gravity, turn off the gravity, turn gravity off, "
         "turn the gravity off, switch gravity off, switch the gravity off, switch off the gravity, "
         "switch off gravity": "none",
         "gravity is reversed, gravity reversed, reversed gravity, reverse gravity, reverse the gravity, "
@@ -310,6 +334,8 @@ REVERSALS = frozenset(
         "in reverse",
     }
 )
+# As before, and the same way.
+SAME_WAYS = frozenset({"in the same direction", "the same way", "in the same way", "the same direction"})
 OPPOSITE_GRAVITY = {"down": "none", "none": "down", "up": "down"}
 GROUND_WORDS = frozenset({"ground", "floor"})  # "no ground"
 # Things around the object that are neither walls nor blocks.
@@ -349,7 +375,8 @@ ANCHORS: dict[str, str] = _spread(
         "anchored at the base": "base",
         "hanging from the ceiling, fixed at the top, held at the top, fixed at its top": "top",
         "unattached, detached, free floating, freely floating, unanchored, loose, free, freely, "
-        "unsupported, out of the ground, out of its pot, out of the pot, out of the soil": "none",
+        "uproot, uproots, uprooted, unsupported, out of the ground, out of its pot, out of the pot, "
+        "out of the soil": "none",
     }
 )
 
@@ -358,14 +385,14 @@ JOINS: dict[str, Join] = _spread(
         "then, and then, in the end, and in the end, after that, "
         "afterwards, afterward, finally, next, later, followed by, "
         "subsequently, lastly, at last, eventually, after a while, after a moment, a moment later, "
-        "thereafter, followed, and finally, thereupon, and after that": Join.THEN,
+        "thereafter, followed, and finally, and last, whereupon, thereupon, and after that": Join.THEN,
         "while, as, when, whilst, at the same time, simultaneously, meanwhile, and at the same time": Join.WHILE,
         "and, plus, with": Join.AND,
         "so that, making, causing, which makes, such that, to make, until, that makes, "
         "in order to, which, because of, caused by, due to, make, makes, cause, causes": Join.RESULT,
         "but, however, yet": Join.BUT,
         "before": Join.BEFORE,
-        "after, before that, beforehand, before this": Join.AFTER,
+        "after, as soon as, before that, beforehand, before this": Join.AFTER,
     }
 )
 NEGATIONS = frozenset(
@@ -408,12 +435,15 @@ NUMBERS: dict[str, float] = {
 # Fixed phrases about time: (start, length) in fractions of the clip, None = as the sequence gives.
 MOMENTS: dict[str, tuple[float | None, float | None]] = _spread(
     {
-        "briefly, for a moment, shortly, momentarily, for an instant, for a split second": (None, -1.0),
-        "suddenly, sudden, abruptly, instantly": (None, None),
+        "briefly, brief, short, for a moment, shortly, momentarily, for an instant, for a split second, "
+        "for a fraction of a second, "
+        "for just a fraction of a second, for just a moment, for just an instant": (None, -1.0),
+        "suddenly, sudden, abruptly, instantly, impulsive, instantaneous": (None, None),
         "at the end, towards the end, toward the end, near the end": (0.75, 0.25),
         "at the beginning, at the start, at first, in the beginning, initially": (None, None),
         "immediately, right away, at once, right now, from the start": (0.0, None),
         "halfway through, midway, halfway, in the middle of the clip, half way through": (0.5, None),
+        "for a bit, for a while, a while, for some time, for a little while, "
         "the whole time, throughout, all the time, the entire time, until the end, continuously, "
         "constantly, steadily, forever, during the whole clip, for the whole clip": (None, None),
     }
@@ -424,9 +454,11 @@ FUNCTION_WORDS = frozenset(
     (
         "a an the this that these those it its itself he she him her his they them their themselves we us our i me my "
         "you your is are was were be been being am do does did done has have had having will would can could should "
-        "shall may might must of to in into on onto at by for from with within under over against through across along "
+        "shall may might must of to in into on onto at by for from with within under over against through across "
+        "along "
         "about around off out near and or if than there here where what who whom whose how why which as so also just "
-        "only even again still all each every both some any own other one ones first second now like until upon up due "
+        "only even again still all each every both some any own other one ones first second now like until upon up "
+        "due "
         "because while "
         "let lets letting make makes made making cause causes caused causing get gets got getting give gives gave "
         "given giving take takes took taken put puts keep keeps kept prevent prevents preventing "
@@ -443,7 +475,29 @@ FUNCTION_WORDS = frozenset(
         "ceiling sky wall walls plate plates "
         "place motion movement effect shape position body part end ends rest time times "
         "seconds frame frames degrees whole entire entirely original straight directly toward towards much "
-        "suddenly s t per percent"
+        "suddenly s t per percent "
+        "right series pls plz thx ty dat dis da duration impose imposes imposed imposing creak creaks creaking "
+        "squeak squeaks squeaking hum hums humming buzz buzzes buzzing whistle whistles whistling sigh sighs "
+        "sighing laugh laughs laughing giggle giggles giggling full complete passes passing hey hi hello okay "
+        "alright well oh ah hmm yes yeah sorry maybe perhaps "
+        "possibly whether favour favor love loves "
+        "enjoy merely simply purely solely actually basically literally everywhere herself himself themselves myself "
+        "yourself constant steady uniform net single external resultant initial sustained simple pure uniaxial load "
+        "loading subjected delivered imparted exerted perform performs performed performing exhibit exhibits "
+        "approx ca approximately roughly grab grabs grabbed grip grips grasp grasps seize seizes gradually "
+        "catch catches caught catching meet meets upright specimen sample item product prop figure character "
+        "creature background "
+        "backdrop studio turntable pedestal stage smoothly"
+    ).split()
+)
+# Moods and styles, as adjectives; adverbs follow.
+MOODS = frozenset(
+    (
+        "merry happy cheerful sad curious proud majestic graceful elegant playful nervous angry loving sleepy dreamy "
+        "mysterious magical beautiful nice natural realistic photorealistic cinematic comical funny clumsy awkward "
+        "neat proper accidental deliberate naughty polite joyful joyous grumpy lonely brave shy cheeky silly dramatic "
+        "peaceful serene solemn eager excited anxious mischievous thoughtful respectful hesitant confident stubborn "
+        "spectacular stylish romantic smooth gradual good proper real dynamic precarious ghostly unseen rigid"
     ).split()
 )
 # Strokes that are counted are apart anyway.
@@ -455,6 +509,21 @@ PAUSES = frozenset(
 FUNCTION_PHRASES = frozenset(
     {
         "in the air",
+        "into frame",
+        "into view",
+        "out of view",
+        "out of sight",
+        "slow motion",
+        "locked off",
+        "into the frame",
+        "into shot",
+        "out of frame",
+        "out of the frame",
+        "out of shot",
+        "off screen",
+        "across the screen",
+        "across the frame",
+        "across the picture",
         "through the air",
         "not only",
         "end up",

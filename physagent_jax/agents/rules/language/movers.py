@@ -34,6 +34,9 @@ def find_other_movers(mentions: list[Mention], names: frozenset[str]) -> list[st
         if place is None or any(m.kind is MentionKind.CAUSE for m in mentions[:index]):
             continue  # "the wind blows over the plant"
         alone = verb.effect in _BY_ITSELF or verb.effect is Effect.PUSH and verb.generic
+        alone = (
+            alone or verb.effect is Effect.PUSH and verb.direction is not None and not verb.bound
+        )  # "climbs on it"
         passes = verb.effect in (Effect.PUSH, Effect.SWAY) and not verb.wind and place in _BY
         if alone or passes:
             doubts.append(f"What it is that goes '{place}' the object is not understood.")

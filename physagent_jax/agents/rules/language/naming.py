@@ -24,6 +24,14 @@ _SAYING_NOTHING = frozenset(
 )
 
 
+_WHEELED = frozenset(
+    (
+        "car truck lorry bus van tram train locomotive wagon cart trolley tractor bulldozer bike bicycle motorbike "
+        "motorcycle scooter skateboard wheelchair pram stroller pushchair suitcase tricycle taxi jeep"
+    ).split()
+)
+
+
 def collect_object_words(prompt: str, brief: SceneBrief) -> frozenset[str]:
     """The words of ``prompt`` that name the object: its name and kind, or a noun for its kind, singular and plural.
 
@@ -63,6 +71,11 @@ def _is_placing(tokens: list[Token], at: int) -> bool:
 def is_telling(name: str) -> bool:
     """Whether a name says what the object is; a noun that is not its own is then hardly the object."""
     return any(len(word) > 2 and word.isalpha() and word not in _SAYING_NOTHING for word in _split(name))
+
+
+def has_wheels(brief: SceneBrief) -> bool:
+    """Whether it rolls on wheels, and so stays upright when it is rolled."""
+    return bool(_WHEELED & set(_split(brief.object_name))) or "office" in _split(brief.object_name)
 
 
 def _split(name: str) -> list[str]:

@@ -32,11 +32,15 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
         )  # "do not push it too hard" pushes it
         if mention.kind is MentionKind.NOT:
             pending = mention
+        elif pending is not None and mention.kind is MentionKind.SOLID:
+            pending = None  # "no wall, just push it"
         elif pending is not None and pending.phrase in ("no", "without") and mention.form in SCENE_NOUNS:
             pending = None  # "without a floor it falls"
             result.append(mention)
         elif pending is None or mention.kind not in _NEGATABLE:
             result.append(mention)
+        elif mention.kind is MentionKind.INTENSITY and _is_noun_denied(mentions, pending, mention):
+            continue  # "not a strong push, just a soft one"
         elif mention.kind is MentionKind.DEGREE:  # "not too hard": the intensity that follows is negated
             continue
         elif manner and mention.kind is not MentionKind.INTENSITY:
@@ -47,13 +51,25 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
     return result
 
 
+def _is_noun_denied(mentions: list[Mention], negation: Mention, adjective: Mention) -> bool:
+    """Whether an article stands between "not" and an adjective, so that the noun is denied."""
+    between = [m.form for m in mentions if negation.first < m.first < adjective.first]
+    behind = next(
+        (m for m in mentions if m.first > adjective.first and m.kind is not MentionKind.DEGREE), None
+    )
+    acts = behind is not None and behind.kind in (MentionKind.VERB, MentionKind.CAUSE)
+    return acts and any(form in ("a", "an") for form in between)
+
+
 def _is_manner_denied(mentions: list[Mention], verb: Mention) -> bool:
     """Whether only how strongly it is done is denied: "do not push it too hard"."""
     behind = [m.kind for m in mentions if m.first > verb.first and m.kind is not MentionKind.FUNCTION]
-    return (
-        any(pair == (MentionKind.DEGREE, MentionKind.INTENSITY) for pair in zip(behind, behind[1:]))
-        and MentionKind.VERB not in behind
-    )
+    hard = [m for m in mentions if m.first > verb.first and m.kind is MentionKind.INTENSITY]
+    hard = [
+        m for m in hard if isinstance(m.value, float) and m.value > 1
+    ]  # "don't move it a bit" is another thing
+    degrees = any(pair == (MentionKind.DEGREE, MentionKind.INTENSITY) for pair in zip(behind, behind[1:]))
+    return (degrees or bool(hard)) and MentionKind.VERB not in behind
 
 
 def _negate(negation: Mention, mention: Mention) -> list[Mention]:

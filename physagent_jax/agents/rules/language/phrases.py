@@ -31,7 +31,7 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
     if kind is MentionKind.VERB and _is_means(reader, value, at):
         kind = MentionKind.CAUSE
     if kind is MentionKind.DIRECTION and (
-        reader.get_preposition(at) == "from" or _is_locating_cause(reader, words)
+        reader.get_preposition(at) == "from" or _is_crossed(reader, at) or _is_locating_cause(reader, words)
     ):
         kind = MentionKind.FROM
     elif kind is MentionKind.NOT and "why" in [reader.get_text(at - back) for back in (1, 2)]:
@@ -91,7 +91,8 @@ def _is_noun(reader: Reader, entry: Entry, at: int) -> bool:
         owned = before in ("the", "its", "his", "her", "their") or (
             at > 0 and reader.tokens[at - 1].possessive
         )
-        return text in m.AGENT_NOUNS and not owned
+        another = before in ("a", "an") and not set(words) & m.ONE_OF_MANY
+        return (text in m.AGENT_NOUNS and not owned) or another and reader.get_text(at + 1) != "of"
     phrase, behind = " ".join(words), at + len(words)
     if phrase.endswith(" back") and (reader.get_text(behind), reader.get_text(behind + 1)) == (
         "and",
@@ -107,15 +108,38 @@ def _is_noun(reader: Reader, entry: Entry, at: int) -> bool:
         return True  # "push it over and over" does not push it over
     if phrase.endswith("~ over") and _is_over_something(reader, at):
         return True  # nor does "push it over 3 seconds", "over the edge"
+    if words == ("right",) and kind is MentionKind.DIRECTION and _is_adverb(reader, at):
+        return True  # "right in the middle"
     if kind is not MentionKind.VERB or len(words) > 1:
         return False
+    if text == "shot" and (reader.get_text(at + 1) in ("of", ":", ",") or reader.is_after_determiner(at)):
+        return True  # "a close shot of it"
     inflected = text != reader.tokens[at].lemma and not text.endswith(("ing", "s"))
     if inflected and reader.is_after_determiner(at) and reader.get_text(at + 1) not in reader.object_words:
         return True  # "in this shot"
     if text in v.CAUSES:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
         return before in OWNING or before in m.INTENSITIES or reader.get_text(at - 2) in ("a", "an")
+    compound = (
+        text == phrase
+        and before not in reader.object_words
+        and before not in LEXICON
+        and before not in m.FUNCTION_WORDS
+        and reader.get_text(at - 2) in ("the", "its", "a")
+    )
+    if compound and phrase in v.NOUNS_AFTER_THE:
+        return True  # "a tidal wave"
     described = before in m.INTENSITIES and reader.get_text(at - 2) in ("the", "its", "a")
     return phrase in v.NOUNS_AFTER_THE and (described or before in ("the", "its", "a"))
+
+
+def _is_adverb(reader: Reader, at: int) -> bool:
+    """Whether "right" only says that it is just there: "right in the middle", "right back", "right on its head"."""
+    behind = [reader.get_text(at + reach) for reach in (1, 2, 3)]
+    if behind[0] in ("back", "off", "there", "through"):
+        return True
+    article = behind[1] in OWNING
+    part = behind[2] if article else behind[1]
+    return behind[0] in ("in", "on", "at", "into") and (part in m.PLACES or part in m.ENDS)
 
 
 def _is_over_and_over(reader: Reader, at: int) -> bool:
@@ -143,6 +167,12 @@ def _is_means(reader: Reader, verb: object, at: int) -> bool:
     return article and reader.get_text(before - 1) == "with"
 
 
+def _is_crossed(reader: Reader, at: int) -> bool:
+    """Whether it goes "left to right": from there to the other side."""
+    pair = (reader.get_text(at), reader.get_text(at + 2))
+    return reader.get_text(at + 1) == "to" and pair in (("left", "right"), ("right", "left"))
+
+
 def _is_locating_cause(reader: Reader, words: tuple[str, ...]) -> bool:
     """Whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
     return words[0] in m.LOCATIONS and bool(reader.mentions) and reader.mentions[-1].kind is MentionKind.CAUSE
@@ -162,7 +192,9 @@ def _is_describing_thing(reader: Reader, at: int, size: int) -> bool:
     """Whether an adjective belongs to a thing ("the heavy robot") rather than to what happens ("a heavy blow")."""
     after = reader.get_text(at + size)
     copula = at - 1 - (reader.get_text(at - 1) in m.DEGREES)
-    if reader.get_text(copula) in ("is", "are", "was") and not after.isalpha():
+    if reader.get_text(copula) in ("is", "are", "was") and (
+        not after.isalpha() or after in ("that", "and", "but")
+    ):
         return reader.get_text(copula - 1) in reader.object_words | {"it", "he", "she"}  # "it is too heavy"
     if not reader.is_after_determiner(at) or not after.isalpha():
         return False

@@ -48,6 +48,7 @@ def read_place(reader: Reader, at: int) -> Mention | None:
         plural = part != "sides" and FORMS.get(part) is None  # "from the left tips it over"
         part = part.removesuffix("s") if plural else part
         towards = reader.get_preposition(at) in ("to", "toward", "towards", "from", "into")
+        towards = towards and not (_is_excepted(reader, at) or _is_applied_to(reader, at, size))
         if names and part in m.PARTS:
             used = list(range(at, at + size + 1))
             if part == "side" and _comes_to_lie(reader, at):
@@ -73,6 +74,20 @@ def read_place(reader: Reader, at: int) -> Mention | None:
             return reader.make_mention(MentionKind.PLACE, m.Place(names, 2 / 3), phrase, [at])
         return reader.make_mention(MentionKind.DIRECTION, names, phrase, [at])
     return None
+
+
+def _is_excepted(reader: Reader, at: int) -> bool:
+    """Whether "apart from" or "aside from" stands before it: a part, and no way."""
+    before = [reader.get_text(at - back) for back in (1, 2, 3)]
+    return any(pair in (("from", "apart"), ("from", "aside")) for pair in zip(before, before[1:]))
+
+
+def _is_applied_to(reader: Reader, at: int, size: int) -> bool:
+    """Whether a blow that a noun names is given "to the top of it": there, and not that way."""
+    part = reader.get_text(at + size)
+    owned = "of" in (part, reader.get_text(at + size + 1)) and reader.get_preposition(at) == "to"
+    heads = [e for e in reader.mentions if isinstance(e.value, v.Verb)]
+    return owned and bool(heads) and heads[-1].kind is MentionKind.CAUSE
 
 
 def _is_told_where(reader: Reader, at: int) -> bool:

@@ -88,13 +88,31 @@ _TEENS = {
     "hundred": 100,
 }
 _PARTS = {"half": 0.5, "third": 1 / 3, "thirds": 1 / 3, "quarter": 0.25, "quarters": 0.25}
-_OWNERS = frozenset({"its", "the", "their", "his", "her", "own", "original", "normal", "current", "body"})
+_OWNERS = frozenset(
+    {
+        "its",
+        "the",
+        "rest",
+        "initial",
+        "resting",
+        "undeformed",
+        "their",
+        "his",
+        "her",
+        "own",
+        "original",
+        "normal",
+        "current",
+        "body",
+    }
+)
 _COMPARED = frozenset(
     {"longer", "taller", "higher", "wider", "broader", "bigger", "larger", "shorter", "flatter", "thinner"}
     | {"narrower", "smaller", "slimmer"}
 )
 # Before "around".
 _CIRCLES = {("all", "the", "way"): 360.0, ("halfway",): 180.0, ("half", "way"): 180.0}
+_LEAST_DEGREES = 45  # nobody asks for so many turns
 _WHOLE = frozenset({"full", "complete", "whole", "entire"})
 
 
@@ -154,6 +172,8 @@ def match_number(tokens: list[Token], at: int) -> tuple[float, int] | None:
     text, after = _get(tokens, at), _get(tokens, at + 1)
     if text in ("a", "an", "one") and after in _PARTS:
         return _PARTS[after], at + 2
+    if text == "pi":
+        return math.pi, at + 1
     if text in ("twice", "thrice"):
         return (2.0 if text == "twice" else 3.0), at + 1
     if text[:1].isdigit() and text.isascii():
@@ -168,6 +188,8 @@ def match_number(tokens: list[Token], at: int) -> tuple[float, int] | None:
         value, behind = float(NUMBERS[text]), at + 1
     else:
         return None
+    if _get(tokens, behind) == "pi":
+        return value * math.pi, behind + 1
     if _get(tokens, behind) in _PARTS and _get(tokens, behind) != "half" and value > 0:
         return value * _PARTS[_get(tokens, behind)], behind + 1  # "two thirds"
     words = [_get(tokens, behind + i) for i in range(3)]
@@ -196,6 +218,8 @@ def _match_unit(
     bare = bare and not (part or whole or body)
     if _get(tokens, behind) in ("per", "each", "every") and not bare:  # a speed or a frequency
         return Quantity(value, ""), behind + 2
+    if unit in ("turn", "spin", "flip", "rotation") and value >= _LEAST_DEGREES and not times:
+        return Quantity(value, "degrees"), behind  # "a 180 turn"
     if unit in ANGLES and not bare and not (unit in ("turn", "turns") and times):
         return Quantity(value * ANGLES[unit], "degrees"), behind
     if unit in METRES and not (bare and unit in ("m", "foot", "feet")):
@@ -210,6 +234,7 @@ def _match_unit(
             at += 1
         found, dimension = _match_dimension(tokens, at)
         compared = _get(tokens, behind) in _COMPARED  # "30 percent shorter"
+        compared = compared or _get(tokens, start - 2) not in ("to", "at", "until")  # "stretched 20 %"
         return Quantity(value, "share", dimension, (relative and not dimension) or compared), (
             found if dimension else behind
         )

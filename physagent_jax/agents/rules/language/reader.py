@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from physagent_jax.agents.rules.language import verbs as v
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.spelling import correct_spelling
 from physagent_jax.agents.rules.language.tokens import tokenise
 
 OWNING = frozenset({"the", "its", "his", "her", "their", "a", "an", "this", "that", "your", "my", "some"})
@@ -22,7 +23,7 @@ class Reader:
     """
 
     def __init__(self, prompt: str, object_words: frozenset[str]):
-        self.prompt, self.tokens = prompt, tokenise(prompt)
+        self.prompt, self.tokens = prompt, correct_spelling(tokenise(prompt), object_words)
         self.object_words = object_words
         self.used: set[int] = set()
         self.mentions: list[Mention] = []

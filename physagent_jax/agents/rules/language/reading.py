@@ -5,9 +5,12 @@ from __future__ import annotations
 from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
 from physagent_jax.agents.rules.language.counts import read_ordinal, read_quantity, read_time_or_count
+from physagent_jax.agents.rules.language.frames import drop_frames
 from physagent_jax.agents.rules.language.idioms import (
     read_condition,
     read_floating,
+    read_manner,
+    read_nothing,
     read_once,
     read_prevention,
     read_solid,
@@ -19,7 +22,9 @@ from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.phrases import read_phrase, read_word
 from physagent_jax.agents.rules.language.places import read_place
 from physagent_jax.agents.rules.language.reader import Reader
+from physagent_jax.agents.rules.language.repetition import merge_repetitions
 from physagent_jax.agents.rules.language.scopes import mark_exceptions, spread_from
+from physagent_jax.agents.rules.language.similes import read_similes
 
 
 def find_mentions(prompt: str, object_words: frozenset[str]) -> list[Mention]:
@@ -28,7 +33,8 @@ def find_mentions(prompt: str, object_words: frozenset[str]) -> list[Mention]:
     for at in range(len(reader.tokens)):
         if at not in reader.used:
             reader.mentions.append(_read_at(reader, at))
-    return mark_exceptions(spread_from(reader.mentions))
+    mentions = merge_repetitions(read_similes(mark_exceptions(spread_from(reader.mentions))))
+    return drop_frames(mentions, object_words)
 
 
 def _read_at(reader: Reader, at: int) -> Mention:
@@ -47,6 +53,8 @@ def _read_at(reader: Reader, at: int) -> Mention:
         or read_state(reader, at)
         or read_target(reader, at)
         or read_floating(reader, at)
+        or read_manner(reader, at)
+        or read_nothing(reader, at)
         or read_quantity(reader, at)
         or read_ordinal(reader, at)
         or read_place(reader, at)

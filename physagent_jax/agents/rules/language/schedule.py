@@ -175,6 +175,8 @@ def follows(before: Event, event: Event) -> bool:
         return True
     if event.join is Join.WHILE:
         return False
+    if event.when.start is not None and event.when.start != before.when.start:
+        return True  # "rolls left and tips over at the end"
     if event.effect is Effect.RELEASE or (event.effect is Effect.STILL and not event.verb.generic):
         return True
     if before.effect is Effect.FALL and event.effect is Effect.SWAY:

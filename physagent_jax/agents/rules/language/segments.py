@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from physagent_jax.agents.rules.language.clauses import HEADS
+from physagent_jax.agents.rules.language.clauses import HEADS, OPPOSITES
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join
+from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
 _TIMED = frozenset({Join.WHILE, Join.AFTER, Join.BEFORE})
 _GOING_ON = frozenset({Join.AND, Join.THEN})
@@ -73,4 +74,31 @@ def _part_list(mentions: list[Mention]) -> list[Mention]:
             and MentionKind.DIRECTION in kinds
         ):
             result[at] = replace(mentions[at], value=Join.THEN)
+    return _part_contrary(result)
+
+
+def _part_contrary(mentions: list[Mention]) -> list[Mention]:
+    """Makes steps of a list of three ways and more that cancel: "it goes up, left, down"."""
+    joins = [i for i, m in enumerate(mentions) if m.kind is MentionKind.JOIN]
+    result = list(mentions)
+    run: list[int] = []
+    ways: list[object] = []
+    for begin, end in zip([-1, *joins], [*joins, len(mentions)]):
+        inside = mentions[begin + 1 : end]
+        told = [m.value for m in inside if m.kind is MentionKind.DIRECTION]
+        bare = {m.kind for m in inside} <= {
+            MentionKind.DIRECTION,
+            MentionKind.INTENSITY,
+            MentionKind.FUNCTION,
+        }
+        follows = begin >= 0 and mentions[begin].value in (Join.COMMA, Join.AND)
+        if len(told) == 1 and bare and follows and ways:
+            run, ways = [*run, begin], [*ways, *told]
+        else:
+            moves = [m.value for m in inside if isinstance(m.value, Verb) and m.kind is MentionKind.VERB]
+            moves = [verb for verb in moves if verb.effect in (Effect.PUSH, Effect.STRIKE, Effect.LEAN)]
+            run, ways = [], told if len(told) == 1 and moves else []
+        if len(ways) > 2 and any({*pair} <= {*ways} for pair in OPPOSITES):
+            for at in run:
+                result[at] = replace(mentions[at], value=Join.THEN)
     return result

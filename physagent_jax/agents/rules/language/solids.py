@@ -32,10 +32,12 @@ class Solid:
     Attributes:
         kind: "wall" or "block"; "" for plates that squeeze, which are no surroundings.
         names: Where it is, in the viewer's words; empty = wherever the motion goes.
+        opposite: Where the other of two is; empty = there is one.
     """
 
     kind: Literal["wall", "block", ""]
     names: Names = ()
+    opposite: Names = ()
 
 
 def match_solid(tokens: list[Token], at: int, object_words: frozenset[str]) -> tuple[Solid, int] | None:
@@ -49,6 +51,8 @@ def match_solid(tokens: list[Token], at: int, object_words: frozenset[str]) -> t
     before = _find_way(tokens, at)
     if before == "between" and noun in _PLATES:
         return Solid(""), noun_at + 1
+    if noun == "walls" and (pair := _match_pair(tokens, noun_at + 1, object_words)):
+        return pair
     if noun not in OBSTACLES or noun in object_words:
         return None
     needs_way = OBSTACLES[noun] == "block" or noun == "ceiling"
@@ -61,6 +65,28 @@ def match_solid(tokens: list[Token], at: int, object_words: frozenset[str]) -> t
         names = ("down",)
     told, behind = _match_where(tokens, noun_at + 1, object_words)
     return Solid(kind, told or names), behind
+
+
+def _match_pair(tokens: list[Token], at: int, object_words: frozenset[str]) -> tuple[Solid, int] | None:
+    """Reads "(walls) left and right of it", "on both sides", "on the left and on the right"."""
+    words = [_get(tokens, at + i) for i in range(7) if _get(tokens, at + i) not in ("the", "its", "to")]
+    for phrase in (
+        ("left", "and", "right"),
+        ("on", "left", "and", "right"),
+        ("on", "both", "sides"),
+        ("on", "either", "side"),
+    ):
+        if tuple(words[: len(phrase)]) == phrase:
+            behind = at
+            for _ in phrase:
+                while _get(tokens, behind) in ("the", "its", "to"):
+                    behind += 1
+                behind += 1
+            behind = (
+                _skip_object(tokens, behind + 1, object_words) if _get(tokens, behind) == "of" else behind
+            )
+            return Solid("wall", ("left",), ("right",)), behind
+    return None
 
 
 def _find_way(tokens: list[Token], at: int) -> str:

@@ -38,7 +38,11 @@ def _find_passage(mentions: list[Mention], index: int) -> list[str]:
         before -= 1
     preposition = get_phrase(mentions, before)
     along = mention.kind is MentionKind.SOLID and mentions[before].form in ("down", "up")
-    along = along or mention.kind is MentionKind.PLACE and preposition in _GOALS
+    heads = [m for m in mentions[:index] if m.kind in MOTIONS]
+    applied = (
+        bool(heads) and heads[-1].kind is MentionKind.CAUSE and preposition == "to"
+    )  # "an impulse to the top"
+    along = along or mention.kind is MentionKind.PLACE and preposition in _GOALS and not applied
     if mention.kind in (MentionKind.PLACE, MentionKind.SOLID) and (preposition in _PAST or along):
         return [f"What '{preposition} {mention.words}' means is not understood."]
     return []
@@ -127,7 +131,11 @@ def _find_acted_scene(mentions: list[Mention], index: int) -> list[str]:
     placed = index >= 2 and get_phrase(mentions, index - 1) in DETERMINERS
     verb = mentions[index - 2].value if placed and mentions[index - 2].kind is MentionKind.VERB else None
     scene = mention.kind is MentionKind.FUNCTION and mention.form in _SCENE | _SUPPORTS
-    acted = isinstance(verb, Verb) and verb.effect is not Effect.SWAY and not (solid and verb.generic)
+    acted = (
+        isinstance(verb, Verb)
+        and verb.effect not in (Effect.SWAY, Effect.HOLD)
+        and not (solid and verb.generic)
+    )
     return [f"'{mention.words}' does not move here."] if acted and (solid or scene) else []
 
 

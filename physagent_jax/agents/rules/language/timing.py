@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from physagent_jax.agents.rules.language.modifiers import CLIP_PARTS, MOMENTS, NUMBERS, UNITS
 from physagent_jax.agents.rules.language.tokens import Token
 
+_FILMS = frozenset({"video", "clip", "shot", "scene", "animation", "film", "movie", "sequence", "take"})
 BRIEF = 0.15  # of the clip: "briefly"
 
 
@@ -53,6 +54,12 @@ def match_time(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
         return _parse_part_of_clip(tokens, at + 1)
     counted = word not in ("a", "an") or (at > 0 and tokens[at - 1].lemma in ("wait", "pause"))
     if counted and (bare := _parse_quantity(tokens, at)) and bare[0].unit != "clip":
+        behind = _get_word(tokens, bare[1] + 1)
+        if _get_word(tokens, bare[1]) == "in" and (behind == "" or not behind[0].isalnum()):
+            return TimeSpan(start=bare[0]), bare[1] + 1  # "half a second in, ..."
+        if [_get_word(tokens, bare[1] + i) for i in (0, 1)] == ["into", "the"]:
+            if _get_word(tokens, bare[1] + 2) in _FILMS:
+                return TimeSpan(start=bare[0]), bare[1] + 3  # "half a second into the clip"
         return (
             None if _get_word(tokens, bare[1]) in ("later", "after") else (TimeSpan(length=bare[0]), bare[1])
         )

@@ -12,6 +12,7 @@ _TOKEN = re.compile(
     r"(?<!\w)[-\u2212](?=\d)|(?<=\s)-(?=\s)|\d{1,9}(?:\.\d{1,9})?|[^\W\d_]+(?:'[^\W\d_]+)?|[,;.!?:\n\u2014\u2013%\u00b0/]"
 )
 _SIGNS = {"%": "percent", "\u00b0": "degrees", "/": "per", "-": "minus", "\u2212": "minus"}
+_ABBREVIATIONS = frozenset({"approx", "ca", "deg", "sec", "vs", "incl"})
 _VOWELS = "aeiou"
 
 
@@ -45,6 +46,8 @@ def tokenise(prompt: str) -> list[Token]:
     text = text.replace("\u2019", "'").replace("\u2018", "'")
     tokens = []
     for match in _TOKEN.finditer(text):
+        if match.group() == "." and tokens and tokens[-1].text in _ABBREVIATIONS:
+            continue  # "approx. 20 %"
         word, _, suffix = match.group().partition("'")
         negated = suffix == "t" and word.endswith("n")
         word = word[:-1] if negated else word

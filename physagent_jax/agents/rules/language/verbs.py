@@ -73,42 +73,59 @@ class Verb:
 _D = Effect
 _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     # steady motion
-    ("push, drive, sweep, propel, force, shift, displace, thrust", Verb(_D.PUSH)),
     (
-        "move, slide, glide, go, travel, carry, send, fly, drift, accelerate, slip",
+        "push, drive, sweep, propel, force, shift, displace, thrust, translate, relocate, skid, sail",
+        Verb(_D.PUSH),
+    ),
+    (
+        "move, slide, glide, go, travel, carry, send, fly, drift, accelerate, slip, bring, transport, transfer, "
+        "guide, steer, "
+        "enter, exit, stagger, stumble, reel",
         Verb(_D.PUSH, generic=True),
     ),
     ("shove", Verb(_D.PUSH, strength=1.3)),
-    ("nudge, ease, creep", Verb(_D.PUSH, strength=0.5)),
+    (
+        "speed, race, rush, dash, hurtle, dart, scoot, careen, speed off, speed away, dash off, race off, "
+        "rush off, shoot off, whisk, whiz, whizz, streak, scurry, hurry",
+        Verb(_D.PUSH, strength=1.3),
+    ),
+    ("nudge, ease, creep, waft, crawl, budge", Verb(_D.PUSH, strength=0.5)),
+    ("retreat, recede, withdraw, back away, back off", Verb(_D.PUSH, direction="away")),
+    ("advance, approach", Verb(_D.PUSH, direction="toward")),
     ("pull, drag, tug, draw, haul, tow, attract, suck", Verb(_D.PUSH, pulls=True)),
     ("yank, jerk", Verb(_D.PUSH, strength=1.3, pulls=True)),
     ("blow", Verb(_D.PUSH, wind=True)),
     (
-        "lift, raise, rise, hoist, elevate, ascend, pick up, pick ~ up, put up, put ~ up",
+        "lift, raise, rise, hoist, elevate, ascend, pick up, pick ~ up, put up, put ~ up, heave",
         Verb(_D.PUSH, direction="up", bound=True),
     ),
     ("climb", Verb(_D.PUSH, direction="up")),
     ("float, levitate, hover", Verb(_D.PUSH, strength=0.5, direction="up")),
-    ("soar, take off", Verb(_D.PUSH, strength=1.3, direction="up")),
+    ("soar, take off, lift off, blast off", Verb(_D.PUSH, strength=1.3, direction="up")),
     (
-        "lower, sink, descend, set down, set ~ down, put down, put ~ down",
+        "lower, sink, descend, set down, set ~ down, put down, put ~ down, come back down, go back down, "
+        "float back down, "
+        "sink back down",
         Verb(_D.PUSH, direction="down", bound=True),
     ),
     # the upper end goes somewhere
-    ("bend, lean, tilt, tip", Verb(_D.LEAN)),
-    ("droop", Verb(_D.LEAN, direction="down")),
-    ("bow, slump", Verb(_D.LEAN, direction="toward")),
+    ("bend, lean, tilt, tip, slant, incline", Verb(_D.LEAN)),
+    ("droop, sag", Verb(_D.LEAN, direction="down")),
+    ("bow, slump, stoop, curtsy", Verb(_D.LEAN, direction="toward")),
     # to and fro
-    ("sway, swing, rock, oscillate", Verb(_D.SWAY)),
+    ("sway, swing, rock, oscillate, undulate, ring", Verb(_D.SWAY)),
     ("wave, waggle, wag, flap", Verb(_D.SWAY, cycles=3)),
-    ("wobble, wiggle, flutter", Verb(_D.SWAY, cycles=3, strength=0.8)),
-    ("shake, rattle", Verb(_D.SWAY, cycles=4)),
-    ("jiggle, vibrate, quake", Verb(_D.SWAY, cycles=4, strength=0.8)),
+    (
+        "wobble, wiggle, flutter, teeter, totter, jitter, judder, twitch, shimmy, waver, billow, ripple, seesaw",
+        Verb(_D.SWAY, cycles=3, strength=0.8),
+    ),
+    ("shake, rattle, thrash, flail, convulse", Verb(_D.SWAY, cycles=4)),
+    ("jiggle, vibrate, quake, jostle", Verb(_D.SWAY, cycles=4, strength=0.8)),
     ("tremble, shiver, quiver, shudder, rustle", Verb(_D.SWAY, cycles=4, strength=0.5)),
     ("bob", Verb(_D.SWAY, direction="up")),
     ("nod", Verb(_D.SWAY, direction="toward")),
     # deformation
-    ("stretch, elongate, extend, lengthen, widen, broaden", Verb(_D.SCALE, direction="right")),
+    ("stretch, elongate, extend, lengthen, widen, broaden, distend", Verb(_D.SCALE, direction="right")),
     (
         "pull apart, pull ~ apart, spread, draw out, pull ~ in opposite directions",
         Verb(_D.SCALE, direction="right"),
@@ -117,34 +134,49 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         "tear, tear apart, tear ~ apart, rip, rip apart, rip ~ apart, split",
         Verb(_D.SCALE, strength=MAGNITUDE_MAX, direction="right"),
     ),
-    ("press, compress, squash, flatten, squish", Verb(_D.SCALE, sign=-1, direction="up")),
-    ("crush, crumple", Verb(_D.SCALE, sign=-1, strength=1.3, direction="up")),
+    ("press, compress, squash, flatten, squish, mash, compact", Verb(_D.SCALE, sign=-1, direction="up")),
+    ("crush, crumple, cave in", Verb(_D.SCALE, sign=-1, strength=1.3, direction="up")),
     (
-        "squeeze, pinch, narrow, push together, push ~ together, press together, press ~ together",
+        "squeeze, pinch, narrow, constrict, push together, push ~ together, press together, press ~ together",
         Verb(_D.SCALE, sign=-1, direction="right"),
     ),
-    ("expand, inflate, swell, enlarge, grow, puff up", Verb(_D.SWELL)),
+    (
+        "expand, inflate, swell, enlarge, grow, puff up, puff ~ up, plump up, plump ~ up, fluff up, fluff ~ up, "
+        "bloat, "
+        "dilate",
+        Verb(_D.SWELL),
+    ),
     ("shrink, contract, deflate, shrivel", Verb(_D.SWELL, sign=-1)),
     # blows
-    ("hit, strike, kick, punch, knock, bump, bat, swat, collide, impact", Verb(_D.STRIKE)),
+    (
+        "hit, strike, kick, punch, knock, bump, bat, swat, collide, impact, lurch, boot, thump, swipe, jab, "
+        "buffet, pelt, cuff, bonk, punt",
+        Verb(_D.STRIKE),
+    ),
+    ("knock on, knock at, rap on", Verb(_D.STRIKE, direction="away")),
     ("slap, poke, prod, bounce off", Verb(_D.STRIKE, strength=0.8)),
     ("tap, flick, pat", Verb(_D.STRIKE, strength=0.5)),
-    ("jolt, whack, smack, bang, ram, crash into, run into", Verb(_D.STRIKE, strength=1.3)),
+    (
+        "jolt, whack, smack, bang, ram, wallop, clobber, thwack, batter, pummel, clout, crash into, run into",
+        Verb(_D.STRIKE, strength=1.3),
+    ),
     ("smash, slam, pound, hammer", Verb(_D.STRIKE, strength=MAGNITUDE_MAX)),
-    ("throw, toss", Verb(_D.STRIKE, direction="up", gravity=True)),
+    ("throw, toss, chuck, lob, sling", Verb(_D.STRIKE, direction="up", gravity=True)),
     ("fling, hurl", Verb(_D.STRIKE, strength=1.3, direction="up", gravity=True)),
     ("launch, shoot, catapult", Verb(_D.STRIKE, strength=1.3, direction="up")),
     ("explode, burst, blow up, pop, erupt, detonate, blow ~ apart", Verb(_D.BURST, strength=MAGNITUDE_MAX)),
     # rotation
     (
-        "spin, swirl, stir, whirl, twirl, screw, turn around, turn ~ around",
+        "spin, swirl, stir, whirl, twirl, screw, gyrate, pirouette, swivel, turn around, turn ~ around",
         Verb(_D.TURN, direction="up"),
     ),
     ("twist, wring", Verb(_D.TURN, direction="up", wrings=True)),
     ("turn, pivot", Verb(_D.TURN, direction="up")),
+    ("round and round, around and around", Verb(_D.TURN, direction="up", generic=True)),
     ("rotate, revolve", Verb(_D.TURN, direction="up")),
     (
-        "flip, somersault, tumble, cartwheel, turn over, turn ~ over, roll over, roll ~ over, turn upside down, "
+        "flip, upend, somersault, tumble, cartwheel, turn over, turn ~ over, roll over, roll ~ over, "
+        "turn upside down, "
         "turn ~ upside down",
         Verb(_D.TURN, direction="toward"),
     ),
@@ -154,18 +186,22 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         "drop, fall, plummet, plunge, land, let fall, let ~ fall, fall down, collapse, bounce, "
         "release ~ from, let ~ drop, hit the ground, hit the floor, strike the ground, "
         "touch the ground, reach the ground, hit the table, crash to the ground, crash down, "
-        "come down, crash to the floor, drop down, crash, bounce off the ground, bounce off the floor",
+        "come down, plop, plunk, plonk, nosedive, crash to the floor, drop down, crash, bounce off the ground, "
+        "bounce off the floor",
         Verb(_D.FALL),
     ),
     (
-        "topple, fall over, tip over, tip ~ over, keel over, topple over, overturn, knock over, "
+        "topple, capsize, flop over, go over sideways, fall over, tip over, tip ~ over, keel over, topple over, "
+        "overturn, knock over, "
         "knock ~ over, push over, push ~ over, blow over, blow ~ over, kick over, kick ~ over",
         Verb(_D.TOPPLE),
     ),
-    ("jump, leap, hop", Verb(_D.JUMP, direction="up", gravity=True)),
+    ("jump, leap, hop, vault, spring up", Verb(_D.JUMP, direction="up", gravity=True)),
     # states
     (
-        "hold, fix, anchor, clamp, pin, attach, glue, nail, bolt, root, fasten, tie, stick, "
+        "hold, fix, anchor, clamp, pin, attach, glue, nail, bolt, root, fasten, tie, stick, weld, strap, tape, "
+        "screw to, "
+        "screw down, screw onto, "
         "secure, mount, hold ~ there, keep ~ there, hold ~ that way, keep ~ that way, "
         "hold ~ in place, keep ~ in place, keep ~ fixed, hold ~ fixed, "
         "hold ~ still, keep ~ still, stay there, remain there, stay that way, remain that way",
@@ -176,7 +212,9 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         "let go, let ~ go, release, rebound, recoil, recover, relax, spring back, snap back, "
         "swing back, bounce back, come back, return, go back, move back to, let ~ spring back, "
         "let ~ snap back, let ~ swing back, let loose, regain its shape, let ~ relax, "
-        "let ~ recover, set free, leave alone, leave ~ alone, die down, subside, calm down, fall back, free itself",
+        "let ~ recover, set free, leave alone, leave ~ alone, die down, subside, calm down, fall back, free itself, "
+        "die away, fade away, fade out, die out, straighten, straighten up, straighten itself, straighten ~ up, "
+        "right itself, coast",
         Verb(_D.RELEASE),
     ),
     ("stand, sit, stay, remain, rest, lie", Verb(_D.STILL, generic=True)),
@@ -185,7 +223,9 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         "keep still, hold still, come to rest, come to a stop, come to a halt, settle, be still, "
         "is still, nothing happens, nothing moves, stay put, stay in place, remain in place, "
         "remain motionless, lie still, sit still, is motionless, is at rest, at rest, motionless, "
-        "immobile, motionlessly, do nothing, does nothing, without motion, stationary",
+        "immobile, motionlessly, do nothing, does nothing, without motion, stationary, "
+        "stay as it is, remain as it is, stay where it is, remain where it is, stay motionless, come to a standstill, "
+        "stop dead, stop ~ dead, stand upright, stay upright, remain upright",
         Verb(_D.STILL),
     ),
 )
@@ -195,7 +235,7 @@ _CAUSE_ROWS: tuple[tuple[str, Verb], ...] = (
     ("wind, winds, air, airflow, fan, wind gusts, draft, draught, current", Verb(_D.PUSH, wind=True)),
     ("breeze, breezes, puff, puff of air", Verb(_D.PUSH, strength=0.6, wind=True)),
     (
-        "gust, gusts, gust of wind, gusts of wind, blast of wind, blast of air",
+        "gust, gusts, squall, squalls, gust of wind, gusts of wind, blast of wind, blast of air",
         Verb(_D.PUSH, strength=1.2, brief=True, wind=True),
     ),
     (
@@ -203,14 +243,36 @@ _CAUSE_ROWS: tuple[tuple[str, Verb], ...] = (
         Verb(_D.PUSH, strength=MAGNITUDE_MAX, wind=True),
     ),
     ("explosion, blast, detonation, bomb", Verb(_D.BURST, strength=MAGNITUDE_MAX)),
-    ("collision, blow, impact, uppercut, header", Verb(_D.STRIKE)),
+    (
+        "collision, blow, impact, uppercut, header, impulse, initial velocity, shock wave, shockwave",
+        Verb(_D.STRIKE),
+    ),
+    # nouns of what verbs do
+    ("translation, displacement, acceleration, propulsion", Verb(_D.PUSH)),
+    ("elevation, ascent, levitation", Verb(_D.PUSH, direction="up")),
+    ("expansion, inflation, enlargement", Verb(_D.SWELL)),
+    ("contraction, deflation, shrinkage", Verb(_D.SWELL, sign=-1)),
+    (
+        "elongation, extension, tensile load, tensile loading, tensile force",
+        Verb(_D.SCALE, direction="right"),
+    ),
+    (
+        "compressive load, compressive loading, compressive force, compressive stress",
+        Verb(_D.SCALE, sign=-1, direction="up"),
+    ),
+    ("revolution, gyration", Verb(_D.TURN, direction="up")),
+    ("inclination", Verb(_D.LEAN)),
     ("earthquake, tremor", Verb(_D.SWAY, cycles=4, strength=1.3)),
     ("compression, pressure", Verb(_D.SCALE, sign=-1, direction="up")),
     ("tension", Verb(_D.SCALE, direction="right")),
-    ("rotation, torque", Verb(_D.TURN, direction="up")),
+    (
+        "rotation, torque, angular velocity, angular impulse, angular acceleration",
+        Verb(_D.TURN, direction="up"),
+    ),
     ("torsion", Verb(_D.TURN, direction="up", wrings=True)),
-    ("vibration, vibrations, oscillation", Verb(_D.SWAY, cycles=4)),
+    ("vibration, vibrations, oscillation, harmonic motion", Verb(_D.SWAY, cycles=4)),
     ("force", Verb(_D.PUSH)),
+    ("suction", Verb(_D.PUSH, pulls=True)),
 )
 
 # Adjectives that say how the object becomes: "it gets taller".
@@ -283,6 +345,9 @@ IRREGULAR_FORMS: dict[str, str] = {
     "put": "put",
     "slip": "slipped",
     "free": "frees",
+    "die": "dying",
+    "speed": "sped",
+    "ring": "rang rung",
 }
 
 
@@ -319,5 +384,13 @@ NOUNS_AFTER_THE = frozenset(
         "tip",
         "stick",
         "ram",
+        "boot",
+        "ring",
+        "tape",
+        "strap",
+        "race",
+        "rush",
+        "dash",
+        "speed",
     }
 )
