@@ -97,6 +97,11 @@ def order(prompt: str) -> str:
         ("the bitter wind pushes the robot left", "move left"),
         ("it trembles with fury", "sway left x4"),
         ("push it left with a broomstick", "move left"),
+        ("Alice gently nudges the robot to the left", "move left"),
+        ("a blast of air catches the robot from the left", "move right"),
+        ("in the orchard, the robot sways", "sway left x2"),
+        ("the robot spins, warm colours, tungsten bulbs", "rotate up"),
+        ("wobble the robot on its feet", "sway left x3"),
         # said again
         ("hop hop hop", "hit up x3; fall"),
         ("they pulled and pulled, and the robot moved a little to the left", "move left"),
@@ -106,6 +111,10 @@ def order(prompt: str) -> str:
         ("up went the robot, and down it came", "move up; move down"),
         ("it moves right, then spins and moves on in the same direction", "move right; rotate up & move right"),
         ("the wind blows left to right", "move right"),
+        ("push it up against the right wall", "move right"),
+        ("the robot comes closer, then goes left", "move toward; move left"),
+        ("bounce the robot off the left wall", "hit left"),
+        ("round and round went the robot", "rotate up"),
         ("hit it right on the head", "hit down on up"),
         ("spin it to the left, then move it left and later back", "rotate down; move left; move right"),
         # what is denied
@@ -261,6 +270,8 @@ def test_the_long_axis_is_the_object_s():
         # things that are not here, ways that are not told
         "a monkey climbs on the robot", "it crashes into something on its left", "the robot exits stage left",
         "gravity drags the robot sideways to the left", "between two kicks to the left it rests",
+        "stretch it horizontally and vertically", "it is pushed but does not move", "a hand enters and knocks it over",
+        "push it left with a growing strength", "it moves left on the trampoline", "the drapes rise. The robot spins",
         "the robot sags", "the top is pushed left, the bottom right",
     ],
 )  # fmt: skip

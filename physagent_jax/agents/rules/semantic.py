@@ -293,7 +293,7 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
             result.append(replace(event, verb=VERBS["fall"]))
             builder.add_note(f"'{event.words}': nothing acts before it, so the object is let fall.")
         elif not falls_next:
-            builder.add_note(f"'{event.words}': nothing acts before it to come back from.")
+            builder.unsure.append(f"What '{event.words}' comes back from is not understood.")
     return result
 
 

@@ -288,7 +288,10 @@ def _compile_strike(
     """Blows, evenly spaced if counted; thrown things come down again."""
     assert event.direction is not None
     count = _limit_count(
-        event.repeat.count or (2 if event.repeat.alternate else 1), window, _SHORTEST_SWING, builder
+        event.repeat.count or (2 if event.repeat.alternate else event.verb.strokes),
+        window,
+        _SHORTEST_SWING,
+        builder,
     )
     strength = event.strength
     effort = find_effort(event.amount, event.effect, builder.brief)

@@ -270,7 +270,8 @@ def _find_particle(mentions: list[Mention], index: int) -> list[str]:
     ends = after is None or after.kind in (MentionKind.JOIN, MentionKind.TIME, MentionKind.REPEAT)
     told = find_telling(mentions, index, -1)
     loose = told is not None and told.kind is not MentionKind.JOIN
-    if mention.kind is MentionKind.FUNCTION and mention.form in _PARTICLES and ends and loose:
+    alone = mention.phrase == mention.form  # "in the air" is a phrase
+    if mention.kind is MentionKind.FUNCTION and mention.form in _PARTICLES and alone and ends and loose:
         turns = any(isinstance(m.value, Verb) and m.value.effect is Effect.TURN for m in mentions[:index])
         if not (turns and mention.form in ("around", "about")):
             return [f"Which way '{mention.words}' is, is not understood."]

@@ -46,6 +46,28 @@ def _find_denied_way(clauses: list[Clause]) -> list[str]:
     return doubts
 
 
+def _find_axes(clauses: list[Clause]) -> list[str]:
+    """Says "stretch it horizontally and vertically": along two axes."""
+    doubts = []
+    for clause in clauses:
+        lines = [m for m in clause.select(MentionKind.AXIS, MentionKind.PLANE)]
+        if clause.head is not None and len({m.value for m in lines}) > 1:
+            doubts.append(f"How it is '{' and '.join(m.words for m in lines)}' at once is not understood.")
+    return doubts
+
+
+def _find_denied_motion(clauses: list[Clause]) -> list[str]:
+    """Says "it is pushed but does not move": what is to be seen of the push?"""
+    doubts = []
+    for clause, denied in zip(clauses, clauses[1:]):
+        moves = clause.head is not None and not clause.negated
+        verb = get_verb(denied.verb) if denied.verb is not None and denied.negated else None
+        still = verb is not None and verb.effect is Effect.PUSH and (verb.generic or denied.words == "budge")
+        if moves and still and not denied.modifiers and get_verb(clause.head).effect in _DIRECTED:
+            doubts.append(f"What '{clause.words}' does if it does not '{denied.words}' is not understood.")
+    return doubts
+
+
 def _find_contrary_way(clauses: list[Clause]) -> list[str]:
     """Says "lift it down": the verb has its way already."""
     doubts = []
@@ -191,6 +213,8 @@ def _find_held_side(clauses: list[Clause]) -> list[str]:
 
 _RULES = (
     _find_restated,
+    _find_axes,
+    _find_denied_motion,
     _find_denied_way,
     _find_contrary_way,
     _find_many_ways,

@@ -149,6 +149,8 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         verb, phrase = VERBS["jump"], "jump"
     if phrase == "bounce" and any((repeat.count or 1) > 1 for repeat in find_repeats(clause)):
         verb, phrase = VERBS["jump"], "jump"  # "it bounces three times"
+    if phrase == "coast" and clause.select(*_WAYS):
+        verb, phrase = VERBS["move"], "move"  # "it coasts to the left"; else it goes on by itself
     if verb.effect is Effect.ROLL and has_wheels(brief):
         verb, phrase = VERBS["push"], "push"  # its wheels turn, and it does not
     if verb.effect is Effect.SWELL and clause.select(*_LINES):

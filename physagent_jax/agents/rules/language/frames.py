@@ -15,12 +15,15 @@ from physagent_jax.agents.rules.language.reader import OWNING
 _HEADS = (MentionKind.VERB, MentionKind.CAUSE)
 _SPEAKERS = frozenset({"i", "we", "my", "our", "me", "us", "you"})
 _PRONOUNS = frozenset({"it", "he", "she", "they"})
+_THINGS = frozenset({"it", "him", "her", "them"})
 _COPULAS = frozenset({"is", "are", "was", "were", "looks", "seems"})
 _CONTRACTED = frozenset({"it's", "he's", "she's", "it\u2019s", "he\u2019s", "she\u2019s"})
 _SAYING = frozenset(
     "said cried shouted asked laughed whispered yelled called exclaimed thought says shouts cries".split()
 )
 _SHOWING = frozenset("show showing reveal revealing display displaying expose exposing".split())
+_LINKING = frozenset("to into onto from of in on at like as than until toward towards around".split())
+_TURNED = ("ing", "ed", "wise", "ways", "wards", "zag")
 _EMPTY = (MentionKind.FUNCTION, MentionKind.UNKNOWN, MentionKind.DEGREE, MentionKind.JOIN)
 _LONGEST_LABEL = 6
 
@@ -30,7 +33,7 @@ def drop_frames(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
     result = _drop_label(mentions, names)
     result = _drop_asking(result, names)
     result = _drop_remarks(result, names)
-    return _drop_purposes(_drop_tag(_drop_reporting(result)))
+    return _drop_fragments(_drop_purposes(_drop_tag(_drop_reporting(result))), names)
 
 
 def _drop_label(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
@@ -56,6 +59,12 @@ def _drop_asking(mentions: list[Mention], names: frozenset[str]) -> list[Mention
         return mentions
     if mentions[end - 1].kind is MentionKind.UNKNOWN and mentions[behind].phrase in names:
         return mentions  # "we melt the vase"
+    acts = any(
+        m.kind is MentionKind.UNKNOWN and after.phrase in _THINGS
+        for m, after in zip(mentions, mentions[1:end])
+    )
+    if acts or not any(m.kind in _HEADS for m in mentions[behind:]):
+        return mentions  # "can you paint it and then push it", "can you melt down the vase"
     kept = [_empty(m) if m.kind is MentionKind.UNKNOWN else m for m in mentions[:end]]
     return kept + mentions[end:]
 
@@ -129,6 +138,24 @@ def _drop_purposes(mentions: list[Mention]) -> list[Mention]:
         ):
             end += 1
         result[at:end] = [_empty(m) for m in mentions[at:end]]
+    return result
+
+
+def _drop_fragments(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
+    """Empties ", soft lighting, close-up": a segment of nouns beside a motion."""
+    result = list(mentions)
+    begin = 0
+    for end in [i for i, m in enumerate(mentions) if m.kind is MentionKind.JOIN] + [len(mentions)]:
+        segment = mentions[begin:end]
+        around = [m.words for m in (*mentions[begin - 1 : begin], *mentions[end : end + 1])]
+        apart = all(words in (",", ".", "!", ";", ":") for words in around)
+        unknown = [m for m in segment if m.kind is MentionKind.UNKNOWN]
+        content = {m.kind for m in segment} <= {*_EMPTY, MentionKind.INTENSITY}
+        tells = any(m.form in names | _PRONOUNS | _LINKING or m.form.endswith(_TURNED) for m in segment)
+        moved = any(m.kind in _HEADS for m in (*mentions[:begin], *mentions[end:]))
+        if unknown and apart and content and moved and not tells and len(segment) <= _LONGEST_LABEL:
+            result[begin:end] = [_empty(m) for m in segment]
+        begin = end + 1
     return result
 
 

@@ -14,6 +14,9 @@ _THANKING = frozenset("you very so much a an lot again in advance for your help"
 _PREVENTING = frozenset({"keep", "keeps", "keeping", "prevent", "prevents", "preventing"})
 _SURFACES = frozenset({"ground", "floor", "table"})
 _SUBJECTS = OWNING | {"it", "he", "she", "they"}
+_THROWN = frozenset({"it", "him", "her"})
+_COMING = frozenset({"come", "comes", "came", "coming"})
+_NEARER = frozenset("toward towards closer nearer forward forwards in up into".split())
 _AGAINST = frozenset({"against", "into", "at", "onto", "on", "off"})
 
 
@@ -40,6 +43,12 @@ def _convert_collision(reader: Reader, at: int) -> None:
     if index < 0 or not isinstance(verb.value, v.Verb) or verb.value.gravity:
         return
     strikes = verb.value.effect in (v.Effect.STRIKE, v.Effect.FALL)
+    thrown = verb.value.effect is v.Effect.FALL and any(
+        e.phrase in _THROWN | reader.object_words for e in between
+    )
+    if thrown and any(e.form == "off" for e in between):  # "bounce it off the wall"
+        reader.mentions[index] = replace(verb, value=v.VERBS["hit"], phrase="hit")
+        return
     if not strikes or any(e.phrase in _AGAINST | reader.object_words for e in between):
         return
     if any(e.kind in (MentionKind.VERB, MentionKind.CAUSE) for e in reader.mentions[:index]):
@@ -133,6 +142,26 @@ def read_nothing(reader: Reader, at: int) -> Mention | None:
     if reader.get_text(at) != "nothing" or not (ends and timed):
         return None
     return reader.make_mention(MentionKind.VERB, v.VERBS["nothing happens"], "nothing happens", [at])
+
+
+def read_coming(reader: Reader, at: int) -> Mention | None:
+    """Reads "the robot comes towards us": it moves; "a breeze comes" is only there."""
+    subject = reader.get_text(at - 1) in reader.object_words | {"it", "he", "she"}
+    if not subject or reader.get_text(at) not in _COMING or reader.get_text(at + 1) not in _NEARER:
+        return None
+    return reader.make_mention(MentionKind.VERB, v.VERBS["move"], "move", [at])
+
+
+def read_frontal(reader: Reader, at: int) -> Mention | None:
+    """Reads "a frontal impact": one that goes away from the viewer."""
+    after = reader.tokens[at + 1] if at + 1 < len(reader.tokens) else None
+    if (
+        reader.get_text(at) != "frontal"
+        or after is None
+        or not {after.lemma, after.text} & {*v.VERBS, *v.CAUSES}
+    ):
+        return None
+    return reader.make_mention(MentionKind.DIRECTION, ("away",), "frontal", [at])
 
 
 def read_manner(reader: Reader, at: int) -> Mention | None:

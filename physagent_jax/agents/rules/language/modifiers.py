@@ -91,10 +91,11 @@ DIRECTIONS: dict[str, Names] = (
         "against the ground, beneath": ("down",),
         "forward, forwards, toward us, towards us, toward me, towards me, at us, "
         "to us, to me, to you, out of the screen, closer, out of the picture, "
-        "toward you, towards you, frontward, frontwards, nearer, over here, downstage": ("toward",),
+        "toward you, towards you, frontward, frontwards, nearer, over here, behind us, behind me, "
+        "behind the camera, downstage": ("toward",),
         "away, backward, backwards, away from us, "
         "away from me, behind, into the screen, into the picture, into the distance, rearward, "
-        "rearwards, into the background, upstage, frontal, head on": ("away",),
+        "rearwards, into the background, upstage, head on": ("away",),
         "upper left, top left": ("up", "left"),
         "upper right, top right": ("up", "right"),
         "lower left, bottom left": ("down", "left"),
@@ -117,7 +118,7 @@ ENDS: dict[str, Names] = _spread(
 # An axis named as a line: stretching goes along it, rotation about it.
 AXES: dict[str, Names] = _spread(
     {
-        "vertical axis, upright axis, height, its own axis, its axis, vertical": ("up",),
+        "vertical axis, axis, height, its own axis, its axis, vertical": ("up",),
         "horizontal axis, width, horizontal": ("right",),
         "length, lengthwise, lengthways": ("lengthwise",),
         "long axis, longest axis": ("long",),
@@ -435,7 +436,7 @@ NUMBERS: dict[str, float] = {
 # Fixed phrases about time: (start, length) in fractions of the clip, None = as the sequence gives.
 MOMENTS: dict[str, tuple[float | None, float | None]] = _spread(
     {
-        "briefly, brief, short, for a moment, shortly, momentarily, for an instant, for a split second, "
+        "briefly, brief, for a moment, shortly, momentarily, for an instant, for a split second, "
         "for a fraction of a second, "
         "for just a fraction of a second, for just a moment, for just an instant": (None, -1.0),
         "suddenly, sudden, abruptly, instantly, impulsive, instantaneous": (None, None),
@@ -452,42 +453,32 @@ MOMENTS: dict[str, tuple[float | None, float | None]] = _spread(
 # Words that carry nothing by themselves: grammar, light verbs, whoever acts, the scene around.
 FUNCTION_WORDS = frozenset(
     (
-        "a an the this that these those it its itself he she him her his they them their themselves we us our i me my "
-        "you your is are was were be been being am do does did done has have had having will would can could should "
-        "shall may might must of to in into on onto at by for from with within under over against through across "
-        "along "
-        "about around off out near and or if than there here where what who whom whose how why which as so also just "
-        "only even again still all each every both some any own other one ones first second now like until upon up "
-        "due "
-        "because while "
-        "let lets letting make makes made making cause causes caused causing get gets got getting give gives gave "
-        "given giving take takes took taken put puts keep keeps kept prevent prevents preventing "
-        "start starts started starting begin begins began "
-        "beginning become becomes became try tries continue continues come comes came coming act acts acting applied "
-        "apply applies applying receive receives received undergo undergoes experience experiences feel feels want "
-        "wants need needs thank thanks kindly see show mind wish hope imagine suppose supposing assume assuming "
-        "possible set sets setting react reacts pointing directed aimed shot "
-        "touch touching touched arrive arrives reach reaches happen happens likes please ok "
-        "someone somebody person people something nothing anything everything hand hands finger fingers fist fists "
-        "hammer ball foot feet rope string invisible giant "
-        "between two three object thing model subject scene video clip camera viewer axis direction side way bit "
-        "ground floor table "
-        "ceiling sky wall walls plate plates "
-        "place motion movement effect shape position body part end ends rest time times "
-        "seconds frame frames degrees whole entire entirely original straight directly toward towards much "
-        "suddenly s t per percent "
-        "right series pls plz thx ty dat dis da duration impose imposes imposed imposing creak creaks creaking "
-        "squeak squeaks squeaking hum hums humming buzz buzzes buzzing whistle whistles whistling sigh sighs "
-        "sighing laugh laughs laughing giggle giggles giggling full complete passes passing hey hi hello okay "
-        "alright well oh ah hmm yes yeah sorry maybe perhaps "
-        "possibly whether favour favor love loves "
-        "enjoy merely simply purely solely actually basically literally everywhere herself himself themselves myself "
-        "yourself constant steady uniform net single external resultant initial sustained simple pure uniaxial load "
-        "loading subjected delivered imparted exerted perform performs performed performing exhibit exhibits "
-        "approx ca approximately roughly grab grabs grabbed grip grips grasp grasps seize seizes gradually "
-        "catch catches caught catching meet meets upright specimen sample item product prop figure character "
-        "creature background "
-        "backdrop studio turntable pedestal stage smoothly"
+        "a an the this that these those it its itself he she him her his they them their themselves we us our i me "
+        "my you your is are was were be been being am do does did done has have had having will would can could "
+        "should shall may might must of to in into on onto at by for from with within under over against through "
+        "across along about around off out near and or if than there here where what who whom whose how why which "
+        "as so also just only even again still all each every both some any own other one ones first second now "
+        "like until upon up due because while let lets letting make makes made making cause causes caused causing "
+        "get gets got getting give gives gave given giving take takes took taken put puts keep keeps kept prevent "
+        "prevents preventing start starts started starting begin begins began beginning become becomes became try "
+        "tries continue continues come comes came coming act acts acting applied apply applies applying receive "
+        "receives received undergo undergoes experience experiences feel feels want wants need needs thank thanks "
+        "kindly see show mind wish hope imagine suppose supposing assume assuming possible set sets setting react "
+        "reacts pointing directed aimed shot touch touching touched arrive arrives reach reaches happen happens "
+        "likes please ok someone somebody person people something nothing anything everything hand hands finger "
+        "fingers fist fists hammer ball foot feet rope string invisible giant between two three object thing model "
+        "subject scene video clip camera viewer axis direction side way bit ground floor table ceiling sky wall "
+        "walls plate plates place motion movement effect shape position body part end ends rest time times seconds "
+        "frame frames degrees whole entire entirely original straight directly toward towards much suddenly s t per "
+        "percent base bottom right series pls plz thx ty dat dis da duration impose imposes imposed imposing creak "
+        "creaks creaking squeak squeaks squeaking hum hums humming buzz buzzes buzzing whistle whistles whistling "
+        "sigh sighs sighing laugh laughs laughing giggle giggles giggling full complete passes passing hey hi hello "
+        "okay alright well oh ah hmm yes yeah sorry maybe perhaps possibly whether favour favor love loves enjoy "
+        "merely simply purely solely actually basically literally everywhere herself himself myself yourself "
+        "constant steady uniform net single external resultant initial sustained simple pure uniaxial subjected "
+        "delivered imparted exerted perform performs performed performing exhibit exhibits approx ca approximately "
+        "roughly grab grabs grabbed grip grips grasp grasps seize seizes gradually specimen sample item "
+        "product prop figure character creature background backdrop studio turntable pedestal stage smoothly"
     ).split()
 )
 # Moods and styles, as adjectives; adverbs follow.

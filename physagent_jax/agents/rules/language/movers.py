@@ -20,6 +20,7 @@ _BETWEEN = (
     MentionKind.INTENSITY,
     MentionKind.DEGREE,
 )
+_DOERS = frozenset("hand finger fist foot ball hammer stick rope person".split())
 _ITSELF = frozenset({"it", "him", "her", "itself"})
 
 
@@ -40,6 +41,30 @@ def find_other_movers(mentions: list[Mention], names: frozenset[str]) -> list[st
         passes = verb.effect in (Effect.PUSH, Effect.SWAY) and not verb.wind and place in _BY
         if alone or passes:
             doubts.append(f"What it is that goes '{place}' the object is not understood.")
+    return doubts + _find_doers(mentions, names)
+
+
+def _find_doers(mentions: list[Mention], names: frozenset[str]) -> list[str]:
+    """Says "a hand comes in from the right and takes it": the hand moves, and not the object."""
+    doubts = []
+    for index, mention in enumerate(mentions[:-1]):
+        subject = mention.kind is MentionKind.FUNCTION and mention.form in _DOERS and index > 0
+        begins = (
+            subject
+            and mentions[index - 1].phrase in ("a", "an")
+            and (index == 1 or mentions[index - 2].kind is MentionKind.JOIN)
+        )
+        verb = mentions[index + 1].value
+        alone = isinstance(verb, Verb) and verb.effect is Effect.PUSH and verb.generic
+        if not begins or not alone:
+            continue
+        end = next(
+            (i for i in range(index, len(mentions)) if mentions[i].kind is MentionKind.JOIN), len(mentions)
+        )
+        if not any(m.phrase in names | _ITSELF for m in mentions[index:end]):
+            doubts.append(
+                f"'{mention.words}' is another thing that moves, and there is only one object here."
+            )
     return doubts
 
 

@@ -91,6 +91,9 @@ def _is_noun(reader: Reader, entry: Entry, at: int) -> bool:
         owned = before in ("the", "its", "his", "her", "their") or (
             at > 0 and reader.tokens[at - 1].possessive
         )
+        stands = isinstance(entry[2], m.Place) and entry[2].names == ("down",)
+        if stands and reader.get_preposition(at) == "on" and _is_standing(reader):
+            return True  # "wobble it on its base"
         another = before in ("a", "an") and not set(words) & m.ONE_OF_MANY
         return (text in m.AGENT_NOUNS and not owned) or another and reader.get_text(at + 1) != "of"
     phrase, behind = " ".join(words), at + len(words)
@@ -108,6 +111,8 @@ def _is_noun(reader: Reader, entry: Entry, at: int) -> bool:
         return True  # "push it over and over" does not push it over
     if phrase.endswith("~ over") and _is_over_something(reader, at):
         return True  # nor does "push it over 3 seconds", "over the edge"
+    if words == ("up",) and kind is MentionKind.DIRECTION and reader.get_text(at + 1) == "against":
+        return True  # "push it up against the wall"
     if words == ("right",) and kind is MentionKind.DIRECTION and _is_adverb(reader, at):
         return True  # "right in the middle"
     if kind is not MentionKind.VERB or len(words) > 1:
@@ -130,6 +135,12 @@ def _is_noun(reader: Reader, entry: Entry, at: int) -> bool:
         return True  # "a tidal wave"
     described = before in m.INTENSITIES and reader.get_text(at - 2) in ("the", "its", "a")
     return phrase in v.NOUNS_AFTER_THE and (described or before in ("the", "its", "a"))
+
+
+def _is_standing(reader: Reader) -> bool:
+    """Whether what is done last is done on the spot: what it stands on is no part that is moved."""
+    verbs = [e.value for e in reader.mentions if isinstance(e.value, v.Verb)]
+    return bool(verbs) and verbs[-1].effect in (v.Effect.SWAY, v.Effect.TURN, v.Effect.JUMP, v.Effect.STILL)
 
 
 def _is_adverb(reader: Reader, at: int) -> bool:
@@ -185,6 +196,9 @@ def _is_way_told_behind(reader: Reader, at: int) -> bool:
 def _is_thing(reader: Reader, at: int, size: int) -> bool:
     """Whether a word for strength stands as a noun: "the light", "a high"."""
     after = reader.tokens[at + size] if at + size < len(reader.tokens) else None
+    behind = reader.get_text(at + size + 1)
+    if after is not None and after.text == "," and (behind in m.INTENSITIES or behind in m.FUNCTION_WORDS - OWNING):
+        return False  # "a slow, steady push"
     return size == 1 and reader.is_after_determiner(at) and (after is None or after.text in _BEHIND_NOUNS)
 
 

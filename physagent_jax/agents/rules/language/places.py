@@ -94,6 +94,8 @@ def _is_told_where(reader: Reader, at: int) -> bool:
     """Whether "back" goes a way that is named ("back to the left"), not to where it came from."""
     if reader.get_text(at + 1) not in ("to", "toward", "towards"):
         return False
+    if reader.get_text(at + 2) in ("us", "me", "you"):
+        return True
     return any(reader.get_text(at + reach) in (*m.DIRECTIONS, *m.ENDS, *m.PLACES) for reach in (2, 3))
 
 

@@ -7,8 +7,10 @@ from physagent_jax.agents.rules.language import verbs as v
 from physagent_jax.agents.rules.language.counts import read_ordinal, read_quantity, read_time_or_count
 from physagent_jax.agents.rules.language.frames import drop_frames
 from physagent_jax.agents.rules.language.idioms import (
+    read_coming,
     read_condition,
     read_floating,
+    read_frontal,
     read_manner,
     read_nothing,
     read_once,
@@ -54,6 +56,8 @@ def _read_at(reader: Reader, at: int) -> Mention:
         or read_target(reader, at)
         or read_floating(reader, at)
         or read_manner(reader, at)
+        or read_frontal(reader, at)
+        or read_coming(reader, at)
         or read_nothing(reader, at)
         or read_quantity(reader, at)
         or read_ordinal(reader, at)

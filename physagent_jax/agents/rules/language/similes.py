@@ -111,7 +111,8 @@ def _read_supposition(mentions: list[Mention], index: int) -> None:
 
 def _is_telling(verb: Verb) -> bool:
     """Whether a verb says what form its motion has, so that a likeness adds nothing to it."""
-    return not verb.generic and verb.effect in _SHAPED
+    stretches = verb.effect is Effect.SCALE and verb.sign > 0  # which way, the likeness may tell
+    return not verb.generic and verb.effect in _SHAPED and not stretches
 
 
 def _find_verb(mentions: list[Mention], index: int) -> tuple[Verb | None, int | None]:

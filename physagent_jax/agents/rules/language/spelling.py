@@ -19,7 +19,7 @@ from physagent_jax.agents.rules.language.quantities import (
 from physagent_jax.agents.rules.language.tokens import FORMS, Token, tokenise
 from physagent_jax.agents.rules.language.unplaced import UNPLACED_PARTS
 
-_LEAST, _LEAST_NAME, _NAME_SLIPS = 3, 5, 2
+_LEAST, _LEAST_NAME, _LONG_NAME = 3, 6, 8
 _WORDS_OF_THEIR_OWN = frozenset(
     "form forms hoping bellow latter angel angels trial trials spilt stare staring".split()
 )
@@ -62,7 +62,11 @@ def _find_meant(text: str, object_words: frozenset[str]) -> str | None:
     found = {word for word in near if word != text and word in _KNOWN | object_words}
     if len(found) == 1:
         return found.pop()
-    names = [w for w in object_words if len(w) > _LEAST_NAME and _count_slips(text, w) <= _NAME_SLIPS]
+    names = [
+        w
+        for w in object_words
+        if len(w) >= _LEAST_NAME and _count_slips(text, w) <= 1 + (len(w) >= _LONG_NAME)
+    ]
     return min(names, key=lambda w: _count_slips(text, w)) if names and text[0] == names[0][0] else None
 
 

@@ -45,6 +45,7 @@ class Verb:
         sign: +1 stretches, -1 squeezes.
         pulls: The cause stands where the object goes: "pulled from the left" moves left.
         gravity: Gravity acts with it (a thrown thing comes down).
+        strokes: How many blows it is, unless the sentence counts.
         cycles: How often a sway goes to and fro unless the sentence counts.
         brief: The cause lasts only a part of its time ("gust").
         generic: Adds nothing to a more telling verb beside it: "a kick *sends* it *flying*",
@@ -62,6 +63,7 @@ class Verb:
     pulls: bool = False
     gravity: bool = False
     cycles: int = 2
+    strokes: int = 1
     brief: bool = False
     generic: bool = False
     wind: bool = False
@@ -80,18 +82,18 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     (
         "move, slide, glide, go, travel, carry, send, fly, drift, accelerate, slip, bring, transport, transfer, "
         "guide, steer, "
-        "enter, exit, stagger, stumble, reel",
+        "enter, exit, stagger, stumble",
         Verb(_D.PUSH, generic=True),
     ),
     ("shove", Verb(_D.PUSH, strength=1.3)),
     (
         "speed, race, rush, dash, hurtle, dart, scoot, careen, speed off, speed away, dash off, race off, "
-        "rush off, shoot off, whisk, whiz, whizz, streak, scurry, hurry",
+        "rush off, shoot off, whisk away, whisk ~ away, whisk off, whiz, whizz, streak, scurry, hurry",
         Verb(_D.PUSH, strength=1.3),
     ),
     ("nudge, ease, creep, waft, crawl, budge", Verb(_D.PUSH, strength=0.5)),
     ("retreat, recede, withdraw, back away, back off", Verb(_D.PUSH, direction="away")),
-    ("advance, approach", Verb(_D.PUSH, direction="toward")),
+    ("approach us, approach the camera, approach the viewer", Verb(_D.PUSH, direction="toward")),
     ("pull, drag, tug, draw, haul, tow, attract, suck", Verb(_D.PUSH, pulls=True)),
     ("yank, jerk", Verb(_D.PUSH, strength=1.3, pulls=True)),
     ("blow", Verb(_D.PUSH, wind=True)),
@@ -134,7 +136,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         "tear, tear apart, tear ~ apart, rip, rip apart, rip ~ apart, split",
         Verb(_D.SCALE, strength=MAGNITUDE_MAX, direction="right"),
     ),
-    ("press, compress, squash, flatten, squish, mash, compact", Verb(_D.SCALE, sign=-1, direction="up")),
+    ("press, compress, squash, flatten, squish, mash", Verb(_D.SCALE, sign=-1, direction="up")),
     ("crush, crumple, cave in", Verb(_D.SCALE, sign=-1, strength=1.3, direction="up")),
     (
         "squeeze, pinch, narrow, constrict, push together, push ~ together, press together, press ~ together",
@@ -150,14 +152,15 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     # blows
     (
         "hit, strike, kick, punch, knock, bump, bat, swat, collide, impact, lurch, boot, thump, swipe, jab, "
-        "buffet, pelt, cuff, bonk, punt",
+        "cuff, bonk, punt",
         Verb(_D.STRIKE),
     ),
     ("knock on, knock at, rap on", Verb(_D.STRIKE, direction="away")),
+    ("pummel, batter, pelt, buffet", Verb(_D.STRIKE, strokes=3)),
     ("slap, poke, prod, bounce off", Verb(_D.STRIKE, strength=0.8)),
     ("tap, flick, pat", Verb(_D.STRIKE, strength=0.5)),
     (
-        "jolt, whack, smack, bang, ram, wallop, clobber, thwack, batter, pummel, clout, crash into, run into",
+        "jolt, whack, smack, bang, ram, wallop, clobber, thwack, clout, crash into, run into",
         Verb(_D.STRIKE, strength=1.3),
     ),
     ("smash, slam, pound, hammer", Verb(_D.STRIKE, strength=MAGNITUDE_MAX)),
@@ -191,7 +194,8 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         Verb(_D.FALL),
     ),
     (
-        "topple, capsize, flop over, go over sideways, fall over, tip over, tip ~ over, keel over, topple over, "
+        "knock ~ off its feet, sweep ~ off its feet, knock ~ off balance, topple, capsize, flop over, "
+        "go over sideways, fall over, tip over, tip ~ over, keel over, topple over, "
         "overturn, knock over, "
         "knock ~ over, push over, push ~ over, blow over, blow ~ over, kick over, kick ~ over",
         Verb(_D.TOPPLE),
@@ -212,15 +216,19 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         "let go, let ~ go, release, rebound, recoil, recover, relax, spring back, snap back, "
         "swing back, bounce back, come back, return, go back, move back to, let ~ spring back, "
         "let ~ snap back, let ~ swing back, let loose, regain its shape, let ~ relax, "
-        "let ~ recover, set free, leave alone, leave ~ alone, die down, subside, calm down, fall back, free itself, "
-        "die away, fade away, fade out, die out, straighten, straighten up, straighten itself, straighten ~ up, "
-        "right itself, coast",
+        "let ~ recover, spring back upright, return upright, come back upright, snap back upright, "
+        "swing back upright, coast, set free, leave alone, leave ~ alone, die down, subside, calm down, fall back, "
+        "free itself, "
+        "die away, die out, straighten, straighten up, straighten itself, straighten ~ up, "
+        "right itself",
         Verb(_D.RELEASE),
     ),
     ("stand, sit, stay, remain, rest, lie", Verb(_D.STILL, generic=True)),
     (
         "is calm, be calm, is quiet, stop, halt, cease, freeze, wait, pause, stand still, stay still, remain still, "
-        "keep still, hold still, come to rest, come to a stop, come to a halt, settle, be still, "
+        "bring ~ to a stop, bring ~ to a halt, bring ~ to rest, short pause, short break, short rest, keep still, "
+        "hold still, come to rest, come to a stop, "
+        "come to a halt, settle, be still, "
         "is still, nothing happens, nothing moves, stay put, stay in place, remain in place, "
         "remain motionless, lie still, sit still, is motionless, is at rest, at rest, motionless, "
         "immobile, motionlessly, do nothing, does nothing, without motion, stationary, "
@@ -392,5 +400,13 @@ NOUNS_AFTER_THE = frozenset(
         "rush",
         "dash",
         "speed",
+        "streak",
+        "incline",
+        "slant",
+        "exit",
+        "guide",
+        "dart",
+        "sail",
+        "ripple",
     }
 )
