@@ -24,11 +24,13 @@ split, and nobody looks at its sentences one by one while rules are written.
 How clean the test splits are: the second and the third author each mended the parser afterwards, with the development
 splits alone, but remember sentences of their own; the second also saw how many of each group of a test split were
 silently wrong, the third only how many of each split. Their test splits may therefore flatter. The fourth and the fifth
-author mended nothing: somebody else did, who saw only how many of each split were silently wrong and right, and, by a
-slip, the text of seven sentences of the test splits (six of the fourth author's, one of the fifth's) when the heads of
-the files were printed; no rule was made for them. The first author's test split was not read by whoever mended, and
-its silently wrong share is what to expect of sentences in a style that the grammar was made for; the other authors'
-first figures (below) are what to expect of a newcomer's.
+author mended nothing: somebody else did, who saw how many of each split were right and silently wrong, also with a
+construction or a class of words left out, and by a slip the text of seven sentences of the test splits (six of the
+fourth author's, one of the fifth's). After the last rule was written most sentences of both test splits were shown by
+another slip; nothing in the parser was changed since, so that the figures are of rules that were written without them,
+but whoever mends on has new sentences to find. The first author's test split was not read by whoever mended, and its
+silently wrong share is what to expect of sentences in a style that the grammar was made for; the other authors' first
+figures (below) are what to expect of a newcomer's.
 
 *Right* are sentences of which every field is right. *Silently wrong* are those of which something is wrong, and that
 were neither refused nor marked as unsure (which keeps a run from being called a success); words that are merely listed
@@ -57,6 +59,12 @@ _EARLIER = (
         "fifth-before",
         "The fourth and the fifth author's, which were written and committed before they were read to the parser, as "
         "it was after the third author's",
+    ),
+    (
+        "fifth-before-completed",
+        "The same parser, with one expectation of the fifth author's development split completed (a plant that is "
+        "pushed three times goes to and fro), and with falls that may begin with the lean that they follow, in every "
+        "author's expectations",
     ),
 )
 _COLUMNS = (
