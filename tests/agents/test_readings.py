@@ -102,6 +102,10 @@ def order(prompt: str) -> str:
         ("in the orchard, the robot sways", "sway left x2"),
         ("the robot spins, warm colours, tungsten bulbs", "rotate up"),
         ("wobble the robot on its feet", "sway left x3"),
+        # verbs of several blows, or of none
+        ("pummel the robot from the left", "hit right x3"),
+        ("the robot coasts to the left", "move left"),
+        ("push it away and bring it back to us", "move away; move toward"),
         # said again
         ("hop hop hop", "hit up x3; fall"),
         ("they pulled and pulled, and the robot moved a little to the left", "move left"),
@@ -185,6 +189,7 @@ def test_how_much_a_construction_says(prompt, amount):
         ("push it left, medium force", "push it left with medium force"),
         ("push it left with great violence", "push it violently to the left"),
         ("move it a smidgen to the left", "move it slightly to the left"),
+        ("a slow, steady push to the left", "a slow push to the left"),
         ("don't push it hard to the left", "don't push it too hard to the left"),
     ],
 )
@@ -272,6 +277,7 @@ def test_the_long_axis_is_the_object_s():
         "gravity drags the robot sideways to the left", "between two kicks to the left it rests",
         "stretch it horizontally and vertically", "it is pushed but does not move", "a hand enters and knocks it over",
         "push it left with a growing strength", "it moves left on the trampoline", "the drapes rise. The robot spins",
+        "straighten the robot", "push the robot upright",
         "the robot sags", "the top is pushed left, the bottom right",
     ],
 )  # fmt: skip

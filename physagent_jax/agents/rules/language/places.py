@@ -95,7 +95,7 @@ def _is_told_where(reader: Reader, at: int) -> bool:
     if reader.get_text(at + 1) not in ("to", "toward", "towards"):
         return False
     if reader.get_text(at + 2) in ("us", "me", "you"):
-        return True
+        return not reader.is_after_determiner(at)  # "turn its back to us"
     return any(reader.get_text(at + reach) in (*m.DIRECTIONS, *m.ENDS, *m.PLACES) for reach in (2, 3))
 
 
