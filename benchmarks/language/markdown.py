@@ -28,9 +28,9 @@ author mended nothing: somebody else did, who saw how many of each split were ri
 construction or a class of words left out, and by a slip the text of seven sentences of the test splits (six of the
 fourth author's, one of the fifth's). After the last rule was written most sentences of both test splits were shown by
 another slip; nothing in the parser was changed since but a regression that a unit test had shown (no figure changed),
-so that the figures are of rules that were written without them, but whoever mends on has new sentences to find. The first author's test split was not read by whoever mended, and its
-silently wrong share is what to expect of sentences in a style that the grammar was made for; the other authors' first
-figures (below) are what to expect of a newcomer's.
+so that the figures are of rules that were written without them, but whoever mends on has new sentences to find. The
+first author's test split was not read by whoever mended, and its silently wrong share is what to expect of sentences in
+a style that the grammar was made for; the other authors' first figures (below) are what to expect of a newcomer's.
 
 *Right* are sentences of which every field is right. *Silently wrong* are those of which something is wrong, and that
 were neither refused nor marked as unsure (which keeps a run from being called a success); words that are merely listed
