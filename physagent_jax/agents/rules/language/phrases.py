@@ -197,7 +197,11 @@ def _is_thing(reader: Reader, at: int, size: int) -> bool:
     """Whether a word for strength stands as a noun: "the light", "a high"."""
     after = reader.tokens[at + size] if at + size < len(reader.tokens) else None
     behind = reader.get_text(at + size + 1)
-    if after is not None and after.text == "," and (behind in m.INTENSITIES or behind in m.FUNCTION_WORDS - OWNING):
+    if (
+        after is not None
+        and after.text == ","
+        and (behind in m.INTENSITIES or behind in m.FUNCTION_WORDS - OWNING)
+    ):
         return False  # "a slow, steady push"
     return size == 1 and reader.is_after_determiner(at) and (after is None or after.text in _BEHIND_NOUNS)
 
