@@ -41,8 +41,9 @@ def main() -> int:
     for author in FILES:
         sentences = read_sentences(author)[:: 4 if command.quick else 1]
         for split in ("development", "test"):
-            held = [sentence for sentence in sentences if sentence.split == split]
-            jobs.append(Job(f"{author} author, {split}", partial(read_split, held)))
+            chosen = [sentence for sentence in sentences if sentence.split == split]
+            if chosen:
+                jobs.append(Job(f"{author} author, {split}", partial(read_split, chosen)))
     return harness.main(command, {"sentences": lambda: jobs}, document)
 
 

@@ -18,19 +18,22 @@ right answer is a refusal or a plain word that something was not understood. The
 [first author's]({first}) were written before the parser was tuned on them, by the parser's own author; a third of
 them, by their hash, is the test split. The [second]({second}), the [third]({third}), the [fourth]({fourth}) and the
 [fifth author's]({fifth}) were written by somebody who had read neither the parser nor, but for a few lines that show
-the notation, anybody else's sentences; half of them, by the same hash, are the test split. No rule is made for a test
-split, and nobody looks at its sentences one by one while rules are written.
+the notation, anybody else's sentences; half of the second's, the fourth's and the fifth's, by the same hash, are test
+splits. No rule is made for a test split, and nobody looks at its sentences one by one while rules are written. The
+third's had one too, until it was opened and rules were made for it: it counts as development now. A second reader, who
+saw neither the parser nor what it makes of any sentence, went through all sentences of the third, the fourth and the
+fifth author, test splits too, and added readings that are as good where one was missing (286 of 720 sentences; none was
+taken away). By the expectations as their authors left them 25 of 656 sentences of the test splits were silently wrong
+before the third's was opened, by the completed ones 22.
 
-How clean the test splits are: the second and the third author each mended the parser afterwards, with the development
-splits alone, but remember sentences of their own; the second also saw how many of each group of a test split were
-silently wrong, the third only how many of each split. Their test splits may therefore flatter. The fourth and the fifth
-author mended nothing: somebody else did, who saw how many of each split were right and silently wrong, also with a
-construction or a class of words left out, and by a slip the text of seven sentences of the test splits (six of the
-fourth author's, one of the fifth's). After the last rule was written most sentences of both test splits were shown by
-another slip; nothing in the parser was changed since but a regression that a unit test had shown (no figure changed),
-so that the figures are of rules that were written without them, but whoever mends on has new sentences to find. The
-first author's test split was not read by whoever mended, and its silently wrong share is what to expect of sentences in
-a style that the grammar was made for; the other authors' first figures (below) are what to expect of a newcomer's.
+How clean the test splits are: the second author mended the parser afterwards, with the development splits alone, but
+remembers sentences of their own, and saw how many of each group of a test split were silently wrong. The fourth and the
+fifth author mended nothing: somebody else did, who saw how many of each split were right and silently wrong, also with
+a construction or a class of words left out, and by a slip the text of seven sentences of the test splits (six of the
+fourth author's, one of the fifth's). After that somebody's last rule most sentences of both were shown by another slip;
+rules made since are somebody else's, who saw totals alone. The first author's test split was not read by whoever
+mended, and its silently wrong share is what to expect of sentences in a style that the grammar was made for; the other
+authors' first figures (below) are what to expect of a newcomer's.
 
 *Right* are sentences of which every field is right. *Silently wrong* are those of which something is wrong, and that
 were neither refused nor marked as unsure (which keeps a run from being called a success); words that are merely listed
@@ -99,8 +102,12 @@ def document(result: dict, json_path: Path, target: Path) -> str:
 def _state_requirement(rows: Sequence[Row]) -> str:
     """Whether few enough of the sentences held back are silently wrong, all together and by each author."""
     held = [row for row in rows if row["split"] == "test"]
+    authors = list(dict.fromkeys(row["author"] for row in held))
     told = []
-    for who, chosen in [("all", held), *((f"the {a}", [r for r in held if r["author"] == a]) for a in FILES)]:
+    for who, chosen in [
+        ("all", held),
+        *((f"the {a}", [r for r in held if r["author"] == a]) for a in authors),
+    ]:
         silent = sum(row["silent"] for row in chosen)
         met = "met" if silent <= LIMIT * len(chosen) else "not met"
         told.append(f"{who}: {silent} of {len(chosen)}, {100 * silent / max(len(chosen), 1):.2f} % ({met})")

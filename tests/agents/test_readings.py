@@ -279,6 +279,9 @@ def test_the_long_axis_is_the_object_s():
         "push it left with a growing strength", "it moves left on the trampoline", "the drapes rise. The robot spins",
         "straighten the robot", "push the robot upright",
         "the robot sags", "the top is pushed left, the bottom right",
+        # ends and figures that read like ways and verbs
+        "push its top left", "bend the head away and its lower right", "the robot does the splits",
+        "drag it left and right simultaneously",
     ],
 )  # fmt: skip
 def test_what_is_said_to_be_unclear(prompt):
@@ -300,3 +303,25 @@ def test_what_is_said_to_be_unclear(prompt):
 def test_what_is_clear(prompt):
     """The like of them without the construction: no doubt."""
     assert read(prompt, ground()).unsure == ()
+
+
+@pytest.mark.parametrize(
+    ("prompt", "alike"),
+    [
+        ("all of it rests except the head, which sways", "the head sways"),
+        ("nothing moves except its top, which shakes", "its top shakes"),
+        ("gravity suddenly reverses and it falls", "gravity is reversed and it falls"),
+        ("gravity is suddenly inverted and it falls", "gravity is inverted and it falls"),
+    ],
+)
+def test_a_part_that_alone_moves_and_gravity_that_turns(prompt, alike):
+    one, other = (read(text, ground()) for text in (prompt, alike))
+    assert not one.unsure and one.world.gravity == other.world.gravity
+    assert [(m.kind, m.direction, m.part, m.window) for m in one.expectations] == [
+        (m.kind, m.direction, m.part, m.window) for m in other.expectations
+    ]
+
+
+def test_in_both_directions_is_once():
+    (motion,) = read("stretch it in both directions, left and right", ground()).expectations
+    assert motion.kind.value == "stretch" and motion.repeats == 1

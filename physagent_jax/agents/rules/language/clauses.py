@@ -88,7 +88,8 @@ def find_excluded(clause: Clause) -> list[Place]:
 
 
 def find_repeats(clause: Clause) -> list[Repeat]:
-    """The counts that a clause names."""
-    return [
+    """The counts that a clause names; "in both directions, left and right" goes there once."""
+    counts = [
         mention.value for mention in clause.select(MentionKind.REPEAT) if isinstance(mention.value, Repeat)
     ]
+    return [each for each in counts if not (each.names and clause.select(MentionKind.SIDES))]

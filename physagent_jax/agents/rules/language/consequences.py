@@ -9,6 +9,7 @@ from physagent_jax.agents.rules.language.mentions import MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join
 from physagent_jax.agents.rules.language.verbs import Effect
 
+_PARTED = (MentionKind.PLACE, MentionKind.EXCLUDED)
 _SHAPING = (Effect.TURN, Effect.SCALE, Effect.SWAY)
 _SEPARATE_EFFECTS = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
 
@@ -29,6 +30,20 @@ def split_turning_winds(clauses: list[Clause]) -> list[Clause]:
             rest = [mention for mention in clause.modifiers if mention not in ways]
             clause.modifiers = [*rest, replace(ways[0], kind=MentionKind.DIRECTION)]
             result.append(Clause(Join.THEN, None, clause.cause, [*rest, ways[1]], mentions=clause.mentions))
+    return result
+
+
+def give_exceptions(clauses: list[Clause]) -> list[Clause]:
+    """Makes one motion of a part of "all is still except the top, which shakes": the rest's stillness follows."""
+    result: list[Clause] = []
+    for before, clause in zip((None, *clauses), clauses):
+        excluded = before.select(MentionKind.EXCLUDED) if before is not None and _is_at_rest(before) else []
+        moves = clause.verb is not None and not clause.negated
+        if excluded and moves and clause.join is not Join.THEN and not clause.select(*_PARTED):
+            clause.modifiers += [replace(mention, kind=MentionKind.PLACE) for mention in excluded]
+            clause.join = before.join if before is not None else clause.join
+            result.pop()
+        result.append(clause)
     return result
 
 

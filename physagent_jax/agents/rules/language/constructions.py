@@ -17,6 +17,7 @@ from physagent_jax.agents.rules.language.modifiers import (
     WHOLE_WORDS,
     Join,
     Place,
+    Repeat,
 )
 from physagent_jax.agents.rules.language.naming import DETERMINERS
 from physagent_jax.agents.rules.language.neighbours import MOTIONS, WAYS, find_telling, get_phrase, has_motion
@@ -27,6 +28,7 @@ _CHOOSABLE = (*MOTIONS, *WAYS, MentionKind.PLACE)
 _DOERS = frozenset({"people", "persons", "hands", "fingers", "fists", "plates"})
 _NAMELESS_PARTS = frozenset({"end", "ends", "part", "parts", "side", "corner", "edge"})
 _POSTURES = frozenset({"stand", "sit", "lay", "lie", "rest"})
+OWNERS = ("its", "his", "her", "their")
 _PRONOUNS = frozenset({"it", "he", "she", "him", "her"})
 _TOWARDS = frozenset({"to", "toward", "towards", "from", "into"})
 _SCALES = (Effect.SCALE, Effect.SWELL)
@@ -116,10 +118,34 @@ def _find_corner(mentions: list[Mention], index: int) -> list[str]:
     )
     if (
         corner
-        and get_phrase(mentions, index - 1) == "the"
+        and get_phrase(mentions, index - 1) in ("the", *OWNERS)
         and get_phrase(mentions, index - 2) not in _TOWARDS
     ):
-        return [f"Whether 'the {mention.words}' is a place or a way is not understood."]
+        return [
+            f"Whether '{get_phrase(mentions, index - 1)} {mention.words}' is a place or a way is not understood."
+        ]
+    return []
+
+
+def _find_both_ways(mentions: list[Mention], index: int) -> list[str]:
+    """Says "pull it left and right at the same time": not to and fro."""
+    mention, before = mentions[index], mentions[:index]
+    if mention.phrase not in ("at the same time", "simultaneously", "at once") or has_motion(
+        mentions[index:]
+    ):
+        return []
+    swings = any(isinstance(m.value, Repeat) and m.value.names for m in before)
+    if swings and not any(m.kind is MentionKind.SIDES for m in before):
+        return [f"How it goes both ways '{mention.words}' is not understood."]
+    return []
+
+
+def _find_figure(mentions: list[Mention], index: int) -> list[str]:
+    """Says "it does the splits": the name of a figure, and not what the verb says."""
+    mention = mentions[index]
+    named = mention.kind is MentionKind.VERB and get_phrase(mentions, index - 1) == "the"
+    if named and get_phrase(mentions, index - 2) in ("do", "does", "did", "doing"):
+        return [f"What 'the {mention.words}' is to look like is not understood."]
     return []
 
 
@@ -347,7 +373,9 @@ _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_delay,
     _find_bare_unit,
     _find_interval,
+    _find_both_ways,
     _find_corner,
+    _find_figure,
     _find_unnamed,
     _find_stage_side,
     _find_loose_number,

@@ -7,7 +7,11 @@ continues the clause before it ("to the left *and up*") or repeats its verb ("..
 from __future__ import annotations
 
 from physagent_jax.agents.rules.language.clauses import Clause
-from physagent_jax.agents.rules.language.consequences import merge_results, split_turning_winds
+from physagent_jax.agents.rules.language.consequences import (
+    give_exceptions,
+    merge_results,
+    split_turning_winds,
+)
 from physagent_jax.agents.rules.language.grouping import add_segment
 from physagent_jax.agents.rules.language.holding import apply_holding
 from physagent_jax.agents.rules.language.inheritance import inherit
@@ -22,7 +26,7 @@ def read_clauses(mentions: list[Mention]) -> list[Clause]:
     clauses: list[Clause] = []
     for join, segment in split_segments(mentions):
         add_segment(clauses, join, apply_negations(segment))
-    clauses = split_turning_winds(clauses)
+    clauses = give_exceptions(split_turning_winds(clauses))
     for index in range(len(clauses)):
         inherit(clauses, index)
     return apply_holding(_sort_clauses(merge_results(clauses)))

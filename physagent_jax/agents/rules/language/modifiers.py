@@ -320,7 +320,10 @@ GRAVITY: dict[str, str] = {
         "gravity points up, gravity points upward, gravity points upwards, gravity acts upward, "
         "gravity acts upwards, gravity is flipped, negative gravity, "
         "turn gravity upside down, turn the gravity upside down, "
-        "flip gravity, flip the gravity, invert gravity, invert the gravity": "up",
+        "flip gravity, flip the gravity, invert gravity, invert the gravity, "
+        "gravity flips, gravity reverses, gravity inverts, gravity turns around, gravity turns upside down, "
+        "gravity ~ flips, gravity ~ reverses, gravity ~ inverts, gravity is ~ reversed, gravity is ~ inverted, "
+        "gravity is ~ flipped": "up",
     }
 )
 # As before, but the other way.

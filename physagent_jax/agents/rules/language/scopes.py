@@ -65,5 +65,7 @@ def _find_exception(mentions: list[Mention], at: int) -> int | None:
     whole = any(e.phrase in m.WHOLE_WORDS for e in segment[joins[-1] + 1 if joins else 0 :])
     after = mentions[behind + 1] if behind + 1 < len(mentions) else None
     if whole and not negated:
-        return behind
+        said = any(e.kind is MentionKind.VERB for e in mentions[:at])
+        does = after is not None and after.kind is MentionKind.VERB
+        return None if said and does else behind  # "all of it is still, but the top sways"
     return behind if negated and (after is None or after.kind is MentionKind.JOIN) else None
