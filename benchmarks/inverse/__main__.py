@@ -26,7 +26,7 @@ from benchmarks.inverse.landscape import SLICES, measure_slice
 from benchmarks.inverse.markdown import PARTS, document
 from benchmarks.inverse.measuring import ADAM, LEVENBERG_MARQUARDT, measure_fit, prepare
 from benchmarks.inverse.plot import plot_convergence, plot_landscape
-from benchmarks.inverse.problems import HIDDEN, PROBLEMS, Problem
+from benchmarks.inverse.problems import HIDDEN, PROBLEMS, SMOOTH, Problem
 
 NOISES = (1e-3, 1e-2)  # of the object's longest side
 QUICK = ("initial velocity",)  # problems
@@ -47,7 +47,7 @@ def main() -> int:
     command = tyro.cli(Command)
     pa.enable_compile_cache()
     problems = [each for each in PROBLEMS if not command.quick or each.name in QUICK]
-    first = {each.name: next(iter(each.starts)) for each in (*problems, *HIDDEN)}
+    first = {each.name: next(iter(each.starts)) for each in (*problems, *SMOOTH, *HIDDEN)}
 
     def list_exact() -> list[Job]:
         jobs = [_plan(each, start) for each in problems for start in each.starts]
@@ -58,7 +58,8 @@ def main() -> int:
         return [_plan(each, first[each.name], Data(noise=noise)) for each in problems for noise in NOISES]
 
     def list_finer() -> list[Job]:
-        return [_plan(each, first[each.name], Data(finer=2)) for each in problems]
+        shown = problems if command.quick else [*problems, *SMOOTH]
+        return [_plan(each, first[each.name], Data(finer=2)) for each in shown]
 
     def list_hidden() -> list[Job]:
         return [_plan(each, first[each.name]) for each in (HIDDEN[:1] if command.quick else HIDDEN)]

@@ -24,6 +24,7 @@ def plot_convergence(result: dict[str, Any], folder: Path) -> None:
     names = list(dict.fromkeys(row["problem"] for row in rows))
     columns = min(4, len(names))
     lines = -(-len(names) // columns)
+    worst = max(ratio for row in rows for _, ratio, _ in row["history"])
     figure, axes = plt.subplots(
         lines, columns, figsize=(3.2 * columns, 2.6 * lines), sharex=True, sharey=True, squeeze=False
     )
@@ -35,7 +36,7 @@ def plot_convergence(result: dict[str, Any], folder: Path) -> None:
             )
             axis.plot(spent, np.maximum(ratio, 1e-4), linewidth=1, **style)
         axis.axhline(1.0, color="grey", linewidth=0.8, linestyle="--")
-        axis.set(xscale="log", yscale="log", ylim=(5e-4, None))
+        axis.set(xscale="log", yscale="log", ylim=(5e-4, 2 * worst))
         axis.set_title(name, fontsize=9)
     for axis in list(axes.flat)[len(names) :]:
         axis.set_visible(False)

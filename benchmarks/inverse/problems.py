@@ -189,7 +189,7 @@ PROBLEMS = (
 """What the tracks tell."""
 
 SMOOTH = (Problem("impulse in free flight", TOSSED, {"impulse": np.array(KICK)}, turned("impulse", KICK)),)
-"""Only looked at: the loss without contact."""
+"""Without contact: only its loss is looked at, and what the resolution does to it."""
 
 HIDDEN = (
     Problem(
