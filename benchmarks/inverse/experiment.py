@@ -119,22 +119,25 @@ class Experiment:
             raise Failed("the loss or its gradient is not finite")
         return float(loss), np.asarray(gradient, np.float64)
 
-    def compute_jacobian(self, u: np.ndarray, residuals: np.ndarray) -> np.ndarray:
+    def compute_jacobian(
+        self, u: np.ndarray, residuals: np.ndarray, columns: tuple[int, ...] | None = None
+    ) -> np.ndarray:
         """The residuals' derivative by the coordinates, shape (m, p): p simulations.
 
         Args:
             u: Where.
             residuals: There.
+            columns: By these coordinates alone; None = by all.
 
         Raises:
             Failed: One cannot be simulated.
         """
-        columns = []
-        for axis, size in enumerate(DIFFERENCE * self.problem.scale):
-            near = np.array(u)
+        made = []
+        for axis in range(len(u)) if columns is None else columns:
+            near, size = np.array(u), DIFFERENCE * self.problem.scale[axis]
             near[axis] += size
-            columns.append((self.compute_residuals(near) - residuals) / size)
-        return np.stack(columns, 1)
+            made.append((self.compute_residuals(near) - residuals) / size)
+        return np.stack(made, 1)
 
     def compute_central_jacobian(self, u: np.ndarray, factor: float = 1.0) -> np.ndarray:
         """The same by central differences, 2 p simulations, with steps ``factor`` times as long.

@@ -11,7 +11,7 @@ one as along another, (0.5, 0.9) ends nearer than (0.9, 0.999) by a factor of a 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
 import jax.numpy as jnp
@@ -42,8 +42,10 @@ class Fit(Protocol):
         """The loss, and its gradient, shape (p,); raises `Failed`."""
         ...
 
-    def compute_jacobian(self, u: np.ndarray, residuals: np.ndarray) -> np.ndarray:
-        """Shape (m, p); raises `Failed`."""
+    def compute_jacobian(
+        self, u: np.ndarray, residuals: np.ndarray, columns: tuple[int, ...] | None = None
+    ) -> np.ndarray:
+        """Shape (m, p), or only some of its columns; raises `Failed`."""
         ...
 
 
@@ -60,24 +62,80 @@ class Best:
     loss: float
 
 
+class Part:
+    """A fit by some of the coordinates, the others as they are."""
+
+    def __init__(self, fit: Fit, u: np.ndarray, sought: np.ndarray):
+        self._fit, self._u, self._sought = fit, u, sought
+
+    def fill(self, part: np.ndarray) -> np.ndarray:
+        """All coordinates, shape (p,), of those that are sought."""
+        u = np.array(self._u)
+        u[self._sought] = part
+        return u
+
+    def compute_residuals(self, u: np.ndarray) -> np.ndarray:
+        """As of the whole."""
+        return self._fit.compute_residuals(self.fill(u))
+
+    def compute_gradient(self, u: np.ndarray) -> tuple[float, np.ndarray]:
+        """The loss, and its gradient by what is sought."""
+        loss, gradient = self._fit.compute_gradient(self.fill(u))
+        return loss, gradient[self._sought]
+
+    def compute_jacobian(
+        self, u: np.ndarray, residuals: np.ndarray, columns: tuple[int, ...] | None = None
+    ) -> np.ndarray:
+        """The columns of what is sought."""
+        own = np.flatnonzero(self._sought)
+        chosen = own if columns is None else own[list(columns)]
+        return self._fit.compute_jacobian(self.fill(u), residuals, tuple(chosen.tolist()))
+
+
+def descend_in_stages(
+    fit: Fit,
+    start: np.ndarray,
+    stages: Sequence[np.ndarray],
+    search: Callable[[Fit, np.ndarray, np.ndarray], Iterator[Best]],
+) -> Iterator[Best]:
+    """A search for some of the coordinates, then from there for others.
+
+    Args:
+        fit: What is fitted.
+        start: Coordinates, shape (p,).
+        stages: What is sought in each, shape (p,) of bool.
+        search: Of a fit, from coordinates, all those of that fit; which ones they are, is handed on.
+    """
+    u = np.array(start)
+    for sought in stages:
+        part = Part(fit, u, sought)
+        for best in search(part, u[sought], sought):
+            reached = Best(part.fill(best.u), best.loss)
+            yield reached
+            u = reached.u
+
+
 def is_solved(loss: float, count: int) -> bool:
     """Whether ``count`` residuals are as small as exact tracks make them."""
     return loss <= 0.5 * count * SOLVED**2
 
 
-def descend_levenberg_marquardt(fit: Fit, start: np.ndarray, scale: np.ndarray) -> Iterator[Best]:
+def descend_levenberg_marquardt(
+    fit: Fit, start: np.ndarray, scale: np.ndarray, steps: int = LM_STEPS
+) -> Iterator[Best]:
     """The start, then one trial a step, until the steps are `SHORTEST` or nothing is left.
 
     Args:
         fit: What is fitted.
         start: Coordinates, shape (p,).
         scale: Of the coordinates, shape (p,): the damping is the same for all in these.
+        steps: At most.
     """
     u, damping, growth = np.array(start), None, 2.0
     residuals = fit.compute_residuals(u)
     loss, slope, normal = _linearise(fit, u, residuals, scale)
     yield Best(u, loss)
-    for _ in range(LM_STEPS):
+    for _ in range(steps):
         if is_solved(loss, len(residuals)):
             return
         if damping is None:

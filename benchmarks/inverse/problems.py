@@ -31,6 +31,7 @@ class Problem:
         truth: By the names of `UNKNOWNS`.
         starts: Where searches begin, by what is wrong with them.
         identified: Whether the tracks tell all of them; where not, nothing is to be fitted.
+        first: What is sought alone at first; none = all at once.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Problem:
     truth: Numbers
     starts: Mapping[str, Numbers]
     identified: bool = True
+    first: tuple[str, ...] = ()
 
     @property
     def unknowns(self) -> tuple[Unknown, ...]:
@@ -64,6 +66,12 @@ class Problem:
             found[each.name] = each.decode(u[at : at + each.size])
             at += each.size
         return found
+
+    @property
+    def stages(self) -> tuple[np.ndarray, ...]:
+        """Which coordinates are sought, one after the other, shape (p,) of bool each."""
+        early = np.concatenate([np.full(each.size, each.name in self.first) for each in self.unknowns])
+        return (early, np.ones_like(early)) if self.first else (np.ones_like(early),)
 
     @property
     def scale(self) -> np.ndarray:
@@ -183,6 +191,7 @@ PROBLEMS = (
                 "velocity": turn(THROW, 45.0, 2.0),
             }
         },
+        first=("velocity",),
     ),
     Problem("viscosity", SPILT, {"viscosity": 20.0}, times("viscosity", 20.0, 3.0, 1 / 3)),
 )

@@ -9,7 +9,13 @@ import pytest
 
 from benchmarks.inverse import landscape
 from benchmarks.inverse.experiment import Data, Experiment
-from benchmarks.inverse.fitting import LM_STEPS, Failed, descend_adam, descend_levenberg_marquardt
+from benchmarks.inverse.fitting import (
+    LM_STEPS,
+    Failed,
+    descend_adam,
+    descend_in_stages,
+    descend_levenberg_marquardt,
+)
 from benchmarks.inverse.markdown import document
 from benchmarks.inverse.measuring import LEVENBERG_MARQUARDT, measure_fit
 from benchmarks.inverse.problems import JELLY, Problem
@@ -41,9 +47,10 @@ class Decay:
         r = self.compute_residuals(u)
         return 0.5 * float(r @ r), self.compute_jacobian(u, r).T @ r
 
-    def compute_jacobian(self, u, residuals):
+    def compute_jacobian(self, u, residuals, columns=None):
         del residuals
-        return np.asarray(jax.jacobian(self._respond)(jnp.asarray(u)))
+        jacobian = np.asarray(jax.jacobian(self._respond)(jnp.asarray(u)))
+        return jacobian if columns is None else jacobian[:, list(columns)]
 
     def _respond(self, u):
         return 100.0 * (u[0] * jnp.exp(-u[1] * self.t) - 2.0 * jnp.exp(-3.0 * self.t))
@@ -54,6 +61,19 @@ def test_levenberg_marquardt_finds_a_decay_and_never_gets_worse(x64):
     steps = list(descend_levenberg_marquardt(Decay(), np.array([0.2, 0.3]), np.ones(2)))
     losses = [step.loss for step in steps]
     assert losses == sorted(losses, reverse=True) and len(steps) <= LM_STEPS + 1
+    np.testing.assert_allclose(steps[-1].u, [2.0, 3.0], atol=1e-3)
+
+
+def test_stages_seek_their_own_coordinates_and_end_where_the_whole_does(x64):
+    first, both = np.array([True, False]), np.array([True, True])
+
+    def search(fit, start, sought):
+        return descend_levenberg_marquardt(fit, start, np.ones(sought.sum()))
+
+    steps = list(descend_in_stages(Decay(), np.array([0.2, 1.0]), (first, both), search))
+    early = [step.u for step in steps if step.u[1] == 1.0]
+    t, decay = Decay.t, 2.0 * np.exp(-3.0 * Decay.t)  # the best factor of e^-t
+    assert early[-1][0] == pytest.approx((decay @ np.exp(-t)) / (np.exp(-t) @ np.exp(-t)), rel=1e-4)
     np.testing.assert_allclose(steps[-1].u, [2.0, 3.0], atol=1e-3)
 
 
