@@ -22,9 +22,9 @@ a factor of 2 for vectors, a factor of 2 for the density. Unknowns are in the co
 `simulator/estimator.py`): logarithms of moduli, strengths and viscosity, a bounded map for Poisson's ratio, degrees for
 the friction angle, plain components of vectors; density and Coulomb's coefficient by their logarithms too.
 *Levenberg-Marquardt*: at most {LM_STEPS} trial steps, J^T J by differences, its slope by the adjoint. *Adam*: at most
-{ADAM_STEPS} gradients at a rate of 0.1 that falls by a cosine (200 are allowed). The six numbers of a throw are sought in two
-stages, each with half the steps, the velocity alone first, as GIC does it: all at once, with a velocity that is far off,
-E is driven to where the step is no longer stable.
+{ADAM_STEPS} gradients at a rate of 0.1 that falls by a cosine (200 are allowed). The six numbers of a throw are sought
+in two stages, each with half the steps, the velocity alone first, as GIC does it: all at once, with a velocity that is
+far off, E is driven to where the step is no longer stable.
 
 *Error* is the distance to the truth, *bar* what it should be within: 1 % for E, 0.02 for Poisson's ratio, 0.1 % for
 the initial velocity, 1 % for an impulse, 1 degree for the friction angle, 3 % for the yield stress. Bars with a star
