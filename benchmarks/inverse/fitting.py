@@ -18,7 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
-LM_STEPS, ADAM_STEPS = 15, 100  # reference values allow Adam 200
+LM_STEPS, ADAM_STEPS = 15, 100  # reference values allow Adam 200: two stages
 RATE, MEMORIES = 0.1, (0.5, 0.9)
 SHORTEST = 1e-4  # step of a coordinate, in its scale, at which Levenberg-Marquardt has converged
 SOLVED = (

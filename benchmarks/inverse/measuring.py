@@ -13,7 +13,6 @@ from benchmarks import harness
 from benchmarks.harness import Row
 from benchmarks.inverse.experiment import EXACT, UNIT, Data, Experiment
 from benchmarks.inverse.fitting import (
-    ADAM_STEPS,
     LM_STEPS,
     Best,
     Failed,
@@ -75,7 +74,7 @@ def measure_fit(experiment: Experiment, start: str, optimiser: str) -> Row:
 
     def search(fit: Fit, start: np.ndarray, sought: np.ndarray) -> Iterator[Best]:
         if optimiser == ADAM:
-            return descend_adam(fit, start, observed.size, ADAM_STEPS // len(stages))
+            return descend_adam(fit, start, observed.size)
         return descend_levenberg_marquardt(fit, start, problem.scale[sought], LM_STEPS // len(stages))
 
     row |= follow(experiment, descend_in_stages(experiment, u, stages, search)) | {

@@ -36,10 +36,11 @@ def thrown():
 class Decay:
     """a e^(-b t) through five points of a = 2, b = 3; it cannot be computed for b below 0.2."""
 
-    t = np.linspace(0.0, 1.0, 5)
+    t, failures = np.linspace(0.0, 1.0, 5), 0
 
     def compute_residuals(self, u):
         if u[1] < 0.2:
+            self.failures += 1
             raise Failed("too slow")
         return np.asarray(self._respond(jnp.asarray(u)))
 
@@ -57,8 +58,10 @@ class Decay:
 
 
 def test_levenberg_marquardt_finds_a_decay_and_never_gets_worse(x64):
-    """From where the first steps lead outside."""
-    steps = list(descend_levenberg_marquardt(Decay(), np.array([0.2, 0.3]), np.ones(2)))
+    """From where a step leads to what cannot be computed."""
+    fit = Decay()
+    steps = list(descend_levenberg_marquardt(fit, np.array([0.2, 1.0]), np.ones(2)))
+    assert fit.failures > 0
     losses = [step.loss for step in steps]
     assert losses == sorted(losses, reverse=True) and len(steps) <= LM_STEPS + 1
     np.testing.assert_allclose(steps[-1].u, [2.0, 3.0], atol=1e-3)
@@ -78,7 +81,9 @@ def test_stages_seek_their_own_coordinates_and_end_where_the_whole_does(x64):
 
 
 def test_adam_finds_a_decay_and_comes_back_from_what_cannot_be_computed(x64):
-    steps = list(descend_adam(Decay(), np.array([1.0, 0.25]), 5))
+    fit = Decay()
+    steps = list(descend_adam(fit, np.array([0.3, 0.25]), 5))
+    assert fit.failures > 0
     np.testing.assert_allclose(steps[-1].u, [2.0, 3.0], rtol=0.02)
     with pytest.raises(Failed):
         list(descend_adam(Decay(), np.array([1.0, 0.1]), 5))
