@@ -23,8 +23,8 @@ a factor of 2 for vectors, a factor of 2 for the density. Unknowns are in the co
 the friction angle, plain components of vectors; density and Coulomb's coefficient by their logarithms too.
 *Levenberg-Marquardt*: at most {LM_STEPS} trial steps, J^T J by differences, its slope by the adjoint. *Adam*: at most
 {ADAM_STEPS} gradients at a rate of 0.1 that falls by a cosine (200 are allowed). The six numbers of a throw are sought
-in two stages, the velocity alone first, as GIC does it (Levenberg-Marquardt: half the steps in each; Adam: {ADAM_STEPS} in
-each): all at once, with a velocity that is far off, E is driven to where the step is no longer stable.
+in two stages, the velocity alone first, as GIC does it (Levenberg-Marquardt: half the steps in each; Adam:
+{ADAM_STEPS} in each): all at once, with a velocity that is far off, E is driven to where the step is no longer stable.
 
 *Error* is the distance to the truth, *bar* what it should be within: 1 % for E, 0.02 for Poisson's ratio, 0.1 % for
 the initial velocity, 1 % for an impulse, 1 degree for the friction angle, 3 % for the yield stress. Bars with a star
@@ -43,9 +43,10 @@ _INTRO = {
     "*bound* is what the tracks allow.",
     "finer": "Tracks of a simulation with half the cell size and half the step, eight times the particles: a track is "
     "the mean of the eight that its particle was divided into. The error is what the resolution does to the number, "
-    "not what the search does: it ends where the loss is least. The bars are for the same resolution; where a row misses "
-    "one, the simulator at this resolution does: six to eight cells across, a floor that is felt from a cell away, and "
-    "smaller steps, which damp more. The last row touches nothing.",
+    "not what the search does: it ends where the loss is least. The bars are for the same resolution; where a row "
+    "misses one, the simulator at this resolution does. Blocks are six to eight cells across, a floor is felt from "
+    "half a cell to a cell away, and transfers damp by the step; the last row touches nothing, and its error is the "
+    "smallest of the vectors'.",
     "unidentifiable": "The singular values of J are looked at before a search: a direction along which a change by the "
     "whole scale (a factor of 3) does not move all residuals together by 0.1 % of the object's size, or by what J "
     "itself is in doubt (*least*: from two step lengths), is not sought.",
