@@ -45,8 +45,7 @@ _INTRO = {
     "the mean of the eight that its particle was divided into. The error is what the resolution does to the number, "
     "not what the search does: it ends where the loss is least. The bars are for the same resolution; where a row "
     "misses one, the simulator at this resolution does. Blocks are six to eight cells across, a floor is felt from "
-    "half a cell to a cell away, and transfers damp by the step; the last row touches nothing, and its error is the "
-    "smallest of the vectors'.",
+    "half a cell to a cell away, and transfers damp by the step; the last row touches nothing.",
     "unidentifiable": "The singular values of J are looked at before a search: a direction along which a change by the "
     "whole scale (a factor of 3) does not move all residuals together by 0.1 % of the object's size, or by what J "
     "itself is in doubt (*least*: from two step lengths), is not sought.",
