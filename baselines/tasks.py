@@ -86,6 +86,15 @@ class TaskSpec(Strict):
         """By the name alone, so that nobody chooses: test where the SHA-256 of the name is odd."""
         return "test" if hashlib.sha256(self.name.encode()).digest()[-1] % 2 else "development"
 
+    @property
+    def smooth(self) -> bool:
+        """Whether nothing comes to touch, or leaves, the ground: the object floats in a free world, or it is held.
+
+        There the motion changes smoothly with the force field, and gradients can be expected to serve. All materials of
+        tasks are elastic, so that nothing has to break either.
+        """
+        return self.scene.world == "free" or self.scene.anchor != "none"
+
 
 START = ForceField(
     actions=(Action(action_type=ActionType.TRANSLATION, vector=(1.0, 0.0, 0.0), magnitude=0.4),)

@@ -2,8 +2,8 @@
 
 Every method gets the same budget on the same tasks and the same simulator, counted in forward-equivalents; what it is
 to be judged by is read from the particles and never shown to it (oracles apart, which are named so). `methods` is the
-comparison, `ablation` takes the agents apart, `iterations` counts their rewrites. `verify` simulates the force fields
-of the file again and judges them anew.
+comparison, `ablation` takes the agents apart, `iterations` counts their rewrites, `neighbourhood` checks that local
+methods are not broken. `verify` simulates the force fields of the file again and judges them anew.
 """
 
 from __future__ import annotations
@@ -20,12 +20,13 @@ from typing import Literal
 import tyro
 
 import physagent_jax as pa
-from baselines.tasks import Task, TaskSpec, load_tasks, make_task, split_available
+from baselines.tasks import Task, TaskSpec, load_tasks, load_witnesses, make_task, split_available
 from benchmarks import harness
 from benchmarks.harness import Job, Row
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS, Entrant
 from benchmarks.headtohead.markdown import document
 from benchmarks.headtohead.measuring import judge_field, measure
+from benchmarks.headtohead.neighbourhood import Begin, list_begins, list_entrants, move
 from benchmarks.headtohead.plot import plot
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
@@ -41,7 +42,7 @@ _KEPT = tempfile.TemporaryDirectory()
 class Command(harness.Command):
     """Compare the methods, or write the tables of an earlier run."""
 
-    parts: tuple[Literal["methods", "ablation", "iterations", "verify"], ...] = (
+    parts: tuple[Literal["methods", "ablation", "iterations", "neighbourhood", "verify"], ...] = (
         "methods",
         "ablation",
         "iterations",
@@ -79,6 +80,7 @@ def main() -> int:
         "methods": lambda: _list_jobs(command, specs, METHODS, marks, command.budget),
         "ablation": lambda: _list_jobs(command, specs, ABLATION, marks, command.budget),
         "iterations": lambda: _list_jobs(command, specs, ITERATIONS, ROUNDS, ROUNDS[-1]),
+        "neighbourhood": lambda: _list_neighbours(command, specs, marks),
         "verify": lambda: _list_checks(command, specs),
     }
     code = harness.main(command, parts, document, {"left_out": left_out, "budget": command.budget})
@@ -129,13 +131,34 @@ def _measure(
     return measure(entrant, _make(spec, data), marks, seed, budget)
 
 
+def _list_neighbours(command: Command, specs: Sequence[TaskSpec], marks: Sequence[float]) -> list[Job]:
+    """Local methods, once each: near the witness, where the task says, and from afar."""
+    witnesses, jobs = load_witnesses(command.tasks), []
+    for spec in specs:
+        for begin in list_begins(spec.begin is not None):
+            for entrant in list_entrants(begin):
+                witness = witnesses[spec.name] if begin == "near" else None
+                work = partial(_measure_from, begin, witness, entrant, spec, command, marks)
+                jobs.append(Job(f"{spec.name} / {entrant.label}", work))
+    return jobs
+
+
+def _measure_from(
+    begin: Begin, witness: ForceField | None, entrant: Entrant, spec: TaskSpec, command: Command, marks
+) -> list[Row]:
+    task = _make(spec, command.data)
+    if witness is not None:
+        task = move(task, witness, seed=0)
+    rows = measure(entrant, task, marks, 0, command.budget)
+    return [row | {"begin": begin, "smooth": spec.smooth} for row in rows]
+
+
 def _list_checks(command: Command, specs: Sequence[TaskSpec]) -> list[Job]:
     """The last force field of every row of the file, once more."""
     known = {spec.name: spec for spec in specs}
     result = json.loads(command.json.read_text()) if command.json.is_file() else {}
-    rows = [
-        row for part in ("methods", "ablation", "iterations") for row in result.get(part, {}).get("rows", [])
-    ]
+    parts = ("methods", "ablation", "iterations", "neighbourhood")
+    rows = [row for part in parts for row in result.get(part, {}).get("rows", [])]
     return [
         Job(row["job"], partial(verify, row, _make(known[row["task"]], command.data)))
         for row in rows
