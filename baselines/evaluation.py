@@ -127,6 +127,21 @@ class Evaluator:
         self._record(force_field, score.loss, note)
         return score
 
+    def watch(self, force_field: ForceField, note: str = "") -> np.ndarray | None:
+        """True paths under ``force_field`` [m], shape (T, n, 3), for one simulation; None where it fails.
+
+        Recorded with its loss, as by `score`.
+
+        Raises:
+            BudgetSpent: There is nothing left.
+            UserError: The method is not marked as an oracle.
+        """
+        self._need_oracle("watch")
+        rollout = self._simulate_for_steps(force_field)
+        score = FAILED if rollout is None else Score.of(self._simulation.compute_residuals(rollout))
+        self._record(force_field, score.loss, note)
+        return None if rollout is None or score.failed else rollout.x
+
     def gradient(self, force_field: ForceField, note: str = "") -> tuple[Score, ForceFieldParameters]:
         """The same with the gradient of the loss; zero where the simulation fails.
 

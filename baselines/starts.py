@@ -1,7 +1,7 @@
 """Where local searches begin, and how several of them share a budget: for all optimisers alike.
 
 What a force field is made of (types) and the numbers that it begins with are chosen apart, each by the task, by chance,
-by an expert, by the agents or by trying all: who chooses what can then be compared.
+by an expert, by the agents, by trying all or by the object's responses: who chooses what can then be compared.
 """
 
 from __future__ import annotations
@@ -10,20 +10,22 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import Literal
 
 import numpy as np
 
 from baselines.agents import read_sentence
 from baselines.evaluation import Evaluator
-from baselines.parametrisation import SHORTEST
+from baselines.parametrisation import SHORTEST, Parametrisation
 from baselines.protocol import Method
+from baselines.responses import find_starts
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import Action, ActionType, ForceField
 
-Types = Literal["task", "enumerated", "agent", "expert"]
-Numbers = Literal["task", "random", "agent", "expert"]
+Types = Literal["task", "enumerated", "responses", "agent", "expert"]
+Numbers = Literal["task", "random", "responses", "agent", "expert"]
 
 KINDS = (
     (ActionType.TRANSLATION, 1.0),
@@ -40,7 +42,7 @@ BLOW = (0.0, 2.0)
 SOLVED = 1e-6
 """Loss at which nothing is left to be gained."""
 
-FIRST_SHARE = 0.5
+FIRST_SHARE = 0.6
 """Of the budget that is spent on finding out which of several searches is the best."""
 
 Descent = Iterator[float]
@@ -48,7 +50,42 @@ Descent = Iterator[float]
 
 
 @dataclasses.dataclass(frozen=True)
-class LocalMethod(Method):
+class OracleMethod(Method):
+    """A search that minimises the distance to the target.
+
+    Attributes:
+        windows: Whether windows are sought too.
+        actions: How many, one after another in equal parts of the clip; None = as many as the task's own.
+    """
+
+    windows: bool = False
+    actions: int | None = None
+
+    @property
+    def oracle(self) -> bool:
+        """It reads true particles."""
+        return True
+
+    @property
+    def stochastic(self) -> bool:
+        """Always, unless a method says otherwise."""
+        return True
+
+    def __post_init__(self):
+        if self.actions is not None and not 1 <= self.actions <= 3:
+            raise UserError("`actions` must be 1 to 3: nobody can try all combinations of more", got=self.actions)
+
+    def make_unknowns(self, evaluator: Evaluator, template: ForceField) -> Parametrisation:
+        """What is sought of force fields like ``template``."""
+        return Parametrisation(template, evaluator.task.frame_count, self.windows)
+
+    def draw(self, evaluator: Evaluator, template: ForceField) -> ForceField:
+        """The template with numbers at random, windows too where they are sought."""
+        return draw_numbers(evaluator.rng, template, evaluator.task.frame_count if self.windows else None)
+
+
+@dataclasses.dataclass(frozen=True)
+class LocalMethod(OracleMethod):
     """A local optimiser from one start or from several, of one type or of all.
 
     With several, each is scored, the best half goes on again and again (successive halving, Jamieson & Talwalkar 2016),
@@ -57,38 +94,33 @@ class LocalMethod(Method):
     Attributes:
         types: Who says what the actions are.
         numbers: Who says where they begin.
-        starts: Starts of each type; all but the first are drawn at random.
-        windows: Whether windows are sought too.
-        actions: How many, one after another in equal parts of the clip; None = as many as the task's own.
+        starts: Starts of each type, all but the first drawn at random; how many types, where responses say which.
     """
 
     types: Types = "task"
     numbers: Numbers = "task"
     starts: int = 1
-    windows: bool = False
-    actions: int | None = None
-
-    @property
-    def oracle(self) -> bool:
-        """It minimises the distance to the target."""
-        return True
 
     @property
     def stochastic(self) -> bool:
         """Whether starts are drawn."""
+        if self.types == self.numbers == "responses":
+            return False
         return self.starts > 1 or self.numbers == "random" or self.types == "enumerated"
 
     def __post_init__(self):
+        super().__post_init__()
         if self.starts < 1:
             raise UserError("`starts` must be at least 1", got=self.starts)
-        check_actions(self.actions)
+        if self.numbers == "responses" and self.types != "responses":
+            raise UserError("responses give numbers for their own types only", do="Say types=responses too")
 
     def descend(self, evaluator: Evaluator, start: ForceField, budget: float) -> Descent:
         """Searches from ``start``; ``budget`` are the forward-equivalents to plan with."""
         raise NotImplementedError
 
     def find_cost(self, start: ForceField) -> float:
-        """Forward-equivalents of a step from ``start``."""
+        """Forward-equivalents from ``start`` until it is known what a step has gained."""
         raise NotImplementedError
 
     def count_unknowns(self, start: ForceField) -> int:
@@ -97,46 +129,66 @@ class LocalMethod(Method):
 
     def search(self, evaluator: Evaluator) -> None:
         """From all starts, then from new ones while the budget lasts."""
-        numbers = self.numbers
+        repeats = 1 if self.types == "responses" else self.starts
+        templates = choose_templates(evaluator, self.types, self.actions, self.starts)
+        draw = partial(self.draw, evaluator)
+        found = choose_numbers(evaluator, templates, self.types, self.numbers, draw)
+        found += [draw(template) for template in templates for _ in range(repeats - 1)]
         while True:
-            found = make_starts(
-                evaluator,
-                self.types,
-                numbers,
-                self.starts,
-                windows=self.windows,
-                actions=self.actions,
-            )
-            best = share(evaluator, found, self.descend, self.find_cost)
-            if best <= SOLVED or not self.stochastic:
+            best = share(evaluator, list(dict.fromkeys(found)), self.descend, self.find_cost)
+            if best <= SOLVED or not (self.stochastic or self.types == "responses"):
                 return
-            numbers = "random"
+            found = [draw(template) for template in templates for _ in range(repeats)]
 
 
-def make_starts(
-    evaluator: Evaluator,
-    types: Types,
-    numbers: Numbers,
-    count: int = 1,
-    *,
-    windows: bool = False,
-    actions: int | None = None,
+def choose_templates(
+    evaluator: Evaluator, types: Types, actions: int | None = None, count: int = 1
 ) -> list[ForceField]:
-    """Force fields to begin with, ``count`` of each type; windows are drawn too where they are sought.
+    """Force fields that say what actions there may be, once per search.
+
+    All types are those with or without a fall, whichever misses less when nothing else acts: two simulations halve the
+    number of types.
+
+    Args:
+        evaluator: Charged.
+        types: Who says.
+        actions: How many, as for `OracleMethod`.
+        count: How many, of those that responses find.
 
     Raises:
         UserError: The task has no expert, or its sentence is not understood, where these are asked for.
     """
-    frames = evaluator.task.frame_count if windows else None
-    made, templates = [], _choose_templates(evaluator, types, actions)
-    whose = templates[0] if types == numbers else _choose(evaluator, numbers)
-    for template in templates:
-        for index in range(count):
-            if index or whose is None:
-                made.append(draw_numbers(evaluator.rng, template, frames))
-            else:
-                made.append(copy_numbers(template, whose))
-    return list(dict.fromkeys(made))
+    task = evaluator.task
+    match types:
+        case "responses":
+            return find_starts(evaluator, count)
+        case "task" | "enumerated":
+            template = task.start if actions is None else fill_actions(task.start, actions, task.frame_count)
+            if types == "task":
+                return [template]
+            fall = evaluator.score(ForceField(default_drop=True), "fall").loss
+            rest = evaluator.score(ForceField(), "rest").loss
+            drop = template.default_drop if fall == rest else fall < rest
+            return enumerate_types(template.model_copy(update=dict(default_drop=drop)))
+    return [_choose(evaluator, types) or task.start]
+
+
+def choose_numbers(
+    evaluator: Evaluator,
+    templates: Sequence[ForceField],
+    types: Types,
+    numbers: Numbers,
+    draw: Callable[[ForceField], ForceField],
+) -> list[ForceField]:
+    """The templates with the numbers of who is named.
+
+    Raises:
+        UserError: The task has no expert, or its sentence is not understood, where these are asked for.
+    """
+    if types == numbers:
+        return list(templates)
+    whose = _choose(evaluator, numbers)
+    return [draw(each) if whose is None else copy_numbers(each, whose) for each in templates]
 
 
 def share(
@@ -147,33 +199,43 @@ def share(
 ) -> float:
     """Searches from ``starts`` with what is left of the budget; the best loss.
 
+    Nobody is judged before a step: a start says little about where a search from it leads.
+
     Args:
         evaluator: Charged.
-        starts: One or more.
+        starts: One or more, the likeliest first.
         descend: As `LocalMethod.descend`.
         cost: As `LocalMethod.find_cost`: no more searches are begun than can take a step each.
     """
     if len(starts) == 1:
         return _exhaust(descend(evaluator, starts[0], evaluator.remaining))
     order = evaluator.rng.permutation(len(starts))[: max(1, int(evaluator.remaining / 2))]
-    ranked = [(evaluator.score(starts[index], "start").loss, starts[index]) for index in sorted(order)]
+    ranked = []
+    for index in sorted(order):
+        ranked.append((evaluator.score(starts[index], "start").loss, starts[index]))
+        if ranked[-1][0] <= SOLVED:
+            return ranked[-1][0]
     ranked.sort(key=lambda pair: pair[0])
     best, left = ranked[0][0], FIRST_SHARE * evaluator.remaining
     ranked = ranked[: max(1, int(left / max(cost(start) for _, start in ranked)))]
     rungs = max(1, math.ceil(math.log2(len(ranked))))
-    running = [(loss, descend(evaluator, start, evaluator.remaining / 2)) for loss, start in ranked]
-    waiting: list[tuple[float, Descent]] = []
+    running = [
+        (loss, descend(evaluator, start, evaluator.remaining / 2), cost(start)) for loss, start in ranked
+    ]
+    waiting: list[tuple[float, Descent, float]] = []
     for _ in range(rungs):
-        # At least one step each: where the budget is too small for all, the better starts have it.
         each = left / rungs / len(running)
-        running = [(_advance(evaluator, loss, descent, each), descent) for loss, descent in running]
-        running.sort(key=lambda pair: pair[0])
+        running = [
+            (_advance(evaluator, loss, descent, max(each, least)), descent, least)
+            for loss, descent, least in running
+        ]
+        running.sort(key=lambda item: item[0])
         best = min(best, running[0][0])
         if best <= SOLVED:
             return best
         half = math.ceil(len(running) / 2)
         running, waiting = running[:half], [*running[half:], *waiting]
-    for _, descent in (*running, *waiting):
+    for _, descent, _ in (*running, *waiting):
         best = min(best, _exhaust(descent))
         if best <= SOLVED:
             break
@@ -207,7 +269,7 @@ def copy_numbers(template: ForceField, other: ForceField) -> ForceField:
 
 
 def enumerate_types(template: ForceField) -> list[ForceField]:
-    """The template with every combination of kinds, at rest and let fall, and let fall with nothing else."""
+    """The template with every combination of kinds; where it lets fall, with nothing else too."""
     template = fill_actions(template)
     same_window = len({action.active_time for action in template.actions}) == 1
     choose = itertools.combinations_with_replacement if same_window else _choose_in_order
@@ -215,12 +277,7 @@ def enumerate_types(template: ForceField) -> list[ForceField]:
         template.model_copy(update=dict(actions=tuple(map(turn_into, template.actions, kinds))))
         for kinds in choose(KINDS, len(template.actions))
     ]
-    both = [
-        each.model_copy(update=dict(default_drop=drop))
-        for drop in (template.default_drop, not template.default_drop)
-        for each in made
-    ]
-    return [*both, template.model_copy(update=dict(actions=(), default_drop=True))]
+    return [*made, ForceField(default_drop=True)] if template.default_drop else made
 
 
 def fill_actions(
@@ -236,16 +293,6 @@ def fill_actions(
     return template.model_copy(update=dict(actions=actions))
 
 
-def check_actions(count: int | None) -> None:
-    """Refuses numbers of actions whose combinations nobody can try.
-
-    Raises:
-        UserError: There are none, or more than three.
-    """
-    if count is not None and not 1 <= count <= 3:
-        raise UserError("`actions` must be 1 to 3", got=count)
-
-
 def turn_into(action: Action, kind: tuple[ActionType, float]) -> Action:
     """The action as another kind; its direction, strength and window stay, but a blow over the whole clip is none."""
     update: dict = dict(action_type=kind[0], magnitude=kind[1] * abs(action.magnitude))
@@ -256,14 +303,6 @@ def turn_into(action: Action, kind: tuple[ActionType, float]) -> Action:
 
 def _choose_in_order(kinds, count):
     return itertools.product(kinds, repeat=count)
-
-
-def _choose_templates(evaluator: Evaluator, types: Types, actions: int | None) -> list[ForceField]:
-    task = evaluator.task
-    if types in ("task", "enumerated"):
-        template = task.start if actions is None else fill_actions(task.start, actions, task.frame_count)
-        return enumerate_types(template) if types == "enumerated" else [template]
-    return [_choose(evaluator, types) or task.start]
 
 
 def _choose(evaluator: Evaluator, who: str) -> ForceField | None:

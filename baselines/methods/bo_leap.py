@@ -15,8 +15,7 @@ from baselines.evaluation import GRADIENT_COST, Evaluator
 from baselines.methods.cma import WORST, import_cmaes
 from baselines.methods.lbfgs import LBFGS
 from baselines.parametrisation import Parametrisation
-from baselines.protocol import Method
-from baselines.starts import SOLVED, Types, check_actions, draw_numbers, make_starts
+from baselines.starts import SOLVED, OracleMethod, Types, choose_templates
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 
@@ -27,13 +26,11 @@ Known = tuple[list[np.ndarray], list[float]]
 
 
 @dataclasses.dataclass(frozen=True)
-class BOLeap(Method):
-    """Leaps until the budget is spent.
+class BOLeap(OracleMethod):
+    """Leaps until the budget is spent. Options are those of `OracleMethod`, and these.
 
     Attributes:
         types: Who says what the actions are.
-        windows: Whether windows are sought too.
-        actions: How many, as for `LocalMethod`.
         confidence: Standard deviations by which the lower bound lies below the mean.
         population: Of the generation from which the gradients begin.
         spread: Its standard deviation, in |M| v.
@@ -41,15 +38,13 @@ class BOLeap(Method):
     """
 
     types: Types = "enumerated"
-    windows: bool = False
-    actions: int | None = None
     confidence: float = 2.0
     population: int = 10
     spread: float = 0.3
     patience: int = 3
 
     def __post_init__(self):
-        check_actions(self.actions)
+        super().__post_init__()
         if self.population < 4 or self.patience < 1:
             raise UserError(
                 "`population` must be at least 4 and `patience` at least 1",
@@ -61,25 +56,14 @@ class BOLeap(Method):
         """As in the registry."""
         return "bo_leap"
 
-    @property
-    def oracle(self) -> bool:
-        """It minimises the distance to the target."""
-        return True
-
-    @property
-    def stochastic(self) -> bool:
-        """Always."""
-        return True
-
     def search(self, evaluator: Evaluator) -> None:
         """First each type once, as far as half of the budget goes; then leap after leap."""
-        options = dict(windows=self.windows, actions=self.actions)
-        starts = make_starts(evaluator, self.types, "random", **options)  # type: ignore[arg-type]
-        order = evaluator.rng.permutation(len(starts))[: max(1, int(evaluator.remaining / 2))]
-        templates = [starts[index] for index in order]
+        kinds = choose_templates(evaluator, self.types, self.actions)
+        order = evaluator.rng.permutation(len(kinds))[: max(1, int(evaluator.remaining / 2))]
+        templates = [self.draw(evaluator, kinds[index]) for index in order]
         known: list[Known] = [([], []) for _ in templates]
         for template, points in zip(templates, known):
-            if self._try(evaluator, self._make_unknowns(evaluator, template), template, points) <= SOLVED:
+            if self._try(evaluator, self.make_unknowns(evaluator, template), template, points) <= SOLVED:
                 return
         while True:
             index, start = self._choose(evaluator, templates, known)
@@ -88,7 +72,7 @@ class BOLeap(Method):
 
     def _leap(self, evaluator: Evaluator, start: ForceField, points: Known) -> float:
         """One generation about ``start``, then gradients from its mean; the best loss."""
-        unknowns = self._make_unknowns(evaluator, start)
+        unknowns = self.make_unknowns(evaluator, start)
         if unknowns.size == 0:
             return self._try(evaluator, unknowns, start, points)
         best, field = np.inf, start
@@ -143,11 +127,10 @@ class BOLeap(Method):
         scale = max(float(everything.std()), 1e-3)
         best = (np.inf, 0, templates[0])
         for index, (template, (points, values)) in enumerate(zip(templates, known)):
-            unknowns = self._make_unknowns(evaluator, template)
+            unknowns = self.make_unknowns(evaluator, template)
             if unknowns.size == 0:  # there is one such force field, and it has been tried
                 continue
-            frames = evaluator.task.frame_count if self.windows else None
-            fields = [draw_numbers(evaluator.rng, template, frames) for _ in range(CANDIDATES)]
+            fields = [self.draw(evaluator, template) for _ in range(CANDIDATES)]
             mean, deviation = predict(
                 np.array(points),
                 (np.array(values) - everything.mean()) / scale,
@@ -158,9 +141,6 @@ class BOLeap(Method):
             if bound[least] < best[0]:
                 best = (float(bound[least]), index, fields[least])
         return best[1], best[2]
-
-    def _make_unknowns(self, evaluator: Evaluator, template: ForceField) -> Parametrisation:
-        return Parametrisation(template, evaluator.task.frame_count, self.windows)
 
 
 def predict(x: np.ndarray, y: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

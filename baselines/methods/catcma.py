@@ -12,50 +12,31 @@ import numpy as np
 
 from baselines.evaluation import Evaluator
 from baselines.methods.cma import WORST, import_cmaes
-from baselines.parametrisation import Parametrisation
-from baselines.protocol import Method
-from baselines.starts import KINDS, SOLVED, check_actions, draw_numbers, fill_actions, turn_into
+from baselines.starts import KINDS, SOLVED, OracleMethod, fill_actions, turn_into
 from physagent_jax.forces.schema import ForceField
 
 
 @dataclasses.dataclass(frozen=True)
-class CatCMA(Method):
-    """Begins anew, elsewhere, when it has converged.
+class CatCMA(OracleMethod):
+    """Begins anew, elsewhere, when it has converged. Options are those of `OracleMethod`, and these.
 
     Attributes:
         spread: Standard deviation at first, in |M| v.
-        windows: Whether windows are sought too.
-        actions: How many, as for `LocalMethod`.
     """
 
     spread: float = 0.5
-    windows: bool = False
-    actions: int | None = None
-
-    def __post_init__(self):
-        check_actions(self.actions)
 
     @property
     def name(self) -> str:
         """As in the registry."""
         return "catcma"
 
-    @property
-    def oracle(self) -> bool:
-        """It minimises the distance to the target."""
-        return True
-
-    @property
-    def stochastic(self) -> bool:
-        """Always."""
-        return True
-
     def search(self, evaluator: Evaluator) -> None:
         """Until it is solved or the budget is spent."""
-        library, frames = import_cmaes(), evaluator.task.frame_count
-        template = fill_actions(evaluator.task.start, self.actions, frames)
+        library = import_cmaes()
+        template = fill_actions(evaluator.task.start, self.actions, evaluator.task.frame_count)
         count = len(template.actions)
-        mean = Parametrisation(template, frames, self.windows).encode(template)
+        mean = self.make_unknowns(evaluator, template).encode(template)
         while True:
             search = library.CatCMA(
                 mean=mean,
@@ -68,13 +49,12 @@ class CatCMA(Method):
                 for _ in range(search.population_size):
                     u, choice = search.ask()
                     chosen = choose_kinds(template, choice)
-                    loss = evaluator.score(Parametrisation(chosen, frames, self.windows).decode(u)).loss
+                    loss = evaluator.score(self.make_unknowns(evaluator, chosen).decode(u)).loss
                     if loss <= SOLVED:
                         return
                     told.append(((u, choice), min(loss, WORST)))
                 search.tell(told)
-            unknowns = Parametrisation(template, frames, self.windows)
-            mean = unknowns.encode(draw_numbers(evaluator.rng, template, frames if self.windows else None))
+            mean = self.make_unknowns(evaluator, template).encode(self.draw(evaluator, template))
 
 
 def choose_kinds(template: ForceField, choice: np.ndarray) -> ForceField:

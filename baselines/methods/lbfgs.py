@@ -38,9 +38,9 @@ class LBFGS(LocalMethod):
         return "lbfgs"
 
     def find_cost(self, start: ForceField) -> float:
-        """Forward-equivalents of a step."""
+        """Forward-equivalents of a gradient, a probe and the gradient there."""
         del start
-        return 1.0 + GRADIENT_COST
+        return 2.0 * (1.0 + GRADIENT_COST)
 
     def descend(self, evaluator: Evaluator, start: ForceField, budget: float) -> Descent:
         """One line search a step."""

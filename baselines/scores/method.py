@@ -7,6 +7,7 @@ clip fits: the latest force field is the answer, as in the published methods.
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 from collections.abc import Mapping
 from typing import Any
 
@@ -17,7 +18,7 @@ from baselines.protocol import Method
 from baselines.scores import PRIORS, open_prior
 from baselines.scores.protocol import ScorePrior
 from baselines.simulation import Pictures
-from baselines.starts import Numbers, Types, make_starts
+from baselines.starts import Numbers, Types, choose_numbers, choose_templates, draw_numbers
 from baselines.truncation import WHOLE, Truncation
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.parameters import ForceFieldParameters
@@ -71,7 +72,9 @@ class SdsMethod(Method):
         Raises:
             UserError: There is no action to be improved.
         """
-        start = make_starts(evaluator, self.types, self.numbers, 1)[0]
+        templates = choose_templates(evaluator, self.types)[:1]
+        draw = partial(draw_numbers, evaluator.rng)
+        (start,) = choose_numbers(evaluator, templates, self.types, self.numbers, draw)
         if not (start.actions or start.constraints):
             raise UserError("the start has no action that a gradient could change", do="Take types='agent'")
         return start

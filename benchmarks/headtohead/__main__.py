@@ -56,6 +56,8 @@ class Command(harness.Command):
     """Which tasks."""
     families: tuple[str, ...] = ()
     """Only these; none = all."""
+    smooth: bool = False
+    """Only tasks in which nothing comes to touch the ground."""
     every: int = 1
     """Only every so-many-th task of a family."""
     budget: float = 30.0
@@ -97,7 +99,7 @@ def list_tasks(command: Command) -> tuple[tuple[TaskSpec, ...], list[str]]:
     """
     split = None if command.split == "both" else command.split
     specs = load_tasks(command.tasks, split=split, families=command.families or None)
-    specs, left_out = split_available(specs, command.data)
+    specs, left_out = split_available([spec for spec in specs if spec.smooth or not command.smooth], command.data)
     counts: dict[str, int] = {}
     chosen = []
     every = 4 if command.quick else command.every

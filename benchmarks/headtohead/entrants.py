@@ -31,7 +31,8 @@ class Entrant:
         return make_method(self.method, self.options)
 
 
-_ENUMERATED = dict(types="enumerated", numbers="random")
+ENUMERATED = dict(types="enumerated", numbers="random")
+RESPONSES = dict(types="responses", numbers="responses", starts=4)
 _AGENT = dict(types="agent", numbers="agent")
 
 METHODS = (
@@ -41,11 +42,16 @@ METHODS = (
     Entrant("physagent", "physagent", question="ours: sees pictures and the sentence"),
     Entrant("catcma", "catcma", question="evolution over types and numbers"),
     Entrant("cma", "cma", question="evolution, each type"),
-    Entrant("adam, all types", "adam", _ENUMERATED, "gradients, each type"),
-    Entrant("lbfgs, all types", "lbfgs", _ENUMERATED, "gradients, each type"),
-    Entrant("levenberg_marquardt, all types", "levenberg_marquardt", _ENUMERATED, "least squares, each type"),
+    Entrant("adam, all types", "adam", ENUMERATED, "gradients, each type"),
+    Entrant("lbfgs, all types", "lbfgs", ENUMERATED, "gradients, each type"),
+    Entrant("levenberg_marquardt, all types", "levenberg_marquardt", ENUMERATED, "least squares, each type"),
     Entrant(
-        "smoothed_adam, all types", "smoothed_adam", _ENUMERATED, "gradients of a blurred loss, each type"
+        "smoothed_adam, all types", "smoothed_adam", ENUMERATED, "gradients of a blurred loss, each type"
+    ),
+    Entrant("adam, responses", "adam", RESPONSES, "gradients, types by superposition"),
+    Entrant("lbfgs, responses", "lbfgs", RESPONSES, "gradients, types by superposition"),
+    Entrant(
+        "levenberg_marquardt, responses", "levenberg_marquardt", RESPONSES, "least squares, by superposition"
     ),
     Entrant("hybrid", "hybrid", question="agents choose, least squares polishes"),
 )
@@ -58,8 +64,8 @@ ABLATION = (
     Entrant("types: agent, numbers: agent", "physsplat_f", dict(skills=True), "nobody optimises"),
     Entrant("types: agent, numbers: least squares", "levenberg_marquardt", _AGENT, "the agent's types"),
     Entrant("types: agent, numbers: adam", "adam", _AGENT, "the agent's types"),
-    Entrant("types: all, numbers: least squares", "levenberg_marquardt", _ENUMERATED, "enumeration"),
-    Entrant("types: all, numbers: adam", "adam", _ENUMERATED, "enumeration"),
+    Entrant("types: all, numbers: least squares", "levenberg_marquardt", ENUMERATED, "enumeration"),
+    Entrant("types: all, numbers: adam", "adam", ENUMERATED, "enumeration"),
     Entrant(
         "types: task, numbers: least squares",
         "levenberg_marquardt",

@@ -14,12 +14,13 @@ from typing import Literal
 import numpy as np
 
 from baselines.tasks import Task
-from benchmarks.headtohead.entrants import Entrant
+from benchmarks.headtohead.entrants import ENUMERATED, RESPONSES, Entrant
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ForceField
 
-Begin = Literal["near", "begin", "cold"]
-"""Near the witness; at the first force field that the task itself gives (recovery); all types, numbers at random."""
+Begin = Literal["near", "begin", "all types", "responses"]
+"""Near the witness; at the first force field that the task itself gives (recovery); from afar: at random with all types,
+or where the object's responses say (`baselines.responses`)."""
 
 STRONGER = 0.3
 """Part of |M| that is added or taken away, whichever the library allows; by chance where both are."""
@@ -28,21 +29,17 @@ TURNED = 20.0
 """[degrees]."""
 
 LOCAL = ("levenberg_marquardt", "lbfgs", "adam")
-_OPTIONS: dict[Begin, dict] = {
-    "near": dict(types="task", numbers="task"),
-    "begin": dict(types="task", numbers="task"),
-    "cold": dict(types="enumerated", numbers="random"),
-}
 
 
 def list_entrants(begin: Begin) -> tuple[Entrant, ...]:
     """The local methods that begin there."""
-    return tuple(Entrant(f"{name}, {begin}", name, _OPTIONS[begin]) for name in LOCAL)
+    options = {"all types": ENUMERATED, "responses": RESPONSES}.get(begin, dict(types="task", numbers="task"))
+    return tuple(Entrant(f"{name}, {begin}", name, options) for name in LOCAL)
 
 
 def list_begins(task_gives_one: bool) -> tuple[Begin, ...]:
     """From where a task's searches begin."""
-    return ("near", "begin", "cold") if task_gives_one else ("near", "cold")
+    return ("near", *(("begin",) if task_gives_one else ()), "all types", "responses")
 
 
 def move(task: Task, witness: ForceField, seed: int) -> Task:

@@ -7,7 +7,7 @@ from baselines.methods import METHODS, make_method
 from baselines.methods.bo_leap import predict
 from baselines.methods.lbfgs import find_direction
 from baselines.methods.smoothed_adam import combine
-from baselines.starts import KINDS, enumerate_types
+from baselines.starts import KINDS, choose_templates, enumerate_types
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from tests.baselines.analytic import Linear, make_evaluator
@@ -151,14 +151,28 @@ def test_a_task_without_actions_is_tried_as_it_is():
 
 def test_every_combination_of_kinds_is_there_once():
     one = enumerate_types(act("translation", (1, 0, 0)))
-    assert len(one) == 2 * len(KINDS) + 1 and len(set(one)) == len(one)
+    assert len(one) == len(KINDS) and len(set(one)) == len(one)
     windows = {a.action_type: a.active_time for each in one for a in each.actions}
     assert windows == {"translation": None, "scale": None, "torque": None, "impulse": (0, 2)}
     action = act("translation", (1, 0, 0)).actions[0]
     same = enumerate_types(ForceField(actions=(action, action)))
-    assert len(same) == 2 * 15 + 1
+    assert len(same) == 15
     later = action.model_copy(update=dict(active_time=(3, 5)))
-    assert len(enumerate_types(ForceField(actions=(action, later)))) == 2 * 25 + 1
+    assert len(enumerate_types(ForceField(actions=(action, later)))) == 25
+
+
+def test_a_fall_is_among_the_types_only_where_it_helps():
+    """A fall misses by 1 and rest by 2, or the other way round: the one that misses less is what actions add to."""
+    for falls in (True, False):
+
+        class Falling(Linear):
+            def compute_residuals(self, rollout):
+                return np.full(4, 1.0 if rollout.default_drop == falls else 2.0)
+
+        evaluator = make_evaluator(Falling(A, A @ WANTED))
+        templates = choose_templates(evaluator, "enumerated")
+        assert evaluator.spent == 2 and {each.default_drop for each in templates} == {falls}
+        assert len(templates) == len(KINDS) + falls
 
 
 def test_surrogate_goes_through_what_is_known_and_knows_where_it_does_not():

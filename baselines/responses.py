@@ -1,0 +1,309 @@
+"""Which actions, when and where: read off how the object answers to each skill once.
+
+An object that floats or is held answers nearly in proportion to what acts, and at any time alike (a linear,
+time-invariant system) as long as it turns and deforms little. One simulation per skill and axis then says, by
+superposition and delay, what every combination of them in every window would do, and combinations are ranked without
+simulating them: each gets the numbers that are best for it by the superposed paths. What is promised is no more than a
+good start: of large turns, of stretches along other lines and on the ground it is a guess, which a search that
+simulates corrects.
+
+Windows are those between which the target's clauses change, regions are the ends that it speaks of: an oracle may read
+both.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Iterator
+from functools import partial
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from baselines.evaluation import Evaluator
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.schema import Action, ActionType, ForceField, HalfSpaceRegion, Region
+from physagent_jax.metrics.task_judge import compute_residuals
+
+SKILLS = (ActionType.TRANSLATION, ActionType.IMPULSE, ActionType.TORQUE, ActionType.SCALE)
+STRENGTH = 0.6
+"""[|M|] of what is simulated: strong enough to be told from rounding, weak enough to be in proportion."""
+
+SHARE = 0.4
+"""Of the budget that responses may cost; regions that would cost more are left out."""
+
+BLOW_LENGTH = 2
+"""[frames] of a blow."""
+
+CLOSEST = 3
+"""[frames] by which two changes are apart, at least."""
+
+PARTICLES = 120
+"""Of which the superposed paths are made, about."""
+
+FAINT = 0.05
+"""Loss that an action more has to be worth."""
+
+_STEPS = 8  # of each fit
+_MOST = 3  # actions
+
+
+@dataclasses.dataclass(frozen=True)
+class Slot:
+    """Where and when an action may act.
+
+    Attributes:
+        first, last: Frames.
+        region: None = the whole object.
+    """
+
+    first: int
+    last: int
+    region: Region | None = None
+
+
+Structure = tuple[tuple[ActionType, Slot], ...]
+
+
+@dataclasses.dataclass(frozen=True)
+class Responses:
+    """What an object does by itself, and what each skill adds.
+
+    Attributes:
+        base: Paths without actions [m], shape (T, n, 3).
+        drop: Whether it is let fall.
+        mass: [kg], shape (n,).
+        steps: By skill and region, what one along each axis adds at |M| = 1 when it acts from frame 0 on, a blow at
+            frame 0 [m], shape (3, T, n, 3).
+    """
+
+    base: np.ndarray
+    drop: bool
+    mass: np.ndarray
+    steps: dict[tuple[ActionType, Region | None], np.ndarray]
+
+    def superpose(self, skill: ActionType, slot: Slot) -> np.ndarray:
+        """What a skill in a slot adds, shape (3, T, n, 3)."""
+        step = self.steps[skill, slot.region]
+        begun = _delay(step, slot.first)
+        if skill is ActionType.IMPULSE or slot.last >= step.shape[1] - 1:
+            return begun
+        return begun - _delay(step, slot.last)
+
+
+def find_starts(evaluator: Evaluator, count: int) -> list[ForceField]:
+    """The ``count`` best force fields by superposed responses, all their structures different.
+
+    Charged one simulation for each skill and axis, of the whole and of each end that the target or the task's own
+    first force field speaks of, as far as `SHARE` of the budget goes.
+    """
+    responses = measure_responses(evaluator)
+    structures = [
+        each
+        for each in dict.fromkeys(list_structures(evaluator))
+        if all((skill, slot.region) in responses.steps for skill, slot in each)
+    ]
+    ranked: list[tuple[float, ForceField]] = []
+    for size in range(1, _MOST + 1):
+        mine = [each for each in structures if len(each) == size]
+        ranked += zip(*fit_structures(evaluator, responses, mine)) if mine else ()
+    if responses.drop:
+        ranked.append((evaluator.score(ForceField(default_drop=True), "start").loss, ForceField(default_drop=True)))
+    ranked.sort(key=lambda pair: pair[0] + FAINT * len(pair[1].actions))
+    return [field for _, field in ranked[:count]]
+
+
+def measure_responses(evaluator: Evaluator) -> Responses:
+    """Simulates each skill along each axis, and the fall; the fall is what is added to where it misses less."""
+    until = evaluator.spent + SHARE * evaluator.remaining
+    frames, steps = evaluator.task.frame_count, {}
+    fallen = evaluator.watch(ForceField(default_drop=True), "fall")
+    still, stride = None, 1
+    for region in list_regions(evaluator):
+        if region is not None and evaluator.spent + 3 * len(SKILLS) > until:
+            break
+        for skill in SKILLS:
+            made = []
+            for axis in np.eye(3).tolist():
+                window = (0.0, float(BLOW_LENGTH)) if skill is ActionType.IMPULSE else None
+                action = _act(skill, axis, STRENGTH, window, region)
+                x = evaluator.watch(ForceField(actions=(action,)), f"response to {skill}")
+                if x is not None and still is None:
+                    stride = max(1, round(x.shape[1] / PARTICLES))
+                    still = np.repeat(x[:1, ::stride], frames, axis=0)
+                made.append(None if x is None else x[:, ::stride])
+            if still is not None:
+                steps[skill, region] = np.stack(
+                    [np.zeros_like(still) if x is None else (x - still) / STRENGTH for x in made]
+                )
+    mass = evaluator.task.mass[::stride]
+    if still is None:
+        return Responses(np.zeros((frames, 1, 3)), False, np.ones(1), {})
+    losses = [np.inf]
+    if fallen is not None:
+        fallen = fallen[:, ::stride]
+        losses = [_find_loss(evaluator, x, mass) for x in (fallen, still)]
+    drop = losses[0] < losses[-1]
+    return Responses(fallen if drop and fallen is not None else still, drop, mass, steps)
+
+
+def list_regions(evaluator: Evaluator) -> list[Region | None]:
+    """The whole, where the task's own first force field acts, and the ends that the target speaks of."""
+    found = [action.region for action in evaluator.task.start.actions]
+    for clause in evaluator.task.target.clauses:
+        ends = (clause.part, getattr(clause, "against", None))
+        found += [make_end(end) for end in ends if end is not None]
+    return list(dict.fromkeys([None, *found]))
+
+
+def make_end(direction: tuple[float, float, float]) -> Region:
+    """The last third of the object's box along a direction."""
+    x, y, z = (0.5 + each / 6.0 for each in direction)
+    return HalfSpaceRegion(point=(x, y, z), normal=direction)
+
+
+def list_changes(evaluator: Evaluator) -> list[int]:
+    """Frames at which something can be expected to change: where clauses' windows begin and end, and the middle."""
+    end = evaluator.task.frame_count - 1
+    windows = [clause.window for clause in evaluator.task.target.clauses]
+    wanted = [*sorted({frame for window in windows for frame in window}), end // 2]
+    kept: list[int] = []
+    for frame in wanted:
+        if all(abs(frame - other) >= CLOSEST for other in (0, end, *kept)):
+            kept.append(frame)
+    return sorted(kept)
+
+
+def list_structures(evaluator: Evaluator) -> Iterator[Structure]:
+    """Combinations of skills that may be what is asked for.
+
+    The task's own windows and regions with all skills; one action between any two changes, of the whole or of an end;
+    the same at two ends; two skills after each other; the same skill three times.
+    """
+    end, changes = evaluator.task.frame_count - 1, list_changes(evaluator)
+    own = [
+        Slot(*(int(round(frame)) for frame in action.active_time or (0, end)), action.region)
+        for action in evaluator.task.start.actions
+    ]
+    for skills in itertools.product(SKILLS, repeat=len(own) if len(own) <= _MOST else 0):
+        yield tuple((skill, _fit(skill, slot)) for skill, slot in zip(skills, own))
+    windows = list(itertools.combinations((0, *changes, end), 2))
+    ends = [region for region in list_regions(evaluator) if region is not None]
+    for region, (first, last), skill in itertools.product((None, *ends), windows, SKILLS):
+        yield ((skill, _fit(skill, Slot(first, last, region))),)
+    for pair, skill in itertools.product(itertools.combinations(ends, 2), SKILLS):
+        yield tuple((skill, _fit(skill, Slot(0, end, region))) for region in pair)
+    for change, skills in itertools.product(changes, itertools.product(SKILLS, repeat=2)):
+        parts = (Slot(0, change), Slot(change, end))
+        yield tuple((skill, _fit(skill, slot)) for skill, slot in zip(skills, parts))
+    for (one, two), skill in itertools.product(itertools.combinations(changes, 2), SKILLS):
+        parts = (Slot(0, one), Slot(one, two), Slot(two, end))
+        yield tuple((skill, _fit(skill, slot)) for slot in parts)
+
+
+def fit_structures(
+    evaluator: Evaluator, responses: Responses, structures: list[Structure]
+) -> tuple[list[float], list[ForceField]]:
+    """For each structure of one size the best numbers by superposed paths, and the loss there.
+
+    A stretch takes the axis that it makes most of, for between axes its responses do not add; numbers are brought into
+    the library's range at the end.
+    """
+    frame_dt, target = evaluator.task.frame_dt, evaluator.task.target
+    mass = jnp.asarray(responses.mass)
+    known: dict = {}
+    places = []
+    for structure in structures:  # the same response is in many structures
+        row = []
+        for skill, slot in structure:
+            key = (skill, slot)
+            if key not in known:
+                known[key] = len(known), responses.superpose(skill, slot)
+            row.append(known[key][0])
+        places.append(row)
+    bank = jnp.asarray(np.stack([each for _, each in known.values()]), jnp.float32)
+    base = jnp.asarray(responses.base, jnp.float32)
+
+    def residuals(u, row):
+        x = base + jnp.einsum("ai,aitnc->tnc", u.reshape(-1, 3), bank[row])
+        return compute_residuals(target, x, mass, frame_dt)
+
+    fit = jax.jit(partial(_fit_numbers, residuals))
+    measure = jax.jit(lambda u, row: 0.5 * jnp.sum(residuals(u, row) ** 2))
+    losses, fields = [], []
+    for structure, place in zip(structures, places):
+        row = jnp.asarray(place)
+        free = np.ones(3 * len(structure), np.float32)
+        u = np.asarray(fit(row, free, jnp.full(free.shape, 0.05)))
+        if any(skill is ActionType.SCALE for skill, _ in structure):
+            for index, (skill, _) in enumerate(structure):
+                if skill is ActionType.SCALE:
+                    mine = slice(3 * index, 3 * index + 3)
+                    free[mine] = np.eye(3)[np.argmax(np.abs(u[mine]))]
+            u = np.asarray(fit(row, free, jnp.asarray(free * u)))
+        actions, vectors = [], []
+        for (skill, slot), vector in zip(structure, u.reshape(-1, 3)):
+            action = _make(skill, slot, vector, evaluator.task.frame_count)
+            actions.append(action)
+            vectors.append(action.magnitude * np.asarray(action.vector))
+        loss = float(measure(jnp.asarray(np.concatenate(vectors), jnp.float32), row))
+        losses.append(loss if np.isfinite(loss) else np.inf)
+        fields.append(ForceField(default_drop=responses.drop, actions=tuple(actions)))
+    return losses, fields
+
+
+def _fit_numbers(residuals, row, free, start):
+    """Levenberg-Marquardt with a fixed number of steps; what is not ``free`` stays."""
+
+    def loss(u):
+        return 0.5 * jnp.sum(residuals(u, row) ** 2)
+
+    def step(_, state):
+        u, damping, here = state
+        r = residuals(u, row)
+        J = jax.jacfwd(residuals)(u, row) * free
+        normal = J.T @ J
+        ridge = (damping * jnp.max(jnp.diag(normal)) + 1e-9) * jnp.eye(len(u), dtype=u.dtype)
+        trial = u - jnp.linalg.solve(normal + ridge, J.T @ r)
+        trial = jnp.clip(trial, -MAGNITUDE_MAX, MAGNITUDE_MAX)
+        there = loss(trial)
+        good = there < here
+        return jnp.where(good, trial, u), jnp.where(good, damping / 3, damping * 4), jnp.where(good, there, here)
+
+    return jax.lax.fori_loop(0, _STEPS, step, (start, jnp.float32(1e-2), loss(start)))[0]
+
+
+def _fit(skill: ActionType, slot: Slot) -> Slot:
+    """The slot; a blow's is at its beginning."""
+    if skill is not ActionType.IMPULSE:
+        return slot
+    return dataclasses.replace(slot, last=min(slot.first + BLOW_LENGTH, slot.last))
+
+
+def _make(skill: ActionType, slot: Slot, vector: np.ndarray, frame_count: int) -> Action:
+    size = float(np.linalg.norm(vector))
+    way = vector / size if size > 1e-6 else np.array([1.0, 0.0, 0.0])
+    size = min(max(size, MAGNITUDE_MIN), MAGNITUDE_MAX)
+    if skill is ActionType.SCALE and way[np.argmax(np.abs(way))] < 0:
+        way, size = -way, -size
+    whole = slot.first == 0 and slot.last == frame_count - 1
+    return _act(skill, way.tolist(), size, None if whole else (float(slot.first), float(slot.last)), slot.region)
+
+
+def _act(skill: ActionType, vector, magnitude: float, window, region: Region | None) -> Action:
+    x, y, z = vector
+    return Action(action_type=skill, vector=(x, y, z), magnitude=magnitude, active_time=window, region=region)
+
+
+def _delay(step: np.ndarray, frames: int) -> np.ndarray:
+    """The same, later, shape (3, T, n, 3)."""
+    if frames == 0:
+        return step
+    return np.concatenate([np.zeros_like(step[:, :frames]), step[:, :-frames]], axis=1)
+
+
+def _find_loss(evaluator: Evaluator, x: np.ndarray, mass: np.ndarray) -> float:
+    r = np.asarray(compute_residuals(evaluator.task.target, x, mass, evaluator.task.frame_dt), np.float64)
+    return float(r @ r) if np.isfinite(r).all() else np.inf
