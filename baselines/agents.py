@@ -7,7 +7,8 @@ Here the task says what the scene is, so that what a sentence asks of the world 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Protocol
 
 from baselines.evaluation import Evaluator
 from baselines.simulation import Pictures
@@ -44,6 +45,32 @@ class PictureFrames:
         """At most ``most`` evenly spaced frames, the first and the last among them."""
         frames = self.pictures.rgb
         return tuple(KeyFrame(k, encode_png(frames[k])) for k in spread_evenly(len(frames), most))
+
+
+class Sight(Protocol):
+    """Who looks at a clip for the agents."""
+
+    def look(
+        self, evaluator: Evaluator, field: ForceField, note: str, windows: Sequence[tuple[int, int]]
+    ) -> Observation | None:
+        """Plays ``field``, charged, and says what is seen; None where it cannot be simulated."""
+        ...
+
+
+class PictureSight(Sight):
+    """Perception of the pictures: all that the product has."""
+
+    def look(
+        self, evaluator: Evaluator, field: ForceField, note: str, windows: Sequence[tuple[int, int]]
+    ) -> Observation | None:
+        """As `Sight.look`."""
+        pictures = evaluator.play(field, note)
+        if pictures is None:
+            return None
+        seen = perceive(
+            pictures.rgb, pictures.depth, pictures.camera, frame_dt=pictures.frame_dt, windows=windows
+        )
+        return Observation(field, seen.report, PictureFrames(pictures))
 
 
 def make_scene_brief(scene: CompiledScene) -> SceneBrief:
@@ -85,6 +112,7 @@ def play_rounds(
     agents: Agents | None = None,
     change: Change = keep_as_it_is,
     rate: bool = True,
+    sight: Sight | None = None,
 ) -> ForceField:
     """Plays, perceives, judges and rewrites until the planner is satisfied or the executor has nothing left to try.
 
@@ -95,6 +123,7 @@ def play_rounds(
         agents: Who judges and rewrites; the offline rules by default.
         change: Applied to every force field before it is played.
         rate: Whether the planner's score, negated, becomes the objective of each round.
+        sight: Who looks; perception of the pictures by default.
 
     Returns:
         The best round's force field by the planner's score.
@@ -102,22 +131,17 @@ def play_rounds(
     Raises:
         BudgetSpent: Before a round that cannot be paid.
     """
-    agents = agents or make_agents()
+    agents, sight = agents or make_agents(), sight or PictureSight()
     field, done = change(reading.force_field), []
     for index in range(rounds):
         context = _make_context(evaluator, reading, tuple(done))
-        pictures = evaluator.play(field, f"round {index + 1}")
-        if pictures is None:
+        observation = sight.look(evaluator, field, f"round {index + 1}", agents.planner.windows(context))
+        if observation is None:
             break  # what cannot be simulated is no success, and there is nothing to be learned from it
-        windows = agents.planner.windows(context)
-        seen = perceive(
-            pictures.rgb, pictures.depth, pictures.camera, frame_dt=pictures.frame_dt, windows=windows
-        )
-        observation = Observation(field, seen.report, PictureFrames(pictures))
         judgement = _ask(evaluator, agents.planner.judge, context, observation).value
         if rate and judgement.score is not None:
             evaluator.rate(-judgement.score)
-        done.append(Round(field, seen.report, observation.key_frames, judgement))
+        done.append(Round(field, observation.report, observation.key_frames, judgement))
         if judgement.verdict is Verdict.SUCCESS or index + 1 == rounds:
             break
         rewritten = change(_ask(evaluator, agents.executor.rewrite, context, done[-1]).value.force_field)

@@ -25,9 +25,12 @@ import numpy as np
 from baselines.evaluation import Evaluator
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import Action, ActionType, ForceField, HalfSpaceRegion, Region
+from physagent_jax.metrics.targets import Integrity, Target
 from physagent_jax.metrics.task_judge import compute_residuals
 
-SKILLS = (ActionType.TRANSLATION, ActionType.IMPULSE, ActionType.TORQUE, ActionType.SCALE)
+SKILLS = (ActionType.TRANSLATION, ActionType.IMPULSE, ActionType.SCALE, ActionType.TORQUE)
+"""Of equals the first is preferred: superposed turns grow what they turn, and pass for a stretch."""
+
 STRENGTH = 0.6
 """[|M|] of what is simulated: strong enough to be told from rounding, weak enough to be in proportion."""
 
@@ -44,10 +47,11 @@ PARTICLES = 120
 """Of which the superposed paths are made, about."""
 
 FAINT = 0.05
-"""Loss that an action more has to be worth."""
+"""Loss that an action more has to be worth, and below which no more of them are tried."""
 
-_STEPS = 8  # of each fit
+_STEPS = 6  # of each fit
 _MOST = 3  # actions
+_BATCH = 16  # structures that are fitted side by side
 
 
 @dataclasses.dataclass(frozen=True)
@@ -109,9 +113,12 @@ def find_starts(evaluator: Evaluator, count: int) -> list[ForceField]:
     for size in range(1, _MOST + 1):
         mine = [each for each in structures if len(each) == size]
         ranked += zip(*fit_structures(evaluator, responses, mine)) if mine else ()
+        if min((loss for loss, _ in ranked), default=np.inf) <= FAINT:
+            break
     if responses.drop:
-        ranked.append((evaluator.score(ForceField(default_drop=True), "start").loss, ForceField(default_drop=True)))
-    ranked.sort(key=lambda pair: pair[0] + FAINT * len(pair[1].actions))
+        fall = ForceField(default_drop=True)
+        ranked.append((evaluator.score(fall, "start").loss, fall))
+    ranked.sort(key=lambda pair: round(pair[0] + FAINT * len(pair[1].actions), 2))
     return [field for _, field in ranked[:count]]
 
 
@@ -206,56 +213,43 @@ def list_structures(evaluator: Evaluator) -> Iterator[Structure]:
 def fit_structures(
     evaluator: Evaluator, responses: Responses, structures: list[Structure]
 ) -> tuple[list[float], list[ForceField]]:
-    """For each structure of one size the best numbers by superposed paths, and the loss there.
+    """For each structure, all of one size, the best numbers by superposed paths, and the loss there.
 
-    A stretch takes the axis that it makes most of, for between axes its responses do not add; numbers are brought into
-    the library's range at the end.
+    A stretch takes the axis that it makes most of, for between axes its responses do not add. Whether neighbours part
+    is not asked: superposition does not know.
     """
-    frame_dt, target = evaluator.task.frame_dt, evaluator.task.target
-    mass = jnp.asarray(responses.mass)
-    known: dict = {}
-    places = []
-    for structure in structures:  # the same response is in many structures
-        row = []
-        for skill, slot in structure:
-            key = (skill, slot)
-            if key not in known:
-                known[key] = len(known), responses.superpose(skill, slot)
-            row.append(known[key][0])
-        places.append(row)
-    bank = jnp.asarray(np.stack([each for _, each in known.values()]), jnp.float32)
+    clauses = tuple(each for each in evaluator.task.target.clauses if not isinstance(each, Integrity))
+    target = Target(clauses=clauses or evaluator.task.target.clauses)
+    frame_dt, mass = evaluator.task.frame_dt, jnp.asarray(responses.mass)
+    parts = list(dict.fromkeys(part for structure in structures for part in structure))
+    bank = jnp.asarray(np.stack([responses.superpose(*part) for part in parts]), jnp.float32)
     base = jnp.asarray(responses.base, jnp.float32)
+    count = -len(structures) % _BATCH + len(structures)  # whole batches: one program
+    filled = [structures[index % len(structures)] for index in range(count)]
+    rows = jnp.asarray([[parts.index(part) for part in structure] for structure in filled])
 
     def residuals(u, row):
         x = base + jnp.einsum("ai,aitnc->tnc", u.reshape(-1, 3), bank[row])
         return compute_residuals(target, x, mass, frame_dt)
 
-    fit = jax.jit(partial(_fit_numbers, residuals))
-    measure = jax.jit(lambda u, row: 0.5 * jnp.sum(residuals(u, row) ** 2))
-    losses, fields = [], []
-    for structure, place in zip(structures, places):
-        row = jnp.asarray(place)
-        free = np.ones(3 * len(structure), np.float32)
-        u = np.asarray(fit(row, free, jnp.full(free.shape, 0.05)))
-        if any(skill is ActionType.SCALE for skill, _ in structure):
-            for index, (skill, _) in enumerate(structure):
-                if skill is ActionType.SCALE:
-                    mine = slice(3 * index, 3 * index + 3)
-                    free[mine] = np.eye(3)[np.argmax(np.abs(u[mine]))]
-            u = np.asarray(fit(row, free, jnp.asarray(free * u)))
-        actions, vectors = [], []
-        for (skill, slot), vector in zip(structure, u.reshape(-1, 3)):
-            action = _make(skill, slot, vector, evaluator.task.frame_count)
-            actions.append(action)
-            vectors.append(action.magnitude * np.asarray(action.vector))
-        loss = float(measure(jnp.asarray(np.concatenate(vectors), jnp.float32), row))
-        losses.append(loss if np.isfinite(loss) else np.inf)
-        fields.append(ForceField(default_drop=responses.drop, actions=tuple(actions)))
-    return losses, fields
+    @jax.jit
+    def fit(free, start):
+        fit_one = partial(_fit_numbers, residuals)
+        return jax.lax.map(lambda each: fit_one(*each), (rows, free, start), batch_size=_BATCH)
+
+    free = np.ones((count, 3 * len(structures[0])), np.float32)
+    u, losses = (np.asarray(each) for each in fit(free, 0.05 * free))
+    axial = np.array([[skill is ActionType.SCALE for skill, _ in structure] for structure in filled])
+    sizes = np.abs(u).reshape(*axial.shape, 3)
+    other = axial[..., None] & (sizes < sizes.max(-1, keepdims=True))
+    free = np.where(other.reshape(u.shape), 0.0, free).astype(np.float32)
+    u, losses = (np.asarray(each) for each in fit(free, free * u))
+    fields = [_make(each, v, responses.drop, evaluator.task.frame_count) for each, v in zip(structures, u)]
+    return [float(loss) if np.isfinite(loss) else np.inf for loss in losses[: len(structures)]], fields
 
 
 def _fit_numbers(residuals, row, free, start):
-    """Levenberg-Marquardt with a fixed number of steps; what is not ``free`` stays."""
+    """Levenberg-Marquardt with a fixed number of steps, then into the library's range; what is not ``free`` stays."""
 
     def loss(u):
         return 0.5 * jnp.sum(residuals(u, row) ** 2)
@@ -270,9 +264,16 @@ def _fit_numbers(residuals, row, free, start):
         trial = jnp.clip(trial, -MAGNITUDE_MAX, MAGNITUDE_MAX)
         there = loss(trial)
         good = there < here
-        return jnp.where(good, trial, u), jnp.where(good, damping / 3, damping * 4), jnp.where(good, there, here)
+        return (
+            jnp.where(good, trial, u),
+            jnp.where(good, damping / 3, damping * 4),
+            jnp.where(good, there, here),
+        )
 
-    return jax.lax.fori_loop(0, _STEPS, step, (start, jnp.float32(1e-2), loss(start)))[0]
+    u, _, _ = jax.lax.fori_loop(0, _STEPS, step, (start, jnp.float32(1e-2), loss(start)))
+    sizes = jnp.sqrt(jnp.sum(u.reshape(-1, 3) ** 2, -1) + 1e-12)
+    u = u * jnp.repeat(jnp.clip(sizes, MAGNITUDE_MIN, MAGNITUDE_MAX) / sizes, 3)
+    return u, loss(u)
 
 
 def _fit(skill: ActionType, slot: Slot) -> Slot:
@@ -282,14 +283,19 @@ def _fit(skill: ActionType, slot: Slot) -> Slot:
     return dataclasses.replace(slot, last=min(slot.first + BLOW_LENGTH, slot.last))
 
 
-def _make(skill: ActionType, slot: Slot, vector: np.ndarray, frame_count: int) -> Action:
-    size = float(np.linalg.norm(vector))
-    way = vector / size if size > 1e-6 else np.array([1.0, 0.0, 0.0])
-    size = min(max(size, MAGNITUDE_MIN), MAGNITUDE_MAX)
-    if skill is ActionType.SCALE and way[np.argmax(np.abs(way))] < 0:
-        way, size = -way, -size
-    whole = slot.first == 0 and slot.last == frame_count - 1
-    return _act(skill, way.tolist(), size, None if whole else (float(slot.first), float(slot.last)), slot.region)
+def _make(structure: Structure, u: np.ndarray, drop: bool, frame_count: int) -> ForceField:
+    """The force field with these numbers, brought into the library's range."""
+    actions = []
+    for (skill, slot), vector in zip(structure, u.reshape(-1, 3)):
+        size = float(np.linalg.norm(vector))
+        way = vector / size if size > 1e-6 else np.array([1.0, 0.0, 0.0])
+        size = min(max(size, MAGNITUDE_MIN), MAGNITUDE_MAX)
+        if skill is ActionType.SCALE and way[np.argmax(np.abs(way))] < 0:
+            way, size = -way, -size  # a squeeze
+        whole = slot.first == 0 and slot.last == frame_count - 1
+        window = None if whole else (float(slot.first), float(slot.last))
+        actions.append(_act(skill, way.tolist(), size, window, slot.region))
+    return ForceField(default_drop=drop, actions=tuple(actions))
 
 
 def _act(skill: ActionType, vector, magnitude: float, window, region: Region | None) -> Action:

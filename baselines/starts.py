@@ -73,7 +73,9 @@ class OracleMethod(Method):
 
     def __post_init__(self):
         if self.actions is not None and not 1 <= self.actions <= 3:
-            raise UserError("`actions` must be 1 to 3: nobody can try all combinations of more", got=self.actions)
+            raise UserError(
+                "`actions` must be 1 to 3: nobody can try all combinations of more", got=self.actions
+            )
 
     def make_unknowns(self, evaluator: Evaluator, template: ForceField) -> Parametrisation:
         """What is sought of force fields like ``template``."""

@@ -6,6 +6,7 @@ import dataclasses
 
 from baselines.agents import play_rounds, read_sentence
 from baselines.evaluation import Evaluator
+from baselines.privileged import TrueSight
 from baselines.protocol import Method
 from physagent_jax.core.errors import UserError
 
@@ -16,9 +17,11 @@ class PhysAgent(Method):
 
     Attributes:
         rounds: At most; the budget may hold fewer. The product's own limit is 4.
+        privileged: Whether true particles and the judge's margins take the place of perception and planner.
     """
 
     rounds: int = 1000
+    privileged: bool = False
 
     def __post_init__(self):
         if self.rounds < 1:
@@ -29,6 +32,16 @@ class PhysAgent(Method):
         """As in the registry."""
         return "physagent"
 
+    @property
+    def oracle(self) -> bool:
+        """Only with privileges."""
+        return self.privileged
+
     def search(self, evaluator: Evaluator) -> None:
         """Until the planner is satisfied, the executor has nothing left to try, or the budget is spent."""
-        play_rounds(evaluator, read_sentence(evaluator), rounds=self.rounds)
+        reading = read_sentence(evaluator)
+        if self.privileged:
+            sight = TrueSight(evaluator.task)
+            play_rounds(evaluator, reading, rounds=self.rounds, agents=sight.make_agents(), sight=sight)
+        else:
+            play_rounds(evaluator, reading, rounds=self.rounds)

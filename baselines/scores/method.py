@@ -7,8 +7,8 @@ clip fits: the latest force field is the answer, as in the published methods.
 from __future__ import annotations
 
 import dataclasses
-from functools import partial
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np

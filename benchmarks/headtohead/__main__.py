@@ -99,7 +99,9 @@ def list_tasks(command: Command) -> tuple[tuple[TaskSpec, ...], list[str]]:
     """
     split = None if command.split == "both" else command.split
     specs = load_tasks(command.tasks, split=split, families=command.families or None)
-    specs, left_out = split_available([spec for spec in specs if spec.smooth or not command.smooth], command.data)
+    specs, left_out = split_available(
+        [spec for spec in specs if spec.smooth or not command.smooth], command.data
+    )
     counts: dict[str, int] = {}
     chosen = []
     every = 4 if command.quick else command.every

@@ -59,6 +59,9 @@ METHODS = (
 
 ABLATION = (
     Entrant("full", "physagent", question="skills and feedback"),
+    Entrant(
+        "privileged", "physagent", dict(privileged=True), "true particles and the judge in place of pictures"
+    ),
     Entrant("without skills", "physsplat_f", dict(feedback=True), "pushes of strength 1, with feedback"),
     Entrant("without refinement", "physsplat_f", dict(skills=True), "the first guess"),
     Entrant("types: agent, numbers: agent", "physsplat_f", dict(skills=True), "nobody optimises"),

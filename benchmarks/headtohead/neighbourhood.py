@@ -19,8 +19,8 @@ from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ForceField
 
 Begin = Literal["near", "begin", "all types", "responses"]
-"""Near the witness; at the first force field that the task itself gives (recovery); from afar: at random with all types,
-or where the object's responses say (`baselines.responses`)."""
+"""Near the witness; at the first force field that the task itself gives (recovery); from afar, at random with all
+types, or where the object's responses say (`baselines.responses`)."""
 
 STRONGER = 0.3
 """Part of |M| that is added or taken away, whichever the library allows; by chance where both are."""

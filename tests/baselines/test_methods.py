@@ -1,5 +1,7 @@
 """Methods against simulators with a closed form, through the evaluator that they are given in earnest."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -163,16 +165,19 @@ def test_every_combination_of_kinds_is_there_once():
 
 def test_a_fall_is_among_the_types_only_where_it_helps():
     """A fall misses by 1 and rest by 2, or the other way round: the one that misses less is what actions add to."""
-    for falls in (True, False):
 
-        class Falling(Linear):
-            def compute_residuals(self, rollout):
-                return np.full(4, 1.0 if rollout.default_drop == falls else 2.0)
+    @dataclasses.dataclass
+    class Falling(Linear):
+        helps: bool = True
 
-        evaluator = make_evaluator(Falling(A, A @ WANTED))
+        def compute_residuals(self, rollout):
+            return np.full(4, 1.0 if rollout.default_drop == self.helps else 2.0)
+
+    for helps in (True, False):
+        evaluator = make_evaluator(Falling(A, A @ WANTED, helps=helps))
         templates = choose_templates(evaluator, "enumerated")
-        assert evaluator.spent == 2 and {each.default_drop for each in templates} == {falls}
-        assert len(templates) == len(KINDS) + falls
+        assert evaluator.spent == 2 and {each.default_drop for each in templates} == {helps}
+        assert len(templates) == len(KINDS) + helps
 
 
 def test_surrogate_goes_through_what_is_known_and_knows_where_it_does_not():
