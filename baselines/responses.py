@@ -15,8 +15,9 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -24,12 +25,27 @@ import numpy as np
 
 from baselines.evaluation import Evaluator
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import Action, ActionType, ForceField, HalfSpaceRegion, Region
-from physagent_jax.metrics.targets import Integrity, Target
+from physagent_jax.forces.schema import (
+    Action,
+    ActionType,
+    ConstraintType,
+    ForceField,
+    HalfSpaceRegion,
+    Region,
+    VelocityConstraint,
+)
+from physagent_jax.metrics.targets import Integrity, Target, Turn
 from physagent_jax.metrics.task_judge import compute_residuals
 
 SKILLS = (ActionType.TRANSLATION, ActionType.IMPULSE, ActionType.SCALE, ActionType.TORQUE)
 """Of equals the first is preferred: superposed turns grow what they turn, and pass for a stretch."""
+
+WRING = ConstraintType.PARTICLE_ROTATION
+"""Two ends turned against each other and held so: what no torque does to a body that springs back. Prescribed motions
+do not add up, so that both ends are one response."""
+
+END_SKILLS = (ActionType.TRANSLATION, ActionType.IMPULSE, ActionType.TORQUE)
+"""Of an end."""
 
 STRENGTH = 0.6
 """[|M|] of what is simulated: strong enough to be told from rounding, weak enough to be in proportion."""
@@ -61,14 +77,22 @@ class Slot:
     Attributes:
         first, last: Frames.
         region: None = the whole object.
+        against: The other end, which turns the other way (`WRING`).
     """
 
     first: int
     last: int
     region: Region | None = None
+    against: Region | None = None
+
+    @property
+    def place(self) -> tuple[Region | None, Region | None]:
+        """Where, whenever."""
+        return self.region, self.against
 
 
-Structure = tuple[tuple[ActionType, Slot], ...]
+Skill = ActionType | ConstraintType
+Structure = tuple[tuple[Skill, Slot], ...]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -79,20 +103,20 @@ class Responses:
         base: Paths without actions [m], shape (T, n, 3).
         drop: Whether it is let fall.
         mass: [kg], shape (n,).
-        steps: By skill and region, what one along each axis adds at |M| = 1 when it acts from frame 0 on, a blow at
-            frame 0 [m], shape (3, T, n, 3).
+        steps: By skill and place, what one along each axis adds at |M| = 1 when it acts from frame 0 on, a blow at
+            frame 0, and a turn that is held from the first change on [m], shape (3, T, n, 3).
     """
 
     base: np.ndarray
     drop: bool
     mass: np.ndarray
-    steps: dict[tuple[ActionType, Region | None], np.ndarray]
+    steps: dict[tuple[Skill, tuple[Region | None, Region | None]], np.ndarray]
 
-    def superpose(self, skill: ActionType, slot: Slot) -> np.ndarray:
+    def superpose(self, skill: Skill, slot: Slot) -> np.ndarray:
         """What a skill in a slot adds, shape (3, T, n, 3)."""
-        step = self.steps[skill, slot.region]
+        step = self.steps[skill, slot.place]
         begun = _delay(step, slot.first)
-        if skill is ActionType.IMPULSE or slot.last >= step.shape[1] - 1:
+        if skill in (ActionType.IMPULSE, WRING) or slot.last >= step.shape[1] - 1:
             return begun
         return begun - _delay(step, slot.last)
 
@@ -107,7 +131,7 @@ def find_starts(evaluator: Evaluator, count: int) -> list[ForceField]:
     structures = [
         each
         for each in dict.fromkeys(list_structures(evaluator))
-        if all((skill, slot.region) in responses.steps for skill, slot in each)
+        if all((skill, slot.place) in responses.steps for skill, slot in each)
     ]
     ranked: list[tuple[float, ForceField]] = []
     for size in range(1, _MOST + 1):
@@ -118,7 +142,9 @@ def find_starts(evaluator: Evaluator, count: int) -> list[ForceField]:
     if responses.drop:
         fall = ForceField(default_drop=True)
         ranked.append((evaluator.score(fall, "start").loss, fall))
-    ranked.sort(key=lambda pair: round(pair[0] + FAINT * len(pair[1].actions), 2))
+    ranked.sort(
+        key=lambda pair: round(pair[0] + FAINT * (len(pair[1].actions) + len(pair[1].constraints)), 2)
+    )
     return [field for _, field in ranked[:count]]
 
 
@@ -128,21 +154,20 @@ def measure_responses(evaluator: Evaluator) -> Responses:
     frames, steps = evaluator.task.frame_count, {}
     fallen = evaluator.watch(ForceField(default_drop=True), "fall")
     still, stride = None, 1
-    for region in list_regions(evaluator):
-        if region is not None and evaluator.spent + 3 * len(SKILLS) > until:
+    for slot, skills in list_places(evaluator):
+        if slot.region is not None and evaluator.spent + 3 * len(skills) > until:
             break
-        for skill in SKILLS:
-            made = []
-            for axis in np.eye(3).tolist():
-                window = (0.0, float(BLOW_LENGTH)) if skill is ActionType.IMPULSE else None
-                action = _act(skill, axis, STRENGTH, window, region)
-                x = evaluator.watch(ForceField(actions=(action,)), f"response to {skill}")
+        for skill in skills:
+            made, timed = [], _fit(skill, slot, evaluator)
+            for axis in np.eye(3):
+                field = _make(((skill, timed),), STRENGTH * axis, False, frames)
+                x = evaluator.watch(field, f"response to {skill}")
                 if x is not None and still is None:
                     stride = max(1, round(x.shape[1] / PARTICLES))
                     still = np.repeat(x[:1, ::stride], frames, axis=0)
                 made.append(None if x is None else x[:, ::stride])
             if still is not None:
-                steps[skill, region] = np.stack(
+                steps[skill, slot.place] = np.stack(
                     [np.zeros_like(still) if x is None else (x - still) / STRENGTH for x in made]
                 )
     mass = evaluator.task.mass[::stride]
@@ -156,13 +181,23 @@ def measure_responses(evaluator: Evaluator) -> Responses:
     return Responses(fallen if drop and fallen is not None else still, drop, mass, steps)
 
 
-def list_regions(evaluator: Evaluator) -> list[Region | None]:
-    """The whole, where the task's own first force field acts, and the ends that the target speaks of."""
-    found = [action.region for action in evaluator.task.start.actions]
-    for clause in evaluator.task.target.clauses:
+def list_places(evaluator: Evaluator) -> list[tuple[Slot, Sequence[Skill]]]:
+    """Where something may act for the whole clip, and what.
+
+    The whole; two ends that the target wants turned against each other; where the task's own first force field acts,
+    and the ends that the target speaks of.
+    """
+    end, clauses = evaluator.task.frame_count - 1, evaluator.task.target.clauses
+    places: dict[Slot, Sequence[Skill]] = {Slot(0, end): SKILLS}
+    for clause in clauses:
+        if isinstance(clause, Turn) and clause.part is not None and clause.against is not None:
+            places[Slot(0, end, make_end(clause.part), make_end(clause.against))] = (WRING,)
+    regions = [action.region for action in evaluator.task.start.actions if action.region is not None]
+    for clause in clauses:
         ends = (clause.part, getattr(clause, "against", None))
-        found += [make_end(end) for end in ends if end is not None]
-    return list(dict.fromkeys([None, *found]))
+        regions += [make_end(each) for each in ends if each is not None]
+    places |= {Slot(0, end, region): END_SKILLS for region in regions}
+    return list(places.items())
 
 
 def make_end(direction: tuple[float, float, float]) -> Region:
@@ -191,23 +226,26 @@ def list_structures(evaluator: Evaluator) -> Iterator[Structure]:
     """
     end, changes = evaluator.task.frame_count - 1, list_changes(evaluator)
     own = [
-        Slot(*(int(round(frame)) for frame in action.active_time or (0, end)), action.region)
+        Slot(*_round(action.active_time or (0, end)), action.region)
         for action in evaluator.task.start.actions
     ]
     for skills in itertools.product(SKILLS, repeat=len(own) if len(own) <= _MOST else 0):
-        yield tuple((skill, _fit(skill, slot)) for skill, slot in zip(skills, own))
+        yield tuple((skill, _fit(skill, slot, evaluator)) for skill, slot in zip(skills, own))
     windows = list(itertools.combinations((0, *changes, end), 2))
-    ends = [region for region in list_regions(evaluator) if region is not None]
-    for region, (first, last), skill in itertools.product((None, *ends), windows, SKILLS):
-        yield ((skill, _fit(skill, Slot(first, last, region))),)
-    for pair, skill in itertools.product(itertools.combinations(ends, 2), SKILLS):
-        yield tuple((skill, _fit(skill, Slot(0, end, region))) for region in pair)
+    ends: list[Slot] = []
+    for slot, skills in list_places(evaluator):
+        for (first, last), skill in itertools.product(windows, skills):
+            timed = dataclasses.replace(slot, first=first, last=last)
+            yield ((skill, _fit(skill, timed, evaluator)),)
+        ends += [slot] if slot.region is not None and slot.against is None else []
+    for pair, skill in itertools.product(itertools.combinations(ends, 2), END_SKILLS):
+        yield tuple((skill, _fit(skill, slot, evaluator)) for slot in pair)
     for change, skills in itertools.product(changes, itertools.product(SKILLS, repeat=2)):
         parts = (Slot(0, change), Slot(change, end))
-        yield tuple((skill, _fit(skill, slot)) for skill, slot in zip(skills, parts))
+        yield tuple((skill, _fit(skill, slot, evaluator)) for skill, slot in zip(skills, parts))
     for (one, two), skill in itertools.product(itertools.combinations(changes, 2), SKILLS):
         parts = (Slot(0, one), Slot(one, two), Slot(two, end))
-        yield tuple((skill, _fit(skill, slot)) for slot in parts)
+        yield tuple((skill, _fit(skill, slot, evaluator)) for slot in parts)
 
 
 def fit_structures(
@@ -276,31 +314,38 @@ def _fit_numbers(residuals, row, free, start):
     return u, loss(u)
 
 
-def _fit(skill: ActionType, slot: Slot) -> Slot:
-    """The slot; a blow's is at its beginning."""
-    if skill is not ActionType.IMPULSE:
-        return slot
-    return dataclasses.replace(slot, last=min(slot.first + BLOW_LENGTH, slot.last))
+def _fit(skill: Skill, slot: Slot, evaluator: Evaluator) -> Slot:
+    """The slot; a blow's is at its beginning, and ends are turned until the first change."""
+    if skill is ActionType.IMPULSE:
+        return dataclasses.replace(slot, last=min(slot.first + BLOW_LENGTH, slot.last))
+    if skill is WRING:
+        return dataclasses.replace(slot, first=0, last=list_changes(evaluator)[0])
+    return slot
 
 
 def _make(structure: Structure, u: np.ndarray, drop: bool, frame_count: int) -> ForceField:
     """The force field with these numbers, brought into the library's range."""
-    actions = []
+    actions, constraints, end = [], [], frame_count - 1
     for (skill, slot), vector in zip(structure, u.reshape(-1, 3)):
         size = float(np.linalg.norm(vector))
         way = vector / size if size > 1e-6 else np.array([1.0, 0.0, 0.0])
         size = min(max(size, MAGNITUDE_MIN), MAGNITUDE_MAX)
         if skill is ActionType.SCALE and way[np.argmax(np.abs(way))] < 0:
             way, size = -way, -size  # a squeeze
-        whole = slot.first == 0 and slot.last == frame_count - 1
-        window = None if whole else (float(slot.first), float(slot.last))
-        actions.append(_act(skill, way.tolist(), size, window, slot.region))
-    return ForceField(default_drop=drop, actions=tuple(actions))
+        x, y, z = way.tolist()
+        window = None if (slot.first, slot.last) == (0, end) else (float(slot.first), float(slot.last))
+        same: dict[str, Any] = dict(vector=(x, y, z), magnitude=size, active_time=window, region=slot.region)
+        if isinstance(skill, ActionType):
+            actions.append(Action(action_type=skill, **same))
+            continue
+        for region, side in ((slot.region, 1.0), (slot.against, -1.0)):
+            same |= dict(vector=(side * x, side * y, side * z), region=region)
+            constraints.append(VelocityConstraint(constraint_type=skill, held_until=float(end), **same))
+    return ForceField(default_drop=drop, actions=tuple(actions), constraints=tuple(constraints))
 
 
-def _act(skill: ActionType, vector, magnitude: float, window, region: Region | None) -> Action:
-    x, y, z = vector
-    return Action(action_type=skill, vector=(x, y, z), magnitude=magnitude, active_time=window, region=region)
+def _round(window: tuple[float, float]) -> tuple[int, int]:
+    return round(window[0]), round(window[1])
 
 
 def _delay(step: np.ndarray, frames: int) -> np.ndarray:

@@ -23,6 +23,7 @@ import physagent_jax as pa
 from baselines.tasks import Task, TaskSpec, load_tasks, load_witnesses, make_task, split_available
 from benchmarks import harness
 from benchmarks.harness import Job, Row
+from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS, Entrant
 from benchmarks.headtohead.markdown import document
 from benchmarks.headtohead.measuring import judge_field, measure
@@ -61,9 +62,11 @@ class Command(harness.Command):
     every: int = 1
     """Only every so-many-th task of a family."""
     budget: float = 30.0
-    """Forward-equivalents of each fit; marks beyond it are left out."""
+    """Forward-equivalents of each fit: the last mark."""
     seeds: int = 1
     """Of what is random; the rest is done once."""
+    leaderboard: Path | None = None
+    """File of JSON lines, one per fit: those of this result are added; `verify` then checks all of its lines."""
     plots: Path | None = None
     """Also draw success against budget here."""
 
@@ -77,7 +80,7 @@ def main() -> int:
     except UserError as error:
         print(f"headtohead: {error}", file=sys.stderr)
         return 2
-    marks = tuple(mark for mark in MARKS if mark <= command.budget)
+    marks = (*(mark for mark in MARKS if mark < command.budget), command.budget)
     parts: dict[str, Callable[[], list[Job]]] = {
         "methods": lambda: _list_jobs(command, specs, METHODS, marks, command.budget),
         "ablation": lambda: _list_jobs(command, specs, ABLATION, marks, command.budget),
@@ -86,6 +89,8 @@ def main() -> int:
         "verify": lambda: _list_checks(command, specs),
     }
     code = harness.main(command, parts, document, {"left_out": left_out, "budget": command.budget})
+    if command.leaderboard is not None and command.json.is_file():
+        leaderboard.merge(command.leaderboard, json.loads(command.json.read_text()))
     if command.plots is not None:
         plot(json.loads(command.json.read_text()), command.plots)
     return code
@@ -158,11 +163,13 @@ def _measure_from(
 
 
 def _list_checks(command: Command, specs: Sequence[TaskSpec]) -> list[Job]:
-    """The last force field of every row of the file, once more."""
+    """The last force field of every row of the file, or of every line of the leaderboard, once more."""
     known = {spec.name: spec for spec in specs}
-    result = json.loads(command.json.read_text()) if command.json.is_file() else {}
-    parts = ("methods", "ablation", "iterations", "neighbourhood")
-    rows = [row for part in parts for row in result.get(part, {}).get("rows", [])]
+    if command.leaderboard is not None and command.leaderboard.is_file():
+        rows = [leaderboard.as_row(entry) for entry in leaderboard.read(command.leaderboard)]
+    else:
+        result = json.loads(command.json.read_text()) if command.json.is_file() else {}
+        rows = [row for part in leaderboard.PARTS for row in result.get(part, {}).get("rows", [])]
     return [
         Job(row["job"], partial(verify, row, _make(known[row["task"]], command.data)))
         for row in rows

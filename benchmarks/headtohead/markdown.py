@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.harness import link, number, provenance, table
 from benchmarks.headtohead.statistics import CAP, compare, correct, estimate, read_mark
 
-PARTS = ("methods", "ablation", "iterations", "verify")
+PARTS = ("methods", "ablation", "iterations", "neighbourhood", "verify")
 REFERENCE = "physagent"
 _MEANING = f"""Made by `python -m benchmarks.headtohead`. Every method has the same tasks, the same simulator and the
 same budget in forward-equivalents (one plain simulation is 1; a value with its gradient is charged 4.3, failures, line
@@ -23,6 +23,15 @@ intervals of the bootstrap over tasks, stratified by family; seeds are averaged 
 pass before it is used ([score-priors.md](score-priors.md)). `bo_leap` is left out for its time.
 """
 
+_NEIGHBOURS = """
+## Are the local methods broken?
+
+A method that misses a task from where it is nearly solved is broken, not weak. *Near* begins at a force field that
+solves the task, with every strength 30 % off and every direction 20 degrees; *begin* at the force field that recovery
+tasks give; *all types* and *responses* from afar, at random with every skill in turn, or where one simulation per skill
+and axis, superposed, says that it might be solved ([responses.py](../baselines/responses.py)). *Smooth* tasks are those
+in which nothing comes to touch the ground, a rule of the scene ([README](../benchmarks/tasks/README.md)).
+"""
 _ELSEWHERE = """
 ## What others report on their own scenes
 
@@ -65,6 +74,8 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
     if "iterations" in result:
         text += "\n## Rounds\n\nSuccess after so many simulations: the first guess, then rewrites.\n"
         text += _write_marks(result["iterations"]["rows"])
+    if "neighbourhood" in result:
+        text += _NEIGHBOURS + _write_neighbours(result["neighbourhood"]["rows"])
     if "verify" in result:
         rows = result["verify"]["rows"]
         good = sum(row["good"] for row in rows)
@@ -140,6 +151,28 @@ def _write_costs(rows: list[dict]) -> str:
         "refused",
     ]
     return "\nMedians over tasks; seconds with what had to be compiled.\n" + table(head, lines)
+
+
+def _write_neighbours(rows: list[dict]) -> str:
+    """Tasks solved, smooth ones and others, and the names of the missed ones where these may be known."""
+    last, lines = find_last_mark(rows), []
+    for label, mine in group(rows).items():
+        for split in sorted({row["split"] for row in mine}):
+            cells = []
+            for smooth in (True, False):
+                solved = [
+                    read_mark(row, last)[0]
+                    for row in mine
+                    if (row["smooth"], row["split"]) == (smooth, split)
+                ]
+                cells.append(f"{sum(solved):.0f} of {len(solved)}" if solved else "")
+            here = [row for row in mine if row["split"] == split]
+            missed = [row["task"] for row in here if not read_mark(row, last)[0]]
+            names = ", ".join(missed) if split == "development" else "not told: it is the test split"
+            spent = number(float(np.median([row["spent"] for row in here])))
+            lines.append([label, split, *cells, spent, names if missed else "none"])
+    head = ["method, start", "split", "smooth", "others", "forward-equivalents (median)", "missed"]
+    return table(head, lines)
 
 
 def _find_median(rows: list[dict], name: str) -> str:

@@ -8,11 +8,19 @@ import pytest
 from baselines.evaluation import Evaluator
 from baselines.methods import make_method
 from baselines.protocol import Budget
-from baselines.responses import BLOW_LENGTH, find_starts, list_changes, list_structures, make_end
+from baselines.responses import (
+    BLOW_LENGTH,
+    WRING,
+    find_starts,
+    list_changes,
+    list_structures,
+    make_end,
+    measure_responses,
+)
 from baselines.tasks import START
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import Action, ActionType, ForceField, HalfSpaceRegion
-from physagent_jax.metrics.targets import Distance, Stretch, Target
+from physagent_jax.metrics.targets import Distance, Stretch, Target, Turn
 from physagent_jax.metrics.task_judge import compute_residuals, judge
 
 FRAMES = 13
@@ -100,10 +108,25 @@ def test_ends_are_those_that_the_target_speaks_of():
     assert isinstance(region, HalfSpaceRegion)
     assert region.point == pytest.approx((0.5, 0.5, 2 / 3))
     find_starts(evaluator, 1)
-    assert evaluator.spent == 25
+    assert evaluator.spent == 22
     poor, _ = make_evaluator(top, budget=40)
     find_starts(poor, 1)
     assert poor.spent == 13  # an end is too dear: 40 % of the budget are 16
+
+
+def test_ends_are_turned_against_each_other_where_that_is_asked_for():
+    """Both by one vector, one each way, held to the end: three simulations more, and not one for each end alone."""
+    twist = Turn(window=(0, 12), part=(0, 0, 1), against=(0, 0, -1), axis=(0, 0, 1), target=40, tolerance=10)
+    evaluator, _ = make_evaluator(twist, budget=50)
+    responses = measure_responses(evaluator)
+    ends = make_end((0.0, 0.0, 1.0)), make_end((0.0, 0.0, -1.0))
+    assert (WRING, ends) in responses.steps and evaluator.spent == 16
+    fields = [each.force_field for each in evaluator.evaluations if each.force_field.constraints]
+    assert len(fields) == 3
+    for field in fields:
+        one, other = field.constraints
+        assert (one.region, other.region) == ends and one.held_until == other.held_until == FRAMES - 1
+        np.testing.assert_allclose(one.vector, -np.asarray(other.vector))
 
 
 def test_changes_are_apart_and_blows_short():

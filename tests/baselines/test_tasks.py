@@ -74,6 +74,16 @@ def test_splits_and_families_can_be_asked_for():
         load_tasks(FOLDER, families=("dance",))
 
 
+def test_smooth_tasks_are_those_without_contact_to_come():
+    smooth = {spec.name for spec in ALL if spec.smooth}
+    assert {spec.name for spec in ALL if spec.scene.world == "free"} <= smooth
+    assert (
+        "drop-robot" not in smooth
+        and "impulse-jelly-held" in smooth
+        and "multi-jelly-drop-then-push" not in smooth
+    )
+
+
 def test_what_needs_a_folder_of_data_is_left_out_by_name(tmp_path):
     kept, missing = split_available(ALL, None)
     assert {spec.object for spec in kept} == {name for name in OBJECTS if OBJECTS[name].data is None}

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from baselines.protocol import Evaluation, FitResult
+from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.__main__ import verify
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS
 from benchmarks.headtohead.markdown import document
 from benchmarks.headtohead.measuring import judge_marks
-from physagent_jax.forces.schema import Action, ActionType, ForceField
+from benchmarks.headtohead.neighbourhood import STRONGER, TURNED, perturb
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.schema import Action, ActionType, BoxRegion, ForceField
 from physagent_jax.metrics.task_judge import ClauseJudgement, TaskJudgement
 
 
@@ -74,6 +77,58 @@ def test_a_stored_field_is_verified_against_target_and_simulation():
     assert not verify(row | {"marks": [mark | {"success": False}]}, task)[0]["good"]
 
 
+def test_a_leaderboard_keeps_what_others_wrote_and_can_be_verified(tmp_path):
+    """Ours is replaced by a later fit of the same; a line that claims what its force field does not do is found out."""
+    task, path = World(), tmp_path / "board.jsonl"
+
+    def make_result(magnitude):
+        (mark,) = judge_marks(fitted((magnitude, 1.0, 0.0)), task, (10.0,))
+        row = dict(run=0, job="j", label="adam", task="t", split="test", seed=0, oracle=True)
+        row |= dict(spent=9.5, seconds=1.0, target_hash="abc", marks=[mark])
+        return {
+            "methods": {"runs": [{"git_revision": "r"}], "rows": [row, row | {"label": "x", "marks": []}]}
+        }
+
+    leaderboard.merge(path, make_result(0.6))
+    assert [entry.success for entry in leaderboard.read(path)] == [False]
+    theirs = leaderboard.read(path)[0].model_copy(update={"method": "theirs", "success": True, "error": 0.1})
+    path.write_text(path.read_text() + theirs.model_dump_json() + "\n")
+    leaderboard.merge(path, make_result(1.0))
+    entries = leaderboard.read(path)
+    assert [(entry.method, entry.success) for entry in entries] == [("adam", True), ("theirs", True)]
+    found = [verify(leaderboard.as_row(entry), task)[0]["good"] for entry in entries]
+    assert found == [True, False]
+    path.write_text(path.read_text() + "{}\n")
+    with pytest.raises(UserError, match="board.jsonl:3"):
+        leaderboard.read(path)
+
+
+def test_the_page_names_missed_tasks_of_development_only():
+    def make_row(split, smooth, success):
+        mark = {"mark": 10.0, "success": success, "error": 0.5}
+        row = dict(label="adam, near", task=f"{split}-a", split=split, smooth=smooth, spent=9.0, marks=[mark])
+        return row | dict(run=0, oracle=True, family="drop", seed=0)
+
+    rows = [make_row("development", True, False), make_row("development", False, True)]
+    rows.append(make_row("test", True, False))
+    run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
+    section = {"neighbourhood": {"runs": [run], "complete": True, "rows": rows}}
+    page = document(section, Path("a.json"), Path("b.md"))
+    assert "| adam, near | development | 0 of 1 | 1 of 1 | 9 | development-a |" in page
+    assert "| adam, near | test | 0 of 1 |  | 9 | not told" in page and "test-a" not in page
+
+
+@pytest.mark.parametrize("size", [0.45, 1.0, 1.5])
+def test_a_neighbour_is_so_far_away_and_in_range(size):
+    region = BoxRegion(low=(0, 0, 0), high=(1, 1, 0.3))
+    action = Action(action_type=ActionType.SCALE, vector=(0.6, 0.0, 0.8), magnitude=-size, region=region)
+    near = perturb(ForceField(actions=(action,), default_drop=True), np.random.default_rng(0))
+    (moved,) = near.actions
+    assert near.default_drop and moved.region == region and moved.action_type is ActionType.SCALE
+    assert abs(moved.magnitude / -size - 1.0) == pytest.approx(STRONGER) and 0.4 <= -moved.magnitude <= 1.6
+    assert np.degrees(np.arccos(np.dot(moved.vector, action.vector))) == pytest.approx(TURNED)
+
+
 def test_every_entrant_can_be_made_and_oracles_are_named():
     for entrants in (METHODS, ABLATION, ITERATIONS):
         assert len({entrant.label for entrant in entrants}) == len(entrants)
@@ -104,4 +159,7 @@ def test_the_page_has_success_cost_and_pairs():
     )
     assert "| adam (oracle) | 0% of 1 | 0 % (0–0) |" in page
     assert "| physagent | 0 % (0–0) | 100 % (100–100) |" in page
-    assert "Not measured yet: ablation, iterations, verify" in page and "Against physagent" in page
+    assert (
+        "Not measured yet: ablation, iterations, neighbourhood, verify" in page
+        and "Against physagent" in page
+    )
