@@ -42,6 +42,12 @@ BLOW = (0.0, 2.0)
 SOLVED = 1e-6
 """Loss at which nothing is left to be gained."""
 
+GOOD = 0.125
+"""Loss at which no residual is beyond 0.5, which is a success: `compute_residuals` begins at half a tolerance."""
+
+HOP = 0.15
+"""[|M| v] standard deviation by which a search that got stuck begins again beside its best."""
+
 FIRST_SHARE = 0.6
 """Of the budget that is spent on finding out which of several searches is the best."""
 
@@ -91,29 +97,36 @@ class LocalMethod(OracleMethod):
     """A local optimiser from one start or from several, of one type or of all.
 
     With several, each is scored, the best half goes on again and again (successive halving, Jamieson & Talwalkar 2016),
-    and what is left of the budget is the last one's; when it has converged the others go on, then new ones begin.
+    and what is left of the budget is the last one's; when it has converged the others go on, then new ones begin. What
+    has converged short of a success has often met a kink (a greatest value that changes its frame), which small steps
+    do not leave: it begins again beside the best (basin hopping, Wales & Doye 1997).
 
     Attributes:
         types: Who says what the actions are.
         numbers: Who says where they begin.
         starts: Starts of each type, all but the first drawn at random; how many types, where responses say which.
+        hops: How often a search that got stuck begins again beside its best, at most.
     """
 
     types: Types = "task"
     numbers: Numbers = "task"
     starts: int = 1
+    hops: int = 4
 
     @property
     def stochastic(self) -> bool:
-        """Whether starts are drawn."""
-        if self.types == self.numbers == "responses":
-            return False
-        return self.starts > 1 or self.numbers == "random" or self.types == "enumerated"
+        """Whether anything may be drawn."""
+        return self.hops > 0 or self._draws
+
+    @property
+    def _draws(self) -> bool:
+        """Whether there are ever new starts."""
+        return self.starts > 1 or self.numbers == "random" or self.types in ("enumerated", "responses")
 
     def __post_init__(self):
         super().__post_init__()
-        if self.starts < 1:
-            raise UserError("`starts` must be at least 1", got=self.starts)
+        if self.starts < 1 or self.hops < 0:
+            raise UserError("`starts` must be at least 1, `hops` at least 0", got=(self.starts, self.hops))
         if self.numbers == "responses" and self.types != "responses":
             raise UserError("responses give numbers for their own types only", do="Say types=responses too")
 
@@ -136,11 +149,28 @@ class LocalMethod(OracleMethod):
         draw = partial(self.draw, evaluator)
         found = choose_numbers(evaluator, templates, self.types, self.numbers, draw)
         found += [draw(template) for template in templates for _ in range(repeats - 1)]
+        sought = any(template.actions or template.constraints for template in templates)
         while True:
             best = share(evaluator, list(dict.fromkeys(found)), self.descend, self.find_cost)
-            if best <= SOLVED or not (self.stochastic or self.types == "responses"):
+            for _ in range(self.hops if sought else 0):
+                if best <= GOOD:
+                    break
+                hop = self._hop(evaluator)
+                best = min(best, _exhaust(self.descend(evaluator, hop, evaluator.remaining)))
+            if best <= SOLVED or not (sought and self._draws):
                 return
             found = [draw(template) for template in templates for _ in range(repeats)]
+
+    def _hop(self, evaluator: Evaluator) -> ForceField:
+        """Beside the best that has been tried and has numbers."""
+        best, least = None, math.inf
+        for each in evaluator.evaluations:
+            numbers = each.force_field.actions or each.force_field.constraints
+            if numbers and each.objective is not None and (best is None or each.objective < least):
+                best, least = each.force_field, each.objective
+        best = evaluator.task.start if best is None else best
+        unknowns = self.make_unknowns(evaluator, best)
+        return unknowns.decode(unknowns.encode(best) + HOP * evaluator.rng.normal(size=unknowns.size))
 
 
 def choose_templates(

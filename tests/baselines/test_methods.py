@@ -11,8 +11,9 @@ from baselines.methods.lbfgs import find_direction
 from baselines.methods.smoothed_adam import combine
 from baselines.starts import KINDS, choose_templates, enumerate_types
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.parameters import ActionParameters, ForceFieldParameters
 from physagent_jax.forces.schema import ForceField
-from tests.baselines.analytic import Linear, make_evaluator
+from tests.baselines.analytic import Linear, make_evaluator, pushes
 from tests.baselines.tiny import act
 
 A = np.array([[3.0, 1.0, 0.0], [0.0, 2.0, 0.5], [1.0, 0.0, 4.0], [0.2, 0.3, 1.0]])
@@ -39,11 +40,11 @@ def find(result) -> np.ndarray:
 
 
 def test_levenberg_marquardt_finds_the_closed_form_of_linear_least_squares():
-    evaluator = make_evaluator(linear(offset=0.5), budget=60)
+    evaluator = make_evaluator(linear(offset=0.4), budget=60)
     result = fit("levenberg_marquardt", evaluator)
-    exact = np.linalg.lstsq(A, linear(offset=0.5).b, rcond=None)[0]
+    exact = np.linalg.lstsq(A, linear(offset=0.4).b, rcond=None)[0]
     np.testing.assert_allclose(find(result), exact, atol=2e-3)
-    assert result.find_incumbent().objective == pytest.approx(0.125, rel=1e-4)
+    assert result.find_incumbent().objective == pytest.approx(0.08, rel=1e-4)
     assert result.spent < 40  # it knows when it has converged
 
 
@@ -244,4 +245,27 @@ def _all_types(name):
 def test_what_no_number_changes_ends_at_once():
     for name in ("levenberg_marquardt", "lbfgs"):
         result = fit(name, make_evaluator(Linear(np.zeros((2, 3)), np.ones(2))))
-        assert result.spent < 20 and result.find_incumbent().objective == 1.0
+        assert result.spent < 40 and result.find_incumbent().objective == 1.0
+
+
+@pytest.mark.parametrize("name", ["levenberg_marquardt", "lbfgs"])
+def test_a_search_that_is_stuck_at_a_kink_begins_again_beside_it(name):
+    """Where r is flat beyond a kink next to the start, there is no way down; a step aside there is one."""
+
+    class Ledge(Linear):
+        def replay(self, rollout, parameters):
+            u = pushes(parameters)
+            return self.A @ u - self.b if u[0] < 0.25 else np.full(4, 9.0)
+
+        def differentiate(self, rollout, parameters):
+            if pushes(parameters)[0] < 0.25:
+                return super().differentiate(rollout, parameters)
+            zero = [ActionParameters(np.zeros(3), np.zeros(()), np.zeros(2))]
+            return np.full(4, 9.0), ForceFieldParameters(tuple(zero))
+
+    start = act("translation", (0.3, 0.6, 0.74), 1.0)
+    found = {}
+    for hops in (0, 20):
+        result = fit(name, make_evaluator(Ledge(A, A @ WANTED), start, budget=200), hops=hops)
+        found[hops] = result.find_incumbent().objective
+    assert found[0] == pytest.approx(162.0) and found[20] < 1e-3
