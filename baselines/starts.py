@@ -98,8 +98,8 @@ class LocalMethod(OracleMethod):
 
     With several, each is scored, the best half goes on again and again (successive halving, Jamieson & Talwalkar 2016),
     and what is left of the budget is the last one's; when it has converged the others go on, then new ones begin. What
-    has converged short of a success has often met a kink (a greatest value that changes its frame), which small steps
-    do not leave: it begins again beside the best (basin hopping, Wales & Doye 1997).
+    has converged short of a success, as at a kink (a greatest value that changes its frame), which small steps do not
+    leave, begins again beside the best (basin hopping, Wales & Doye 1997).
 
     Attributes:
         types: Who says what the actions are.
