@@ -24,7 +24,7 @@ from baselines.tasks import Task, TaskSpec, load_tasks, load_witnesses, make_tas
 from benchmarks import harness
 from benchmarks.harness import Job, Row
 from benchmarks.headtohead import leaderboard
-from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS, Entrant
+from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS, Entrant, list_distillers
 from benchmarks.headtohead.markdown import document
 from benchmarks.headtohead.measuring import judge_field, measure
 from benchmarks.headtohead.neighbourhood import Begin, list_begins, list_entrants, move
@@ -43,7 +43,9 @@ _KEPT = tempfile.TemporaryDirectory()
 class Command(harness.Command):
     """Compare the methods, or write the tables of an earlier run."""
 
-    parts: tuple[Literal["methods", "ablation", "iterations", "neighbourhood", "verify"], ...] = (
+    parts: tuple[
+        Literal["methods", "ablation", "iterations", "distillation", "neighbourhood", "verify"], ...
+    ] = (
         "methods",
         "ablation",
         "iterations",
@@ -65,6 +67,10 @@ class Command(harness.Command):
     """Forward-equivalents of each fit: the last mark."""
     seeds: int = 1
     """Of what is random; the rest is done once."""
+    prior: Literal["wan", "modelscope", "cogvideox", "toy"] = "toy"
+    """Who leads the methods of score distillation."""
+    weights: str = "runs/toy_prior/prior"
+    """Of the prior."""
     leaderboard: Path | None = None
     """File of JSON lines, one per fit: those of this result are added; `verify` then checks all of its lines."""
     plots: Path | None = None
@@ -85,6 +91,9 @@ def main() -> int:
         "methods": lambda: _list_jobs(command, specs, METHODS, marks, command.budget),
         "ablation": lambda: _list_jobs(command, specs, ABLATION, marks, command.budget),
         "iterations": lambda: _list_jobs(command, specs, ITERATIONS, ROUNDS, ROUNDS[-1]),
+        "distillation": lambda: _list_jobs(
+            command, specs, list_distillers(command.prior, command.weights), marks, command.budget
+        ),
         "neighbourhood": lambda: _list_neighbours(command, specs, marks),
         "verify": lambda: _list_checks(command, specs),
     }

@@ -78,5 +78,21 @@ ABLATION = (
 )
 """Table 2: what skills and feedback are worth, and who should choose types, who numbers."""
 
+
+def list_distillers(prior: str, weights: str) -> tuple[Entrant, ...]:
+    """The methods of score distillation, led by a prior; their rows say whose word they follow."""
+    led = dict(prior=prior, weights=weights)
+    return (
+        Entrant(f"dreamphysics_f ({prior} prior)", "dreamphysics_f", led, "the published schedule"),
+        Entrant(
+            f"dreamphysics_f, whole clip, Adam ({prior} prior)",
+            "dreamphysics_f",
+            led | dict(schedule="adam"),
+            "without its limits",
+        ),
+        Entrant(f"omniphysgs_f ({prior} prior)", "omniphysgs_f", led, "skills chosen too"),
+    )
+
+
 ITERATIONS = (Entrant("physagent", "physagent", dict(rounds=6), "rounds after the first guess"),)
 """Table 3: success after 0 to 5 rewrites."""

@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.harness import link, number, provenance, table
 from benchmarks.headtohead.statistics import CAP, compare, correct, estimate, read_mark
 
-PARTS = ("methods", "ablation", "iterations", "neighbourhood", "verify")
+PARTS = ("methods", "ablation", "iterations", "distillation", "neighbourhood", "verify")
 REFERENCE = "physagent"
 _MEANING = f"""Made by `python -m benchmarks.headtohead`. Every method has the same tasks, the same simulator and the
 same budget in forward-equivalents (one plain simulation is 1; a value with its gradient is charged 4.3, failures, line
@@ -19,10 +19,18 @@ best when the budget is spent; the judge reads true particles. *Oracle* methods 
 which nothing but a simulator with the answer at hand can know: they are bounds, not competitors. *Error* is the largest
 miss of a task's clauses in tolerances (1 = just a success), cut at {CAP:g}; its median over tasks. Brackets are 95 %
 intervals of the bootstrap over tasks, stratified by family; seeds are averaged first. Score distillation
-(`dreamphysics_f`, `omniphysgs_f`) takes no part: it needs a video model, and the toy prior fails the check that it must
-pass before it is used ([score-priors.md](score-priors.md)). `bo_leap` is left out for its time.
+(`dreamphysics_f`, `omniphysgs_f`) has a table of its own: what leads it here is a toy. `bo_leap` is left out for its
+time.
 """
 
+_DISTILLED = """
+## Score distillation
+
+The published methods with forces in place of materials, on the same tasks within the same budget. The *toy prior* knows
+twelve motions of five simulated objects at 32 x 32 pixels ([score-priors.md](score-priors.md)): what its rows show is
+that the machinery works and what a weak score is worth, and nothing about video models. Whether its gradients lead to
+the targets is in [distillation.md](distillation.md).
+"""
 _NEIGHBOURS = """
 ## Are the local methods broken?
 
@@ -93,6 +101,9 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
     if "iterations" in result:
         text += "\n## Rounds\n\nSuccess after so many simulations: the first guess, then rewrites.\n"
         text += _write_marks(result["iterations"]["rows"])
+    if "distillation" in result:
+        rows = result["distillation"]["rows"]
+        text += _DISTILLED + _write_families(rows) + _write_costs(rows)
     if "neighbourhood" in result:
         text += _NEIGHBOURS + _write_neighbours(result["neighbourhood"]["rows"])
     if "verify" in result:

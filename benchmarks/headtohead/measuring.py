@@ -26,7 +26,7 @@ def measure(entrant: Entrant, task: Task, marks: Sequence[float], seed: int, bud
     row: Row = {
         "label": entrant.label,
         "method": entrant.method,
-        "options": dict(entrant.options),
+        "options": {name: value for name, value in entrant.options.items() if name != "weights"},
         "task": task.spec.name,
         "family": task.spec.family,
         "split": task.spec.split,

@@ -160,6 +160,6 @@ def test_the_page_has_success_cost_and_pairs():
     assert "| adam (oracle) | 0% of 1 | 0 % (0–0) |" in page
     assert "| physagent | 0 % (0–0) | 100 % (100–100) |" in page
     assert (
-        "Not measured yet: ablation, iterations, neighbourhood, verify" in page
+        "Not measured yet: ablation, iterations, distillation, neighbourhood, verify" in page
         and "Against physagent" in page
     )
