@@ -128,7 +128,7 @@ def draw_video(frames=FRAMES, height=SIZE, width=SIZE, seed=0):
 
 
 def test_a_token_s_patch_comes_from_where_it_goes_to(nnx):
-    """Without blocks nothing mixes: a changed pixel changes its own patch, four frames of 8 x 8 pixels."""
+    """Without blocks nothing mixes: a changed pixel changes its own patch, four frames of 4 x 4 pixels."""
     model = make_model(nnx, depth=0)
     clip, words = draw_video(), np.zeros((1, len(WORDS)), np.float32)
     moved = clip.copy()
@@ -136,7 +136,7 @@ def test_a_token_s_patch_comes_from_where_it_goes_to(nnx):
     guesses = [np.asarray(model.guess_clean(each[None], np.full(1, 0.5), words))[0] for each in (clip, moved)]
     changed = (np.abs(guesses[1] - guesses[0]) > 1e-7).any(-1)
     wanted = np.zeros_like(changed)
-    wanted[4:8, 16:24, 8:16] = True
+    wanted[4:8, 20:24, 8:12] = True
     assert np.array_equal(changed, wanted)
 
 

@@ -65,9 +65,9 @@ class Command:
 
     out: Path = Path("runs/toy_prior/clips.npz")
     """Where they go."""
-    count: int = 480
+    count: int = 960
     """How many; each motion as often."""
-    instances: int = 4
+    instances: int = 6
     """Of each kind of object; the last of them is for validation."""
     particles: int = 700
     """At most."""

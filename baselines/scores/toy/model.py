@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 from flax import nnx  # pyright: ignore[reportMissingImports]
 
-PATCH = (4, 8, 8)  # frames, rows, columns of a token
+PATCH = (4, 4, 4)  # frames, rows, columns of a token
 SMALLEST_SHARE = 0.05  # of noise: where less is left, the velocity's error counts as if there were this much
 MEAN, SPREAD = 0.8, 0.5  # of the clips' values in [-1, 1], roughly: most of a picture is white
 

@@ -40,7 +40,7 @@ class Command:
     """What `python -m baselines.scores.toy.clips` wrote."""
     out: Path = Path("runs/toy_prior/prior")
     """Where the prior goes."""
-    steps: int = 2000
+    steps: int = 4000
     """Of the optimiser."""
     batch: int = 16
     """Clips per step."""
@@ -48,7 +48,7 @@ class Command:
     """Highest."""
     drop_prompt: float = 0.1
     """Share of the clips that are shown without a prompt, for guidance."""
-    validation_draws: int = 8
+    validation_draws: int = 16
     """Noises per held-out clip."""
     seed: int = 0
     """Of everything random."""
