@@ -45,9 +45,9 @@ _STOPS = """
 
 Its planner judges by the sentence, the tables by the task's clauses. Read on the development split:
 
-- All 24 sentences with clauses as targets name the amounts that the judge measures; the six of recovery name none, and
+- All 25 sentences with clauses as targets name the amounts that the judge measures; the six of recovery name none, and
   stored paths within 0.015 body lengths cannot be known from their words.
-- The agent that reads them takes a quantity from 8 of the 24 ("half", "a third", "a quarter" of its length, degrees),
+- The agent that reads them takes a quantity from 8 of the 25 ("half", "a third", "a quarter" of its length, degrees),
   all that the judge measures from 5. "A fifth" to "an eighth" and "four tenths" are not in its grammar: it says that
   it did not understand them, and the planner goes by its range for a word without a number, as 0.25 to 1.3 body
   lengths for a push, which is wider than the judge's third of the amount. What lies inside has no failed check, and
