@@ -39,7 +39,8 @@ def first(prompt, scene=None):
         ("three times around", "degrees", 1080), ("forty five degrees", "degrees", 45),
         ("2 meters", "metres", 2), ("30 cm", "metres", 0.3), ("half a metre", "metres", 0.5),
         ("half a body length", "lengths", 0.5), ("two body lengths", "lengths", 2),
-        ("a third of a length", "lengths", 1 / 3),
+        ("a third of a length", "lengths", 1 / 3), ("a fifth of a length", "lengths", 0.2),
+        ("four tenths of its height", "share", 0.4), ("an eighth of its length", "share", 0.125),
         ("twice its length", "share", 2), ("1.3 times its length", "share", 1.3),
         ("half its own height", "share", 0.5),
         ("70 % of its height", "share", 0.7), ("threefold", "share", 3), ("twice as tall", "share", 2),
@@ -131,6 +132,7 @@ def test_a_turn_reaches_its_angle(degrees):
         ("push it left from 0.2s until 0.6s", (5, 15)), ("from second 1 to second 2 push it left", (25, 50)),
         ("push it left for 800 ms", (0, 20)),
         ("push it left for one and a half seconds", (0, 38)), ("push it left from t=1s on", (25, 75)),
+        ("push it left for four tenths of a second", (0, 10)), ("push it left within a quarter second", (0, 6)),
     ],
 )  # fmt: skip
 def test_told_times_are_the_causes_own(prompt, window):

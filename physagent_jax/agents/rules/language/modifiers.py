@@ -415,6 +415,11 @@ UNITS: dict[str, str] = {
     "frame": "frame",
     "frames": "frame",
 }
+_ORDINALS = ("third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
+# Nouns of parts of a whole: "a fifth", "three quarters".
+FRACTIONS: dict[str, float] = {"half": 0.5, "quarter": 0.25, "quarters": 0.25} | {
+    name + plural: 1 / (index + 3) for index, name in enumerate(_ORDINALS) for plural in ("", "s")
+}
 CLIP_PARTS: dict[str, float] = {"half": 0.5, "third": 1 / 3, "quarter": 0.25}
 NUMBERS: dict[str, float] = {
     "a": 1,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from physagent_jax.agents.rules.language.modifiers import NUMBERS, UNITS
+from physagent_jax.agents.rules.language.modifiers import FRACTIONS, NUMBERS, UNITS
 from physagent_jax.agents.rules.language.tokens import Token
 
 # Units in the one that is reckoned with.
@@ -87,7 +87,6 @@ _TEENS = {
     "twenty": 20,
     "hundred": 100,
 }
-_PARTS = {"half": 0.5, "third": 1 / 3, "thirds": 1 / 3, "quarter": 0.25, "quarters": 0.25}
 _OWNERS = frozenset(
     {
         "its",
@@ -170,8 +169,8 @@ def match_quantity(tokens: list[Token], at: int) -> tuple[Quantity, int] | None:
 def match_number(tokens: list[Token], at: int) -> tuple[float, int] | None:
     """A number in digits or words, with fractions, and the index behind it."""
     text, after = _get(tokens, at), _get(tokens, at + 1)
-    if text in ("a", "an", "one") and after in _PARTS:
-        return _PARTS[after], at + 2
+    if text in ("a", "an", "one") and after in FRACTIONS:
+        return FRACTIONS[after], at + 2
     if text == "pi":
         return math.pi, at + 1
     if text in ("twice", "thrice"):
@@ -183,18 +182,18 @@ def match_number(tokens: list[Token], at: int) -> tuple[float, int] | None:
         if text in _TENS and 0 < NUMBERS.get(after, 0) < 10 and after not in ("a", "an", "half"):
             value, behind = value + NUMBERS[after], at + 2
     elif text in ("half", "quarter"):
-        return _PARTS[text], at + 1
+        return FRACTIONS[text], at + 1
     elif text in NUMBERS and text not in ("few", "couple"):
         value, behind = float(NUMBERS[text]), at + 1
     else:
         return None
     if _get(tokens, behind) == "pi":
         return value * math.pi, behind + 1
-    if _get(tokens, behind) in _PARTS and _get(tokens, behind) != "half" and value > 0:
-        return value * _PARTS[_get(tokens, behind)], behind + 1  # "two thirds"
+    if _get(tokens, behind) in FRACTIONS and _get(tokens, behind) != "half" and value > 0:
+        return value * FRACTIONS[_get(tokens, behind)], behind + 1  # "two thirds"
     words = [_get(tokens, behind + i) for i in range(3)]
-    if words[:2] == ["and", "a"] and words[2] in _PARTS:
-        return value + _PARTS[words[2]], behind + 3
+    if words[:2] == ["and", "a"] and words[2] in FRACTIONS:
+        return value + FRACTIONS[words[2]], behind + 3
     return value, behind
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from physagent_jax.agents.rules.language.modifiers import CLIP_PARTS, MOMENTS, NUMBERS, UNITS
+from physagent_jax.agents.rules.language.modifiers import CLIP_PARTS, FRACTIONS, MOMENTS, NUMBERS, UNITS
 from physagent_jax.agents.rules.language.tokens import Token
 
 _FILMS = frozenset({"video", "clip", "shot", "scene", "animation", "film", "movie", "sequence", "take"})
@@ -85,6 +85,13 @@ def parse_number(tokens: list[Token], at: int) -> tuple[float, int] | None:
     if word not in NUMBERS:
         return None
     after = _get_word(tokens, at + 1)
+    if (
+        after in FRACTIONS and after != "half"
+    ):  # "a third of a second", "four tenths of the clip", "a quarter second"
+        of = [_get_word(tokens, at + i) for i in (2, 3)]
+        behind = at + 4 if of[0] == "of" and of[1] in ("a", "one") else at + 2
+        if _get_word(tokens, behind) in UNITS:
+            return NUMBERS[word] * FRACTIONS[after], behind
     if word in ("a", "an") and after in ("half", "few", "couple"):
         return parse_number(tokens, at + 1)
     if after in ("a", "an", "of"):
