@@ -33,6 +33,11 @@ def thrown():
     return Experiment(Problem("thrown", SMALL, {"velocity": TRUTH}, starts))
 
 
+@pytest.fixture(scope="module")
+def row(thrown):
+    return measure_fit(thrown, "wrong", LEVENBERG_MARQUARDT)
+
+
 class Decay:
     """a e^(-b t) through five points of a = 2, b = 3; it cannot be computed for b below 0.2."""
 
@@ -131,8 +136,7 @@ def test_tracks_in_free_flight_are_the_discrete_parabola(thrown):
     assert np.std(noisy.observed - thrown.observed) == pytest.approx(1e-3 * SMALL.extent, rel=0.05)
 
 
-def test_a_velocity_is_found_and_the_row_is_good(thrown):
-    row = measure_fit(thrown, "wrong", LEVENBERG_MARQUARDT)
+def test_a_velocity_is_found_and_the_row_is_good(row):
     assert row["good"] and row["met"] and row["gradient_error"] < 1e-3
     assert np.linalg.norm(np.array(row["found"]["velocity"]) - TRUTH) < 1e-3 * np.linalg.norm(TRUTH)
     t = SMALL.frame_dt * np.arange(1, FRAMES + 1)  # dx / dv = t, for each of the tracks
@@ -163,8 +167,8 @@ def test_what_the_tracks_do_not_tell_is_not_sought():
     assert row["identified"] == 0 and row["eigenvalues"][0] < 0.1 * row["least"]
 
 
-def test_the_page_shows_what_was_found_missed_and_not_sought(thrown):
-    row = {"run": 0, "job": "j"} | measure_fit(thrown, "wrong", LEVENBERG_MARQUARDT)
+def test_the_page_shows_what_was_found_missed_and_not_sought(row):
+    row = {"run": 0, "job": "j"} | row
     missed = row | {"met": False, "steps_to_tolerance": None}
     hidden = row | {"fitted": False, "identified": 2, "unidentified": ["velocity z"]}
     run = {"quick": False, "seconds": 3.0, "command": "c", "machine": "m", "load_average": [0.1]}
