@@ -33,6 +33,7 @@ FILES = {
     "third": ("third_author.txt", 0),  # a half until it was opened
     "fourth": ("fourth_author.txt", 2),
     "fifth": ("fifth_author.txt", 2),
+    "sixth": ("sixth_author.txt", 0),  # who mended the parser by them afterwards
 }
 LIMIT = 0.03  # of the sentences held back that may be misread without a word
 UNITS = {"deg": "degrees", "x": "factor", "L": "lengths", "m": "metres"}
