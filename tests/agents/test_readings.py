@@ -23,7 +23,7 @@ def tell(motion: ExpectedMotion) -> str:
         words.append(NAMES.get(tuple(round(c) for c in motion.direction), "?"))
     words += [f"x{motion.repeats}"] if motion.repeats > 1 else []
     if motion.part is not None:
-        words += ["on", NAMES[tuple(round(c) for c in motion.part)]]
+        words += ["on", NAMES.get(tuple(round(c) for c in motion.part), "?")]
     return " ".join(words)
 
 

@@ -7,9 +7,11 @@ from dataclasses import replace
 from physagent_jax.agents.rules.language.clauses import WHERE, Clause, get_verb
 from physagent_jax.agents.rules.language.mentions import MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join
+from physagent_jax.agents.rules.language.naming import DETERMINERS
 from physagent_jax.agents.rules.language.verbs import Effect
 
 _PARTED = (MentionKind.PLACE, MentionKind.EXCLUDED)
+_MAKING = frozenset("make makes making made let lets cause causes causing".split())
 _SHAPING = (Effect.TURN, Effect.SCALE, Effect.SWAY)
 _SEPARATE_EFFECTS = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
 
@@ -20,7 +22,7 @@ def split_turning_winds(clauses: list[Clause]) -> list[Clause]:
     for clause in clauses:
         turns = clause.verb is not None and get_verb(clause.verb).effect is Effect.TURN and not clause.negated
         veers = turns and clause.verb is not None and clause.verb.phrase.startswith("turn")
-        if not veers or clause.cause is None or not get_verb(clause.cause).wind:
+        if not veers or clause.cause is None or not get_verb(clause.cause).wind or _is_turned(clause):
             result.append(clause)
             continue
         clause.verb = None
@@ -31,6 +33,16 @@ def split_turning_winds(clauses: list[Clause]) -> list[Clause]:
             clause.modifiers = [*rest, replace(ways[0], kind=MentionKind.DIRECTION)]
             result.append(Clause(Join.THEN, None, clause.cause, [*rest, ways[1]], mentions=clause.mentions))
     return result
+
+
+def _is_turned(clause: Clause) -> bool:
+    """Whether the wind turns something: "the breeze turns it", "makes the vane turn"."""
+    verb = clause.verb
+    assert verb is not None
+    after = next((m for m in clause.mentions if m.first > verb.first), None)
+    done_to = after is not None and after.phrase in DETERMINERS | {"it", "him", "her"}
+    made = any(m.form in _MAKING and m.first < verb.first for m in clause.mentions)
+    return done_to or made or " it " in verb.words
 
 
 def give_exceptions(clauses: list[Clause]) -> list[Clause]:

@@ -57,9 +57,11 @@ def _find_axes(clauses: list[Clause]) -> list[str]:
 
 
 def _find_denied_motion(clauses: list[Clause]) -> list[str]:
-    """Says "it is pushed but does not move": what is to be seen of the push?"""
+    """Says "it is pushed but does not move", "it does not move when pushed": what is to be seen of the push?"""
     doubts = []
-    for clause, denied in zip(clauses, clauses[1:]):
+    pairs = list(zip(clauses, clauses[1:]))
+    pairs += [(clause, denied) for denied, clause in pairs if clause.join is Join.WHILE]
+    for clause, denied in pairs:
         moves = clause.head is not None and not clause.negated
         verb = get_verb(denied.verb) if denied.verb is not None and denied.negated else None
         still = verb is not None and verb.effect is Effect.PUSH and (verb.generic or denied.words == "budge")
@@ -69,16 +71,42 @@ def _find_denied_motion(clauses: list[Clause]) -> list[str]:
 
 
 def _find_contrary_way(clauses: list[Clause]) -> list[str]:
-    """Says "lift it down": the verb has its way already."""
+    """Says "lift it down", "lift it from above", "jump down": the verb has its way already."""
     doubts = []
     for clause in clauses:
         verb = get_verb(clause.verb) if clause.verb is not None and not clause.inherited else None
-        opposite = (
-            {"up": ("down",), "down": ("up",)}.get(verb.direction or "") if verb and verb.bound else None
-        )
-        if opposite in [m.value for m in clause.select(MentionKind.DIRECTION)]:
+        jumps = verb is not None and verb.effect is Effect.JUMP
+        own = "up" if jumps else verb.direction if verb is not None and verb.bound else None
+        opposite = {"up": ("down",), "down": ("up",)}.get(own or "")
+        against = [m.value for m in clause.select(MentionKind.DIRECTION)]
+        against += [(_OPPOSITE[m.value[0]],) for m in clause.select(MentionKind.FROM) if isinstance(m.value, tuple)]
+        if opposite in against:
             doubts.append(f"Which way '{clause.words}' goes here is not understood.")
     return doubts
+
+
+def _find_going_nowhere(clauses: list[Clause]) -> list[str]:
+    """Says "off it goes", "it goes wild": which way, or how, is not told."""
+    doubts = []
+    for clause in clauses:
+        goes = clause.verb is not None and not clause.inherited and not clause.negated
+        if not goes or clause.words.split()[0].lower() not in ("go", "goes", "going", "went"):
+            continue
+        told = clause.select(*_WAYS, MentionKind.SIDES, MentionKind.SOLID, MentionKind.REPEAT, MentionKind.REVERSAL)
+        if not told:
+            doubts.append(f"Where it '{clause.words}' is not understood.")
+    return doubts
+
+
+def _find_hovering(clauses: list[Clause]) -> list[str]:
+    """Says "it rises, hovers and comes down": it stays up there, and rises no further."""
+    return [
+        f"How high '{clause.words}' is, is not understood."
+        for before, clause in zip(clauses, clauses[1:])
+        if before.verb is not None and clause.verb is not None
+        if get_verb(before.verb).direction == get_verb(clause.verb).direction == "up"
+        if clause.verb.form in ("hover", "hovers", "hovering", "floats", "floating")
+    ]
 
 
 def _find_rolling_upright(clauses: list[Clause]) -> list[str]:
@@ -175,7 +203,7 @@ def _find_side_alone(clauses: list[Clause]) -> list[str]:
         sided = [
             m
             for m in clause.select(MentionKind.PLACE)
-            if isinstance(m.value, Place) and {"left", "right"} & set(m.value.names)
+            if isinstance(m.value, Place) and {"left", "right", "away"} & set(m.value.names)
         ]
         told = clause.select(*_WAYS, MentionKind.SIDES, MentionKind.SOLID, MentionKind.REPEAT)
         if sided and not told and get_verb(clause.verb).direction is None:
@@ -217,6 +245,8 @@ _RULES = (
     _find_denied_motion,
     _find_denied_way,
     _find_contrary_way,
+    _find_going_nowhere,
+    _find_hovering,
     _find_many_ways,
     _find_rolling_upright,
     _find_ends_one_way,

@@ -14,6 +14,8 @@ from physagent_jax.agents.rules.language.modifiers import LOCATIONS, PARTS, Plac
 from physagent_jax.agents.rules.language.movers import find_other_movers
 from physagent_jax.agents.rules.language.naming import DETERMINERS
 from physagent_jax.agents.rules.language.neighbours import get_phrase
+from physagent_jax.agents.rules.language.retractions import find_retractions
+from physagent_jax.agents.rules.language.sides import find_sides
 from physagent_jax.agents.rules.language.surroundings import find_surroundings
 from physagent_jax.agents.rules.language.unplaced import UNPLACED_PARTS
 from physagent_jax.agents.rules.language.verbs import CAUSES, Effect, Verb
@@ -119,6 +121,8 @@ def find_doubts(
         ]
     doubts += find_other_movers(mentions, names)
     doubts += find_constructions(mentions)
+    doubts += find_retractions(mentions)
+    doubts += find_sides(mentions, names)
     doubts += find_surroundings(mentions)
     doubts += find_contradictions(clauses)
     return list(dict.fromkeys(doubts))

@@ -89,7 +89,7 @@ DIRECTIONS: dict[str, Names] = (
         "toward the ground, towards the ground, towards the floor, toward the floor, "
         "into the ground, onto the ground, into the floor, onto the floor, against the floor, "
         "against the ground, beneath": ("down",),
-        "forward, forwards, toward us, towards us, toward me, towards me, at us, "
+        "forward, forwards, toward us, towards us, toward me, towards me, at us, at me, at you, "
         "to us, to me, to you, out of the screen, closer, out of the picture, "
         "toward you, towards you, frontward, frontwards, nearer, over here, behind us, behind me, "
         "behind the camera, downstage": ("toward",),
@@ -103,7 +103,7 @@ DIRECTIONS: dict[str, Names] = (
     }
 )
 # After a verb of swaying these are whom it greets: "wave to us".
-ADDRESSEES = frozenset({"to us", "to me", "to you", "at us"})
+ADDRESSEES = frozenset({"to us", "to me", "to you", "at us", "at me", "at you"})
 # Directions that tell a place rather than a way when they follow a cause.
 LOCATIONS = frozenset({"above", "below", "beneath", "underneath", "behind", "overhead"})
 # Words for an end of the object that also serve as directions after "to the" and "from the".

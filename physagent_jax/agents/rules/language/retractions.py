@@ -1,0 +1,94 @@
+"""What somebody takes back, or says that it does not come about: "left, or rather right", "it was going to fall".
+
+Word by word the motion would be there all the same, or both that and what replaces it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.modifiers import Join
+from physagent_jax.agents.rules.language.neighbours import MOTIONS, WAYS, get_phrase, has_motion
+
+_ABSENT = frozenset({"nobody", "none"})
+_FAILING = frozenset(
+    (
+        "refuse refuses refused refusing decline declines declined fail fails failed failing forget forgets forgot "
+        "hesitate hesitates dare dares"
+    ).split()
+)
+_INTENDING = frozenset({"going", "about", "supposed", "meant", "ready"})
+_PAST = frozenset({"was", "were"})
+
+
+def find_retractions(mentions: list[Mention]) -> list[str]:
+    """Plain sentences about motions that are taken back or do not come about."""
+    return [doubt for index in range(len(mentions)) for rule in _RULES for doubt in rule(mentions, index)]
+
+
+def _find_absent(mentions: list[Mention], index: int) -> list[str]:
+    """Says "nobody pushes it", "no one": it is not done."""
+    mention = mentions[index]
+    absent = mention.form in _ABSENT or mention.form == "one" and any(m.form == "no" for m in mentions[max(index - 1, 0) : index])
+    after = next((m for m in mentions[index + 1 :] if m.kind is not MentionKind.FUNCTION), None)
+    owned = get_phrase(mentions, index + 1) == "of"
+    if absent and not owned and after is not None and after.kind in MOTIONS:
+        return [f"What happens if '{mention.words}' does it is not understood."]
+    return []
+
+
+def _find_failing(mentions: list[Mention], index: int) -> list[str]:
+    """Says "I refuse to push it", "it fails to rise", "it is about to fall", "it was going to jump"."""
+    mention = mentions[index]
+    leads = get_phrase(mentions, index + 1) == "to" and has_motion(mentions[index + 2 : index + 4])
+    intends = mention.form in _INTENDING and (
+        mention.form != "going" or any(m.form in _PAST for m in mentions[max(index - 2, 0) : index])
+    )
+    if leads and (mention.form in _FAILING or intends):
+        return [f"Whether what '{mention.words} to' leads to happens is not understood."]
+    return []
+
+
+def _find_correction(mentions: list[Mention], index: int) -> list[str]:
+    """Says "left, or rather backwards", "clockwise... actually make that ...", "up, no, left"."""
+    mention, before, behind = mentions[index], mentions[:index], mentions[index + 1 :]
+    told = any(m.kind in (*MOTIONS, *WAYS) for m in before)
+    again = any(m.kind in (*MOTIONS, *WAYS) for m in behind)
+    if not told or not again:
+        return []
+    apart = before[-1].kind is MentionKind.JOIN or before[-1].form == "or"
+    rather = mention.form == "rather" and before[-1].form in ("or", ",", "but", "no") and behind[0].form != "than"
+    actual = mention.form in ("actually", "better", "sorry", "correction") and apart
+    denies = mention.kind is MentionKind.NOT and mention.form in ("no", "nope")
+    denies = denies and apart and behind[0].kind is MentionKind.JOIN and behind[0].value is not Join.BUT
+    if rather or actual or denies:
+        return [f"What '{mention.words}' takes back is not understood."]
+    return []
+
+
+def _find_concession(mentions: list[Mention], index: int) -> list[str]:
+    """Says "although it is pushed, it stays", "even if it is hit", "despite the wind": what does it come to?"""
+    mention, after = mentions[index], get_phrase(mentions, index + 1)
+    though = mention.form in ("although", "though", "despite", "spite")
+    if though or mention.form == "even" and after in ("if", "though", "when"):
+        if has_motion(mentions[index:]):
+            return [f"What comes of it '{mention.words}' that is not understood."]
+    return []
+
+
+def _find_not_only(mentions: list[Mention], index: int) -> list[str]:
+    """Says "not only the head but all of it": that too, and more."""
+    alone = get_phrase(mentions, index + 1) in ("only", "just")
+    if mentions[index].kind is MentionKind.NOT and alone and any(m.value is Join.BUT for m in mentions[index:]):
+        return [f"What there is besides '{mentions[index].words} only' is not understood."]
+    return []
+
+
+_RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
+    _find_absent,
+    _find_failing,
+    _find_correction,
+    _find_concession,
+    _find_not_only,
+)

@@ -1,0 +1,224 @@
+"""Words for ways and sides that tell no way where they stand: "the left", "it left the ground", "off its feet"."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.modifiers import Join, Place
+from physagent_jax.agents.rules.language.naming import DETERMINERS
+from physagent_jax.agents.rules.language.neighbours import MOTIONS, WAYS, find_telling, get_phrase, has_motion
+from physagent_jax.agents.rules.language.verbs import Effect, Verb
+
+_PRONOUNS = frozenset({"it", "he", "she", "they"})
+_LATERAL = frozenset({"left", "right"})
+_LINKS = frozenset(
+    "to toward towards from on at of by in into for with onto off against and or than is near s".split()
+)
+_AIMS = frozenset({"against", "at", "into", "onto"})
+_LIMBS = frozenset({"hand", "arm", "foot", "fist", "hands", "feet", "leg", "shoulder"})
+
+
+def find_sides(mentions: list[Mention], names: frozenset[str]) -> list[str]:
+    """Plain sentences about ways that are none; ``names`` are words for the object."""
+    return [doubt for index in range(len(mentions)) for rule in _RULES for doubt in rule(mentions, index, names)]
+
+
+def _find_noun(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
+    """Says "shake the left", "it left the ground", "what is left of it", "the left robot"."""
+    mention, before, after = mentions[index], get_phrase(mentions, index - 1), get_phrase(mentions, index + 1)
+    if mention.kind is not MentionKind.DIRECTION or mention.phrase not in _LATERAL:
+        return []
+    verb = find_telling(mentions, index, -1)
+    done = verb is not None and verb.kind is MentionKind.VERB and before == "the" and index > 1
+    noun = done and mentions[index - 2] is verb
+    leaves = mention.phrase == "left" and before in names | _PRONOUNS and after in DETERMINERS | {"behind"}
+    leaves = leaves and not has_motion(mentions[:index])
+    remains = mention.phrase == "left" and before in ("is", "was", "are", "were") and after == "of"
+    one = before in DETERMINERS and after in names
+    if noun or leaves or remains or one:
+        return [f"What '{mention.words}' means here is not understood."]
+    return []
+
+
+def _find_just(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "push it right before it lands": to the right, or just then?"""
+    mention = mentions[index]
+    after = mentions[index + 1] if index + 1 < len(mentions) else None
+    told = mention.kind is MentionKind.DIRECTION and mention.words.lower() == "right"
+    if told and after is not None and after.value in (Join.BEFORE, Join.AFTER, Join.WHILE):
+        if not any(m.phrase in ("to", "the") for m in mentions[max(index - 2, 0) : index]):
+            return [f"Whether '{mention.words} {after.words}' tells a way or a time is not understood."]
+    return []
+
+
+def _find_aim(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
+    """Says "throw the ball against it", "it leans into the wind": a thing to meet, wherever it is."""
+    mention = mentions[index]
+    behind = index + 1
+    while get_phrase(mentions, behind) in DETERMINERS:
+        behind += 1
+    if mention.form not in _AIMS or mention.kind is not MentionKind.FUNCTION or behind >= len(mentions):
+        return []
+    wind = mentions[behind].value
+    facing = mention.form in ("against", "into") and isinstance(wind, Verb) and wind.wind
+    last = max((i for i in range(index) if mentions[i].kind in MOTIONS), default=index)
+    moved = any(m.phrase in names for m in mentions[last:index])
+    thing = mentions[behind].form in ("it", "them", "that") and behind == index + 1
+    if facing and has_motion(mentions[:index]) or moved and thing:
+        return [f"Where '{mention.words} {mentions[behind].words}' leads is not understood."]
+    return []
+
+
+def _find_left_part(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "knock it off its feet": the feet are what it leaves, not what is hit."""
+    mention = mentions[index]
+    off = {get_phrase(mentions, index - 1), get_phrase(mentions, index - 2)} & {"off"}
+    if isinstance(mention.value, Place) and mention.kind is MentionKind.PLACE and off:
+        return [f"What 'off {mention.words}' means is not understood."]
+    return []
+
+
+def _find_tool(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "push it with the right hand": whose hand?"""
+    mention = mentions[index]
+    limb = mention.kind is MentionKind.PLACE and bool(_LIMBS & set(mention.words.lower().split()))
+    owner = get_phrase(mentions, index - 1)
+    behind_with = any(m.form == "with" for m in mentions[max(index - 2, 0) : index])
+    if limb and behind_with and owner not in ("its", "his", "her") and has_motion(mentions[:index]):
+        return [f"Whose '{mention.words}' it is, is not understood."]
+    return []
+
+
+def _find_turns(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "from both sides in turn": one after the other, and no rotation."""
+    mention = mentions[index]
+    ends = index + 1 == len(mentions) or mentions[index + 1].kind is MentionKind.JOIN
+    bare = mention.form in ("turn", "turns") and isinstance(mention.value, Verb) and ends
+    if bare and get_phrase(mentions, index - 1) in ("in", "by", "take", "takes"):
+        return [f"What goes 'in {mention.words}' is not understood."]
+    return []
+
+
+def _find_facing(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "it turns to the camera": so that it faces there, and not that its top goes there."""
+    mention, verb = mentions[index], find_telling(mentions, index, -1)
+    turns = verb is not None and isinstance(verb.value, Verb) and verb.value.effect is Effect.TURN
+    if not turns or verb is None or verb.form not in ("turn", "turns", "turning", "turned"):
+        return []
+    if mention.kind is MentionKind.DIRECTION and mention.value in (("toward",), ("up",)):
+        return [f"What it is to turn '{mention.words}' is not understood."]
+    return []
+
+
+def _find_return(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "lift it and put it back": where it was, and not away from the viewer."""
+    mention = mentions[index]
+    puts = any(m.form in ("put", "puts", "set", "sets", "place") for m in mentions[max(index - 3, 0) : index])
+    down = get_phrase(mentions, index + 1) in ("down", "on", "up")
+    if mention.words.lower() == "back" and puts and not down and has_motion(mentions[:index]):
+        return [f"Where '{mention.words}' is, is not understood."]
+    return []
+
+
+def _find_measure(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "lift it halfway": how far, and not when."""
+    mention = mentions[index]
+    ends = index + 1 == len(mentions) or mentions[index + 1].kind is MentionKind.JOIN
+    verb = find_telling(mentions, index, -1)
+    moves = verb is not None and isinstance(verb.value, Verb) and verb.value.effect is not Effect.STILL
+    if mention.form in ("halfway", "midway") and ends and (moves or verb is not None and verb.kind in WAYS):
+        return [f"How far '{mention.words}' is, is not understood."]
+    return []
+
+
+def _find_part_besides(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "push it left and its head right": all of it one way, and a part another."""
+    if mentions[index].value is not Join.AND:
+        return []
+    at = index + 1
+    while at < len(mentions) and mentions[at].phrase in DETERMINERS:
+        at += 1
+    if at + 1 >= len(mentions) or mentions[at].kind is not MentionKind.PLACE:
+        return []
+    way = find_telling(mentions, at, 1)
+    begin = max((i for i in range(index) if mentions[i].kind is MentionKind.JOIN), default=-1) + 1
+    first = mentions[begin:index]
+    whole = any(m.kind is MentionKind.DIRECTION for m in first) and not any(
+        m.kind in (MentionKind.PLACE, MentionKind.EXCLUDED) for m in first
+    )
+    if whole and has_motion(first) and way is not None and way.kind is MentionKind.DIRECTION:
+        return [f"How '{mentions[at].words}' goes another way than the whole is not understood."]
+    return []
+
+
+def _find_other(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "to one side and then the other": what stands behind "the other" is left out."""
+    ends = index + 1 == len(mentions) or mentions[index + 1].kind is MentionKind.JOIN
+    if mentions[index].form == "other" and ends and get_phrase(mentions, index - 1) == "the":
+        return ["What 'the other' is, is not understood."]
+    return []
+
+
+def _find_body(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "the head goes left, the body right": the whole, or what is left of it?"""
+    mention, after = mentions[index], find_telling(mentions, index, 1)
+    rest = mention.form == "body" or mention.form == "rest" and get_phrase(mentions, index + 1) == "of"
+    other = any(m.kind is MentionKind.PLACE for m in mentions)
+    moves = after is not None and (
+        after.kind is MentionKind.DIRECTION
+        or isinstance(after.value, Verb)
+        and after.value.effect not in (Effect.STILL, Effect.HOLD)
+    )
+    if mention.kind is MentionKind.FUNCTION and rest and other and moves:
+        return [f"Which part '{mention.words}' is, is not understood."]
+    return []
+
+
+def _find_blow_side(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "a blow to the left side": where it is hit, and not where it goes."""
+    mention, verb = mentions[index], find_telling(mentions, index, -1)
+    struck = verb is not None and isinstance(verb.value, Verb) and verb.value.effect is Effect.STRIKE
+    lateral = mention.kind is MentionKind.DIRECTION and mention.phrase in _LATERAL
+    if struck and lateral and get_phrase(mentions, index + 1) == "side":
+        return [f"Whether '{mention.words} side' is where it is hit is not understood."]
+    return []
+
+
+def _find_rest(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "push it, rest for a second, push it": a pause."""
+    mention = mentions[index]
+    after = mentions[index + 1] if index + 1 < len(mentions) else None
+    begins = index > 0 and mentions[index - 1].kind is MentionKind.JOIN
+    timed = after is not None and after.kind is MentionKind.TIME
+    if mention.kind is MentionKind.FUNCTION and mention.form == "rest" and begins and timed:
+        return [f"When '{mention.words}' is, is not understood."]
+    return []
+
+
+def _find_near(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "bring the object more near": nearer to what?"""
+    verb = find_telling(mentions, index, -1)
+    brings = verb is not None and verb.kind in (MentionKind.VERB, MentionKind.COMPARATIVE)
+    if mentions[index].form == "near" and brings:
+        return [f"Where '{mentions[index].words}' is, is not understood."]
+    return []
+
+
+_RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = (
+    _find_noun,
+    _find_just,
+    _find_aim,
+    _find_left_part,
+    _find_tool,
+    _find_turns,
+    _find_facing,
+    _find_return,
+    _find_measure,
+    _find_part_besides,
+    _find_other,
+    _find_body,
+    _find_blow_side,
+    _find_rest,
+    _find_near,
+)
