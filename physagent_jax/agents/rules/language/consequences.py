@@ -5,14 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 
 from physagent_jax.agents.rules.language.clauses import WHERE, Clause, get_verb
-from physagent_jax.agents.rules.language.mentions import MentionKind
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join
-from physagent_jax.agents.rules.language.naming import DETERMINERS
-from physagent_jax.agents.rules.language.verbs import Effect
+from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
 _PARTED = (MentionKind.PLACE, MentionKind.EXCLUDED)
-_MAKING = frozenset("make makes making made let lets cause causes causing".split())
 _SHAPING = (Effect.TURN, Effect.SCALE, Effect.SWAY)
+_FORMS = (Effect.SCALE, Effect.SWELL, Effect.LEAN)
+# What an object does by itself; a push or a blow brings about what follows.
+_ITSELF = (Effect.FALL, Effect.JUMP, Effect.TURN, Effect.SWAY, Effect.ROLL, *_FORMS)
 _SEPARATE_EFFECTS = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
 
 
@@ -20,9 +21,10 @@ def split_turning_winds(clauses: list[Clause]) -> list[Clause]:
     """Makes two winds of one that turns: it blows to the first side, then to the second."""
     result: list[Clause] = []
     for clause in clauses:
-        turns = clause.verb is not None and get_verb(clause.verb).effect is Effect.TURN and not clause.negated
-        veers = turns and clause.verb is not None and clause.verb.phrase.startswith("turn")
-        if not veers or clause.cause is None or not get_verb(clause.cause).wind or _is_turned(clause):
+        verb = clause.verb
+        turns = verb is not None and get_verb(verb).effect is Effect.TURN and not clause.negated
+        veers = turns and verb is not None and verb.phrase.startswith("turn") and not _is_turned(verb)
+        if not veers or clause.cause is None or not get_verb(clause.cause).wind:
             result.append(clause)
             continue
         clause.verb = None
@@ -35,14 +37,9 @@ def split_turning_winds(clauses: list[Clause]) -> list[Clause]:
     return result
 
 
-def _is_turned(clause: Clause) -> bool:
-    """Whether the wind turns something: "the breeze turns it", "makes the vane turn"."""
-    verb = clause.verb
-    assert verb is not None
-    after = next((m for m in clause.mentions if m.first > verb.first), None)
-    done_to = after is not None and after.phrase in DETERMINERS | {"it", "him", "her"}
-    made = any(m.form in _MAKING and m.first < verb.first for m in clause.mentions)
-    return done_to or made or " it " in verb.words
+def _is_turned(verb: Mention) -> bool:
+    """Whether the wind turns something: "makes the vane turn", "turns it around"."""
+    return verb.form == "turn" or " it " in verb.words
 
 
 def give_exceptions(clauses: list[Clause]) -> list[Clause]:
@@ -142,7 +139,21 @@ def _is_moving_beside(cause: Clause, clause: Clause) -> bool:
     pushed = first.effect is Effect.PUSH and not first.wind and (not first.generic or cause.verb is not None)
     beside = second.effect in (Effect.TURN, Effect.SWAY)
     goes = bool(cause.select(*WHERE)) or first.direction is not None
-    return pushed and cause.cause is None and beside and goes
+    own = cause.cause is None and not cause.negated and _is_own(first, second, clause)
+    return own or pushed and cause.cause is None and beside and goes
+
+
+def _is_own(first: Verb, second: Verb, clause: Clause) -> bool:
+    """Whether a participle tells one more motion of its own: "it falls, spinning", "it spins, moving left"."""
+    if second.effect is Effect.PUSH and second.generic:
+        ways = clause.select(MentionKind.DIRECTION, MentionKind.FROM)
+        return first.effect in (Effect.TURN, Effect.JUMP, Effect.FALL) and bool(ways)
+    goes = second.effect is Effect.PUSH and second.bound
+    shapes = second.effect in (Effect.TURN, Effect.SWAY, Effect.JUMP, Effect.ROLL, *_FORMS)
+    if first.effect is Effect.TOPPLE:
+        return shapes and second.effect not in (Effect.TURN, Effect.ROLL, Effect.LEAN)
+    differs = second.effect is not first.effect and not {first.effect, second.effect} <= {Effect.TURN, Effect.ROLL}
+    return first.effect in _ITSELF and differs and (goes or shapes)
 
 
 def _is_meanwhile(first: Clause, clause: Clause) -> bool:

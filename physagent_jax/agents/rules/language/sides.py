@@ -115,7 +115,8 @@ def _find_return(mentions: list[Mention], index: int, _names: frozenset[str]) ->
     """Says "lift it and put it back": where it was, and not away from the viewer."""
     mention = mentions[index]
     puts = any(m.form in ("put", "puts", "set", "sets", "place") for m in mentions[max(index - 3, 0) : index])
-    down = get_phrase(mentions, index + 1) in ("down", "on", "up")
+    verb = find_telling(mentions, index, -1)
+    down = get_phrase(mentions, index + 1) in ("down", "on", "up") or verb is not None and "down" in verb.phrase
     if mention.words.lower() == "back" and puts and not down and has_motion(mentions[:index]):
         return [f"Where '{mention.words}' is, is not understood."]
     return []
@@ -205,6 +206,16 @@ def _find_near(mentions: list[Mention], index: int, _names: frozenset[str]) -> l
     return []
 
 
+def _find_turned(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
+    """Says "the breeze turns it": the object, and not the wind."""
+    mention, after = mentions[index], get_phrase(mentions, index + 1)
+    wind = any(isinstance(m.value, Verb) and m.value.wind for m in mentions[:index])
+    turns = mention.kind is MentionKind.VERB and mention.form in ("turns", "turned", "turning")
+    if wind and turns and after in DETERMINERS | names | {"it", "him", "her"}:
+        return [f"What the wind '{mention.words}' is not understood."]
+    return []
+
+
 _RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = (
     _find_noun,
     _find_just,
@@ -221,4 +232,5 @@ _RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = 
     _find_blow_side,
     _find_rest,
     _find_near,
+    _find_turned,
 )
