@@ -243,7 +243,9 @@ def _read_events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Even
         events = [
             e
             for e in events
-            if not (e.effect is Effect.STILL and e.verb.generic) or (e is tail and e.join is Join.THEN)
+            if not (e.effect is Effect.STILL and e.verb.generic)
+            or (e is tail and e.join is Join.THEN)
+            or (e is not events[0] and e.when.length is not None)  # "push it, rest for a second, push it"
         ]
     return events
 

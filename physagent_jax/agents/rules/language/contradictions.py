@@ -98,6 +98,20 @@ def _find_going_nowhere(clauses: list[Clause]) -> list[str]:
     return doubts
 
 
+def _find_fragments(clauses: list[Clause]) -> list[str]:
+    """Says "Push it. To the left. Gently.": told of the push before, and no other one."""
+    doubts = []
+    for before, clause in zip(clauses, clauses[1:]):
+        if not clause.inherited or clause.join is not Join.THEN or before.head is None or clause.negated:
+            continue
+        manner = {m.kind for m in clause.modifiers} <= {MentionKind.INTENSITY, MentionKind.DEGREE}
+        late = clause.select(*_WAYS) and not before.select(*_WAYS) and get_verb(before.head).direction is None
+        told = {m.kind for m in clause.modifiers} <= {*_WAYS}
+        if get_verb(before.head).effect in _DIRECTED and (manner and clause.modifiers or late and told):
+            doubts.append(f"Whether '{clause.modifiers[0].words}' tells of '{before.words}' is not understood.")
+    return doubts
+
+
 def _find_hovering(clauses: list[Clause]) -> list[str]:
     """Says "it rises, hovers and comes down": it stays up there, and rises no further."""
     return [
@@ -247,6 +261,7 @@ _RULES = (
     _find_contrary_way,
     _find_going_nowhere,
     _find_hovering,
+    _find_fragments,
     _find_many_ways,
     _find_rolling_upright,
     _find_ends_one_way,

@@ -23,6 +23,8 @@ _SAYING = frozenset(
 )
 _SHOWING = frozenset("show showing reveal revealing display displaying expose exposing".split())
 _LINKING = frozenset("to into onto from of in on at like as than until toward towards around".split())
+# What goes on with what was said before: no noun.
+_AGAIN = frozenset("repeat undo redo reverse opposite likewise ditto that this them".split())
 _TURNED = ("ing", "ed", "wise", "ways", "wards", "zag")
 _EMPTY = (MentionKind.FUNCTION, MentionKind.UNKNOWN, MentionKind.DEGREE, MentionKind.JOIN)
 _LONGEST_LABEL = 6
@@ -151,7 +153,7 @@ def _drop_fragments(mentions: list[Mention], names: frozenset[str]) -> list[Ment
         apart = all(words in (",", ".", "!", ";", ":") for words in around)
         unknown = [m for m in segment if m.kind is MentionKind.UNKNOWN]
         content = {m.kind for m in segment} <= {*_EMPTY, MentionKind.INTENSITY}
-        tells = any(m.form in names | _PRONOUNS | _LINKING or m.form.endswith(_TURNED) for m in segment)
+        tells = any(m.form in names | _PRONOUNS | _LINKING | _AGAIN or m.form.endswith(_TURNED) for m in segment)
         moved = any(m.kind in _HEADS for m in (*mentions[:begin], *mentions[end:]))
         if unknown and apart and content and moved and not tells and len(segment) <= _LONGEST_LABEL:
             result[begin:end] = [_empty(m) for m in segment]

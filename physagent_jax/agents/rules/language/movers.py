@@ -41,7 +41,7 @@ def find_other_movers(mentions: list[Mention], names: frozenset[str]) -> list[st
         passes = verb.effect in (Effect.PUSH, Effect.SWAY) and not verb.wind and place in _BY
         if alone or passes:
             doubts.append(f"What it is that goes '{place}' the object is not understood.")
-    return doubts + _find_doers(mentions, names)
+    return doubts + _find_doers(mentions, names) + _find_agents(mentions, names)
 
 
 def _find_doers(mentions: list[Mention], names: frozenset[str]) -> list[str]:
@@ -65,6 +65,19 @@ def _find_doers(mentions: list[Mention], names: frozenset[str]) -> list[str]:
             doubts.append(
                 f"'{mention.words}' is another thing that moves, and there is only one object here."
             )
+    return doubts
+
+
+def _find_agents(mentions: list[Mention], names: frozenset[str]) -> list[str]:
+    """Says "it is hit by a ball rolling to the left": the ball rolls, and not the object."""
+    doubts = []
+    for index in range(3, len(mentions)):
+        verb = mentions[index]
+        noun, article, by = (mentions[index - back] for back in (1, 2, 3))
+        agent = noun.kind in (MentionKind.FUNCTION, MentionKind.UNKNOWN) and noun.phrase not in names
+        done = verb.kind is MentionKind.VERB and verb.form.endswith("ing")
+        if done and agent and article.phrase in ("a", "an", "the") and by.form in ("by", "with"):
+            doubts.append(f"Whether '{verb.words}' is said of the object is not understood.")
     return doubts
 
 

@@ -85,10 +85,20 @@ def _find_not_only(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
+def _find_yet(mentions: list[Mention], index: int) -> list[str]:
+    """Says "it is still falling": it goes on, and is not still."""
+    mention, after = mentions[index], mentions[index + 1] if index + 1 < len(mentions) else None
+    still = mention.kind is MentionKind.VERB and mention.words.lower().endswith("still")
+    if still and after is not None and after.kind is MentionKind.VERB:
+        return [f"Whether it is '{mention.words}' is not understood."]
+    return []
+
+
 _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_absent,
     _find_failing,
     _find_correction,
     _find_concession,
     _find_not_only,
+    _find_yet,
 )

@@ -186,17 +186,6 @@ def _find_blow_side(mentions: list[Mention], index: int, _names: frozenset[str])
     return []
 
 
-def _find_rest(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
-    """Says "push it, rest for a second, push it": a pause."""
-    mention = mentions[index]
-    after = mentions[index + 1] if index + 1 < len(mentions) else None
-    begins = index > 0 and mentions[index - 1].kind is MentionKind.JOIN
-    timed = after is not None and after.kind is MentionKind.TIME
-    if mention.kind is MentionKind.FUNCTION and mention.form == "rest" and begins and timed:
-        return [f"When '{mention.words}' is, is not understood."]
-    return []
-
-
 def _find_near(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
     """Says "bring the object more near": nearer to what?"""
     verb = find_telling(mentions, index, -1)
@@ -230,7 +219,6 @@ _RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = 
     _find_other,
     _find_body,
     _find_blow_side,
-    _find_rest,
     _find_near,
     _find_turned,
 )
