@@ -12,7 +12,7 @@ from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, describe_skill
 from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb
 from physagent_jax.agents.rules.language.compilation import compile_slots
-from physagent_jax.agents.rules.language.audit import find_lost_ways
+from physagent_jax.agents.rules.language.audit import find_lost_ways, find_odd_measures
 from physagent_jax.agents.rules.language.doubts import find_doubts
 from physagent_jax.agents.rules.language.events import Event, ValueSource, interpret, resolve_obstacles
 from physagent_jax.agents.rules.language.grammar import read_clauses
@@ -134,6 +134,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     if len({m.first for m in solids}) > len(builder.obstacles):
         builder.unsure.append(f"Where '{solids[-1].words}' is, is not understood.")
     lost = find_lost_ways(clauses, builder.expectations, builder.obstacles, brief.directions)
+    lost += find_odd_measures(builder.expectations, brief.directions.up)
     for doubt in [*find_doubts(mentions, names, unknown, clauses, brief), *lost]:
         if doubt not in builder.unsure:
             builder.unsure.append(doubt)

@@ -45,6 +45,21 @@ def find_lost_ways(
     return doubts
 
 
+def find_odd_measures(motions: Sequence[ExpectedMotion], up: Vector) -> list[str]:
+    """Plain sentences about measures that the motion cannot have, or that were counted as well."""
+    doubts = []
+    for motion in motions:
+        amount = motion.amount
+        if amount is None:
+            continue
+        upright = motion.direction is not None and abs(cosine(_to_vector(motion.direction), up)) > _ALONG
+        shifts = motion.kind is MotionKind.MOVE and amount.unit == "degrees" and upright
+        again = amount.unit == "factor" and motion.repeats > 1 and motion.repeats == amount.value
+        if shifts or again or amount.value == 0:
+            doubts.append(f"What the measure of '{motion.words}' means is not understood.")
+    return doubts
+
+
 def _get_names(mention: Mention) -> Names:
     """The way that a mention tells; none if it may be a return ("pull it back") or a place ("bolted to the floor")."""
     value = mention.value

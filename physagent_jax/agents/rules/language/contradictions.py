@@ -98,6 +98,25 @@ def _find_going_nowhere(clauses: list[Clause]) -> list[str]:
     return doubts
 
 
+def _find_unfixed(clauses: list[Clause]) -> list[str]:
+    """Says "fix the base, then release it and push it": it is held only at first."""
+    doubts = []
+    for held, clause in zip(clauses, clauses[1:]):
+        verbs = [get_verb(c.verb).effect for c in (held, clause) if c.verb is not None and not c.negated]
+        if verbs == [Effect.HOLD, Effect.RELEASE]:
+            doubts.append(f"Until when '{held.words}' holds is not understood.")
+    return doubts
+
+
+def _find_kept(clauses: list[Clause]) -> list[str]:
+    """Says "bend it and don't let go": it is held, but where?"""
+    return [
+        f"What '{clause.words}' denies is not understood."
+        for clause in clauses[1:]
+        if clause.verb is not None and clause.negated and get_verb(clause.verb).effect is Effect.RELEASE
+    ]
+
+
 def _find_fragments(clauses: list[Clause]) -> list[str]:
     """Says "Push it. To the left. Gently.": told of the push before, and no other one."""
     doubts = []
@@ -151,7 +170,7 @@ def _find_ends_one_way(clauses: list[Clause]) -> list[str]:
         for clause in clauses
         if clause.head is not None and clause.select(MentionKind.SIDES)
         if get_verb(clause.head).effect in (Effect.PUSH, Effect.STRIKE)
-        and len(clause.select(MentionKind.DIRECTION)) == 1
+        and (len(clause.select(MentionKind.DIRECTION)) == 1 or get_verb(clause.head).bound)
     ]
 
 
@@ -262,6 +281,8 @@ _RULES = (
     _find_going_nowhere,
     _find_hovering,
     _find_fragments,
+    _find_kept,
+    _find_unfixed,
     _find_many_ways,
     _find_rolling_upright,
     _find_ends_one_way,

@@ -169,7 +169,7 @@ def read_manner(reader: Reader, at: int) -> Mention | None:
     if reader.get_text(at) not in m.MANNERS or not any(e.kind is MentionKind.VERB for e in reader.mentions):
         return None
     before = at - 1
-    while reader.get_text(before) in m.INTENSITIES or reader.get_text(before) in m.DEGREES:
+    while reader.get_text(before) in m.INTENSITIES or reader.get_text(before) in (*m.DEGREES, "any"):
         before -= 1
     if reader.get_text(before) not in ("with", "at", ","):
         return None

@@ -181,7 +181,7 @@ INTENSITIES: dict[str, float] = _spread(
         "a wee bit, tiniest, slightest, faintest, gentlest, softest, lightest, "
         " faint, faintly, a tiny bit, a touch, a tad, "
         "as gently as possible, as gently as you can, as softly as possible, a hair, a smidge, a smidgen, a notch, "
-        "a whisker, a trifle": MAGNITUDE_MIN,
+        "a whisker, a trifle, hardly any, barely any, only just, just barely": MAGNITUDE_MIN,
         "gently, gentle, softly, soft, a bit, a little, a little bit, weak, weakly, lightly, "
         "light, mild, mildly, little, tiny, delicately, delicate, subtle, subtly, small, calm, "
         "calmly, carefully, tender, tenderly, gingerly, limply, languid, languidly, low, with care, "
@@ -189,7 +189,7 @@ INTENSITIES: dict[str, float] = _spread(
         "slowly, slow, lazily, leisurely, sluggishly, unhurriedly": 0.6,
         "moderate, moderately, somewhat, medium": 0.8,
         "quickly, quick, fast, rapidly, rapid, swiftly, swift, briskly, hastily, hurriedly, speedily, at speed, "
-        "at full speed, at top speed": 1.3,
+        "at full speed, at top speed, at full tilt": 1.3,
         "strong, strongly, hard, firmly, firm, heavily, forcefully, forceful, powerfully, "
         "powerful, big, much, severely, severe, vigorously, vigorous, a lot, far, intense, "
         "intensely, sharply, sharp, considerably, deep, large, high, deeply, heavy, with force, mighty, "
@@ -222,7 +222,7 @@ COMPARATIVES: dict[str, float] = _spread(
         "harder, stronger, more strongly, faster, more violently, more forcefully, more, quicker, "
         "speed up, speed ~ up, with more force": 1.4,
         "gentler, softer, weaker, more gently, slower, more slowly, less, slow down, lighter, "
-        "more softly, slow ~ down": 0.6,
+        "more softly, slow ~ down, less hard, less strongly, less violently, less forcefully": 0.6,
     }
 )
 

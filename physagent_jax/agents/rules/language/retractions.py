@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
-from physagent_jax.agents.rules.language.modifiers import Join
+from physagent_jax.agents.rules.language.modifiers import MANNERS, Join
 from physagent_jax.agents.rules.language.neighbours import MOTIONS, WAYS, get_phrase, has_motion
+from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
 _ABSENT = frozenset({"nobody", "none"})
 _FAILING = frozenset(
@@ -19,6 +20,7 @@ _FAILING = frozenset(
     ).split()
 )
 _INTENDING = frozenset({"going", "about", "supposed", "meant", "ready"})
+_SHAPES = (Effect.LEAN, Effect.SCALE, Effect.TURN, Effect.TOPPLE, Effect.SWELL)
 _PAST = frozenset({"was", "were"})
 
 
@@ -85,6 +87,47 @@ def _find_not_only(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
+def _find_lasting(mentions: list[Mention], index: int) -> list[str]:
+    """Says "it stays bent", "lift it and keep it up": how it is in the end, and how it comes to be so."""
+    mention, after = mentions[index], mentions[index + 1] if index + 1 < len(mentions) else None
+    stays = mention.form in ("stay", "stays", "stayed", "staying", "remain", "remains", "remained", "remaining")
+    shaped = after is not None and isinstance(after.value, Verb) and after.value.effect in _SHAPES
+    keeps = mention.form in ("keep", "keeps", "kept", "keeping") and get_phrase(mentions, index + 1) == "it"
+    up = get_phrase(mentions, index + 2) in ("up", "down") and has_motion(mentions[:index])
+    if stays and shaped or keeps and up:
+        return [f"Whether '{mention.words}' tells a motion is not understood."]
+    return []
+
+
+def _find_multiple(mentions: list[Mention], index: int) -> list[str]:
+    """Says "with twice the force": how strongly, and not how often."""
+    mention, behind = mentions[index], [m.form for m in mentions[index + 1 : index + 4]]
+    if mention.kind is MentionKind.REPEAT and mention.form in ("twice", "thrice") and MANNERS & set(behind):
+        return [f"What '{mention.words}' as much is, is not understood."]
+    return []
+
+
+def _find_freedom(mentions: list[Mention], index: int) -> list[str]:
+    """Says "it is free to move": it may, and nothing is done."""
+    mention = mentions[index]
+    freed = mention.form == "free" and get_phrase(mentions, index + 1) == "to"
+    return [f"Whether '{mention.words} to' tells a motion is not understood."] if freed else []
+
+
+def _find_return_of_gravity(mentions: list[Mention], index: int) -> list[str]:
+    """Says "gravity off, push it up, gravity on", "no gravity until it is hit": it changes while it goes."""
+    mention = mentions[index]
+    if mention.kind is not MentionKind.GRAVITY or mention.value == "down":
+        return []
+    behind = mentions[index + 1 :]
+    back = any(m.kind is MentionKind.GRAVITY and m.value == "down" for m in behind)
+    falls = any(isinstance(m.value, Verb) and m.value.effect is Effect.FALL for m in behind)
+    until = bool(behind) and behind[0].form == "until"
+    if until or back and not falls and has_motion(behind):
+        return [f"Until when '{mention.words}' holds is not understood."]
+    return []
+
+
 def _find_yet(mentions: list[Mention], index: int) -> list[str]:
     """Says "it is still falling": it goes on, and is not still."""
     mention, after = mentions[index], mentions[index + 1] if index + 1 < len(mentions) else None
@@ -101,4 +144,8 @@ _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_concession,
     _find_not_only,
     _find_yet,
+    _find_freedom,
+    _find_return_of_gravity,
+    _find_lasting,
+    _find_multiple,
 )
