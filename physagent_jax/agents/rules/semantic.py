@@ -135,7 +135,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
         builder.unsure.append(f"Where '{solids[-1].words}' is, is not understood.")
     lost = find_lost_ways(clauses, builder.expectations, builder.obstacles, brief.directions)
     lost += find_odd_measures(builder.expectations, brief.directions.up)
-    for doubt in [*find_doubts(mentions, names, unknown, clauses, brief), *lost]:
+    for doubt in [*find_doubts(mentions, names, unknown, clauses, brief, prompt), *lost]:
         if doubt not in builder.unsure:
             builder.unsure.append(doubt)
     return SemanticReply(

@@ -14,6 +14,7 @@ from physagent_jax.agents.rules.language.modifiers import LOCATIONS, PARTS, Plac
 from physagent_jax.agents.rules.language.movers import find_other_movers
 from physagent_jax.agents.rules.language.naming import DETERMINERS
 from physagent_jax.agents.rules.language.neighbours import get_phrase
+from physagent_jax.agents.rules.language.questions import find_questions
 from physagent_jax.agents.rules.language.retractions import find_retractions
 from physagent_jax.agents.rules.language.sides import find_sides
 from physagent_jax.agents.rules.language.surroundings import find_surroundings
@@ -45,6 +46,7 @@ def find_doubts(
     unknown: list[str],
     clauses: list[Clause],
     brief: SceneBrief,
+    prompt: str,
 ) -> list[str]:
     """Plain sentences about what was not understood and would change the motion."""
     doubts = [f"'{word}' is not understood." for word in unknown]
@@ -121,6 +123,7 @@ def find_doubts(
         ]
     doubts += find_other_movers(mentions, names)
     doubts += find_constructions(mentions)
+    doubts += find_questions(mentions, prompt)
     doubts += find_retractions(mentions)
     doubts += find_sides(mentions, names)
     doubts += find_surroundings(mentions)

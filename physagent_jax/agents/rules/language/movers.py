@@ -21,6 +21,7 @@ _BETWEEN = (
     MentionKind.DEGREE,
 )
 _DOERS = frozenset("hand finger fist foot ball hammer stick rope person".split())
+_SCENERY = frozenset("viewer background scene video hand hands light air ball rope clip screen".split())
 _ITSELF = frozenset({"it", "him", "her", "itself"})
 
 
@@ -41,7 +42,7 @@ def find_other_movers(mentions: list[Mention], names: frozenset[str]) -> list[st
         passes = verb.effect in (Effect.PUSH, Effect.SWAY) and not verb.wind and place in _BY
         if alone or passes:
             doubts.append(f"What it is that goes '{place}' the object is not understood.")
-    return doubts + _find_doers(mentions, names) + _find_agents(mentions, names)
+    return doubts + _find_doers(mentions, names) + _find_agents(mentions, names) + _find_others(mentions, names)
 
 
 def _find_doers(mentions: list[Mention], names: frozenset[str]) -> list[str]:
@@ -78,6 +79,28 @@ def _find_agents(mentions: list[Mention], names: frozenset[str]) -> list[str]:
         done = verb.kind is MentionKind.VERB and verb.form.endswith("ing")
         if done and agent and article.phrase in ("a", "an", "the") and by.form in ("by", "with"):
             doubts.append(f"Whether '{verb.words}' is said of the object is not understood.")
+    return doubts
+
+
+def _find_others(mentions: list[Mention], names: frozenset[str]) -> list[str]:
+    """Says "push the other one", "the viewer moves left", "move the scene": not the object."""
+    doubts = []
+    for index, mention in enumerate(mentions):
+        before = mentions[index - 1] if index > 0 else None
+        noun = mention.kind is MentionKind.FUNCTION and mention.phrase not in names
+        if not noun or before is None:
+            continue
+        after = mentions[index + 1] if index + 1 < len(mentions) else None
+        done = isinstance(before.value, Verb) and before.value.effect in (Effect.PUSH, Effect.STRIKE)
+        verb = after.value if after is not None else None
+        alone = isinstance(verb, Verb) and (verb.effect in _BY_ITSELF or verb.effect is Effect.PUSH and verb.generic)
+        begins = index == 1 or mentions[index - 2].kind is MentionKind.JOIN
+        acted = index > 1 and isinstance(mentions[index - 2].value, Verb) and mentions[index - 2].kind is MentionKind.VERB
+        thing = mention.form in _SCENERY and before.phrase in DETERMINERS and (begins and alone or acted)
+        another = mention.form == "other" and after is not None and after.phrase in names | {"one", "ones"}
+        some = done and mention.form in ("something", "me", "us") or mention.form == "them" and before.form == "of"
+        if thing or another or some:
+            doubts.append(f"'{mention.words}' is not the object, and nothing else can move here.")
     return doubts
 
 

@@ -207,14 +207,11 @@ def _find_turned(mentions: list[Mention], index: int, names: frozenset[str]) -> 
 
 def _find_off(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
     """Says "push it away from it", "let it go left": word by word another way, or a fall."""
-    mention, after = mentions[index], mentions[index + 1] if index + 1 < len(mentions) else None
+    mention, after = mentions[index], find_telling(mentions, index, 1)
     thing = get_phrase(mentions, index + 2) in ("it", "that", "there")
     from_it = mention.phrase == "away" and get_phrase(mentions, index + 1) == "from" and thing
     goes = isinstance(mention.value, Verb) and mention.value.effect is Effect.RELEASE
-    goes = goes and mention.words.lower().endswith(" go") and after is not None
-    while after is not None and goes and after.phrase in ("to", "the") and index + 2 < len(mentions):
-        index += 1
-        after = mentions[index + 1] if index + 1 < len(mentions) else None
+    goes = goes and mention.words.lower().endswith(" go")
     if from_it or goes and after is not None and after.kind is MentionKind.DIRECTION:
         return [f"Where '{mention.words}' leads is not understood."]
     return []
