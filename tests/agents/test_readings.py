@@ -130,6 +130,16 @@ def order(prompt: str) -> str:
         ("half a second into the clip it spins", "rotate up"),
         ("it moves left and tips over at the end", "move left; rotate toward & fall"),
         ("an earthquake hits the robot", "sway left x4"),
+        # one more motion of the object's own
+        ("it falls, spinning clockwise", "fall & rotate down"),
+        ("it spins, moving left", "rotate up & move left"),
+        ("it spins, rising", "rotate up & move up"),
+        ("the robot jumps, shaking", "hit up & sway left x4; fall"),
+        ("it bends left, stretching", "rotate toward & stretch right"),
+        ("it leans left, then falls, rolling away", "rotate toward; fall & move away & rotate left"),
+        ("push it left for a second, rest for a second, push it right", "move left; still; move right"),
+        ("the breeze makes the robot turn slowly", "rotate up"),
+        ("throw it at me", "hit toward"),
         # slips of the keyboard
         ("psuh the robto to the rihgt", "move right"),
         ("spinn it", "rotate up"),
@@ -282,6 +292,30 @@ def test_the_long_axis_is_the_object_s():
         # ends and figures that read like ways and verbs
         "push its top left", "bend the head away and its lower right", "the robot does the splits",
         "drag it left and right simultaneously",
+        # ways that would get lost
+        "raise it to the left", "it sinks to the right", "lift it from above", "jump down", "both sides rise",
+        "push it left and its head right", "the head goes right, the body left", "tilt it 45 degrees from the vertical",
+        "stretch it to twice its height and back",
+        # what is taken back or does not come about
+        "nobody kicks the robot", "the robot fails to rise", "it is about to topple", "it was going to jump",
+        "tilt it left, or rather backwards", "turn it clockwise... actually make that counterclockwise",
+        "up, no, push it left", "even if it is kicked, it stays", "although it is hit from the left, it stands still",
+        "not only the head but all of it is pushed left", "it does not move when it is pushed from the left",
+        "it is still falling", "bend it left and don't let go", "fix the base, then release it and pull it up",
+        "it remains tilted", "lift it and keep it up", "push it left. Undo that.", "push it. Gently. To the left.",
+        # words for ways and sides that tell none
+        "shake the left", "it left the floor", "the left robot rises", "push it right before it lands",
+        "fling the robot against it", "it leans into the wind from the left", "knock it off its feet",
+        "push it up with the right hand", "hit it from both sides in turn", "it turns to the camera",
+        "lift it and put it back", "raise it halfway", "tilt it to one side and then the other",
+        "a blow to the left side", "bring the robot more near", "the breeze turns it", "let it go left",
+        "pull it out by the feet", "the robot kicks back", "turn it around so that we see the back", "off it goes",
+        "a push in the back", "push it away from it", "the robot rises, hovers and comes down",
+        # what changes or is more
+        "push it left with twice the force", "gravity is off until it is hit", "it is free to move, push it left",
+        # questions and other things
+        "who lifted the robot?", "did it fall?", "how far did it move left?", "I don't know which way to push it",
+        "push the other robot", "the viewer moves left", "it is hit by a ball rolling to the left",
     ],
 )  # fmt: skip
 def test_what_is_said_to_be_unclear(prompt):
@@ -298,6 +332,17 @@ def test_what_is_said_to_be_unclear(prompt):
         "push it toward the camera",
         "slide across the floor",
         "glue it to the table",
+        # beside what is said to be unclear
+        "lift it, then put it back down",
+        "not left but right, push it",
+        "move it left rather than right",
+        "push it to the left side",
+        "is it possible to push the robot left?",
+        "what happens when it is hit from the left?",
+        "where would it land if it fell?",
+        "with barely any force push it left",
+        "it flies up, hitting the ceiling",
+        "the wind makes it spin",
     ],
 )
 def test_what_is_clear(prompt):

@@ -80,7 +80,11 @@ def _has_way(motion: ExpectedMotion, way: Vector, up: Vector) -> bool:
         return True
     along = _to_vector(motion.direction)
     if motion.kind is MotionKind.ROTATE:
-        return cosine(along, cross(up, way)) > _ALONG or abs(cosine(along, up)) > _ALONG or abs(cosine(way, up)) > _ALONG
+        return (
+            cosine(along, cross(up, way)) > _ALONG
+            or abs(cosine(along, up)) > _ALONG
+            or abs(cosine(way, up)) > _ALONG
+        )
     alike = cosine(along, way)
     return (abs(alike) if motion.kind in _TO_AND_FRO else alike) > _ALONG
 

@@ -152,7 +152,10 @@ def _is_own(first: Verb, second: Verb, clause: Clause) -> bool:
     shapes = second.effect in (Effect.TURN, Effect.SWAY, Effect.JUMP, Effect.ROLL, *_FORMS)
     if first.effect is Effect.TOPPLE:
         return shapes and second.effect not in (Effect.TURN, Effect.ROLL, Effect.LEAN)
-    differs = second.effect is not first.effect and not {first.effect, second.effect} <= {Effect.TURN, Effect.ROLL}
+    differs = second.effect is not first.effect and not {first.effect, second.effect} <= {
+        Effect.TURN,
+        Effect.ROLL,
+    }
     return first.effect in _ITSELF and differs and (goes or shapes)
 
 

@@ -79,7 +79,9 @@ def _find_contrary_way(clauses: list[Clause]) -> list[str]:
         own = "up" if jumps else verb.direction if verb is not None and verb.bound else None
         opposite = {"up": ("down",), "down": ("up",)}.get(own or "")
         against = [m.value for m in clause.select(MentionKind.DIRECTION)]
-        against += [(_OPPOSITE[m.value[0]],) for m in clause.select(MentionKind.FROM) if isinstance(m.value, tuple)]
+        against += [
+            (_OPPOSITE[m.value[0]],) for m in clause.select(MentionKind.FROM) if isinstance(m.value, tuple)
+        ]
         if opposite in against:
             doubts.append(f"Which way '{clause.words}' goes here is not understood.")
     return doubts
@@ -92,7 +94,9 @@ def _find_going_nowhere(clauses: list[Clause]) -> list[str]:
         goes = clause.verb is not None and not clause.inherited and not clause.negated
         if not goes or clause.words.split()[0].lower() not in ("go", "goes", "going", "went"):
             continue
-        told = clause.select(*_WAYS, MentionKind.SIDES, MentionKind.SOLID, MentionKind.REPEAT, MentionKind.REVERSAL)
+        told = clause.select(
+            *_WAYS, MentionKind.SIDES, MentionKind.SOLID, MentionKind.REPEAT, MentionKind.REVERSAL
+        )
         if not told:
             doubts.append(f"Where it '{clause.words}' is not understood.")
     return doubts
@@ -127,7 +131,9 @@ def _find_fragments(clauses: list[Clause]) -> list[str]:
         late = clause.select(*_WAYS) and not before.select(*_WAYS) and get_verb(before.head).direction is None
         told = {m.kind for m in clause.modifiers} <= {*_WAYS}
         if get_verb(before.head).effect in _DIRECTED and (manner and clause.modifiers or late and told):
-            doubts.append(f"Whether '{clause.modifiers[0].words}' tells of '{before.words}' is not understood.")
+            doubts.append(
+                f"Whether '{clause.modifiers[0].words}' tells of '{before.words}' is not understood."
+            )
     return doubts
 
 

@@ -153,7 +153,9 @@ def _drop_fragments(mentions: list[Mention], names: frozenset[str]) -> list[Ment
         apart = all(words in (",", ".", "!", ";", ":") for words in around)
         unknown = [m for m in segment if m.kind is MentionKind.UNKNOWN]
         content = {m.kind for m in segment} <= {*_EMPTY, MentionKind.INTENSITY}
-        tells = any(m.form in names | _PRONOUNS | _LINKING | _AGAIN or m.form.endswith(_TURNED) for m in segment)
+        tells = any(
+            m.form in names | _PRONOUNS | _LINKING | _AGAIN or m.form.endswith(_TURNED) for m in segment
+        )
         moved = any(m.kind in _HEADS for m in (*mentions[:begin], *mentions[end:]))
         if unknown and apart and content and moved and not tells and len(segment) <= _LONGEST_LABEL:
             result[begin:end] = [_empty(m) for m in segment]

@@ -42,7 +42,9 @@ def find_other_movers(mentions: list[Mention], names: frozenset[str]) -> list[st
         passes = verb.effect in (Effect.PUSH, Effect.SWAY) and not verb.wind and place in _BY
         if alone or passes:
             doubts.append(f"What it is that goes '{place}' the object is not understood.")
-    return doubts + _find_doers(mentions, names) + _find_agents(mentions, names) + _find_others(mentions, names)
+    return (
+        doubts + _find_doers(mentions, names) + _find_agents(mentions, names) + _find_others(mentions, names)
+    )
 
 
 def _find_doers(mentions: list[Mention], names: frozenset[str]) -> list[str]:
@@ -93,12 +95,23 @@ def _find_others(mentions: list[Mention], names: frozenset[str]) -> list[str]:
         after = mentions[index + 1] if index + 1 < len(mentions) else None
         done = isinstance(before.value, Verb) and before.value.effect in (Effect.PUSH, Effect.STRIKE)
         verb = after.value if after is not None else None
-        alone = isinstance(verb, Verb) and (verb.effect in _BY_ITSELF or verb.effect is Effect.PUSH and verb.generic)
+        alone = isinstance(verb, Verb) and (
+            verb.effect in _BY_ITSELF or verb.effect is Effect.PUSH and verb.generic
+        )
         begins = index == 1 or mentions[index - 2].kind is MentionKind.JOIN
-        acted = index > 1 and isinstance(mentions[index - 2].value, Verb) and mentions[index - 2].kind is MentionKind.VERB
+        acted = (
+            index > 1
+            and isinstance(mentions[index - 2].value, Verb)
+            and mentions[index - 2].kind is MentionKind.VERB
+        )
         thing = mention.form in _SCENERY and before.phrase in DETERMINERS and (begins and alone or acted)
         another = mention.form == "other" and after is not None and after.phrase in names | {"one", "ones"}
-        some = done and mention.form in ("something", "me", "us") or mention.form == "them" and before.form == "of"
+        some = (
+            done
+            and mention.form in ("something", "me", "us")
+            or mention.form == "them"
+            and before.form == "of"
+        )
         if thing or another or some:
             doubts.append(f"'{mention.words}' is not the object, and nothing else can move here.")
     return doubts

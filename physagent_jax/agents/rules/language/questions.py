@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
+
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
-from physagent_jax.agents.rules.language.neighbours import get_phrase, has_motion
+from physagent_jax.agents.rules.language.neighbours import has_motion
 
 _ASKING = frozenset({"who", "whom", "when", "where", "why", "which"})
 _MEASURING = frozenset("far hard often fast long high many much strongly quickly".split())
 _FACTS = frozenset({"did", "has", "have", "had"})
 _SUPPOSING = frozenset({"if", "when", "not", "don't", "once", "as"})
-_KNOWING = frozenset({"know", "care", "remember", "understand", "see"})
+_IGNORANCE = re.compile(
+    r"\b(don't|do not|doesn't|does not) (know|care|remember|mind) (which|where|how|whether|if|what)\b"
+)
 
 
 def find_questions(mentions: list[Mention], prompt: str) -> list[str]:
@@ -22,8 +26,7 @@ def find_questions(mentions: list[Mention], prompt: str) -> list[str]:
     doubts = []
     if prompt.rstrip().endswith("?") and asks and not supposes and has_motion(mentions):
         doubts.append(f"Whether what '{first}' asks for is a motion is not understood.")
-    for index, mention in enumerate(mentions):
-        unsure = mention.kind is MentionKind.NOT and (mentions[index + 1].form if index + 1 < len(mentions) else "")
-        if unsure in _KNOWING and get_phrase(mentions, index + 2) in ("which", "where", "how", "whether", "if"):
-            doubts.append(f"What is not said by '{mention.words} {unsure}' is not understood.")
+    unsaid = _IGNORANCE.search(prompt.lower().replace("\u2019", "'"))
+    if unsaid is not None:
+        doubts.append(f"What is not said by '{unsaid.group(0)}' is not understood.")
     return doubts

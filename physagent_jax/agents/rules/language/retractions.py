@@ -32,7 +32,11 @@ def find_retractions(mentions: list[Mention]) -> list[str]:
 def _find_absent(mentions: list[Mention], index: int) -> list[str]:
     """Says "nobody pushes it", "no one": it is not done."""
     mention = mentions[index]
-    absent = mention.form in _ABSENT or mention.form == "one" and any(m.form == "no" for m in mentions[max(index - 1, 0) : index])
+    absent = (
+        mention.form in _ABSENT
+        or mention.form == "one"
+        and any(m.form == "no" for m in mentions[max(index - 1, 0) : index])
+    )
     after = next((m for m in mentions[index + 1 :] if m.kind is not MentionKind.FUNCTION), None)
     owned = get_phrase(mentions, index + 1) == "of"
     if absent and not owned and after is not None and after.kind in MOTIONS:
@@ -60,7 +64,9 @@ def _find_correction(mentions: list[Mention], index: int) -> list[str]:
     if not told or not again:
         return []
     apart = before[-1].kind is MentionKind.JOIN or before[-1].form == "or"
-    rather = mention.form == "rather" and before[-1].form in ("or", ",", "but", "no") and behind[0].form != "than"
+    rather = (
+        mention.form == "rather" and before[-1].form in ("or", ",", "but", "no") and behind[0].form != "than"
+    )
     actual = mention.form in ("actually", "better", "sorry", "correction") and apart
     denies = mention.kind is MentionKind.NOT and mention.form in ("no", "nope")
     denies = denies and apart and behind[0].kind is MentionKind.JOIN and behind[0].value is not Join.BUT
@@ -82,7 +88,11 @@ def _find_concession(mentions: list[Mention], index: int) -> list[str]:
 def _find_not_only(mentions: list[Mention], index: int) -> list[str]:
     """Says "not only the head but all of it": that too, and more."""
     alone = get_phrase(mentions, index + 1) in ("only", "just")
-    if mentions[index].kind is MentionKind.NOT and alone and any(m.value is Join.BUT for m in mentions[index:]):
+    if (
+        mentions[index].kind is MentionKind.NOT
+        and alone
+        and any(m.value is Join.BUT for m in mentions[index:])
+    ):
         return [f"What there is besides '{mentions[index].words} only' is not understood."]
     return []
 
@@ -90,7 +100,16 @@ def _find_not_only(mentions: list[Mention], index: int) -> list[str]:
 def _find_lasting(mentions: list[Mention], index: int) -> list[str]:
     """Says "it stays bent", "lift it and keep it up": how it is in the end, and how it comes to be so."""
     mention, after = mentions[index], mentions[index + 1] if index + 1 < len(mentions) else None
-    stays = mention.form in ("stay", "stays", "stayed", "staying", "remain", "remains", "remained", "remaining")
+    stays = mention.form in (
+        "stay",
+        "stays",
+        "stayed",
+        "staying",
+        "remain",
+        "remains",
+        "remained",
+        "remaining",
+    )
     shaped = after is not None and isinstance(after.value, Verb) and after.value.effect in _SHAPES
     keeps = mention.form in ("keep", "keeps", "kept", "keeping") and get_phrase(mentions, index + 1) == "it"
     up = get_phrase(mentions, index + 2) in ("up", "down") and has_motion(mentions[:index])

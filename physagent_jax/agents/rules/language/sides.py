@@ -16,12 +16,15 @@ _LINKS = frozenset(
     "to toward towards from on at of by in into for with onto off against and or than is near s".split()
 )
 _AIMS = frozenset({"against", "at", "into", "onto"})
+_STRIKING = frozenset("kicks punches hits strikes slaps pokes".split())
 _LIMBS = frozenset({"hand", "arm", "foot", "fist", "hands", "feet", "leg", "shoulder"})
 
 
 def find_sides(mentions: list[Mention], names: frozenset[str]) -> list[str]:
     """Plain sentences about ways that are none; ``names`` are words for the object."""
-    return [doubt for index in range(len(mentions)) for rule in _RULES for doubt in rule(mentions, index, names)]
+    return [
+        doubt for index in range(len(mentions)) for rule in _RULES for doubt in rule(mentions, index, names)
+    ]
 
 
 def _find_noun(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
@@ -116,7 +119,9 @@ def _find_return(mentions: list[Mention], index: int, _names: frozenset[str]) ->
     mention = mentions[index]
     puts = any(m.form in ("put", "puts", "set", "sets", "place") for m in mentions[max(index - 3, 0) : index])
     verb = find_telling(mentions, index, -1)
-    down = get_phrase(mentions, index + 1) in ("down", "on", "up") or verb is not None and "down" in verb.phrase
+    down = (
+        get_phrase(mentions, index + 1) in ("down", "on", "up") or verb is not None and "down" in verb.phrase
+    )
     if mention.words.lower() == "back" and puts and not down and has_motion(mentions[:index]):
         return [f"Where '{mention.words}' is, is not understood."]
     return []
@@ -217,6 +222,57 @@ def _find_off(mentions: list[Mention], index: int, names: frozenset[str]) -> lis
     return []
 
 
+def _find_out(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "pull it out by the roots", "push in the chair": out of what, into what?"""
+    mention, before = mentions[index], mentions[index - 1] if index > 0 else None
+    after = get_phrase(mentions, index + 1)
+    if mention.kind is not MentionKind.FUNCTION or mention.form not in ("out", "in") or before is None:
+        return []
+    verb = find_telling(mentions, index, -1)
+    pushes = verb is not None and isinstance(verb.value, Verb) and verb.value.effect is Effect.PUSH
+    loose = (
+        before.form == "it"
+        and after == "by"
+        or before is verb
+        and mention.form == "out"
+        and after in DETERMINERS
+    )
+    inward = (
+        before is verb
+        and mention.form == "in"
+        and verb is not None
+        and verb.form in ("push", "pushes", "pushed")
+    )
+    if pushes and (loose or inward and after in DETERMINERS):
+        return [f"Where '{mention.words}' leads is not understood."]
+    return []
+
+
+def _find_striker(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
+    """Says "the horse kicks back": it strikes, and is not struck."""
+    mention, before = mentions[index], get_phrase(mentions, index - 1)
+    strikes = isinstance(mention.value, Verb) and mention.value.effect is Effect.STRIKE
+    strikes = strikes and mention.kind is MentionKind.VERB and mention.form in _STRIKING
+    after = mentions[index + 1] if index + 1 < len(mentions) else None
+    free = after is None or after.kind in (MentionKind.DIRECTION, MentionKind.JOIN, MentionKind.REPEAT)
+    if (
+        strikes
+        and before in names
+        and free
+        and not any(m.kind is MentionKind.CAUSE for m in mentions[:index])
+    ):
+        return [f"What '{mention.words}' strikes is not understood."]
+    return []
+
+
+def _find_seen(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "turn it so that we see the back": what is seen then, and no part that is moved."""
+    mention, before = mentions[index], [m.form for m in mentions[max(index - 2, 0) : index]]
+    if mention.kind is MentionKind.PLACE and {"see", "sees", "seen"} & set(before):
+        return [f"How it is turned to show '{mention.words}' is not understood."]
+    return []
+
+
 _RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = (
     _find_noun,
     _find_just,
@@ -234,4 +290,7 @@ _RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = 
     _find_near,
     _find_turned,
     _find_off,
+    _find_out,
+    _find_striker,
+    _find_seen,
 )
