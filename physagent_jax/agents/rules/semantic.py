@@ -9,10 +9,10 @@ from typing import Literal
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
+from physagent_jax.agents.rules.language.audit import find_lost_ways, find_odd_measures
 from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, describe_skill
 from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb
 from physagent_jax.agents.rules.language.compilation import compile_slots
-from physagent_jax.agents.rules.language.audit import find_lost_ways, find_odd_measures
 from physagent_jax.agents.rules.language.doubts import find_doubts
 from physagent_jax.agents.rules.language.events import Event, ValueSource, interpret, resolve_obstacles
 from physagent_jax.agents.rules.language.grammar import read_clauses
