@@ -140,6 +140,11 @@ def _is_moving_beside(cause: Clause, clause: Clause) -> bool:
     beside = second.effect in (Effect.TURN, Effect.SWAY)
     goes = bool(cause.select(*WHERE)) or first.direction is not None
     own = cause.cause is None and not cause.negated and _is_own(first, second, clause)
+    ways = [{m.value for m in c.select(MentionKind.DIRECTION)} for c in (cause, clause)]
+    apart = (
+        all(ways) and not ways[0] & ways[1] or first.bound and bool(ways[1])
+    )  # "drag it left, tilting it right"
+    own = own or apart and first.effect is Effect.PUSH and second.effect in (Effect.PUSH, Effect.LEAN)
     return own or pushed and cause.cause is None and beside and goes
 
 

@@ -91,7 +91,9 @@ def _find_going_nowhere(clauses: list[Clause]) -> list[str]:
     """Says "off it goes", "it goes wild": which way, or how, is not told."""
     doubts = []
     for clause in clauses:
-        goes = clause.verb is not None and not clause.inherited and not clause.negated
+        goes = (
+            clause.verb is not None and clause.cause is None and not clause.inherited and not clause.negated
+        )
         if not goes or clause.words.split()[0].lower() not in ("go", "goes", "going", "went"):
             continue
         told = clause.select(

@@ -85,18 +85,6 @@ def _find_concession(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
-def _find_not_only(mentions: list[Mention], index: int) -> list[str]:
-    """Says "not only the head but all of it": that too, and more."""
-    alone = get_phrase(mentions, index + 1) in ("only", "just")
-    if (
-        mentions[index].kind is MentionKind.NOT
-        and alone
-        and any(m.value is Join.BUT for m in mentions[index:])
-    ):
-        return [f"What there is besides '{mentions[index].words} only' is not understood."]
-    return []
-
-
 def _find_lasting(mentions: list[Mention], index: int) -> list[str]:
     """Says "it stays bent", "lift it and keep it up": how it is in the end, and how it comes to be so."""
     mention, after = mentions[index], mentions[index + 1] if index + 1 < len(mentions) else None
@@ -161,7 +149,6 @@ _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_failing,
     _find_correction,
     _find_concession,
-    _find_not_only,
     _find_yet,
     _find_freedom,
     _find_return_of_gravity,

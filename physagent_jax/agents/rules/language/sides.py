@@ -1,11 +1,11 @@
-"""Words for ways and sides that tell no way where they stand: "the left", "it left the ground", "off its feet"."""
+"""Words for ways and sides that tell no way where they stand: "the left", "it left the ground"."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
-from physagent_jax.agents.rules.language.modifiers import Join, Place
+from physagent_jax.agents.rules.language.modifiers import Join
 from physagent_jax.agents.rules.language.naming import DETERMINERS
 from physagent_jax.agents.rules.language.neighbours import MOTIONS, WAYS, find_telling, get_phrase, has_motion
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
@@ -70,15 +70,6 @@ def _find_aim(mentions: list[Mention], index: int, names: frozenset[str]) -> lis
     thing = mentions[behind].form in ("it", "them", "that") and behind == index + 1
     if facing and has_motion(mentions[:index]) or moved and thing:
         return [f"Where '{mention.words} {mentions[behind].words}' leads is not understood."]
-    return []
-
-
-def _find_left_part(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
-    """Says "knock it off its feet": the feet are what it leaves, not what is hit."""
-    mention = mentions[index]
-    off = {get_phrase(mentions, index - 1), get_phrase(mentions, index - 2)} & {"off"}
-    if isinstance(mention.value, Place) and mention.kind is MentionKind.PLACE and off:
-        return [f"What 'off {mention.words}' means is not understood."]
     return []
 
 
@@ -181,16 +172,6 @@ def _find_body(mentions: list[Mention], index: int, _names: frozenset[str]) -> l
     return []
 
 
-def _find_blow_side(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
-    """Says "a blow to the left side": where it is hit, and not where it goes."""
-    mention, verb = mentions[index], find_telling(mentions, index, -1)
-    struck = verb is not None and isinstance(verb.value, Verb) and verb.value.effect is Effect.STRIKE
-    lateral = mention.kind is MentionKind.DIRECTION and mention.phrase in _LATERAL
-    if struck and lateral and get_phrase(mentions, index + 1) == "side":
-        return [f"Whether '{mention.words} side' is where it is hit is not understood."]
-    return []
-
-
 def _find_near(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
     """Says "bring the object more near": nearer to what?"""
     verb = find_telling(mentions, index, -1)
@@ -277,7 +258,6 @@ _RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = 
     _find_noun,
     _find_just,
     _find_aim,
-    _find_left_part,
     _find_tool,
     _find_turns,
     _find_facing,
@@ -286,7 +266,6 @@ _RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = 
     _find_part_besides,
     _find_other,
     _find_body,
-    _find_blow_side,
     _find_near,
     _find_turned,
     _find_off,
