@@ -149,6 +149,36 @@ def _find_figure(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
+def _find_struck_side(mentions: list[Mention], index: int) -> list[str]:
+    """Says "a punch to the right side": where it is hit, or where it goes?"""
+    mention, before = mentions[index], mentions[max(index - 3, 0) : index]
+    sided = mention.kind is MentionKind.DIRECTION and mention.words.lower().endswith("side")
+    hit = any(isinstance(m.value, Verb) and m.value.effect is Effect.STRIKE for m in before)
+    if sided and hit:
+        return [f"Whether '{mention.words}' is where it is hit or where it goes is not understood."]
+    return []
+
+
+def _find_off_part(mentions: list[Mention], index: int) -> list[str]:
+    """Says "kick it off its feet": it is not its feet that are kicked."""
+    parted = mentions[index].kind is MentionKind.PLACE and get_phrase(mentions, index - 1) in OWNERS
+    if parted and get_phrase(mentions, index - 2) == "off":
+        return [f"What 'off its {mentions[index].words}' means is not understood."]
+    return []
+
+
+def _find_nothing_that_can(mentions: list[Mention], index: int) -> list[str]:
+    """Says "nothing can move it"."""
+    if mentions[index].form == "nothing" and get_phrase(mentions, index + 1) in (
+        "can",
+        "could",
+        "will",
+        "would",
+    ):
+        return ["What 'nothing' can do is not understood."]
+    return []
+
+
 def _find_loose_number(mentions: list[Mention], index: int) -> list[str]:
     """Says "in two"; how many do it ("two people") does not matter."""
     mention = mentions[index]
@@ -376,6 +406,9 @@ _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_both_ways,
     _find_corner,
     _find_figure,
+    _find_nothing_that_can,
+    _find_off_part,
+    _find_struck_side,
     _find_unnamed,
     _find_stage_side,
     _find_loose_number,
