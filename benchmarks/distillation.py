@@ -126,6 +126,9 @@ def document(result: dict, json_path: Path, target: Path) -> str:
             shown = [[show(group) for show in COLUMNS.values()] for group in groups if group]
             shown += [["all", *(show(mine) for show in list(COLUMNS.values())[1:])]] if mine else []
             text += f"\n## {prior.capitalize()}: {setting}\n" + table(tuple(COLUMNS), shown)
+    picture = target.parent / "images" / "distillation.png"
+    if picture.exists():
+        text += f"\n![Cosines of single draws and of their means]({link(picture, target)})\n"
     if refused := [row for row in rows if "refused" in row]:
         text += f"\n{len(refused)} of {len(rows)} comparisons could not be made:\n\n"
         text += "".join(f"- {row['task']}, {row['setting']}: {row['refused']}\n" for row in refused)
