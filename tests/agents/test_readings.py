@@ -294,6 +294,8 @@ def test_the_long_axis_is_the_object_s():
         # ends and figures that read like ways and verbs
         "push its top left", "bend the head away and its lower right", "the robot does the splits",
         "drag it left and right simultaneously",
+        # how, in a word that is not known
+        "push it left, lethargically",
         # where it is struck, and what is said of nothing
         "a slap to the left side tips it over", "boot it off its feet", "nothing could push it",
         # ways that would get lost

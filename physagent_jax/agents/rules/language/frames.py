@@ -152,12 +152,23 @@ def _drop_fragments(mentions: list[Mention], names: frozenset[str]) -> list[Ment
         around = [m.words for m in (*mentions[begin - 1 : begin], *mentions[end : end + 1])]
         apart = all(words in (",", ".", "!", ";", ":") for words in around)
         unknown = [m for m in segment if m.kind is MentionKind.UNKNOWN]
+        how = any(
+            m.form.endswith("ly") and not is_mood(m.form) for m in unknown
+        )  # "push it left, lethargically"
         content = {m.kind for m in segment} <= {*_EMPTY, MentionKind.INTENSITY}
         tells = any(
             m.form in names | _PRONOUNS | _LINKING | _AGAIN or m.form.endswith(_TURNED) for m in segment
         )
         moved = any(m.kind in _HEADS for m in (*mentions[:begin], *mentions[end:]))
-        if unknown and apart and content and moved and not tells and len(segment) <= _LONGEST_LABEL:
+        if (
+            unknown
+            and not how
+            and apart
+            and content
+            and moved
+            and not tells
+            and len(segment) <= _LONGEST_LABEL
+        ):
             result[begin:end] = [_empty(m) for m in segment]
         begin = end + 1
     return result
