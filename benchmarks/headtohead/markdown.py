@@ -92,7 +92,11 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
     if "methods" in result:
         rows = result["methods"]["rows"]
         text += "\n## Methods\n" + _write_families(rows) + _write_costs(rows)
-        text += "\n### Success against budget\n" + _write_marks(rows) + _write_pairs(rows)
+        text += "\n### Success against budget\n" + _write_marks(rows)
+        picture = target.parent / "images" / "headtohead-success.png"
+        if picture.exists():
+            text += f"\n![Success against budget]({link(picture, target)})\n"
+        text += _write_pairs(rows)
     if "ablation" in result:
         text += "\n## What skills, feedback and numbers are worth\n" + _write_marks(
             result["ablation"]["rows"]
