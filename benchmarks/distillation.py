@@ -27,7 +27,7 @@ from baselines.starts import draw_numbers
 from baselines.tasks import Task, TaskSpec, load_tasks, make_task, split_available
 from baselines.truncation import WHOLE, Truncation
 from benchmarks import harness
-from benchmarks.harness import Job, Row, link, number, provenance, table
+from benchmarks.harness import Job, Row, import_pyplot, link, number, provenance, table
 from physagent_jax.core.errors import UserError
 
 TASKS = Path(__file__).resolve().parent / "tasks"
@@ -185,12 +185,7 @@ def plot(result: dict[str, Any], folder: Path) -> None:
     Raises:
         UserError: matplotlib is not installed.
     """
-    try:
-        import matplotlib
-    except ModuleNotFoundError:
-        raise UserError("plots need matplotlib", do="Install the extra `benchmarks`") from None
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+    plt = import_pyplot()
 
     rows = [row for row in result["cosines"]["rows"] if "cosine" in row]
     families = list(dict.fromkeys(row["family"] for row in rows))

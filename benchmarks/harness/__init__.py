@@ -11,6 +11,7 @@ from benchmarks.harness.command import Row as Row
 from benchmarks.harness.command import Rows as Rows
 from benchmarks.harness.command import main as main
 from benchmarks.harness.command import say as say
+from benchmarks.harness.figures import import_pyplot as import_pyplot
 from benchmarks.harness.tables import link as link
 from benchmarks.harness.tables import number as number
 from benchmarks.harness.tables import one_line as one_line

@@ -16,7 +16,9 @@ _MEANING = f"""Made by `python -m benchmarks.headtohead`. Every method has the s
 same budget in forward-equivalents (one plain simulation is 1; a value with its gradient is charged 4.3, failures, line
 searches and the choice of starts are charged too). A method is judged by the force field that it itself holds for its
 best when the budget is spent; the judge reads true particles. *Oracle* methods minimise the distance to the target,
-which nothing but a simulator with the answer at hand can know: they are bounds, not competitors. *Error* is the largest
+which nothing but a simulator with the answer at hand can know: they are bounds, not competitors. Those called
+*responses* read more: from the windows and the parts of the target's clauses and one simulation per skill and axis,
+superposed, they take which actions, when and where ([responses.py](../baselines/responses.py)). *Error* is the largest
 miss of a task's clauses in tolerances (1 = just a success), cut at {CAP:g}; its median over tasks. Brackets are 95 %
 intervals of the bootstrap over tasks, stratified by family; seeds are averaged first. Score distillation
 (`dreamphysics_f`, `omniphysgs_f`) has a table of its own: what leads it here is a toy. `bo_leap` is left out for its
@@ -39,6 +41,7 @@ solves the task, with every strength 30 % off and every direction 20 degrees; *b
 tasks give; *all types* and *responses* from afar, at random with every skill in turn, or where one simulation per skill
 and axis, superposed, says that it might be solved ([responses.py](../baselines/responses.py)). *Smooth* tasks are those
 in which nothing comes to touch the ground, a rule of the scene ([README](../benchmarks/tasks/README.md)).
+Where fewer tasks than the splits have (26 smooth ones each) are counted, the run was stopped.
 """
 _STOPS = """
 ## Why `physagent` stops early
@@ -91,7 +94,7 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
     text += provenance(result, PARTS)
     if "methods" in result:
         rows = result["methods"]["rows"]
-        text += "\n## Methods\n" + _write_families(rows) + _write_costs(rows)
+        text += "\n## Methods\n\n" + _tell_splits(rows) + _write_families(rows) + _write_costs(rows)
         text += "\n### Success against budget\n" + _write_marks(rows)
         picture = target.parent / "images" / "headtohead-success.png"
         if picture.exists():
@@ -118,6 +121,15 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
         + _STOPS
         + _ELSEWHERE
         + table(["work", "what it optimises", "what it reports", "source"], _REPORTS)
+    )
+
+
+def _tell_splits(rows: list[dict]) -> str:
+    """How many of the tasks methods were developed on: these flatter."""
+    tasks = {row["task"]: row["split"] for row in rows}
+    seen = sum(split == "development" for split in tasks.values())
+    return (
+        f"{len(tasks)} tasks, of which {seen} are of the development split, on which methods were mended.\n"
     )
 
 

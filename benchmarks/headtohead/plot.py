@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from benchmarks.harness import import_pyplot
 from benchmarks.headtohead.markdown import group
 from benchmarks.headtohead.statistics import estimate
-from physagent_jax.core.errors import UserError
 
 
 def plot(result: dict[str, Any], folder: Path) -> None:
@@ -16,12 +16,7 @@ def plot(result: dict[str, Any], folder: Path) -> None:
     Raises:
         UserError: matplotlib is not installed.
     """
-    try:
-        import matplotlib
-    except ModuleNotFoundError:
-        raise UserError("plots need matplotlib", do="Install the extra `benchmarks`") from None
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+    plt = import_pyplot()
 
     rows = result["methods"]["rows"]
     marks = sorted({mark["mark"] for row in rows for mark in row["marks"]})

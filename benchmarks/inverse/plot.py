@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.harness import import_pyplot
 from benchmarks.inverse.measuring import ADAM
-from physagent_jax.core.errors import UserError
 
 
 def plot_convergence(result: dict[str, Any], folder: Path) -> None:
@@ -20,7 +20,7 @@ def plot_convergence(result: dict[str, Any], folder: Path) -> None:
     rows = [row for row in result.get("exact", {}).get("rows", []) if row["fitted"]]
     if not rows:
         return
-    plt = _import_pyplot()
+    plt = import_pyplot()
     names = list(dict.fromkeys(row["problem"] for row in rows))
     columns = min(4, len(names))
     lines = -(-len(names) // columns)
@@ -57,7 +57,7 @@ def plot_landscape(result: dict[str, Any], folder: Path) -> None:
     rows = result.get("landscape", {}).get("rows", [])
     if not rows:
         return
-    plt = _import_pyplot()
+    plt = import_pyplot()
     figure, axes = plt.subplots(1, len(rows), figsize=(3.6 * len(rows), 3.0), squeeze=False)
     for axis, row in zip(axes.flat, rows):
         x, losses, slopes = (np.array(row[name]) for name in ("offsets", "losses", "slopes"))
@@ -76,17 +76,6 @@ def plot_landscape(result: dict[str, Any], folder: Path) -> None:
         axis.set_xlabel(f"u of {row['label'].replace('_', ' ')} from the truth", fontsize=8)
     axes[0, 0].set_ylabel("loss over its largest value", fontsize=8)
     _save(plt, figure, folder / "landscape.png")
-
-
-def _import_pyplot() -> Any:
-    try:
-        import matplotlib
-    except ModuleNotFoundError:
-        raise UserError("plots need matplotlib", do="Install the extra `benchmarks`") from None
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    return plt
 
 
 def _save(plt: Any, figure: Any, path: Path) -> None:

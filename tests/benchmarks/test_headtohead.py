@@ -142,7 +142,15 @@ def test_the_page_has_success_cost_and_pairs():
             {"mark": 1.0, "success": False, "error": 4.0},
             {"mark": 10.0, "success": success, "error": 0.5},
         ]
-        row = {"run": 0, "label": label, "task": "drop-a", "family": "drop", "seed": 0, "oracle": oracle}
+        row = {
+            "run": 0,
+            "label": label,
+            "task": "drop-a",
+            "family": "drop",
+            "split": "test",
+            "seed": 0,
+            "oracle": oracle,
+        }
         return row | {"marks": marks, "spent": 9.0, "seconds": 2.0, "memory_gb": None, "evaluations": 9}
 
     run = {
