@@ -34,6 +34,9 @@ FILES = {
     "fourth": ("fourth_author.txt", 2),
     "fifth": ("fifth_author.txt", 2),
     "sixth": ("sixth_author.txt", 0),  # who mended the parser by them afterwards
+    "seventh": ("seventh_author.txt", 2),
+    "eighth": ("eighth_author.txt", 0),
+    "ninth": ("ninth_author.txt", 0),
 }
 LIMIT = 0.03  # of the sentences held back that may be misread without a word
 UNITS = {"deg": "degrees", "x": "factor", "L": "lengths", "m": "metres"}
