@@ -6,12 +6,14 @@ import dataclasses
 import json
 import time
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
 from benchmarks.harness.machine import circumstances
+from benchmarks.harness.workers import call_all
 from physagent_jax.core.files import write_text
 
 Row = dict[str, Any]
@@ -56,6 +58,8 @@ def main(
     parts: Mapping[str, Callable[[], Iterable[Job]]],
     document: Callable[[Result, Path, Path], str],
     about: Mapping[str, Any] | None = None,
+    workers: int = 1,
+    prepare: Callable[[], object] | None = None,
 ) -> int:
     """Measures what ``command`` asks for, writes the rows after every job, and then the tables.
 
@@ -64,6 +68,7 @@ def main(
         parts: The jobs of each part; a part that is not asked for is not called.
         document: The tables' text, of the rows, their file, and the file that the text is for.
         about: More to note of this run, beside `circumstances`.
+        workers, prepare: As for `call_all`.
 
     Returns:
         The exit code: 1 if a row that was measured says ``"good": False``, 2 if there is no such part or job.
@@ -81,7 +86,9 @@ def main(
         say(f"no job has {', '.join(map(repr, unknown))} in its name; there are: {', '.join(names)}")
         return 2
     wanted = {part: jobs for part, jobs in plan.items() if any(_is_wanted(job, command) for job in jobs)}
-    bad = sum(_do_jobs(command, part, jobs, result, about or {}) for part, jobs in wanted.items())
+    measure = partial(call_all, workers=workers, prepare=prepare)
+    noted = {**(about or {}), **({"workers": workers} if workers > 1 else {})}
+    bad = sum(_do_jobs(command, part, jobs, result, noted, measure) for part, jobs in wanted.items())
     if command.markdown is not None:
         write_text(command.markdown, document(result, command.json, command.markdown))
     if plan:
@@ -95,25 +102,25 @@ def say(text: str) -> None:
     console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
-def _do_jobs(command: Command, part: str, jobs: list[Job], result: Result, about: Mapping) -> int:
+def _do_jobs(
+    command: Command, part: str, jobs: list[Job], result: Result, about: Mapping, measure: Callable
+) -> int:
     """Does a part's jobs; returns how many rows fail."""
     run = {**circumstances(), "quick": command.quick, "seconds": 0.0, **about}
     section = result[part] = _open_section(result.get(part), command)
     order = {job.name: place for place, job in enumerate(jobs)}
-    bad = 0
+    done = {row["job"] for row in section["rows"]} if command.resume else set()
+    wanted = [job for job in jobs if _is_wanted(job, command) and job.name not in done]
+    bad, begun = 0, time.perf_counter()
     console.rule(part)
-    for job in jobs:
-        done = {row["job"] for row in section["rows"]}
-        if not _is_wanted(job, command) or (command.resume and job.name in done):
-            continue
+    for place, rows in measure([job.measure for job in wanted]):
         if not any(known is run for known in section["runs"]):
             section["runs"].append(run)
-        begun = time.perf_counter()
-        label = {"run": len(section["runs"]) - 1, "job": job.name}
-        rows = [label | row for row in job.measure()]
+        name = wanted[place].name
+        rows = [{"run": len(section["runs"]) - 1, "job": name} | row for row in rows]
         bad += sum(not row.get("good", True) for row in rows)
-        run["seconds"] = round(run["seconds"] + time.perf_counter() - begun, 1)
-        kept = [row for row in section["rows"] if row["job"] != job.name]
+        run["seconds"] = round(time.perf_counter() - begun, 1)
+        kept = [row for row in section["rows"] if row["job"] != name]
         section["rows"] = sorted(kept + rows, key=lambda row: order.get(row["job"], -1))
         section["complete"] = order.keys() <= {row["job"] for row in section["rows"]}
         write_text(command.json, json.dumps(result, indent=1) + "\n")

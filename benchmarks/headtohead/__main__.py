@@ -67,6 +67,8 @@ class Command(harness.Command):
     """Forward-equivalents of each fit: the last mark."""
     seeds: int = 1
     """Of what is random; the rest is done once."""
+    workers: int = 1
+    """Fits side by side, each on its share of the cores: for what is counted, not for seconds to quote."""
     prior: Literal["wan", "modelscope", "cogvideox", "toy"] = "toy"
     """Who leads the methods of score distillation."""
     weights: str = "runs/toy_prior/prior"
@@ -97,7 +99,8 @@ def main() -> int:
         "neighbourhood": lambda: _list_neighbours(command, specs, marks),
         "verify": lambda: _list_checks(command, specs),
     }
-    code = harness.main(command, parts, document, {"left_out": left_out, "budget": command.budget})
+    about = {"left_out": left_out, "budget": command.budget}
+    code = harness.main(command, parts, document, about, command.workers, pa.enable_compile_cache)
     if command.leaderboard is not None and command.json.is_file():
         leaderboard.merge(command.leaderboard, json.loads(command.json.read_text()))
     if command.plots is not None:

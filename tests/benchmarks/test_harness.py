@@ -2,11 +2,14 @@
 
 import dataclasses
 import json
+import os
+from functools import partial
 
 import pytest
 
 from benchmarks import harness
 from benchmarks.harness import Job, provenance, table
+from benchmarks.harness.workers import call_all
 
 
 class Bench:
@@ -144,3 +147,48 @@ def test_every_benchmark_has_the_same_options():
     common = {field.name for field in dataclasses.fields(harness.Command)}
     for command in (Accuracy, Stability, Throughput):
         assert common <= {field.name for field in dataclasses.fields(command)}
+
+
+def test_workers_return_what_calls_one_after_another_return(tmp_path):
+    """In whatever order; each prepared first."""
+    (tmp_path / "here").touch()
+    calls = [partial(range, count) for count in range(5)] + [partial(os.listdir, ".")]
+    found = dict(call_all(calls, 2, partial(os.chdir, tmp_path)))
+    assert found == {**{place: list(range(place)) for place in range(5)}, 5: ["here"]}
+    assert dict(call_all(calls[:5])) == {place: found[place] for place in range(5)}
+
+
+@pytest.mark.skipif(len(getattr(os, "sched_getaffinity", lambda _: ())(0)) < 2, reason="needs two cores")
+def test_workers_do_not_share_cores():
+    calls = [partial(os.sched_getaffinity, 0)] * 6
+    shares = {tuple(sorted(cores)) for _, cores in call_all(calls, 2)}
+    assert sum(map(len, shares)) == len(set().union(*shares)) <= len(os.sched_getaffinity(0))
+
+
+def test_what_fails_in_a_worker_is_raised(tmp_path):
+    with pytest.raises(FileNotFoundError):
+        list(call_all([partial(os.listdir, tmp_path / "absent")], 2))
+
+
+
+def make_rows(value):
+    """What a job of several workers returns: found by its name in another process."""
+    return [{"value": value}]
+
+
+def test_rows_of_workers_are_kept_in_the_jobs_order(tmp_path):
+    """And a run that was stopped is gone on with, by however many."""
+    path = tmp_path / "out.json"
+    jobs = [Job(f"job {i}", partial(make_rows, i)) for i in range(4)]
+    command = harness.Command(json=path, parts=("part",), only=("job 2",))
+    assert harness.main(command, {"part": lambda: jobs}, str) == 0
+    command = harness.Command(json=path, parts=("part",), resume=True)
+    assert harness.main(command, {"part": lambda: jobs}, str, workers=2) == 0
+    section = json.loads(path.read_text())["part"]
+    assert [(row["job"], row["value"], row["run"]) for row in section["rows"]] == [
+        ("job 0", 0, 1),
+        ("job 1", 1, 1),
+        ("job 2", 2, 0),
+        ("job 3", 3, 1),
+    ]
+    assert [run.get("workers") for run in section["runs"]] == [None, 2] and section["complete"]
