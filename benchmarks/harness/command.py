@@ -68,7 +68,8 @@ def main(
         parts: The jobs of each part; a part that is not asked for is not called.
         document: The tables' text, of the rows, their file, and the file that the text is for.
         about: More to note of this run, beside `circumstances`.
-        workers, prepare: As for `call_all`.
+        workers: As for `call_all`.
+        prepare: As for `call_all`.
 
     Returns:
         The exit code: 1 if a row that was measured says ``"good": False``, 2 if there is no such part or job.

@@ -170,10 +170,14 @@ def test_what_fails_in_a_worker_is_raised(tmp_path):
         list(call_all([partial(os.listdir, tmp_path / "absent")], 2))
 
 
-
 def make_rows(value):
     """What a job of several workers returns: found by its name in another process."""
     return [{"value": value}]
+
+
+def write_nothing(result, json_path, target):
+    """A document."""
+    return ""
 
 
 def test_rows_of_workers_are_kept_in_the_jobs_order(tmp_path):
@@ -181,9 +185,9 @@ def test_rows_of_workers_are_kept_in_the_jobs_order(tmp_path):
     path = tmp_path / "out.json"
     jobs = [Job(f"job {i}", partial(make_rows, i)) for i in range(4)]
     command = harness.Command(json=path, parts=("part",), only=("job 2",))
-    assert harness.main(command, {"part": lambda: jobs}, str) == 0
+    assert harness.main(command, {"part": lambda: jobs}, write_nothing) == 0
     command = harness.Command(json=path, parts=("part",), resume=True)
-    assert harness.main(command, {"part": lambda: jobs}, str, workers=2) == 0
+    assert harness.main(command, {"part": lambda: jobs}, write_nothing, workers=2) == 0
     section = json.loads(path.read_text())["part"]
     assert [(row["job"], row["value"], row["run"]) for row in section["rows"]] == [
         ("job 0", 0, 1),
