@@ -11,32 +11,27 @@ from __future__ import annotations
 import dataclasses
 import json
 import sys
-import tempfile
-from collections.abc import Callable, Sequence
-from functools import cache, partial
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
 import tyro
 
 import physagent_jax as pa
-from baselines.tasks import Task, TaskSpec, load_tasks, load_witnesses, make_task, split_available
+from baselines.tasks import TaskSpec, load_tasks, split_available
 from benchmarks import harness
-from benchmarks.harness import Job, Row
+from benchmarks.harness import Job
 from benchmarks.headtohead import leaderboard
-from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS, Entrant, list_distillers
+from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS, list_distillers
+from benchmarks.headtohead.jobs import list_checks, list_fits, list_neighbours
 from benchmarks.headtohead.markdown import document
-from benchmarks.headtohead.measuring import judge_field, measure
-from benchmarks.headtohead.neighbourhood import Begin, list_begins, list_entrants, move
 from benchmarks.headtohead.plot import plot
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.schema import ForceField
 
 MARKS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 ROUNDS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
 TASKS = Path(__file__).resolve().parents[1] / "tasks"
-_TOLERANCE = 1e-6  # [tolerances] by which a verified error may differ on the machine it was made on
-_KEPT = tempfile.TemporaryDirectory()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -88,18 +83,18 @@ def main() -> int:
     except UserError as error:
         print(f"headtohead: {error}", file=sys.stderr)
         return 2
-    marks = (*(mark for mark in MARKS if mark < command.budget), command.budget)
+    budget = command.budget
+    marks = (*(mark for mark in MARKS if mark < budget), budget)
+    fits = partial(list_fits, specs, seeds=command.seeds, data=command.data)
     parts: dict[str, Callable[[], list[Job]]] = {
-        "methods": lambda: _list_jobs(command, specs, METHODS, marks, command.budget),
-        "ablation": lambda: _list_jobs(command, specs, ABLATION, marks, command.budget),
-        "iterations": lambda: _list_jobs(command, specs, ITERATIONS, ROUNDS, ROUNDS[-1]),
-        "distillation": lambda: _list_jobs(
-            command, specs, list_distillers(command.prior, command.weights), marks, command.budget
-        ),
-        "neighbourhood": lambda: _list_neighbours(command, specs, marks),
-        "verify": lambda: _list_checks(command, specs),
+        "methods": lambda: fits(METHODS, marks, budget),
+        "ablation": lambda: fits(ABLATION, marks, budget),
+        "iterations": lambda: fits(ITERATIONS, ROUNDS, ROUNDS[-1]),
+        "distillation": lambda: fits(list_distillers(command.prior, command.weights), marks, budget),
+        "neighbourhood": lambda: list_neighbours(specs, command.tasks, marks, budget, command.data),
+        "verify": lambda: list_checks(specs, command.json, command.leaderboard, command.data),
     }
-    about = {"left_out": left_out, "budget": command.budget}
+    about = {"left_out": left_out, "budget": budget}
     code = harness.main(command, parts, document, about, command.workers, pa.enable_compile_cache)
     if command.leaderboard is not None and command.json.is_file():
         leaderboard.merge(command.leaderboard, json.loads(command.json.read_text()))
@@ -127,83 +122,6 @@ def list_tasks(command: Command) -> tuple[tuple[TaskSpec, ...], list[str]]:
         if place % every == 0:
             chosen.append(spec)
     return tuple(chosen), list(left_out)
-
-
-def _list_jobs(
-    command: Command,
-    specs: Sequence[TaskSpec],
-    entrants: Sequence[Entrant],
-    marks: Sequence[float],
-    budget: float,
-) -> list[Job]:
-    jobs = []
-    for spec in specs:
-        for entrant in entrants:
-            seeds = command.seeds if entrant.make().stochastic else 1
-            for seed in range(seeds):
-                work = partial(_measure, entrant, spec, command.data, marks, seed, budget)
-                jobs.append(Job(f"{spec.name} / {entrant.label} / {seed}", work))
-    return jobs
-
-
-def _measure(
-    entrant: Entrant, spec: TaskSpec, data: Path | None, marks, seed: int, budget: float
-) -> list[Row]:
-    return measure(entrant, _make(spec, data), marks, seed, budget)
-
-
-def _list_neighbours(command: Command, specs: Sequence[TaskSpec], marks: Sequence[float]) -> list[Job]:
-    """Local methods, once each: near the witness, where the task says, and from afar."""
-    witnesses, jobs = load_witnesses(command.tasks), []
-    for spec in specs:
-        for begin in list_begins(spec.begin is not None):
-            for entrant in list_entrants(begin):
-                witness = witnesses[spec.name] if begin == "near" else None
-                work = partial(_measure_from, begin, witness, entrant, spec, command, marks)
-                jobs.append(Job(f"{spec.name} / {entrant.label}", work))
-    return jobs
-
-
-def _measure_from(
-    begin: Begin, witness: ForceField | None, entrant: Entrant, spec: TaskSpec, command: Command, marks
-) -> list[Row]:
-    task = _make(spec, command.data)
-    if witness is not None:
-        task = move(task, witness, seed=0)
-    rows = measure(entrant, task, marks, 0, command.budget)
-    return [row | {"begin": begin, "smooth": spec.smooth} for row in rows]
-
-
-def _list_checks(command: Command, specs: Sequence[TaskSpec]) -> list[Job]:
-    """The last force field of every row of the file, or of every line of the leaderboard, once more."""
-    known = {spec.name: spec for spec in specs}
-    if command.leaderboard is not None and command.leaderboard.is_file():
-        rows = [leaderboard.as_row(entry) for entry in leaderboard.read(command.leaderboard)]
-    else:
-        result = json.loads(command.json.read_text()) if command.json.is_file() else {}
-        rows = [row for part in leaderboard.PARTS for row in result.get(part, {}).get("rows", [])]
-    return [
-        Job(row["job"], partial(verify, row, _make(known[row["task"]], command.data)))
-        for row in rows
-        if row["task"] in known and row["marks"]
-    ]
-
-
-def verify(row: Row, task: Task) -> list[Row]:
-    """Whether a stored force field is still judged as its row says, by the target that it was made for."""
-    stored = row["marks"][-1]
-    again = judge_field(ForceField.model_validate(stored["force_field"]), task)
-    same_target = row["target_hash"] == task.spec.target_hash
-    near = again["error"] == stored["error"] or abs(again["error"] - stored["error"]) <= _TOLERANCE
-    good = same_target and again["success"] == stored["success"] and near
-    if not good:
-        harness.say(f"{row['job']}: error {stored['error']:.6g} then, {again['error']:.6g} now")
-    return [{"good": good, "stored": stored["error"], "again": again["error"], "same_target": same_target}]
-
-
-@cache
-def _make(spec: TaskSpec, data: Path | None) -> Task:
-    return make_task(spec, Path(_KEPT.name), data)
 
 
 if __name__ == "__main__":

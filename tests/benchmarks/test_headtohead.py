@@ -7,7 +7,7 @@ import pytest
 
 from baselines.protocol import Evaluation, FitResult
 from benchmarks.headtohead import leaderboard
-from benchmarks.headtohead.__main__ import verify
+from benchmarks.headtohead.jobs import verify
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS
 from benchmarks.headtohead.markdown import document
 from benchmarks.headtohead.measuring import judge_marks

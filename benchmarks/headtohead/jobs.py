@@ -1,0 +1,114 @@
+"""The jobs of each part: which method does which task, from where, and which force fields are checked again."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Sequence
+from functools import cache, partial
+from pathlib import Path
+
+from baselines.tasks import Task, TaskSpec, load_witnesses, make_task
+from benchmarks import harness
+from benchmarks.harness import Job, Row
+from benchmarks.headtohead import leaderboard
+from benchmarks.headtohead.entrants import Entrant
+from benchmarks.headtohead.measuring import judge_field, measure
+from benchmarks.headtohead.neighbourhood import Begin, list_begins, list_entrants, move
+from physagent_jax.forces.schema import ForceField
+
+_TOLERANCE = 1e-6  # [tolerances] by which a verified error may differ on the machine it was made on
+_KEPT = tempfile.TemporaryDirectory()
+
+
+def list_fits(
+    specs: Sequence[TaskSpec],
+    entrants: Sequence[Entrant],
+    marks: Sequence[float],
+    budget: float,
+    seeds: int,
+    data: Path | None,
+) -> list[Job]:
+    """Every entrant on every task, those that draw anything with every seed."""
+    jobs = []
+    for spec in specs:
+        for entrant in entrants:
+            for seed in range(seeds if entrant.make().stochastic else 1):
+                work = partial(fit, entrant, spec, data, marks, seed, budget)
+                jobs.append(Job(f"{spec.name} / {entrant.label} / {seed}", work))
+    return jobs
+
+
+def fit(
+    entrant: Entrant, spec: TaskSpec, data: Path | None, marks: Sequence[float], seed: int, budget: float
+) -> list[Row]:
+    """`measure` of a task that is made first."""
+    return measure(entrant, _make(spec, data), marks, seed, budget)
+
+
+def list_neighbours(
+    specs: Sequence[TaskSpec], tasks: Path, marks: Sequence[float], budget: float, data: Path | None
+) -> list[Job]:
+    """Local methods, once each: near the witness, where the task says, and from afar."""
+    witnesses, jobs = load_witnesses(tasks), []
+    for spec in specs:
+        for begin in list_begins(spec.begin is not None):
+            for entrant in list_entrants(begin):
+                witness = witnesses[spec.name] if begin == "near" else None
+                work = partial(fit_from, begin, witness, entrant, spec, data, marks, budget)
+                jobs.append(Job(f"{spec.name} / {entrant.label}", work))
+    return jobs
+
+
+def fit_from(
+    begin: Begin,
+    witness: ForceField | None,
+    entrant: Entrant,
+    spec: TaskSpec,
+    data: Path | None,
+    marks: Sequence[float],
+    budget: float,
+) -> list[Row]:
+    """`measure`, begun beside ``witness`` if there is one."""
+    task = _make(spec, data)
+    if witness is not None:
+        task = move(task, witness, seed=0)
+    rows = measure(entrant, task, marks, 0, budget)
+    return [row | {"begin": begin, "smooth": spec.smooth} for row in rows]
+
+
+def list_checks(specs: Sequence[TaskSpec], result: Path, board: Path | None, data: Path | None) -> list[Job]:
+    """The last force field of every row of a result, or of every line of a leaderboard, once more."""
+    known = {spec.name: spec for spec in specs}
+    if board is not None and board.is_file():
+        rows = [leaderboard.as_row(entry) for entry in leaderboard.read(board)]
+    else:
+        content = json.loads(result.read_text()) if result.is_file() else {}
+        rows = [row for part in leaderboard.PARTS for row in content.get(part, {}).get("rows", [])]
+    return [
+        Job(row["job"], partial(check, row, known[row["task"]], data))
+        for row in rows
+        if row["task"] in known and row["marks"]
+    ]
+
+
+def check(row: Row, spec: TaskSpec, data: Path | None) -> list[Row]:
+    """`verify` of a task that is made first."""
+    return verify(row, _make(spec, data))
+
+
+def verify(row: Row, task: Task) -> list[Row]:
+    """Whether a stored force field is still judged as its row says, by the target that it was made for."""
+    stored = row["marks"][-1]
+    again = judge_field(ForceField.model_validate(stored["force_field"]), task)
+    same_target = row["target_hash"] == task.spec.target_hash
+    near = again["error"] == stored["error"] or abs(again["error"] - stored["error"]) <= _TOLERANCE
+    good = same_target and again["success"] == stored["success"] and near
+    if not good:
+        harness.say(f"{row['job']}: error {stored['error']:.6g} then, {again['error']:.6g} now")
+    return [{"good": good, "stored": stored["error"], "again": again["error"], "same_target": same_target}]
+
+
+@cache
+def _make(spec: TaskSpec, data: Path | None) -> Task:
+    return make_task(spec, Path(_KEPT.name), data)
