@@ -7,8 +7,8 @@ import pytest
 
 from baselines.protocol import Evaluation, FitResult
 from benchmarks.headtohead import leaderboard
-from benchmarks.headtohead.jobs import verify
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS
+from benchmarks.headtohead.jobs import verify
 from benchmarks.headtohead.markdown import document
 from benchmarks.headtohead.measuring import judge_marks
 from benchmarks.headtohead.neighbourhood import STRONGER, TURNED, perturb
