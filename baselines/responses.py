@@ -47,8 +47,8 @@ do not add up, so that both ends are one response."""
 END_SKILLS = (ActionType.TRANSLATION, ActionType.IMPULSE, ActionType.TORQUE)
 """Of an end."""
 
-STRENGTH = 0.6
-"""[|M|] of what is simulated: strong enough to be told from rounding, weak enough to be in proportion."""
+STRENGTH = MAGNITUDE_MIN
+"""[|M|] of what is simulated: weak, to be in proportion; what is pulled hard tears, and says nothing of what holds."""
 
 SHARE = 0.4
 """Of the budget that responses may cost; regions that would cost more are left out."""
@@ -65,6 +65,10 @@ PARTICLES = 120
 FAINT = 0.05
 """Loss that an action more has to be worth, and below which no more of them are tried."""
 
+WEAKER = 0.7
+"""By which |M| is multiplied."""
+
+_WEAKENINGS = 3
 _STEPS = 6  # of each fit
 _MOST = 3  # actions
 _BATCH = 16  # structures that are fitted side by side
@@ -124,8 +128,11 @@ class Responses:
 def find_starts(evaluator: Evaluator, count: int) -> list[ForceField]:
     """The ``count`` best force fields by superposed responses, all their structures different.
 
+    Half of them at most are of as many actions: what one action does by superposition may be out of proportion in
+    truth, and take two. Those that miss by more than no action does are made weaker (`weaken`).
+
     Charged one simulation for each skill and axis, of the whole and of each end that the target or the task's own
-    first force field speaks of, as far as `SHARE` of the budget goes.
+    first force field speaks of, as far as `SHARE` of the budget goes, and those of what it returns.
     """
     responses = measure_responses(evaluator)
     structures = [
@@ -135,17 +142,45 @@ def find_starts(evaluator: Evaluator, count: int) -> list[ForceField]:
     ]
     ranked: list[tuple[float, ForceField]] = []
     for size in range(1, _MOST + 1):
+        enough = min((loss for loss, _ in ranked), default=np.inf) <= FAINT
         mine = [each for each in structures if len(each) == size]
         ranked += zip(*fit_structures(evaluator, responses, mine)) if mine else ()
-        if min((loss for loss, _ in ranked), default=np.inf) <= FAINT:
+        if enough:
             break
+    idle = 0.5 * _find_loss(evaluator, responses.base, responses.mass)
     if responses.drop:
         fall = ForceField(default_drop=True)
         ranked.append((evaluator.score(fall, "start").loss, fall))
-    ranked.sort(
-        key=lambda pair: round(pair[0] + FAINT * (len(pair[1].actions) + len(pair[1].constraints)), 2)
-    )
-    return [field for _, field in ranked[:count]]
+    ranked.sort(key=lambda pair: round(pair[0] + FAINT * _count(pair[1]), 2))
+    return [weaken(evaluator, field, idle) for field in pick([field for _, field in ranked], count)]
+
+
+def pick(ranked: Sequence[ForceField], count: int) -> list[ForceField]:
+    """The first ``count``, half of them at most of as many actions where there are others, the likeliest first."""
+    taken: list[ForceField] = []
+    for field in ranked:
+        alike = sum(_count(each) == _count(field) for each in taken)
+        if len(taken) < count and alike < (count + 1) // 2:
+            taken.append(field)
+    taken += [field for field in ranked if field not in taken][: count - len(taken)]
+    return sorted(taken, key=ranked.index)
+
+
+def weaken(evaluator: Evaluator, field: ForceField, idle: float) -> ForceField:
+    """The force field, `WEAKER` as often as it misses by more than ``idle``, the loss without any action.
+
+    Superposition knows nothing of what tears: pulled hard, an object gives way and leaves no slope to come back by.
+    """
+    for _ in range(_WEAKENINGS):
+        if not (field.actions or field.constraints) or evaluator.score(field, "start").loss <= idle:
+            return field
+        field = field.model_copy(
+            update=dict(
+                actions=tuple(map(_make_weaker, field.actions)),
+                constraints=tuple(map(_make_weaker, field.constraints)),
+            )
+        )
+    return field
 
 
 def measure_responses(evaluator: Evaluator) -> Responses:
@@ -342,6 +377,15 @@ def _make(structure: Structure, u: np.ndarray, drop: bool, frame_count: int) -> 
             same |= dict(vector=(side * x, side * y, side * z), region=region)
             constraints.append(VelocityConstraint(constraint_type=skill, held_until=float(end), **same))
     return ForceField(default_drop=drop, actions=tuple(actions), constraints=tuple(constraints))
+
+
+def _count(field: ForceField) -> int:
+    return len(field.actions) + len(field.constraints)
+
+
+def _make_weaker(item):
+    size = max(MAGNITUDE_MIN, WEAKER * abs(item.magnitude))
+    return item.model_copy(update=dict(magnitude=np.copysign(size, item.magnitude).item()))
 
 
 def _round(window: tuple[float, float]) -> tuple[int, int]:

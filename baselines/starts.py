@@ -231,7 +231,8 @@ def share(
 ) -> float:
     """Searches from ``starts`` with what is left of the budget; the best loss.
 
-    Nobody is judged before a step: a start says little about where a search from it leads.
+    Nobody is judged before a step: a start says little about where a search from it leads. What has been scored is not
+    scored again.
 
     Args:
         evaluator: Charged.
@@ -243,8 +244,11 @@ def share(
         return _exhaust(descend(evaluator, starts[0], evaluator.remaining))
     order = evaluator.rng.permutation(len(starts))[: max(1, int(evaluator.remaining / 2))]
     ranked = []
+    known = {each.force_field: each.objective for each in evaluator.evaluations}
     for index in sorted(order):
-        ranked.append((evaluator.score(starts[index], "start").loss, starts[index]))
+        loss = known.get(starts[index])
+        loss = evaluator.score(starts[index], "start").loss if loss is None else loss
+        ranked.append((loss, starts[index]))
         if ranked[-1][0] <= SOLVED:
             return ranked[-1][0]
     ranked.sort(key=lambda pair: pair[0])

@@ -136,8 +136,7 @@ def build_scene(
         friction=friction,
         ledger=ledger,
     )
-    run = resolve(_validate(**changed))
-    run = dataclasses.replace(run, template=dataclasses.replace(run.template, source=loaded.source))
+    run = resolve(_validate(**changed), source=loaded.source)
     for text in run.warnings:
         warnings.warn(text, UserWarning, stacklevel=2)
     template, stated = run.template, False

@@ -9,6 +9,7 @@ import pytest
 
 import physagent_jax as pa
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.schema import Action, ActionType, ForceField
 from physagent_jax.output.motion_file import Motion
 from physagent_jax.run.finished import open_run
 from tests.run.specs import LEFT, small
@@ -80,6 +81,15 @@ def test_a_force_field_in_place_of_a_sentence(robot):
     assert moved[2] > 0.3
     still = pa.simulate_scene(pa.build_scene(robot, **SMALL))
     assert np.abs(still.x[-1] - still.x[0]).max() < 1e-6
+
+
+def test_scenes_of_a_loaded_object_do_not_read_its_file_again(robot, monkeypatch):
+    """Optimisation makes hundreds."""
+    read = []
+    monkeypatch.setattr("physagent_jax.run.resolve.level", lambda *given: read.append(given))
+    push = Action(action_type=ActionType.TRANSLATION, vector=(1, 0, 0), magnitude=0.4)
+    scene = pa.build_scene(robot, force_field=ForceField(actions=(push,)), anchor="none", **SMALL)
+    assert scene.config.source == robot.source and not read
 
 
 def test_choices_are_those_of_a_spec(robot):

@@ -20,7 +20,7 @@ from physagent_jax.scene.card import ObjectCard, load_card
 from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, Source
 from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.fuse import SceneTemplate
-from physagent_jax.scene.level import level
+from physagent_jax.scene.level import explain_tilt, level
 from physagent_jax.scene.load import hash_file
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
@@ -79,13 +79,20 @@ class ResolvedRun:
         )
 
 
-def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run's spec") -> ResolvedRun:
+def resolve(
+    spec: RunSpec,
+    base_dir: str | Path = ".",
+    *,
+    origin: str = "the run's spec",
+    source: Source | None = None,
+) -> ResolvedRun:
     """Reads what ``spec`` names and fills in what it leaves open.
 
     Args:
         spec: The run.
         base_dir: Folder that its relative paths start from.
         origin: Where the spec is from, for messages.
+        source: Its object, where that has been loaded already; None = as the spec says.
 
     Raises:
         UserError: A file is missing or not what it should be, a name is not known, a value is out of range.
@@ -98,9 +105,9 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
     card = load_card(path)
     try:
         preset = resolve_preset(spec)
-        source = _make_source(spec, card, path, sha256)
-        anchor = resolve_anchor(spec.anchor, source.kind, base_dir=base_dir)
-        source, turned = level(source, preset.domain) if _stands(spec, anchor) else (source, None)
+        found = source or _make_source(spec, card, path, sha256)
+        anchor = resolve_anchor(spec.anchor, found.kind, base_dir=base_dir)
+        source = level(found, preset.domain) if source is None and _stands(spec, anchor) else found
         material, warnings = resolve_material(spec.material, source.kind, preset, base_dir=base_dir)
         template = SceneTemplate(
             prompt=spec.prompt,
@@ -120,6 +127,7 @@ def resolve(spec: RunSpec, base_dir: str | Path = ".", *, origin: str = "the run
         raise format_validation_error(
             error, origin, do="`physagent schema scene` prints the ranges"
         ) from None
+    turned = explain_tilt(source)
     warnings += () if turned is None else (turned,)
     if spec.object.up is None and card.up is None:
         warnings += (

@@ -23,8 +23,8 @@ CELLS = 32  # along the longest side, in which points are counted
 FEWEST_IN_CELL = 2  # a cell with fewer points holds floaters
 
 
-def level(source: Source, domain: Domain) -> tuple[Source, str | None]:
-    """The source tilted so that the object stands, and in words what was done; as it is if it stands or never would.
+def level(source: Source, domain: Domain) -> Source:
+    """The source tilted so that the object stands; as it is if it stands or never would.
 
     Args:
         source: The object, at an absolute path.
@@ -38,13 +38,15 @@ def level(source: Source, domain: Domain) -> tuple[Source, str | None]:
         cloud, _ = place(load_object(source, Path()), source, domain)
     points = np.asarray(cloud.means, np.float64)
     tilt = find_tilt(points)
-    if tilt is None:
-        return source, None
-    angle = float(np.hypot(*tilt))
-    why = (
-        f"the object was turned by {angle:.1f} degrees, so that it stands on its feet rather than on an edge"
-    )
-    return source.model_copy(update=dict(tilt=tilt)), why
+    return source if tilt is None else source.model_copy(update=dict(tilt=tilt))
+
+
+def explain_tilt(source: Source) -> str | None:
+    """What `level` has done to a source, in words; None = nothing."""
+    angle = float(np.hypot(*source.tilt))
+    if angle == 0:
+        return None
+    return f"the object was turned by {angle:.1f} degrees, so that it stands on its feet rather than on an edge"
 
 
 def find_tilt(points: np.ndarray) -> tuple[float, float] | None:

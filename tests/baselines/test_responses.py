@@ -10,13 +10,17 @@ from baselines.methods import make_method
 from baselines.protocol import Budget
 from baselines.responses import (
     BLOW_LENGTH,
+    WEAKER,
     WRING,
     find_starts,
     list_changes,
     list_structures,
     make_end,
     measure_responses,
+    pick,
+    weaken,
 )
+from baselines.starts import share
 from baselines.tasks import START
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import Action, ActionType, ForceField, HalfSpaceRegion
@@ -79,7 +83,7 @@ def go(way, window, target, along=(1, 0, 0)):
 def test_there_and_back_takes_two_actions_at_the_times_of_the_target():
     evaluator, see = make_evaluator(go(1, (0, 6), 0.4), go(-1, (6, 12), 0.4), go(1, (0, 2), 0.12))
     fields = find_starts(evaluator, 3)
-    assert see(fields[0]).success and evaluator.spent == 13
+    assert see(fields[0]).success and evaluator.spent == 13 + len(fields)  # each is scored
     assert [action.active_time[0] for action in fields[0].actions] == [0, 6]
     assert {action.action_type for action in fields[0].actions} == {ActionType.IMPULSE}
     assert len({field.model_dump_json() for field in fields}) == 3
@@ -108,10 +112,10 @@ def test_ends_are_those_that_the_target_speaks_of():
     assert isinstance(region, HalfSpaceRegion)
     assert region.point == pytest.approx((0.5, 0.5, 2 / 3))
     find_starts(evaluator, 1)
-    assert evaluator.spent == 22
+    assert evaluator.spent == 22 + 1  # and the start
     poor, _ = make_evaluator(top, budget=40)
     find_starts(poor, 1)
-    assert poor.spent == 13  # an end is too dear: 40 % of the budget are 16
+    assert poor.spent == 13 + 1  # an end is too dear: 40 % of the budget are 16
 
 
 def test_ends_are_turned_against_each_other_where_that_is_asked_for():
@@ -154,3 +158,45 @@ def test_the_task_s_own_windows_and_regions_are_tried_with_all_skills():
     evaluator, _ = make_evaluator(go(1, (0, 12), 0.3), start=ForceField(actions=(action,)))
     mine = [s for s in list_structures(evaluator) if len(s) == 1 and s[0][1].first == 3]
     assert {skill for ((skill, _),) in mine} == {*ActionType} and all(s[0][1].region == region for s in mine)
+
+
+class Brittle(Body):
+    """Flies apart under what is stronger than 0.6."""
+
+    def simulate(self, force_field):
+        rollout = super().simulate(force_field)
+        strongest = max((abs(action.magnitude) for action in force_field.actions), default=0.0)
+        rollout.x[1:] += 50.0 * (strongest > 0.6)
+        return rollout
+
+
+@pytest.mark.parametrize(
+    "given, kept, paid", [(1.6, 1.6 * WEAKER**3, 3), (0.8, 0.8 * WEAKER, 2), (0.5, 0.5, 1)]
+)
+def test_what_tears_is_made_weaker_until_it_does_better_than_nothing(given, kept, paid):
+    target = Target(clauses=(go(1, (0, 12), 0.3),))
+    task = SimpleNamespace(target=target, frame_count=FRAMES, frame_dt=0.04, mass=MASS)
+    evaluator = Evaluator(task, Budget(20), simulation=Brittle(target))  # type: ignore[arg-type]
+    push = Action(action_type=ActionType.TRANSLATION, vector=(1, 0, 0), magnitude=-given)
+    idle = evaluator.score(ForceField()).loss
+    found = weaken(evaluator, ForceField(actions=(push.model_copy(update=dict(magnitude=given)),)), idle)
+    assert found.actions[0].magnitude == pytest.approx(kept) and evaluator.spent == 1 + paid
+    wrong = weaken(evaluator, ForceField(actions=(push,)), idle)
+    assert wrong.actions[0].magnitude < 0 and abs(wrong.actions[0].magnitude) >= 0.4
+
+
+def test_half_of_the_starts_at_most_have_as_many_actions_where_others_have_more():
+    push = Action(action_type=ActionType.TRANSLATION, vector=(1, 0, 0), magnitude=0.4)
+    one = [ForceField(actions=(push.model_copy(update=dict(magnitude=m)),)) for m in (0.5, 0.6, 0.7, 0.8)]
+    two = ForceField(actions=(push, push))
+    assert pick([*one, two], 4) == [*one[:3], two]
+    assert pick([*one, two], 1) == one[:1] and pick(one, 3) == one[:3]
+
+
+def test_a_start_that_was_scored_is_not_paid_for_again():
+    evaluator, _ = make_evaluator(go(1, (0, 12), 0.3))
+    push = Action(action_type=ActionType.TRANSLATION, vector=(1, 0, 0), magnitude=0.4)
+    starts = [ForceField(actions=(push,)), ForceField(default_drop=True, actions=(push,))]
+    evaluator.score(starts[0])
+    share(evaluator, starts, lambda *_: iter([1.0]), lambda _: 1.0)
+    assert evaluator.spent == 2

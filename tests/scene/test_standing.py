@@ -1,11 +1,14 @@
 """What stood when it was captured stands in the scene: its stiffness bears its weight, or it is held."""
 
+import dataclasses
+
 import pytest
 import trimesh
 
 from physagent_jax.forces.calibration import GRAVITY
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import RunSpec
+from physagent_jax.scene import standing
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compliance import measure_lean
 from physagent_jax.scene.config import Material
@@ -84,3 +87,15 @@ def test_what_floats_is_held_or_flows_bears_nothing(table, parts):
 def test_on_its_own_legs_it_does_not_move(table):
     scene, notes = scene_of(table, cells=96, particles=6000)
     assert notes and farthest(scene) < 0.01
+
+
+def test_an_object_is_weighed_once_for_each_material(table, monkeypatch):
+    """Scenes of it differ in what acts, and there may be hundreds."""
+    template, body, _ = template_of(table)
+    weighed, measure = [], standing.measure_lean
+    monkeypatch.setattr(standing, "measure_lean", lambda *given: weighed.append(given) or measure(*given))
+    first = make_stand(template, body)
+    assert make_stand(template, body) == first and len(weighed) == 1
+    other = dataclasses.replace(template, material=template.material.changed(density=50.0))
+    assert make_stand(other, body)[0].material.youngs_modulus < first[0].material.youngs_modulus
+    assert len(weighed) == 2
