@@ -206,7 +206,8 @@ class Evaluator:
         columns: list[np.ndarray] = []
         for row, item in enumerate(unknowns.entries):
             first, last = row * unknowns.stride, (row + 1) * unknowns.stride
-            if isinstance(item, Action) and item.action_type is ActionType.SCALE:
+            turns = unknowns.directions and isinstance(item, Action)
+            if turns and item.action_type is ActionType.SCALE:
                 columns += self._turn(unknowns, rollout, u, first, score)
                 first += 3
             columns += [self._difference(unknowns, rollout, u, index, score) for index in range(first, last)]
@@ -396,7 +397,7 @@ class Evaluator:
         self, unknowns: Parametrisation, rollout: Rollout, u: np.ndarray, index: int, score: Score
     ) -> np.ndarray:
         """One column; a step the other way where the first fails, zero where both do."""
-        is_window = index % unknowns.stride >= 3
+        is_window = index % unknowns.stride >= unknowns.width
         for step in _choose_steps(unknowns, u, index):
             moved = u.copy()
             moved[index] += step
@@ -460,9 +461,10 @@ def _strip(item):
 def _choose_steps(unknowns: Parametrisation, u: np.ndarray, index: int) -> tuple[float, float]:
     """A difference's step inwards, then the other way; of a window, one frame."""
     row, column = divmod(index, unknowns.stride)
-    if column >= 3:
+    if column >= unknowns.width:
         step = 1.0 / (unknowns.frame_count - 1)
-        inwards = -step if u[index] + step > 1.0 - (u[row * 5 + 3] if column == 4 else 0.0) else step
+        first = u[row * unknowns.stride + unknowns.width] if column > unknowns.width else 0.0
+        inwards = -step if u[index] + step > 1.0 - first else step
         return inwards, -inwards
     inwards = -np.copysign(DIFFERENCE, u[index])
     return float(inwards), float(-inwards)

@@ -2,7 +2,7 @@
 
 An action or constraint is u = |M| v, three numbers whose length is the magnitude: displacements are linear in it before
 anything is touched, and no angle has a pole. The sign of M is part of what the action is: a squeeze is not a stretch
-the other way round. With windows, two more: beginning and length, in clips.
+the other way round. With windows, two more: beginning and length, in clips. Where directions are known, u = |M| alone.
 """
 
 from __future__ import annotations
@@ -28,11 +28,13 @@ class Parametrisation:
         template: Says what each action and constraint is.
         frame_count: Frames of the clip.
         windows: Whether windows are sought too; else they are the template's.
+        directions: Whether these are sought; else they are the template's.
     """
 
     template: ForceField
     frame_count: int
     windows: bool = False
+    directions: bool = True
 
     @property
     def entries(self) -> tuple:
@@ -40,9 +42,14 @@ class Parametrisation:
         return (*self.template.actions, *self.template.constraints)
 
     @property
+    def width(self) -> int:
+        """Unknowns of an entry's strength and direction."""
+        return 3 if self.directions else 1
+
+    @property
     def stride(self) -> int:
         """Unknowns of an entry."""
-        return 5 if self.windows else 3
+        return self.width + (2 if self.windows else 0)
 
     @property
     def size(self) -> int:
@@ -53,7 +60,8 @@ class Parametrisation:
         """The unknowns of a force field like the template, shape (size,)."""
         values, clip = [], self.frame_count - 1
         for item in (*force_field.actions, *force_field.constraints):
-            values += (abs(item.magnitude) * np.asarray(item.vector)).tolist()
+            size = abs(item.magnitude)
+            values += (size * np.asarray(item.vector)).tolist() if self.directions else [size]
             if self.windows:
                 first, last = item.active_time or (0, clip)
                 values += [first / clip, (last - first) / clip]
@@ -63,15 +71,18 @@ class Parametrisation:
         """The nearest unknowns that the skill library allows."""
         rows = np.array(u, float).reshape(-1, self.stride)
         for row, item in zip(rows, self.entries):
-            size = float(np.linalg.norm(row[:3]))
-            if size < 1e-12:
-                row[:3] = MAGNITUDE_MIN * np.asarray(item.vector)
+            if self.directions:
+                size = float(np.linalg.norm(row[:3]))
+                if size < 1e-12:
+                    row[:3] = MAGNITUDE_MIN * np.asarray(item.vector)
+                else:
+                    row[:3] *= min(max(size, MAGNITUDE_MIN), MAGNITUDE_MAX) / size
             else:
-                row[:3] *= min(max(size, MAGNITUDE_MIN), MAGNITUDE_MAX) / size
+                row[0] = min(max(row[0], MAGNITUDE_MIN), MAGNITUDE_MAX)
             if self.windows:
                 least = SHORTEST / (self.frame_count - 1)
-                row[3] = min(max(row[3], 0.0), 1.0 - least)
-                row[4] = min(max(row[4], least), 1.0 - row[3])
+                row[-2] = min(max(row[-2], 0.0), 1.0 - least)
+                row[-1] = min(max(row[-1], least), 1.0 - row[-2])
         return rows.reshape(-1)
 
     def decode(self, u: np.ndarray) -> ForceField:
@@ -83,12 +94,12 @@ class Parametrisation:
         rows, made = np.asarray(u, float).reshape(-1, self.stride), []
         for row, item in zip(rows, self.entries):
             known = ActionParameters.of(item, self.frame_count)
-            size = float(np.linalg.norm(row[:3]))
-            vector = row[:3] / size if size else known.vector
+            size = float(np.linalg.norm(row[: self.width]))
+            vector = row[:3] / size if size and self.directions else known.vector
             magnitude = np.asarray(math.copysign(size, item.magnitude))
             window = known.window
             if self.windows:
-                window = (self.frame_count - 1) * np.array([row[3], row[3] + row[4]])
+                window = (self.frame_count - 1) * np.array([row[-2], row[-2] + row[-1]])
             made.append(ActionParameters(vector, magnitude, window))
         count = len(self.template.actions)
         return ForceFieldParameters(tuple(made[:count]), tuple(made[count:]))
@@ -104,7 +115,8 @@ class Parametrisation:
         for item, slope in zip((*force_field.actions, *force_field.constraints), slopes):
             v, by_vector = np.asarray(item.vector), np.asarray(slope.vector, float)
             along = float(slope.magnitude) * math.copysign(1.0, item.magnitude)
-            values += (along * v + (by_vector - (by_vector @ v) * v) / abs(item.magnitude)).tolist()
+            across = (by_vector - (by_vector @ v) * v) / abs(item.magnitude)
+            values += (along * v + across).tolist() if self.directions else [along]
             if self.windows:
                 first, last = np.asarray(slope.window, float)
                 values += [clip * (first + last), clip * last]

@@ -17,7 +17,7 @@ from baselines.starts import SOLVED, Descent, LocalMethod
 from physagent_jax.forces.schema import ForceField
 
 COARSE = 0.03
-"""[|M| v] of a step at which numbers have settled well enough for windows to be sought."""
+"""[|M| v] of a step at which what is sought first has settled well enough for the rest to be sought too."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -39,16 +39,27 @@ class LevenbergMarquardt(LocalMethod):
         return "levenberg_marquardt"
 
     def find_cost(self, start: ForceField) -> float:
-        """Forward-equivalents of a step, with the windows as they are."""
-        return 1.0 + 3.0 * (len(start.actions) + len(start.constraints))
+        """Forward-equivalents of the first step."""
+        return 1.0 + (1.0 if self._told else 3.0) * (len(start.actions) + len(start.constraints))
+
+    @property
+    def _told(self) -> bool:
+        """Whether directions are worked out already."""
+        return self.types == "responses"
 
     def descend(self, evaluator: Evaluator, start: ForceField, budget: float) -> Descent:
-        """One trial a step; windows, which double the unknowns nearly, are sought once the rest has settled."""
+        """One trial a step.
+
+        What is dear is sought once the rest has settled: windows, and directions where responses have told them, which
+        are three times as many unknowns as strengths alone.
+        """
         del budget
-        stages = ((False, COARSE), (True, self.shortest)) if self.windows else ((False, self.shortest),)
+        stages = [dict(directions=False)] if self._told else []
+        stages += [dict(), dict(windows=True)] if self.windows else [dict()]
         field = start
-        for windows, shortest in stages:
-            unknowns = Parametrisation(field, evaluator.task.frame_count, windows)
+        for options in stages:
+            shortest = self.shortest if options is stages[-1] else COARSE
+            unknowns = Parametrisation(field, evaluator.task.frame_count, **options)
             if unknowns.size == 0:
                 yield evaluator.score(start, "start").loss
                 return
@@ -59,14 +70,18 @@ class LevenbergMarquardt(LocalMethod):
     ) -> Generator[float, None, ForceField]:
         """Steps until they are ``shortest``, those that gain followed by a Jacobian; where it ends."""
         u, damping, growth, best = unknowns.encode(start), self.damping, 2.0, start
+        longest = np.inf
         score, jacobian = evaluator.jacobian(start, unknowns, "start")
         if score.failed:
             return best
         yield score.loss
         while score.loss > SOLVED:
             normal, slope = jacobian.T @ jacobian, jacobian.T @ score.residuals
-            ridge = (damping * np.diag(normal).max() + 1e-12) * np.eye(len(u))
-            step = unknowns.project(u - np.linalg.solve(normal + ridge, slope)) - u
+            ridge = (np.diag(normal).max() + 1e-12) * np.eye(len(u))
+            step = unknowns.project(u - np.linalg.solve(normal + damping * ridge, slope)) - u
+            while np.linalg.norm(step) > longest:
+                damping *= growth
+                step = unknowns.project(u - np.linalg.solve(normal + damping * ridge, slope)) - u
             if np.linalg.norm(step) < shortest:
                 break
             field = unknowns.decode(u + step)
@@ -74,7 +89,7 @@ class LevenbergMarquardt(LocalMethod):
             expected = -(slope @ step + 0.5 * step @ normal @ step)
             gain = (score.loss - trial.loss) / expected if expected > 0 else -1.0
             if gain > 1e-3:
-                u, growth, best = unknowns.encode(field), 2.0, field
+                u, growth, best, longest = unknowns.encode(field), 2.0, field, np.inf
                 damping *= max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0) ** 3)
                 score = trial
                 yield score.loss
@@ -82,5 +97,6 @@ class LevenbergMarquardt(LocalMethod):
                     score, jacobian = evaluator.jacobian(field, unknowns)
             else:
                 damping, growth = damping * growth, 2.0 * growth
+                longest = 0.5 * np.linalg.norm(step)  # beyond where things tear the damping alone comes back slowly
                 yield score.loss
         return best

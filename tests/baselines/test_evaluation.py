@@ -173,6 +173,24 @@ def test_unknowns_come_back_and_are_kept_in_the_library_s_range():
     assert abs(unknowns.decode(np.zeros(5)).actions[0].magnitude) == pytest.approx(0.4)
 
 
+@pytest.mark.parametrize("windows", [False, True])
+def test_unknowns_without_directions_are_strengths(windows):
+    """And derivatives by them those along the vectors."""
+    field = act("scale", (0.6, 0.8, 0), -1.2, (2, 5))
+    unknowns = Parametrisation(field, 8, windows, directions=False)
+    u = unknowns.encode(field)
+    np.testing.assert_allclose(u, [1.2, 2 / 7, 3 / 7][: unknowns.size])
+    (same,) = unknowns.decode(u).actions
+    assert same.vector == field.actions[0].vector and same.magnitude == pytest.approx(-1.2)
+    np.testing.assert_allclose(same.active_time, [2, 5])
+    u[0] = 9.0
+    wide = unknowns.decode(u).actions[0]
+    assert wide.magnitude == -1.6 and wide.vector == field.actions[0].vector
+    slope = ActionParameters(np.array([5.0, 7.0, 9.0]), np.asarray(2.0), np.array([1.0, 3.0]))
+    by_unknowns = unknowns.pull_back(field, ForceFieldParameters((slope,)))
+    np.testing.assert_allclose(by_unknowns, [-2.0, 28.0, 21.0][: unknowns.size])
+
+
 def test_gradients_by_unknowns_do_not_go_by_vectors_of_other_lengths():
     """L = g.(M v): whatever the simulator does with vectors that are no unit vectors."""
     g, field = np.array([0.3, -1.0, 2.0]), act("translation", (0.6, 0, 0.8), 1.2)
@@ -188,6 +206,11 @@ def test_a_scale_s_derivatives_are_those_of_a_closed_form():
     field = act("scale", (0.6, -0.64, 0.48), 0.9)
     _, jacobian = make_evaluator(Linear(A, np.ones(3))).jacobian(field)
     np.testing.assert_allclose(jacobian, A, atol=0.02)
+
+    evaluator = make_evaluator(Linear(A, np.ones(3)))
+    _, by_strength = evaluator.jacobian(field, Parametrisation(field, 11, directions=False))
+    np.testing.assert_allclose(by_strength, A @ np.asarray(field.actions[0].vector)[:, None], atol=1e-6)
+    assert evaluator.spent == 1 + 1
 
     class Even(Linear):
         def replay(self, rollout, parameters):

@@ -144,6 +144,28 @@ def test_failures_are_survived():
         np.testing.assert_allclose(find(result), [-0.1, 1.0, 0.0], atol=0.1)
 
 
+def test_a_step_over_a_cliff_is_at_least_halved_until_it_stays_on_this_side():
+    """The least value lies beyond it: what is found is the edge, in a few trials each time."""
+
+    class Cliff(Linear):
+        def replay(self, rollout, parameters):
+            r = super().replay(rollout, parameters)
+            return r + 40.0 * (pushes(parameters)[0] > 1.0)
+
+    simulation = Cliff(np.diag([3.0, 1.0, 1.0]), np.array([4.5, 0.0, 0.0]))
+    evaluator = make_evaluator(simulation, act("translation", (1.0, 0.0, 0.0), 0.5), budget=40)
+    result = fit("levenberg_marquardt", evaluator, hops=0)
+    assert 0.95 < find(result)[0] <= 1.0
+    here, steps = 0.5, []
+    for each in result.evaluations:
+        there = pushes(ForceFieldParameters.of(each.force_field, 11))[0]
+        if each.note == "trial" and there > 1.0:
+            steps.append(there - here)
+            assert len(steps) < 2 or steps[-1] <= 0.51 * steps[-2]
+        elif each.note == "trial":
+            here, steps = there, []
+
+
 def test_a_task_without_actions_is_tried_as_it_is():
     start = ForceField(default_drop=True)
     simulation = Linear(np.zeros((2, 0)), np.array([1.0, 1.0]))
