@@ -203,6 +203,11 @@ def _is_carried_off(cause: Clause, clause: Clause) -> bool:
     if clause.verb is None or cause.head is None or clause.join not in (Join.AND, Join.COMMA):
         return False
     verb = get_verb(clause.verb)
+    down = [("down",)]  # "thrown to the left and slides down"
+    later = down == [m.value for m in clause.select(MentionKind.DIRECTION)] and cause.select(*WHERE)
+    if verb.generic and later and clause.join is Join.AND:
+        clause.join = Join.THEN
+        return False
     return verb.generic and verb.effect is Effect.PUSH and get_verb(cause.head).effect is Effect.STRIKE
 
 

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from physagent_jax.agents.rules.language.function_words import FUNCTION_WORDS, PAUSES
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import (
-    FUNCTION_WORDS,
     NUMBERS,
-    PAUSES,
     UNITS,
     WHOLE_WORDS,
     Join,

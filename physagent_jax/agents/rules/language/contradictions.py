@@ -280,7 +280,34 @@ def _find_held_side(clauses: list[Clause]) -> list[str]:
     return doubts
 
 
+def _find_counted_turns(clauses: list[Clause]) -> list[str]:
+    """Says "turn it 90 degrees twice": all of it, or each time?"""
+    doubts = []
+    for clause in clauses:
+        turns = clause.head is not None and get_verb(clause.head).effect is Effect.TURN
+        counts = [m for m in clause.select(MentionKind.REPEAT) if isinstance(m.value, Repeat)]
+        counted = [m for m in counts if (m.value.count or 1) > 1]
+        if turns and counted and clause.select(MentionKind.QUANTITY):
+            doubts.append(f"How far '{clause.words}' turns '{counted[0].words}' is not understood.")
+    return doubts
+
+
+def _find_measured_ways(clauses: list[Clause]) -> list[str]:
+    """Says "up a bit, left a lot": more of one way than of the other."""
+    doubts = []
+    for clause in clauses:
+        ways = {m.value for m in clause.select(MentionKind.DIRECTION)}
+        measures = [m for m in clause.select(MentionKind.INTENSITY, MentionKind.QUANTITY)]
+        kinds = {m.value < 1 if isinstance(m.value, float) else m.words for m in measures}
+        if clause.head is not None and len(ways) > 1 and len(kinds) > 1:
+            words = "' and '".join(m.words for m in measures)
+            doubts.append(f"Which way '{words}' belong to is not understood.")
+    return doubts
+
+
 _RULES = (
+    _find_counted_turns,
+    _find_measured_ways,
     _find_restated,
     _find_axes,
     _find_denied_motion,

@@ -16,7 +16,9 @@ from physagent_jax.agents.rules.language.naming import DETERMINERS
 from physagent_jax.agents.rules.language.neighbours import get_phrase
 from physagent_jax.agents.rules.language.questions import find_questions
 from physagent_jax.agents.rules.language.retractions import find_retractions
+from physagent_jax.agents.rules.language.series import find_series
 from physagent_jax.agents.rules.language.sides import find_sides
+from physagent_jax.agents.rules.language.suppositions import find_suppositions
 from physagent_jax.agents.rules.language.surroundings import find_surroundings
 from physagent_jax.agents.rules.language.unplaced import UNPLACED_PARTS
 from physagent_jax.agents.rules.language.verbs import CAUSES, Effect, Verb
@@ -123,7 +125,9 @@ def find_doubts(
         ]
     doubts += find_other_movers(mentions, names)
     doubts += find_constructions(mentions)
-    doubts += find_questions(mentions, prompt)
+    doubts += find_questions(mentions, prompt, names)
+    doubts += find_suppositions(mentions, names)
+    doubts += find_series(mentions)
     doubts += find_retractions(mentions)
     doubts += find_sides(mentions, names)
     doubts += find_surroundings(mentions)

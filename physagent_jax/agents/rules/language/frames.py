@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from physagent_jax.agents.rules.language.function_words import MOODS
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
-from physagent_jax.agents.rules.language.modifiers import MOODS
 from physagent_jax.agents.rules.language.reader import OWNING
 
 _HEADS = (MentionKind.VERB, MentionKind.CAUSE)

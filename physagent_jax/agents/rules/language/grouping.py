@@ -17,6 +17,7 @@ from physagent_jax.agents.rules.language.modifiers import Join
 from physagent_jax.agents.rules.language.quantities import Quantity
 from physagent_jax.agents.rules.language.verbs import Effect
 
+_BOTH_WAYS = (Effect.SWAY, Effect.SCALE, Effect.SWELL)
 _KEEPS = frozenset({"keep", "keeps", "kept", "keeping"})
 _MEASURED = {MentionKind.INTENSITY, MentionKind.COMPARATIVE, MentionKind.QUANTITY, MentionKind.TIME}
 
@@ -137,7 +138,7 @@ def _is_another(mentions: list[Mention]) -> bool:
 
 def _is_other_measure(last: Clause, join: Join, mentions: list[Mention]) -> bool:
     """Whether a segment goes the other way by its own measure: "hard to the left and softly to the right"."""
-    if join is not Join.AND or last.head is None or get_verb(last.head).effect is Effect.SWAY:
+    if join is not Join.AND or last.head is None or get_verb(last.head).effect in _BOTH_WAYS:
         return False
     kinds = {mention.kind for mention in mentions}
     before = [m.value for m in last.select(MentionKind.DIRECTION, MentionKind.FROM)]

@@ -15,8 +15,12 @@ _PREVENTING = frozenset({"keep", "keeps", "keeping", "prevent", "prevents", "pre
 _SURFACES = frozenset({"ground", "floor", "table"})
 _SUBJECTS = OWNING | {"it", "he", "she", "they"}
 _THROWN = frozenset({"it", "him", "her"})
+_WATCHERS = ("camera", "viewer", "lens")
 _COMING = frozenset({"come", "comes", "came", "coming"})
 _NEARER = frozenset("toward towards closer nearer forward forwards in up into".split())
+_GOALS = frozenset({*m.OBSTACLES, *_WATCHERS, "edge", "border", "us", "me"}) - {"ceiling"}
+_WAYS_OF_GOALS = ("left", "right", "back", "front")
+_RESTS = frozenset({"calm", "quiet", "silence", "stillness", "nothing", "rest"})
 _AGAINST = frozenset({"against", "into", "at", "onto", "on", "off"})
 
 
@@ -95,6 +99,33 @@ def read_target(reader: Reader, at: int) -> Mention | None:
     return reader.make_mention(MentionKind.DIRECTION, ("down",), "onto the ground", [at])
 
 
+def read_so(reader: Reader, at: int) -> Mention | None:
+    """Reads "it is hit from the left, so it goes right": what comes of it."""
+    subject = reader.get_text(at + 1) in (_SUBJECTS - {"that", "this"}) | reader.object_words
+    done = any(isinstance(e.value, v.Verb) for e in reader.mentions)
+    if reader.get_text(at) != "so" or not subject or not done:
+        return None
+    for token in reader.tokens[at + 1 :]:
+        if not token.is_word:
+            break
+        if token.lemma in v.VERBS:
+            return reader.make_mention(MentionKind.JOIN, m.Join.RESULT, "so", [at])
+    return None
+
+
+def read_reach(reader: Reader, at: int) -> Mention | None:
+    """Reads "up to the wall", "as far as the wall": where it ends, and neither up nor far."""
+    words = [reader.get_text(at + i) for i in range(3)]
+    size = 2 if words[:2] == ["up", "to"] else 3 if words == ["as", "far", "as"] else 0
+    behind = at + size
+    while reader.get_text(behind) in OWNING | {*_WAYS_OF_GOALS}:
+        behind += 1
+    if size and reader.get_text(behind) in _GOALS and reader.get_text(behind) not in reader.object_words:
+        size -= reader.get_text(behind) in (*_WATCHERS, "us", "me")  # "to the camera" tells the way
+        return reader.make_mention(MentionKind.FUNCTION, None, "up to", list(range(at, at + size)))
+    return None
+
+
 def read_condition(reader: Reader, at: int) -> Mention | None:
     """Reads "does it fall if it is pushed": both happen; a sentence that begins with "what if" tells one thing."""
     if reader.get_text(at) != "if" or reader.get_text(at - 1) == "as":
@@ -139,7 +170,9 @@ def read_nothing(reader: Reader, at: int) -> Mention | None:
     """Reads "for half a second nothing, then ...": stillness."""
     ends = at + 1 == len(reader.tokens) or not reader.tokens[at + 1].is_word
     timed = bool(reader.mentions) and reader.mentions[-1].kind is MentionKind.TIME
-    if reader.get_text(at) != "nothing" or not (ends and timed):
+    told = timed or reader.get_text(at - 1) == "first" and at == 1
+    calms = reader.get_text(at) in _RESTS and reader.get_text(at - 1) in ("then", "finally")
+    if not ends or not (calms or told and reader.get_text(at) == "nothing"):
         return None
     return reader.make_mention(MentionKind.VERB, v.VERBS["nothing happens"], "nothing happens", [at])
 

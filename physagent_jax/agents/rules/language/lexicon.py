@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
+from physagent_jax.agents.rules.language.function_words import FUNCTION_PHRASES
 from physagent_jax.agents.rules.language.mentions import MentionKind
 from physagent_jax.agents.rules.language.timing import parse_moment
 
@@ -34,7 +35,7 @@ def _build_lexicon() -> dict[str, list[Entry]]:
         (MentionKind.EXCEPT, dict.fromkeys(m.EXCEPTIONS)),
         (MentionKind.TIME, {phrase: parse_moment(phrase) for phrase in m.MOMENTS}),
         (MentionKind.NOT, dict.fromkeys(m.NEGATIONS)),
-        (MentionKind.FUNCTION, dict.fromkeys(m.FUNCTION_PHRASES)),
+        (MentionKind.FUNCTION, dict.fromkeys(FUNCTION_PHRASES)),
     ]
     by_first: dict[str, list[Entry]] = {}
     for kind, table in tables:

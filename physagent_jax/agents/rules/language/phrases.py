@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
+from physagent_jax.agents.rules.language.function_words import AGENT_NOUNS, FUNCTION_WORDS
 from physagent_jax.agents.rules.language.lexicon import LEXICON, Entry
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.quantities import match_quantity
@@ -95,7 +96,7 @@ def _is_noun(reader: Reader, entry: Entry, at: int) -> bool:
         if stands and reader.get_preposition(at) == "on" and _is_standing(reader):
             return True  # "wobble it on its base"
         another = before in ("a", "an") and not set(words) & m.ONE_OF_MANY
-        return (text in m.AGENT_NOUNS and not owned) or another and reader.get_text(at + 1) != "of"
+        return (text in AGENT_NOUNS and not owned) or another and reader.get_text(at + 1) != "of"
     phrase, behind = " ".join(words), at + len(words)
     if phrase.endswith(" back") and (reader.get_text(behind), reader.get_text(behind + 1)) == (
         "and",
@@ -128,7 +129,7 @@ def _is_noun(reader: Reader, entry: Entry, at: int) -> bool:
         text == phrase
         and before not in reader.object_words
         and before not in LEXICON
-        and before not in m.FUNCTION_WORDS
+        and before not in FUNCTION_WORDS
         and reader.get_text(at - 2) in ("the", "its", "a")
     )
     if compound and phrase in v.NOUNS_AFTER_THE:
@@ -200,7 +201,7 @@ def _is_thing(reader: Reader, at: int, size: int) -> bool:
     if (
         after is not None
         and after.text == ","
-        and (behind in m.INTENSITIES or behind in m.FUNCTION_WORDS - OWNING)
+        and (behind in m.INTENSITIES or behind in FUNCTION_WORDS - OWNING)
     ):
         return False  # "a slow, steady push"
     return size == 1 and reader.is_after_determiner(at) and (after is None or after.text in _BEHIND_NOUNS)
@@ -216,11 +217,11 @@ def _is_describing_thing(reader: Reader, at: int, size: int) -> bool:
         return reader.get_text(copula - 1) in reader.object_words | {"it", "he", "she"}  # "it is too heavy"
     if not reader.is_after_determiner(at) or not after.isalpha():
         return False
-    known = after in LEXICON or reader.tokens[at + size].lemma in LEXICON or after in m.FUNCTION_WORDS
+    known = after in LEXICON or reader.tokens[at + size].lemma in LEXICON or after in FUNCTION_WORDS
     return after in reader.object_words or not known
 
 
 def read_word(reader: Reader, at: int) -> Mention:
     """A word of no phrase: of grammar, or unknown."""
-    kind = MentionKind.FUNCTION if reader.tokens[at].text in m.FUNCTION_WORDS else MentionKind.UNKNOWN
+    kind = MentionKind.FUNCTION if reader.tokens[at].text in FUNCTION_WORDS else MentionKind.UNKNOWN
     return reader.make_mention(kind, None, reader.tokens[at].text, [at])

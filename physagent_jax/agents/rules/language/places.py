@@ -42,11 +42,14 @@ def read_place(reader: Reader, at: int) -> Mention | None:
         return reader.make_mention(
             MentionKind.DIRECTION, _LYING[reader.tokens[at].text], reader.tokens[at].text + " side", [at]
         )
+    if _is_lying_on(reader, at):
+        return reader.make_mention(MentionKind.FUNCTION, None, "posture", [at])
     for size in (2, 1):
         phrase = " ".join(t.text for t in reader.tokens[at : at + size])
         names, part = m.PART_ADJECTIVES.get(phrase), reader.get_text(at + size)
-        plural = part != "sides" and FORMS.get(part) is None  # "from the left tips it over"
+        plural = part not in ("sides", "faces") and FORMS.get(part) is None  # "from the left tips it over"
         part = part.removesuffix("s") if plural else part
+        part = _find_like(reader, at) if part in ("one", "other") else part
         towards = reader.get_preposition(at) in ("to", "toward", "towards", "from", "into")
         towards = towards and not (_is_excepted(reader, at) or _is_applied_to(reader, at, size))
         if names and part in m.PARTS:
@@ -74,6 +77,20 @@ def read_place(reader: Reader, at: int) -> Mention | None:
             return reader.make_mention(MentionKind.PLACE, m.Place(names, 2 / 3), phrase, [at])
         return reader.make_mention(MentionKind.DIRECTION, names, phrase, [at])
     return None
+
+
+def _find_like(reader: Reader, at: int) -> str:
+    """The part that "one" stands for: "its left arm goes up, the right one down"; empty if there is none."""
+    parts = [e.phrase.split()[-1] for e in reader.mentions if e.kind is MentionKind.PLACE]
+    return parts[-1] if parts and parts[-1] in m.PARTS and reader.is_after_determiner(at) else ""
+
+
+def _is_lying_on(reader: Reader, at: int) -> bool:
+    """Whether it travels on that side: "slides on its belly" moves all of it."""
+    verbs = [e for e in reader.mentions if isinstance(e.value, v.Verb)]
+    travels = bool(verbs) and verbs[-1].value.effect is v.Effect.PUSH and verbs[-1].value.generic
+    owned = reader.get_text(at - 1) in ("its", "his", "her") and reader.get_text(at - 2) == "on"
+    return travels and owned and reader.tokens[at].text in _LYING
 
 
 def _is_excepted(reader: Reader, at: int) -> bool:

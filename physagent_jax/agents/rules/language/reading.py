@@ -15,6 +15,8 @@ from physagent_jax.agents.rules.language.idioms import (
     read_nothing,
     read_once,
     read_prevention,
+    read_reach,
+    read_so,
     read_solid,
     read_state,
     read_target,
@@ -25,7 +27,7 @@ from physagent_jax.agents.rules.language.phrases import read_phrase, read_word
 from physagent_jax.agents.rules.language.places import read_place
 from physagent_jax.agents.rules.language.reader import Reader
 from physagent_jax.agents.rules.language.repetition import merge_repetitions
-from physagent_jax.agents.rules.language.scopes import mark_exceptions, spread_from
+from physagent_jax.agents.rules.language.scopes import drop_asides, mark_exceptions, read_delays, spread_from
 from physagent_jax.agents.rules.language.similes import read_similes
 
 
@@ -35,7 +37,9 @@ def find_mentions(prompt: str, object_words: frozenset[str]) -> list[Mention]:
     for at in range(len(reader.tokens)):
         if at not in reader.used:
             reader.mentions.append(_read_at(reader, at))
-    mentions = merge_repetitions(read_similes(mark_exceptions(spread_from(reader.mentions))))
+    mentions = merge_repetitions(
+        read_similes(mark_exceptions(spread_from(drop_asides(read_delays(reader.mentions)))))
+    )
     return drop_frames(mentions, object_words)
 
 
@@ -52,6 +56,8 @@ def _read_at(reader: Reader, at: int) -> Mention:
         or read_once(reader, at)
         or read_condition(reader, at)
         or read_prevention(reader, at)
+        or read_so(reader, at)
+        or read_reach(reader, at)
         or read_state(reader, at)
         or read_target(reader, at)
         or read_floating(reader, at)

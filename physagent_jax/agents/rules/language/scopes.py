@@ -1,10 +1,11 @@
-"""How far "from" and "except" reach in a list."""
+"""How far "from", "except", "not" and "held" reach."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 from physagent_jax.agents.rules.language import modifiers as m
+from physagent_jax.agents.rules.language import verbs as v
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.reader import OWNING
 
@@ -69,3 +70,54 @@ def _find_exception(mentions: list[Mention], at: int) -> int | None:
         does = after is not None and after.kind is MentionKind.VERB
         return None if said and does else behind  # "all of it is still, but the top sways"
     return behind if negated and (after is None or after.kind is MentionKind.JOIN) else None
+
+
+def read_delays(mentions: list[Mention]) -> list[Mention]:
+    """Makes one order of "it does not fall until it is pushed" and "it falls after it is pushed"."""
+    result = list(mentions)
+    for at, mention in enumerate(mentions):
+        if mention.phrase != "until" or mention.kind is not MentionKind.JOIN:
+            continue
+        before, behind = mentions[:at], mentions[at + 1 :]
+        verbs = [i for i, e in enumerate(before) if e.kind is MentionKind.VERB]
+        joins = [i for i, e in enumerate(before) if e.kind is MentionKind.JOIN]
+        denials = [i for i, e in enumerate(before) if e.kind is MentionKind.NOT]
+        denied = denials and verbs and denials[-1] < verbs[-1] and denials[-1] > (joins or [-1])[-1]
+        happens = any(e.kind is MentionKind.VERB for e in behind)
+        verb = mentions[next(i for i in verbs if i > denials[-1])].value if denied else None
+        if denied and happens and isinstance(verb, v.Verb) and not verb.generic:
+            if verb.effect not in (v.Effect.STILL, v.Effect.RELEASE, v.Effect.HOLD):
+                result[denials[-1]] = _empty(mentions[denials[-1]])
+                result[at] = replace(mention, value=m.Join.AFTER, phrase="after")
+    return result
+
+
+def drop_asides(mentions: list[Mention]) -> list[Mention]:
+    """Empties parts and ways that belong to something else than what is done.
+
+    "Its feet planted" tells what is held, "away from the wind" which way the wind blows, and "not only the head but all
+    of it" that it is more than the head.
+    """
+    result = list(mentions)
+    for at, mention in enumerate(mentions):
+        after = next((e for e in mentions[at + 1 :] if e.kind is not MentionKind.FUNCTION), None)
+        if isinstance(mention.value, m.Place) and mention.kind is MentionKind.PLACE:
+            held = after is not None and after.kind is MentionKind.ANCHOR and after.value == "base"
+            if held and mention.value.names == ("down",) or _is_outdone(mentions, at):
+                result[at] = _empty(mention)
+        elif mention.kind is MentionKind.DIRECTION and mention.phrase == "away":
+            from_it = any(e.form == "from" for e in mentions[at + 1 : at + 2])
+            if from_it and after is not None and isinstance(after.value, v.Verb) and after.value.wind:
+                result[at] = _empty(mention)
+    return result
+
+
+def _is_outdone(mentions: list[Mention], at: int) -> bool:
+    """Whether "not only" stands before a part and "but all" behind it."""
+    only = any(e.phrase == "not only" for e in mentions[max(at - 3, 0) : at])
+    behind = [e.phrase for e in mentions[at + 1 : at + 6]]
+    return only and "but" in behind and bool({*behind} & m.WHOLE_WORDS)
+
+
+def _empty(mention: Mention) -> Mention:
+    return replace(mention, kind=MentionKind.FUNCTION, value=None, phrase="aside", form="aside")

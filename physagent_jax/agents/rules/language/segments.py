@@ -25,6 +25,8 @@ def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
             assert isinstance(mention.value, Join)
             if any(m.kind is not MentionKind.FUNCTION for m in segments[-1][1]):
                 segments.append((mention.value, []))
+            elif len(segments) == 1 and mention.phrase == "until":
+                segments[-1] = (Join.BEFORE, segments[-1][1])  # "until it is hit, it stays still"
             elif len(segments) == 1 and mention.phrase in _DURING:
                 segments[-1] = (Join.WHILE, segments[-1][1])
             elif len(segments) > 1 and mention.phrase in _MEANWHILE:

@@ -110,11 +110,69 @@ def _find_return(mentions: list[Mention], index: int, _names: frozenset[str]) ->
     mention = mentions[index]
     puts = any(m.form in ("put", "puts", "set", "sets", "place") for m in mentions[max(index - 3, 0) : index])
     verb = find_telling(mentions, index, -1)
-    down = (
-        get_phrase(mentions, index + 1) in ("down", "on", "up") or verb is not None and "down" in verb.phrase
-    )
-    if mention.words.lower() == "back" and puts and not down and has_motion(mentions[:index]):
+    if mention.words.lower() == "back" and get_phrase(mentions, index + 1) == "where":
+        return [f"Where '{mention.words} where' it was is, is not understood."]
+    down = get_phrase(mentions, index + 1) in ("down", "up") or verb is not None and "down" in verb.phrase
+    told = has_motion(mentions[:index]) or get_phrase(mentions, index + 1) == "on"
+    if mention.words.lower() == "back" and puts and not down and told:
         return [f"Where '{mention.words}' is, is not understood."]
+    return []
+
+
+def _find_own(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
+    """Says "to its own left": the object's left may be the viewer's right."""
+    mention, before = mentions[index], mentions[index - 1] if index > 0 else None
+    sided = mention.kind is MentionKind.DIRECTION and mention.phrase in _LATERAL and before is not None
+    if (
+        sided
+        and before is not None
+        and (before.form == "own" or before.phrase in names and "'s" in before.words)
+    ):
+        return [f"Whose {mention.words} it is, is not understood."]
+    return []
+
+
+def _find_there(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
+    """Says "push it there": which way is that?"""
+    told = any(m.kind in WAYS for m in mentions[max(index - 3, 0) : index + 3])
+    verb = find_telling(mentions, index, -1)
+    moves = verb is not None and isinstance(verb.value, Verb)
+    moves = moves and verb is not None and verb.value.effect in (Effect.PUSH, Effect.STRIKE)
+    thing = get_phrase(mentions, index - 1) in names | {"it", "him", "her"}
+    if mentions[index].form == "there" and moves and thing and not told:
+        return ["Where 'there' is, is not understood."]
+    return []
+
+
+def _find_pivot(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "it swings from its top": what holds it, and no way."""
+    mention, owner = mentions[index], get_phrase(mentions, index - 1)
+    verb = find_telling(mentions, index, -1)
+    upright = mention.kind is MentionKind.FROM and mention.value in (("up",), ("down",))
+    swings = verb is not None and isinstance(verb.value, Verb) and verb.value.effect is not Effect.HOLD
+    if upright and owner in ("its", "his", "her") and swings:
+        return [f"What 'from {owner} {mention.words}' means is not understood."]
+    return []
+
+
+def _find_shown(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "so that its back faces us": all of it turns, and no part is moved."""
+    mention, after = mentions[index], [m.form for m in mentions[index + 1 : index + 3]]
+    if mention.kind is MentionKind.PLACE and {"faces", "facing", "points", "pointing"} & set(after):
+        return [f"How '{mention.words}' comes to be there is not understood."]
+    return []
+
+
+def _find_blown(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
+    """Says "blow the balloon up": it is inflated, or lifted."""
+    mention, after = mentions[index], get_phrase(mentions, index + 1)
+    blows = mention.kind is MentionKind.VERB and mention.form in ("blow", "blew", "blown")
+    at = index + 1
+    while at < len(mentions) and (mentions[at].phrase in DETERMINERS | names | {"it"}):
+        at += 1
+    up = at > index + 1 and get_phrase(mentions, at) == "up" and get_phrase(mentions, at + 1) not in _LINKS
+    if blows and up and after in DETERMINERS | names | {"it"}:
+        return [f"Whether '{mention.words} up' inflates or lifts is not understood."]
     return []
 
 
@@ -262,6 +320,11 @@ _RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = 
     _find_turns,
     _find_facing,
     _find_return,
+    _find_own,
+    _find_there,
+    _find_pivot,
+    _find_shown,
+    _find_blown,
     _find_measure,
     _find_part_besides,
     _find_other,

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from physagent_jax.agents.rules.language import modifiers as m
+from physagent_jax.agents.rules.language.function_words import FUNCTION_WORDS, MOODS
 from physagent_jax.agents.rules.language.lexicon import LEXICON
 from physagent_jax.agents.rules.language.quantities import (
     ADJECTIVES,
@@ -26,8 +27,8 @@ _WORDS_OF_THEIR_OWN = frozenset(
 _KNOWN = (
     frozenset(word for entries in LEXICON.values() for words, _, _ in entries for word in words)
     | frozenset(FORMS)
-    | m.FUNCTION_WORDS
-    | m.MOODS
+    | FUNCTION_WORDS
+    | MOODS
     | m.MANNERS
     | UNPLACED_PARTS
     | frozenset((*m.NUMBERS, *m.UNITS, *m.OBSTACLES, *m.PARTS, *m.PART_ADJECTIVES, *m.SCENE_NOUNS))

@@ -37,7 +37,7 @@ def _find_passage(mentions: list[Mention], index: int) -> list[str]:
     while before >= 0 and mentions[before].phrase in DETERMINERS:
         before -= 1
     preposition = get_phrase(mentions, before)
-    along = mention.kind is MentionKind.SOLID and mentions[before].form in ("down", "up")
+    along = mention.kind is MentionKind.SOLID and mentions[before].phrase in ("down", "up")
     heads = [m for m in mentions[:index] if m.kind in MOTIONS]
     applied = (
         bool(heads) and heads[-1].kind is MentionKind.CAUSE and preposition == "to"
@@ -58,6 +58,18 @@ def _find_scene_passage(mentions: list[Mention], index: int) -> list[str]:
     if where and preposition in _PAST and not (preposition in _ACROSS and mention.form in _SURFACES):
         return [f"Where '{preposition} the {mention.words}' is, is not understood."]
     return []
+
+
+def _find_front(mentions: list[Mention], index: int) -> list[str]:
+    """Says "move it in front of us": a place, where no way is told."""
+    told = any(m.kind in (*WAYS, MentionKind.SOLID) for m in mentions)
+    if (
+        mentions[index].phrase != "in front of"
+        or told
+        or not any(m.kind in MOTIONS for m in mentions[:index])
+    ):
+        return []
+    return ["Where 'in front of' is, is not understood."]
 
 
 def _find_unknown_goal(mentions: list[Mention], index: int) -> list[str]:
@@ -206,6 +218,7 @@ def _find_measured_gravity(mentions: list[Mention], index: int) -> list[str]:
 _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_passage,
     _find_scene_passage,
+    _find_front,
     _find_unknown_goal,
     _find_retreat,
     _find_camera,

@@ -107,7 +107,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     (
         "lower, sink, descend, set down, set ~ down, put down, put ~ down, come back down, go back down, "
         "float back down, "
-        "sink back down",
+        "sink back down, put ~ back down, set ~ back down, bring ~ back down",
         Verb(_D.PUSH, direction="down", bound=True),
     ),
     # the upper end goes somewhere
@@ -148,7 +148,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         "dilate",
         Verb(_D.SWELL),
     ),
-    ("shrink, contract, deflate, shrivel", Verb(_D.SWELL, sign=-1)),
+    ("shrink, contract, deflate, shrivel, let ~ air out, let air out, lose air", Verb(_D.SWELL, sign=-1)),
     # blows
     (
         "hit, strike, kick, punch, knock, bump, bat, swat, collide, impact, lurch, boot, thump, swipe, jab, "
