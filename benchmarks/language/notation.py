@@ -134,6 +134,7 @@ def parse_reading(text: str) -> Reading:
     for what in around:
         kind, value = what.split()
         if kind in ("gravity", "anchor"):
+            value = {"reversed": "up"}.get(value, value)
             reading = replace(reading, **{kind: value})
         elif kind in ("wall", "block"):
             reading = replace(reading, obstacles=(*reading.obstacles, (kind, value)))

@@ -285,7 +285,7 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
         if event.effect is Effect.RELEASE and result and result[-1].effect is Effect.RELEASE:
             continue  # "release it and let it swing back" is one release
         acted = any(e.effect not in (Effect.STILL, Effect.RELEASE) for e in result)
-        falls_next = index + 1 < len(events) and events[index + 1].effect is Effect.FALL
+        falls_next = index + 1 < len(events) and events[index + 1].effect in (Effect.FALL, Effect.TOPPLE)
         up = builder.brief.directions.up
         last = next((e for e in reversed(result) if e.effect is not Effect.STILL), None)
         if event.effect is Effect.RELEASE and last is not None and last.direction is not None:

@@ -57,7 +57,8 @@ def find_target(quantity: Quantity, verb: Verb, before: Amount | None) -> Target
         return Target(Amount(value=value, unit="lengths"))
     if unit == "metres" and effect in _TRAVELS:
         return Target(Amount(value=value, unit="metres"))
-    if unit == "share" and effect in _TRAVELS and quantity.dimension and not quantity.goal:
+    becomes = quantity.goal or quantity.acts  # "pull it to twice its length", "until it is half as tall"
+    if unit == "share" and effect in _TRAVELS and quantity.dimension and not becomes:
         return Target(Amount(value=value, unit="lengths"))
     if unit == "share" and effect in _SCALES and quantity.dimension != "volume":
         return _find_scale(quantity, verb)

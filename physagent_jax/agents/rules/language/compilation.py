@@ -20,7 +20,8 @@ from physagent_jax.agents.rules.language.amounts import (
     find_word_effort,
 )
 from physagent_jax.agents.rules.language.builder import MAX_ACTIONS, ForceFieldBuilder
-from physagent_jax.agents.rules.language.events import Event, find_lean_axis, make_end_region
+from physagent_jax.agents.rules.language.events import Event, find_lean_axis
+from physagent_jax.agents.rules.language.regions import make_end_region
 from physagent_jax.agents.rules.language.schedule import Slot, Window, divide, divide_swings, has_to_stop
 from physagent_jax.agents.rules.language.verbs import Effect
 from physagent_jax.agents.schema import MotionKind
@@ -237,7 +238,6 @@ def _compile_lean(
         strength=_LEAN * event.strength,
         released=_is_released(event, window, after, builder),
     )
-    return None
 
 
 def _compile_scale(

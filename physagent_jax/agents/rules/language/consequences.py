@@ -7,9 +7,10 @@ from dataclasses import replace
 from physagent_jax.agents.rules.language.clauses import WHERE, Clause, get_verb
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join
-from physagent_jax.agents.rules.language.verbs import Effect, Verb
+from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 
 _PARTED = (MentionKind.PLACE, MentionKind.EXCLUDED)
+_LEAVING = ("exit",)
 _SHAPING = (Effect.TURN, Effect.SCALE, Effect.SWAY)
 _FORMS = (Effect.SCALE, Effect.SWELL, Effect.LEAN)
 # What an object does by itself; a push or a blow brings about what follows.
@@ -76,7 +77,12 @@ def merge_results(clauses: list[Clause]) -> list[Clause]:
         related = related or (bool(merged) and _is_moved_by_wind(merged[-1], clause))
         related = related or (bool(merged) and _is_introducing(merged[-1], clause))
         related = related or (bool(merged) and _is_driven(merged[-1], clause))
-        if merged and _is_restating(merged[-1], clause):
+        if clause.join is Join.AND and clause.verb is not None and clause.verb.phrase in _LEAVING:
+            clause.join = Join.THEN  # "it bows and exits"
+        verb = clause.verb if clause.verb is not None and not clause.negated else None
+        if merged and verb is not None and _is_coming_down(merged[-1], verb):
+            clause.verb, clause.join = replace(verb, value=VERBS["fall"], phrase="fall"), Join.THEN
+        if merged and (_is_restating(merged[-1], clause) or _is_reshaping(merged[-1], clause)):
             merged[-1].modifiers += clause.modifiers
             merged[-1].mentions += clause.mentions
             continue
@@ -196,6 +202,24 @@ def _is_restating(first: Clause, clause: Clause) -> bool:
     one, other = get_verb(first.cause), get_verb(clause.cause)
     alike = one.effect is other.effect and one.sign == other.sign
     return alike and one.effect in _SHAPING and clause.join is Join.COMMA and not clause.select(*WHERE)
+
+
+def _is_reshaping(first: Clause, clause: Clause) -> bool:
+    """Whether two verbs tell one change of size: "it loses air and shrinks to a third"."""
+    if first.verb is None or clause.verb is None or first.negated or clause.negated:
+        return False
+    one, other = get_verb(first.verb), get_verb(clause.verb)
+    alike = one.effect is other.effect is Effect.SWELL and one.sign == other.sign
+    return alike and clause.join in (Join.AND, Join.COMMA) and not first.modifiers
+
+
+def _is_coming_down(throw: Clause, verb: Mention) -> bool:
+    """Whether what is thrown comes down again by itself: "toss it up and let it come back down"."""
+    if throw.head is None or throw.negated:
+        return False
+    thrown = get_verb(throw.head)
+    comes = verb.phrase.endswith("back down") and verb.form in ("come", "comes", "go", "goes")
+    return comes and thrown.effect in (Effect.STRIKE, Effect.JUMP) and thrown.gravity
 
 
 def _is_carried_off(cause: Clause, clause: Clause) -> bool:

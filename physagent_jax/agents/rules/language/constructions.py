@@ -33,6 +33,7 @@ _TOWARDS = frozenset({"to", "toward", "towards", "from", "into"})
 _SCALES = (Effect.SCALE, Effect.SWELL)
 _BECOMING = frozenset({"get", "gets", "getting", "become", "becomes", "becoming", "got", "became"})
 _KEEPING = frozenset({"keep", "keeps", "keeping", "kept"})
+_ALTERNATING = frozenset({"alternately", "alternating", "alternatingly"})
 _PARTICLES = frozenset({"in", "out", "around", "about", "through", "across", "along", "on", "off"})
 
 
@@ -337,6 +338,24 @@ def _find_particle(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
+def _find_gerund(mentions: list[Mention], index: int) -> list[str]:
+    """Says "its falling is stopped": a noun, of what happens anyway."""
+    mention = mentions[index]
+    noun = mention.kind is MentionKind.VERB and mention.form.endswith("ing")
+    if noun and get_phrase(mentions, index - 1) in OWNERS:
+        return [f"What 'its {mention.words}' does is not understood."]
+    return []
+
+
+def _find_alternation(mentions: list[Mention], index: int) -> list[str]:
+    """Says "alternately squeeze and stretch it": the one and the other, again and again."""
+    mention = mentions[index]
+    verbs = [m.value for m in mentions if m.kind is MentionKind.VERB and isinstance(m.value, Verb)]
+    if mention.form in _ALTERNATING and len({(verb.effect, verb.sign) for verb in verbs}) > 1:
+        return [f"What happens '{mention.words}' is not understood."]
+    return []
+
+
 def _find_keeping(mentions: list[Mention], index: int) -> list[str]:
     """Says "keep the feet on the ground", "keep its width"."""
     mention, kept = mentions[index], find_telling(mentions, index, 1)
@@ -424,6 +443,8 @@ _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_posture,
     _find_facing,
     _find_particle,
+    _find_gerund,
+    _find_alternation,
     _find_keeping,
     _find_pair,
     _find_omission,

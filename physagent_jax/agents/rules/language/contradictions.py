@@ -285,8 +285,8 @@ def _find_counted_turns(clauses: list[Clause]) -> list[str]:
     doubts = []
     for clause in clauses:
         turns = clause.head is not None and get_verb(clause.head).effect is Effect.TURN
-        counts = [m for m in clause.select(MentionKind.REPEAT) if isinstance(m.value, Repeat)]
-        counted = [m for m in counts if (m.value.count or 1) > 1]
+        counts = [(m, m.value) for m in clause.select(MentionKind.REPEAT)]
+        counted = [m for m, count in counts if isinstance(count, Repeat) and (count.count or 1) > 1]
         if turns and counted and clause.select(MentionKind.QUANTITY):
             doubts.append(f"How far '{clause.words}' turns '{counted[0].words}' is not understood.")
     return doubts

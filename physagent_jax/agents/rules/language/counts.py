@@ -72,7 +72,8 @@ def read_time_or_count(reader: Reader, at: int) -> Mention | None:
     if counted and counted[0] > 1 and counted[1] < len(reader.tokens):
         behind = counted[1] + (reader.get_text(counted[1]) in m.INTENSITIES)
         thing = reader.tokens[min(behind, len(reader.tokens) - 1)]  # "three gusts", "two small jumps"
-        if thing.text.endswith("s") and (thing.lemma in v.VERBS or thing.text in v.CAUSES):
+        several = thing.text.endswith("s") and thing.text != thing.lemma  # "3.2 Compress it" is a heading
+        if several and thing.lemma in v.VERBS or thing.text.endswith("s") and thing.text in v.CAUSES:
             repeat = m.Repeat(int(min(counted[0], 1000)))
             return reader.make_mention(MentionKind.REPEAT, repeat, "times", list(range(at, counted[1])))
     return None

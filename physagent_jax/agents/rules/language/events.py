@@ -21,6 +21,7 @@ from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import ADDRESSEES, FRONTS, Join, Names, Place, Repeat
 from physagent_jax.agents.rules.language.naming import has_wheels
 from physagent_jax.agents.rules.language.quantities import Quantity
+from physagent_jax.agents.rules.language.regions import make_end_region, make_region, sum_directions
 from physagent_jax.agents.rules.language.solids import Solid
 from physagent_jax.agents.rules.language.timing import TimeSpan
 from physagent_jax.agents.rules.language.verbs import (
@@ -35,9 +36,8 @@ from physagent_jax.agents.schema import Amount, ObstacleRequest, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, cross, dot, normalise, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region
+from physagent_jax.forces.schema import Region
 
-_WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 ASSUMED = "left"
 _SIDE_NAMES = frozenset({("left",), ("right",), ("up",), ("down",), ("toward",), ("away",)})
 
@@ -168,7 +168,7 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         if verb.effect is Effect.SWELL:
             direction = None
         elif verb.effect is Effect.SCALE and direction is None:
-            direction = _sum_directions(("right",), brief)
+            direction = sum_directions(("right",), brief)
     driven = (
         verb.effect is Effect.TOPPLE and before is not None and before.effect in (Effect.PUSH, Effect.STRIKE)
     )
@@ -195,7 +195,7 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         verb, direction = replace(verb, effect=Effect.SWELL), None
     elif target.names and not clause.select(MentionKind.DIRECTION, MentionKind.FROM):
         verb = replace(verb, effect=Effect.SCALE)
-        direction = normalise(_sum_directions(target.names, brief))
+        direction = normalise(sum_directions(target.names, brief))
     starts = [
         m
         for m in clause.select(MentionKind.TIME)
@@ -266,7 +266,10 @@ def _find_unused(clause: Clause, verb: Verb) -> list[str]:
     """What the clause says of where, which way and how often that means nothing for what its verb does."""
     unused = [m for m in clause.select(*_TELLING) if m.kind not in _USED[verb.effect]]
     if verb.effect is Effect.FALL:
-        unused = [m for m in unused if not (isinstance(m.value, Place) and m.value.names == ("down",))]
+        first = (
+            clause.verb.first if clause.verb is not None else -1
+        )  # "lands on its feet", not "its feet fall"
+        unused = [m for m in unused if m.first < first or getattr(m.value, "names", ()) != ("down",)]
     counted = verb.effect in _ONCE and any((r.count or 1) > 1 or r.alternate for r in find_repeats(clause))
     unused += clause.select(MentionKind.REPEAT) if counted else []
     lengths = [m for m in clause.select(MentionKind.TIME) if isinstance(m.value, TimeSpan) and m.value.length]
@@ -301,7 +304,7 @@ def _resolve_part(
         doubts.append(f"Of several parts ({words}) only the first is used.")
     if place is None and excluded:
         except_names = excluded[0].names
-        end = normalise(_sum_directions(except_names, brief)) if except_names else None
+        end = normalise(sum_directions(except_names, brief)) if except_names else None
         if end is None:
             words = clause.select(MentionKind.EXCLUDED)[0].words
             return (None, None, False), [*doubts, f"All but '{words}' cannot be acted on."]
@@ -311,7 +314,7 @@ def _resolve_part(
     region, problem = make_region(place, brief)
     if problem:
         return (None, None, False), [*doubts, problem]
-    return (region, normalise(_sum_directions(place.names, brief)) if place.names else None, False), doubts
+    return (region, normalise(sum_directions(place.names, brief)) if place.names else None, False), doubts
 
 
 def resolve_obstacles(clause: Clause, way: Vector | None, brief: SceneBrief) -> list[ObstacleRequest]:
@@ -320,11 +323,11 @@ def resolve_obstacles(clause: Clause, way: Vector | None, brief: SceneBrief) -> 
     for mention in clause.select(MentionKind.SOLID):
         solid = mention.value
         assert isinstance(solid, Solid) and solid.kind
-        direction = normalise(_sum_directions(solid.names, brief)) if solid.names else way
+        direction = normalise(sum_directions(solid.names, brief)) if solid.names else way
         if direction is not None:
             found.append(ObstacleRequest(kind=solid.kind, direction=direction, words=mention.words))
         if solid.opposite:
-            other = normalise(_sum_directions(solid.opposite, brief))
+            other = normalise(sum_directions(solid.opposite, brief))
             assert other is not None
             found.append(ObstacleRequest(kind=solid.kind, direction=other, words=mention.words))
     return found
@@ -387,16 +390,6 @@ def _resolve_strength(clause: Clause, verb: Verb, before: Event | None) -> tuple
     return value, ValueSource(clause.words, why)
 
 
-def _sum_directions(names: Names, brief: SceneBrief) -> Vector:
-    """Sum of named directions (not normalised)."""
-    along = {
-        "long": brief.long_axis or brief.directions.up,
-        "lengthwise": brief.long_axis or brief.directions.right,
-    }
-    known = _WORLD_AXES | along
-    return add(known.get(name) or getattr(brief.directions, name) for name in names)
-
-
 def _list_names(mentions: list[Mention]) -> list[Names]:
     return [mention.value for mention in mentions if isinstance(mention.value, tuple)]
 
@@ -425,7 +418,7 @@ def _resolve_direction(
                 continue
             seen.add((mention.kind, names))
             sign = -1.0 if mention.kind is MentionKind.FROM and not pulled_from else 1.0
-            parts.append(scale(_sum_directions(names, brief), sign))
+            parts.append(scale(sum_directions(names, brief), sign))
         total, words = normalise(add(parts)), " ".join(mention.words for mention in told)
         if total is None:  # "to the left and to the right": an axis for stretching, to and fro for the rest
             total, repeat = normalise(parts[0]), replace(repeat, alternate=verb.effect is not Effect.SCALE)
@@ -434,18 +427,18 @@ def _resolve_direction(
         )
     elif lines and not (repeat.names and verb.effect is Effect.SCALE):
         total, source = (
-            normalise(_sum_directions(_list_names(lines)[0], brief)),
+            normalise(sum_directions(_list_names(lines)[0], brief)),
             ValueSource(lines[0].words, "an axis by name"),
         )
     elif repeat.names:
-        total = normalise(_sum_directions(repeat.names, brief))
+        total = normalise(sum_directions(repeat.names, brief))
         source = ValueSource(clause.select(MentionKind.REPEAT)[0].words, "to and fro, this way first")
         repeat = replace(repeat, alternate=verb.effect is not Effect.SCALE)
         if verb.effect is Effect.TURN and total is not None:
             total = _find_turn_towards(total, brief)
     elif solids and verb.effect in _TOWARDS:
         names = solids[0].names or (ASSUMED,)
-        total = normalise(_sum_directions(names, brief))
+        total = normalise(sum_directions(names, brief))
         words = clause.select(MentionKind.SOLID)[0].words
         source = ValueSource(words, "towards what is in the way")
         if not solids[0].names:
@@ -453,7 +446,7 @@ def _resolve_direction(
     elif place and verb.effect is Effect.STRIKE and clause.select(MentionKind.PLACE)[0].phrase in FRONTS:
         total, source = brief.directions.away, ValueSource(clause.words, "a blow on the front drives it away")
     elif place and place.names and verb.effect is Effect.STRIKE:
-        total = normalise(scale(_sum_directions(place.names, brief), -1.0))
+        total = normalise(scale(sum_directions(place.names, brief), -1.0))
         source = ValueSource(
             clause.select(MentionKind.PLACE)[0].words, "a blow drives away from the side that it hits"
         )
@@ -479,7 +472,7 @@ def _assume_direction(
     if out and verb.effect is Effect.PUSH:  # "pull it out of the pot"
         return brief.directions.up, repeat, ValueSource(out[0].words, "up, out of what holds it"), []
     name = verb.direction or ASSUMED
-    vector = normalise(_sum_directions((name,), brief))
+    vector = normalise(sum_directions((name,), brief))
     source = ValueSource(words, f"no direction given: {name} by default")
     if verb.direction:
         return vector, repeat, source, []
@@ -514,13 +507,13 @@ def _resolve_turn_axis(
     senses = clause.select(MentionKind.SENSE)
     told = clause.select(MentionKind.DIRECTION)
     if named:
-        axis = _sum_directions(named[0][1], brief)
+        axis = sum_directions(named[0][1], brief)
     elif views:
-        axis = _sum_directions(_list_names(views)[0], brief)
+        axis = sum_directions(_list_names(views)[0], brief)
     elif verb.wrings and brief.long_axis is not None and not told:
         axis = brief.long_axis
     else:
-        axis = _sum_directions(
+        axis = sum_directions(
             ("toward",) if phrase in PICTURE_PLANE_TURNS else (verb.direction or "toward",), brief
         )
     sign = 1.0
@@ -530,7 +523,7 @@ def _resolve_turn_axis(
     elif told:
         sign = (
             1.0
-            if dot(axis, _find_turn_towards(_sum_directions(_list_names(told)[0], brief), brief)) >= 0
+            if dot(axis, _find_turn_towards(sum_directions(_list_names(told)[0], brief), brief)) >= 0
             else -1.0
         )
     words = " ".join(
@@ -584,25 +577,3 @@ def _resolve_time(clause: Clause, verb: Verb) -> tuple[TimeSpan, ValueSource]:
     if mentions:
         return when, ValueSource(", ".join(mention.words for mention in mentions), "time as told")
     return when, ValueSource(clause.words, "its share of the sequence")
-
-
-def make_region(place: Place, brief: SceneBrief) -> tuple[Region | None, str]:
-    """A place as a region in bounding-box fractions: half-spaces, and a box for the middle band."""
-    if not place.names:
-        up = brief.directions.up
-        axis = max(range(3), key=lambda i: abs(up[i]))
-        if abs(up[axis]) < 0.999:
-            return None, "The middle is not a box here, because world up is oblique to the axes."
-        x, y, z = ((1 / 3, 2 / 3) if i == axis else (0.0, 1.0) for i in range(3))
-        return BoxRegion(low=(x[0], y[0], z[0]), high=(x[1], y[1], z[1])), ""
-    normal = normalise(_sum_directions(place.names, brief))
-    if normal is None:
-        return None, "The directions of the part that is named cancel."
-    return make_end_region(normal, place.start), ""
-
-
-def make_end_region(normal: Vector, start: float) -> HalfSpaceRegion:
-    """The part beyond fraction ``start`` of the unit cube's extent along ``normal``."""
-    reach = (start - 0.5) * sum(abs(c) for c in normal)
-    x, y, z = add([(0.5, 0.5, 0.5), scale(normal, reach)])
-    return HalfSpaceRegion(point=(round(x, 6), round(y, 6), round(z, 6)), normal=normal)

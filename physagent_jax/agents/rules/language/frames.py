@@ -6,10 +6,8 @@ whatever words are in them.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from physagent_jax.agents.rules.language.function_words import MOODS
-from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind, empty
 from physagent_jax.agents.rules.language.reader import OWNING
 
 _HEADS = (MentionKind.VERB, MentionKind.CAUSE)
@@ -22,7 +20,7 @@ _SAYING = frozenset(
     "said cried shouted asked laughed whispered yelled called exclaimed thought says shouts cries".split()
 )
 _SHOWING = frozenset("show showing reveal revealing display displaying expose exposing".split())
-_LINKING = frozenset("to into onto from of in on at like as than until toward towards around".split())
+_LINKING = frozenset("to into onto from of in on at like as than until toward towards around only".split())
 # What goes on with what was said before: no noun.
 _AGAIN = frozenset("repeat undo redo reverse opposite likewise ditto that this them".split())
 _TURNED = ("ing", "ed", "wise", "ways", "wards", "zag")
@@ -32,7 +30,7 @@ _LONGEST_LABEL = 6
 
 def drop_frames(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
     """The mentions with those of frames emptied; ``names`` are words for the object."""
-    result = _drop_label(mentions, names)
+    result = _drop_exclamation(_drop_label(mentions, names))
     result = _drop_asking(result, names)
     result = _drop_remarks(result, names)
     return _drop_fragments(_drop_purposes(_drop_tag(_drop_reporting(result))), names)
@@ -40,15 +38,26 @@ def drop_frames(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
 
 def _drop_label(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
     """Empties "Run 3:", "Lights up.": a beginning without verb or object in which something is not understood."""
+    if len(mentions) > 1 and mentions[0].kind is MentionKind.UNKNOWN and mentions[0].words[0].isdigit():
+        return [empty(mentions[0]), *mentions[1:]]  # "3.2 Push it"
     end = next((i for i, m in enumerate(mentions) if m.words in (":", ".", "!")), len(mentions))
     head = mentions[:end]
     told = any(m.kind in _HEADS or m.phrase in names | _PRONOUNS for m in head)
-    labels = any(m.kind is MentionKind.UNKNOWN for m in head)
+    labels = any(m.kind is MentionKind.UNKNOWN for m in head) and not any(m.form == "only" for m in head)
     if end == len(mentions) or end > _LONGEST_LABEL or told or not labels:
         return mentions
     if not any(m.kind in _HEADS for m in mentions[end:]):
         return mentions
-    return [_empty(m) for m in head] + mentions[end:]
+    return [empty(m) for m in head] + mentions[end:]
+
+
+def _drop_exclamation(mentions: list[Mention]) -> list[Mention]:
+    """Empties "what a kick," before what is told of it."""
+    end = next((i for i, m in enumerate(mentions) if m.kind is MentionKind.JOIN), len(mentions))
+    exclaims = [m.form for m in mentions[:2]] in (["what", "a"], ["what", "an"])
+    if not exclaims or not any(m.kind in _HEADS for m in mentions[end:]):
+        return mentions
+    return [empty(m) for m in mentions[:end]] + mentions[end:]
 
 
 def _drop_asking(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
@@ -67,7 +76,7 @@ def _drop_asking(mentions: list[Mention], names: frozenset[str]) -> list[Mention
     )
     if acts or not any(m.kind in _HEADS for m in mentions[behind:]):
         return mentions  # "can you paint it and then push it", "can you melt down the vase"
-    kept = [_empty(m) if m.kind is MentionKind.UNKNOWN else m for m in mentions[:end]]
+    kept = [empty(m) if m.kind is MentionKind.UNKNOWN else m for m in mentions[:end]]
     return kept + mentions[end:]
 
 
@@ -91,7 +100,7 @@ def _drop_remarks(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
             and (subject in names or subject in _PRONOUNS)
         )
         if remarks:
-            result[begin:end] = [_empty(m) for m in segment]
+            result[begin:end] = [empty(m) for m in segment]
         begin = end + 1
     return result
 
@@ -105,7 +114,7 @@ def _drop_reporting(mentions: list[Mention]) -> list[Mention]:
         end = at + 1
         while end < len(mentions) and mentions[end].kind in (MentionKind.FUNCTION, MentionKind.UNKNOWN):
             end += 1
-        result[at:end] = [_empty(m) for m in mentions[at:end]]
+        result[at:end] = [empty(m) for m in mentions[at:end]]
     return result
 
 
@@ -120,7 +129,7 @@ def _drop_tag(mentions: list[Mention]) -> list[Mention]:
         ways = [i for i, m in enumerate(mentions) if m.kind is MentionKind.DIRECTION and i != at]
         moved = any(m.kind in _HEADS for m in mentions[:at])
         if not moved and ways and all(i > at + 2 for i in ways):
-            result[at] = _empty(tag)
+            result[at] = empty(tag)
     return result
 
 
@@ -139,7 +148,7 @@ def _drop_purposes(mentions: list[Mention]) -> list[Mention]:
             and mentions[end].kind not in _HEADS
         ):
             end += 1
-        result[at:end] = [_empty(m) for m in mentions[at:end]]
+        result[at:end] = [empty(m) for m in mentions[at:end]]
     return result
 
 
@@ -160,6 +169,9 @@ def _drop_fragments(mentions: list[Mention], names: frozenset[str]) -> list[Ment
             m.form in names | _PRONOUNS | _LINKING | _AGAIN or m.form.endswith(_TURNED) for m in segment
         )
         moved = any(m.kind in _HEADS for m in (*mentions[:begin], *mentions[end:]))
+        lens = [m.kind for m in segment] == [MentionKind.QUANTITY] and segment[0].words.endswith("mm")
+        if lens and apart and moved:
+            result[begin:end] = [empty(m) for m in segment]  # ", 85mm,"
         if (
             unknown
             and not how
@@ -169,7 +181,7 @@ def _drop_fragments(mentions: list[Mention], names: frozenset[str]) -> list[Ment
             and not tells
             and len(segment) <= _LONGEST_LABEL
         ):
-            result[begin:end] = [_empty(m) for m in segment]
+            result[begin:end] = [empty(m) for m in segment]
         begin = end + 1
     return result
 
@@ -180,7 +192,3 @@ def is_mood(word: str) -> bool:
         return True
     stem = word.removesuffix("ly")
     return stem != word and (stem in MOODS or stem.removesuffix("i") + "y" in MOODS or stem + "le" in MOODS)
-
-
-def _empty(mention: Mention) -> Mention:
-    return replace(mention, kind=MentionKind.FUNCTION, value=None, phrase="aside", form="aside")

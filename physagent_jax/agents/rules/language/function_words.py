@@ -28,9 +28,9 @@ FUNCTION_WORDS = frozenset(
         "okay alright well oh ah hmm yes yeah sorry maybe perhaps possibly whether favour favor love loves enjoy "
         "merely simply purely solely actually basically literally everywhere herself himself myself yourself "
         "constant steady uniform net single external resultant initial sustained simple pure uniaxial subjected "
-        "delivered imparted exerted perform performs performed performing exhibit exhibits approx ca approximately "
-        "roughly grab grabs grabbed grip grips grasp grasps seize seizes gradually specimen sample item "
-        "product prop figure character creature background backdrop studio turntable pedestal stage smoothly"
+        "delivered imparted exerted perform performs performed performing exhibit exhibits approx ca ie eg "
+        "approximately mean roughly grab grabs grabbed grip grips grasp grasps seize seizes gradually specimen sample "
+        "item product prop figure character creature background backdrop studio turntable pedestal stage smoothly"
     ).split()
 )
 # Moods and styles, as adjectives; adverbs follow.

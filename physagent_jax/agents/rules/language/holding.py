@@ -9,6 +9,8 @@ from physagent_jax.agents.rules.language.mentions import MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect
 
+_LETTING_GO = ("release", "let go", "let ~ go", "let loose", "set free", "relax", "let ~ relax")
+
 
 def apply_holding(clauses: list[Clause]) -> list[Clause]:
     """Holding what was just moved keeps it there; holding what is then let go is no anchor."""
@@ -27,13 +29,17 @@ def apply_holding(clauses: list[Clause]) -> list[Clause]:
         if clause.negated or not is_bare_hold(clause) or clause.select(MentionKind.ANCHOR):
             result.append(clause)
             continue
+        moved = last is not None and not last.negated and get_verb(last.head).effect in HOLDABLE
+        if moved and last is not None and _is_let_go(follows) and not last.select(MentionKind.TIME):
+            last.modifiers += clause.select(MentionKind.TIME)  # "hold it for a second, then release it"
+            last.mentions += clause.mentions
+            continue
         if follows is not None and clause.select(MentionKind.TIME) and clause.verb is not None:
             clause.verb = replace(
                 clause.verb, value=VERBS["wait"], phrase="wait"
             )  # "hold it for a second, then"
             result.append(clause)
             continue
-        moved = last is not None and not last.negated and get_verb(last.head).effect in HOLDABLE
         if moved and clause.join is not Join.WHILE:
             assert last is not None
             last.stays = follows is None
@@ -43,6 +49,13 @@ def apply_holding(clauses: list[Clause]) -> list[Clause]:
                 clause.verb = replace(clause.verb, value=VERBS["stay put"], phrase="stay put")
             result.append(clause)
     return result
+
+
+def _is_let_go(clause: Clause | None) -> bool:
+    """Whether what was held is let go of, and no more is told of that."""
+    if clause is None or clause.verb is None or clause.negated or clause.modifiers:
+        return False
+    return get_verb(clause.verb).effect is Effect.RELEASE and clause.verb.phrase in _LETTING_GO
 
 
 def _is_hanging_in_the_air(clause: Clause, last: Clause | None) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 class MentionKind(enum.Enum):
@@ -56,3 +56,8 @@ class Mention:
     phrase: str
     first: int
     form: str
+
+
+def empty(mention: Mention, why: str = "aside") -> Mention:
+    """The mention without what it says; ``why`` stands for its phrase."""
+    return replace(mention, kind=MentionKind.FUNCTION, value=None, phrase=why, form=why)

@@ -202,7 +202,7 @@ INTENSITIES: dict[str, float] = _spread(
         "as fast as possible, as fast as you can, as quickly as possible, strongest, hardest, mightiest, "
         "with all your strength, "
         "as hard as possible, as hard as you can, as strongly as possible, with full force, like mad, like crazy, "
-        "with violence, with great violence, "
+        "with all one might, with violence, with great violence, "
         "dramatically, enormously": MAGNITUDE_MAX,
     }
 )
@@ -389,7 +389,7 @@ JOINS: dict[str, Join] = _spread(
         "then, and then, in the end, and in the end, after that, "
         "afterwards, afterward, finally, next, later, followed by, "
         "subsequently, lastly, at last, eventually, after a while, after a moment, a moment later, "
-        "thereafter, followed, and finally, and last, whereupon, thereupon, and after that": Join.THEN,
+        "thereafter, after which, followed, and finally, and last, whereupon, thereupon, and after that": Join.THEN,
         "while, as, when, whilst, at the same time, simultaneously, meanwhile, and at the same time": Join.WHILE,
         "and, plus, with": Join.AND,
         "so that, making, causing, which makes, such that, to make, until, that makes, "

@@ -22,6 +22,7 @@ _BETWEEN = (
 )
 _DOERS = frozenset("hand finger fist foot ball hammer stick rope person".split())
 _SCENERY = frozenset("viewer background scene video hand hands light air ball rope clip screen".split())
+_OTHERS = frozenset({"all", "everybody", "everyone", "both"})
 _ITSELF = frozenset({"it", "him", "her", "itself"})
 
 
@@ -42,9 +43,30 @@ def find_other_movers(mentions: list[Mention], names: frozenset[str]) -> list[st
         passes = verb.effect in (Effect.PUSH, Effect.SWAY) and not verb.wind and place in _BY
         if alone or passes:
             doubts.append(f"What it is that goes '{place}' the object is not understood.")
+    doubts += _find_all(mentions) + _find_wind(mentions)
     return (
         doubts + _find_doers(mentions, names) + _find_agents(mentions, names) + _find_others(mentions, names)
     )
+
+
+def _find_all(mentions: list[Mention]) -> list[str]:
+    """Says "all freeze", "everybody jumps": who is there besides."""
+    doubts = []
+    for index, mention in enumerate(mentions[:-1]):
+        begins = index == 0 or mentions[index - 1].kind is MentionKind.JOIN
+        if begins and mention.form in _OTHERS and mentions[index + 1].kind is MentionKind.VERB:
+            doubts.append(f"Who '{mention.words}' are, is not understood.")
+    return doubts
+
+
+def _find_wind(mentions: list[Mention]) -> list[str]:
+    """Says "the wind drops", "the breeze falls": it blows no longer, and the object does not fall."""
+    doubts = []
+    for cause, mention in zip(mentions, mentions[1:]):
+        wind = cause.kind is MentionKind.CAUSE and isinstance(cause.value, Verb) and cause.value.wind
+        if wind and isinstance(mention.value, Verb) and mention.value.effect is Effect.FALL:
+            doubts.append(f"What it means that '{cause.words} {mention.words}' is not understood.")
+    return doubts
 
 
 def _find_doers(mentions: list[Mention], names: frozenset[str]) -> list[str]:

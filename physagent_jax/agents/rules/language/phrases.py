@@ -120,6 +120,9 @@ def _is_noun(reader: Reader, entry: Entry, at: int) -> bool:
         return False
     if text == "shot" and (reader.get_text(at + 1) in ("of", ":", ",") or reader.is_after_determiner(at)):
         return True  # "a close shot of it"
+    plural = text.endswith("s") and text != reader.tokens[at].lemma
+    if plural and before in ("on", "in", "over", "through", "across", "under", "among"):
+        return True  # "on waves"
     inflected = text != reader.tokens[at].lemma and not text.endswith(("ing", "s"))
     if inflected and reader.is_after_determiner(at) and reader.get_text(at + 1) not in reader.object_words:
         return True  # "in this shot"

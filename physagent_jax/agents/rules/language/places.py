@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
+from physagent_jax.agents.rules.language.function_words import FUNCTION_WORDS
 from physagent_jax.agents.rules.language.lexicon import LEXICON
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.phrases import match_words
@@ -13,6 +14,14 @@ from physagent_jax.agents.rules.language.reader import Reader
 from physagent_jax.agents.rules.language.tokens import FORMS
 
 _GOING_OVER = (v.Effect.LEAN, v.Effect.TOPPLE, v.Effect.FALL)
+_SIDES = frozenset({"left", "right", "front", "back", "rear"})
+_OWNERS = ("its", "his", "her", "their")
+_NO_PARTS = frozenset(
+    (
+        "moment time way order amount angle direction place spot position thing speed gear hand edge corner faces "
+        "points looks shows"
+    ).split()
+)
 _LYING: dict[str, m.Names] = {
     "back": ("away",),
     "front": ("toward",),
@@ -61,6 +70,11 @@ def read_place(reader: Reader, at: int) -> Mention | None:
             return reader.make_mention(
                 MentionKind.PLACE, m.Place(names, m.PARTS[part]), f"{phrase} {part}", used
             )
+        if names and _is_part_with_name(reader, at, size):
+            place = m.Place(names, 0.5 if names in (("up",), ("down",)) else 2 / 3)
+            return reader.make_mention(
+                MentionKind.PLACE, place, f"{phrase} part", list(range(at, at + size + 1))
+            )
         struck = reader.get_preposition(at) in ("on", "at") and reader.is_after_determiner(at)
         if names and struck and phrase in ("left", "right") and reader.is_striking():
             return reader.make_mention(MentionKind.PLACE, m.Place(names, 2 / 3), f"{phrase} side", [at])
@@ -79,6 +93,17 @@ def read_place(reader: Reader, at: int) -> Mention | None:
     return None
 
 
+def _is_part_with_name(reader: Reader, at: int, size: int) -> bool:
+    """Whether a side stands before a noun that the lexicon does not have: "the upper shelves", "its left sleeve"."""
+    noun, owner = reader.get_text(at + size), reader.get_text(at - 1)
+    owners = ("the", "its", "his", "her", "their") if reader.tokens[at].text not in _SIDES else _OWNERS
+    if owner not in owners or not noun.isalpha() or noun in reader.object_words or noun in _NO_PARTS:
+        return False
+    known = noun in LEXICON or reader.tokens[at + size].lemma in LEXICON or noun in FUNCTION_WORDS - {"body"}
+    before = reader.get_preposition(at)
+    return not known and before not in ("to", "toward", "towards", "from", "into", "on", "onto", "at", "in")
+
+
 def _find_like(reader: Reader, at: int) -> str:
     """The part that "one" stands for: "its left arm goes up, the right one down"; empty if there is none."""
     parts = [e.phrase.split()[-1] for e in reader.mentions if e.kind is MentionKind.PLACE]
@@ -87,8 +112,8 @@ def _find_like(reader: Reader, at: int) -> str:
 
 def _is_lying_on(reader: Reader, at: int) -> bool:
     """Whether it travels on that side: "slides on its belly" moves all of it."""
-    verbs = [e for e in reader.mentions if isinstance(e.value, v.Verb)]
-    travels = bool(verbs) and verbs[-1].value.effect is v.Effect.PUSH and verbs[-1].value.generic
+    verbs = [e.value for e in reader.mentions if isinstance(e.value, v.Verb)]
+    travels = bool(verbs) and verbs[-1].effect is v.Effect.PUSH and verbs[-1].generic
     owned = reader.get_text(at - 1) in ("its", "his", "her") and reader.get_text(at - 2) == "on"
     return travels and owned and reader.tokens[at].text in _LYING
 

@@ -112,6 +112,7 @@ _COMPARED = frozenset(
 # Before "around".
 _CIRCLES = {("all", "the", "way"): 360.0, ("halfway",): 180.0, ("half", "way"): 180.0}
 _LEAST_DEGREES = 45  # nobody asks for so many turns
+_ABOUT = frozenset({"about", "roughly", "exactly", "nearly", "almost", "approximately"})
 _WHOLE = frozenset({"full", "complete", "whole", "entire"})
 
 
@@ -163,7 +164,9 @@ def match_quantity(tokens: list[Token], at: int) -> tuple[Quantity, int] | None:
     counted = match_number(tokens, at)
     if counted is None:
         return None
-    return _match_unit(tokens, *counted, relative=relative, bare=text in ("a", "an"))
+    preceding = at - 1 - (_get(tokens, at - 1) in _ABOUT)
+    before = _get(tokens, preceding)
+    return _match_unit(tokens, *counted, before=before, relative=relative, bare=text in ("a", "an"))
 
 
 def match_number(tokens: list[Token], at: int) -> tuple[float, int] | None:
@@ -198,9 +201,9 @@ def match_number(tokens: list[Token], at: int) -> tuple[float, int] | None:
 
 
 def _match_unit(
-    tokens: list[Token], value: float, at: int, *, relative: bool, bare: bool
+    tokens: list[Token], value: float, at: int, *, before: str, relative: bool, bare: bool
 ) -> tuple[Quantity, int] | None:
-    """What is counted from ``at`` on; ``bare``: the number is only an article."""
+    """What is counted from ``at`` on, ``before``: the word before; ``bare``: the number is only an article."""
     part = value < 1.0  # "half a turn", "a quarter of a body length"
     start = at
     while _get(tokens, at) in ("a", "an", "of", "one") and part:
@@ -233,7 +236,7 @@ def _match_unit(
             at += 1
         found, dimension = _match_dimension(tokens, at)
         compared = _get(tokens, behind) in _COMPARED  # "30 percent shorter"
-        compared = compared or _get(tokens, start - 2) not in ("to", "at", "until")  # "stretched 20 %"
+        compared = compared or before not in ("to", "at", "until")  # "stretched 20 %"
         return Quantity(value, "share", dimension, (relative and not dimension) or compared), (
             found if dimension else behind
         )
@@ -244,9 +247,7 @@ def _match_unit(
     found, dimension = _match_dimension(tokens, at)
     owned = at < len(tokens) and tokens[at].possessive  # "a chair's length"
     if dimension and (owned or not bare and _get(tokens, at) in _OWNERS):
-        return Quantity(
-            value, "share", dimension, relative and part, goal=_get(tokens, start - 2) == "to"
-        ), found
+        return Quantity(value, "share", dimension, relative and part, goal=before == "to"), found
     if times and unit in _COMPARED:  # "three times taller"
         return Quantity(value, "share"), at
     if times and value != round(value):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
+from physagent_jax.agents.rules.language.corrections import read_corrections
 from physagent_jax.agents.rules.language.counts import read_ordinal, read_quantity, read_time_or_count
 from physagent_jax.agents.rules.language.frames import drop_frames
 from physagent_jax.agents.rules.language.idioms import (
@@ -27,7 +28,13 @@ from physagent_jax.agents.rules.language.phrases import read_phrase, read_word
 from physagent_jax.agents.rules.language.places import read_place
 from physagent_jax.agents.rules.language.reader import Reader
 from physagent_jax.agents.rules.language.repetition import merge_repetitions
-from physagent_jax.agents.rules.language.scopes import drop_asides, mark_exceptions, read_delays, spread_from
+from physagent_jax.agents.rules.language.scopes import (
+    drop_asides,
+    mark_exceptions,
+    part_substitutes,
+    read_delays,
+    spread_from,
+)
 from physagent_jax.agents.rules.language.similes import read_similes
 
 
@@ -37,9 +44,9 @@ def find_mentions(prompt: str, object_words: frozenset[str]) -> list[Mention]:
     for at in range(len(reader.tokens)):
         if at not in reader.used:
             reader.mentions.append(_read_at(reader, at))
-    mentions = merge_repetitions(
-        read_similes(mark_exceptions(spread_from(drop_asides(read_delays(reader.mentions)))))
-    )
+    mentions = part_substitutes(read_corrections(reader.mentions, object_words), object_words)
+    mentions = drop_asides(read_delays(mentions))
+    mentions = merge_repetitions(read_similes(mark_exceptions(spread_from(mentions))), object_words)
     return drop_frames(mentions, object_words)
 
 

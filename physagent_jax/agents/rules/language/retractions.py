@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from physagent_jax.agents.rules.language.corrections import match_correction
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import MANNERS, Join
 from physagent_jax.agents.rules.language.neighbours import MOTIONS, WAYS, get_phrase, has_motion
@@ -68,6 +69,7 @@ def _find_correction(mentions: list[Mention], index: int) -> list[str]:
         mention.form == "rather" and before[-1].form in ("or", ",", "but", "no") and behind[0].form != "than"
     )
     actual = mention.form in ("actually", "better", "sorry", "correction") and apart
+    actual = actual or match_correction(mentions, index) > 1 and apart
     denies = mention.kind is MentionKind.NOT and mention.form in ("no", "nope")
     denies = denies and apart and behind[0].kind is MentionKind.JOIN and behind[0].value is not Join.BUT
     if rather or actual or denies:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
-from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind, empty
 from physagent_jax.agents.rules.language.reader import OWNING
 
 _ORIGINS = frozenset(
@@ -87,8 +87,27 @@ def read_delays(mentions: list[Mention]) -> list[Mention]:
         verb = mentions[next(i for i in verbs if i > denials[-1])].value if denied else None
         if denied and happens and isinstance(verb, v.Verb) and not verb.generic:
             if verb.effect not in (v.Effect.STILL, v.Effect.RELEASE, v.Effect.HOLD):
-                result[denials[-1]] = _empty(mentions[denials[-1]])
+                result[denials[-1]] = empty(mentions[denials[-1]])
                 result[at] = replace(mention, value=m.Join.AFTER, phrase="after")
+    return result
+
+
+def part_substitutes(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
+    """Ends what is not done before what is: "instead of moving left the robot jumps"."""
+    result = list(mentions)
+    for at, mention in enumerate(mentions[:-1]):
+        denied = mention.kind is MentionKind.NOT and mention.phrase in ("instead of", "rather than")
+        if not denied or not mentions[at + 1].form.endswith("ing"):
+            continue
+        for behind in range(at + 2, len(mentions) - 1):
+            if mentions[behind].kind is MentionKind.JOIN:
+                break
+            subject = mentions[behind].phrase in names | {"it", "he", "she"}
+            if subject and mentions[behind + 1].kind is MentionKind.VERB:
+                result.insert(
+                    behind, replace(mention, kind=MentionKind.JOIN, value=m.Join.COMMA, phrase=",", words=",")
+                )
+                break
     return result
 
 
@@ -103,13 +122,44 @@ def drop_asides(mentions: list[Mention]) -> list[Mention]:
         after = next((e for e in mentions[at + 1 :] if e.kind is not MentionKind.FUNCTION), None)
         if isinstance(mention.value, m.Place) and mention.kind is MentionKind.PLACE:
             held = after is not None and after.kind is MentionKind.ANCHOR and after.value == "base"
-            if held and mention.value.names == ("down",) or _is_outdone(mentions, at):
-                result[at] = _empty(mention)
+            if (
+                held
+                and mention.value.names == ("down",)
+                or _is_outdone(mentions, at)
+                or _is_spared(mentions, at)
+            ):
+                result[at] = empty(mention)
+        elif mention.kind is MentionKind.ANCHOR and mention.form in ("free", "loose"):
+            if after is not None and isinstance(after.value, m.Place):
+                result[at] = empty(mention)  # "the free end"
+        elif mention.kind is MentionKind.INTENSITY and mention.form == "high" and _is_way(mentions, at):
+            result[at] = replace(mention, kind=MentionKind.DIRECTION, value=("up",), phrase="up")
         elif mention.kind is MentionKind.DIRECTION and mention.phrase == "away":
             from_it = any(e.form == "from" for e in mentions[at + 1 : at + 2])
             if from_it and after is not None and isinstance(after.value, v.Verb) and after.value.wind:
-                result[at] = _empty(mention)
+                result[at] = empty(mention)
     return result
+
+
+def _is_spared(mentions: list[Mention], at: int) -> bool:
+    """Whether "instead of" stands before what is not done to a part: it is not held either."""
+    segment = []
+    for mention in reversed(mentions[:at]):
+        if mention.kind is MentionKind.JOIN:
+            break
+        segment.append(mention)
+    denied = [e for e in segment if e.kind is MentionKind.NOT]
+    return bool(denied) and denied[0].phrase in ("instead of", "rather than")
+
+
+def _is_way(mentions: list[Mention], at: int) -> bool:
+    """Whether "high" stands beside a way: "high and to the right", "to the left and high"."""
+    joins = [i for i in (at - 1, at + 1) if 0 <= i < len(mentions) and mentions[i].phrase == "and"]
+    ends = at + 1 == len(mentions) or mentions[at + 1].kind is MentionKind.JOIN
+    if not joins or not ends:
+        return False
+    beside = mentions[at + 2 : at + 5] if joins[0] > at else mentions[max(at - 3, 0) : at - 1]
+    return any(e.kind is MentionKind.DIRECTION for e in beside)
 
 
 def _is_outdone(mentions: list[Mention], at: int) -> bool:
@@ -117,7 +167,3 @@ def _is_outdone(mentions: list[Mention], at: int) -> bool:
     only = any(e.phrase == "not only" for e in mentions[max(at - 3, 0) : at])
     behind = [e.phrase for e in mentions[at + 1 : at + 6]]
     return only and "but" in behind and bool({*behind} & m.WHOLE_WORDS)
-
-
-def _empty(mention: Mention) -> Mention:
-    return replace(mention, kind=MentionKind.FUNCTION, value=None, phrase="aside", form="aside")

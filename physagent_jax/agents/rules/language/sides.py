@@ -119,6 +119,18 @@ def _find_return(mentions: list[Mention], index: int, _names: frozenset[str]) ->
     return []
 
 
+def _find_standpoint(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "blow on it from where you are": whoever looks, and no verb of the object."""
+    begins = index == 0 or mentions[index - 1].form != "from" or not has_motion(mentions[:index])
+    if (
+        mentions[index].form == "where"
+        and not begins
+        and get_phrase(mentions, index + 1) in ("you", "i", "we")
+    ):
+        return ["Where 'from where' is, is not understood."]
+    return []
+
+
 def _find_own(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
     """Says "to its own left": the object's left may be the viewer's right."""
     mention, before = mentions[index], mentions[index - 1] if index > 0 else None
@@ -136,8 +148,8 @@ def _find_there(mentions: list[Mention], index: int, names: frozenset[str]) -> l
     """Says "push it there": which way is that?"""
     told = any(m.kind in WAYS for m in mentions[max(index - 3, 0) : index + 3])
     verb = find_telling(mentions, index, -1)
-    moves = verb is not None and isinstance(verb.value, Verb)
-    moves = moves and verb is not None and verb.value.effect in (Effect.PUSH, Effect.STRIKE)
+    does = verb.value if verb is not None else None
+    moves = isinstance(does, Verb) and does.effect in (Effect.PUSH, Effect.STRIKE)
     thing = get_phrase(mentions, index - 1) in names | {"it", "him", "her"}
     if mentions[index].form == "there" and moves and thing and not told:
         return ["Where 'there' is, is not understood."]
@@ -147,7 +159,7 @@ def _find_there(mentions: list[Mention], index: int, names: frozenset[str]) -> l
 def _find_pivot(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
     """Says "it swings from its top": what holds it, and no way."""
     mention, owner = mentions[index], get_phrase(mentions, index - 1)
-    verb = find_telling(mentions, index, -1)
+    verb = next((m for m in reversed(mentions[:index]) if m.kind is MentionKind.VERB), None)
     upright = mention.kind is MentionKind.FROM and mention.value in (("up",), ("down",))
     swings = verb is not None and isinstance(verb.value, Verb) and verb.value.effect is not Effect.HOLD
     if upright and owner in ("its", "his", "her") and swings:
@@ -321,6 +333,7 @@ _RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = 
     _find_facing,
     _find_return,
     _find_own,
+    _find_standpoint,
     _find_there,
     _find_pivot,
     _find_shown,

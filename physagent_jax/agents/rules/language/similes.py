@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind, empty
 from physagent_jax.agents.rules.language.modifiers import DIRECTIONS
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 
@@ -81,7 +81,7 @@ def _read_likeness(mentions: list[Mention], index: int) -> None:
         elif at is None:
             return
     for place in range(index, end):
-        mentions[place] = _empty(mentions[place])
+        mentions[place] = empty(mentions[place], "simile")
 
 
 def _read_supposition(mentions: list[Mention], index: int) -> None:
@@ -97,11 +97,11 @@ def _read_supposition(mentions: list[Mention], index: int) -> None:
         and (_is_telling(verb) or verb.effect is Effect.RELEASE)
     ):
         for place in range(index, end):
-            mentions[place] = _empty(mentions[place])
+            mentions[place] = empty(mentions[place], "simile")
     elif done is not None:
         supposed = mentions[done].value
         pulls = isinstance(supposed, Verb) and supposed.pulls
-        mentions[done] = _empty(mentions[done])
+        mentions[done] = empty(mentions[done], "simile")
         for place in range(done, len(mentions)):
             if mentions[place].kind is MentionKind.JOIN:
                 break
@@ -144,7 +144,3 @@ def _find_end(mentions: list[Mention], index: int) -> int:
                 at -= 1
             return at
     return len(mentions)
-
-
-def _empty(mention: Mention) -> Mention:
-    return replace(mention, kind=MentionKind.FUNCTION, value=None, phrase="simile", form="simile")

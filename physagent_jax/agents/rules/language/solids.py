@@ -47,6 +47,7 @@ def match_solid(tokens: list[Token], at: int, object_words: frozenset[str]) -> t
     noun_at = at
     if text in _SIDES and _get(tokens, at + 1) in OBSTACLES:
         names, noun_at = _SIDES[text], at + 1
+    noun_at += _get(tokens, noun_at) in OBSTACLES and _get(tokens, noun_at + 1) in OBSTACLES  # "brick wall"
     noun = _get(tokens, noun_at)
     before = _find_way(tokens, at)
     if before == "between" and noun in _PLATES:

@@ -60,6 +60,7 @@ def _find_meant(text: str, object_words: frozenset[str]) -> str | None:
         return None
     near = [text[:i] + text[i + 1] + text[i] + text[i + 2 :] for i in range(len(text) - 1)]
     near += [text[:i] + text[i + 1 :] for i in range(1, len(text)) if text[i] == text[i - 1]]
+    near += [text[:i] + text[i] + text[i:] for i in range(1, len(text) - 1)]  # "midle"
     found = {word for word in near if word != text and word in _KNOWN | object_words}
     if len(found) == 1:
         return found.pop()

@@ -21,6 +21,8 @@ _SCENE = frozenset({"ground", "floor", "table", "ceiling", "wall", "walls", "sky
 _GOALS_HERE = frozenset({"table", "hand", "hands", "person", "people", "ball", "plate", "rope"})
 _SUPPORTS = frozenset({"plate", "plates"})
 _SURFACES = frozenset({"ground", "floor", "table", "sky"})
+_TAKING = frozenset({"take", "takes", "taking", "pull", "pulls", "pulling"})
+_ADJECTIVES = (MentionKind.UNKNOWN, MentionKind.INTENSITY)
 _ACROSS = frozenset({"over", "across", "along", "about", "around"})
 _MEASURES = (MentionKind.QUANTITY, MentionKind.COMPARATIVE, MentionKind.INTENSITY, MentionKind.DEGREE)
 
@@ -140,9 +142,15 @@ def _find_acted_scene(mentions: list[Mention], index: int) -> list[str]:
     """Says "tilt the plate", "push the wall": what is around the object; shaken, it shakes the object."""
     mention = mentions[index]
     solid = mention.kind is MentionKind.SOLID
-    placed = index >= 2 and get_phrase(mentions, index - 1) in DETERMINERS
-    verb = mentions[index - 2].value if placed and mentions[index - 2].kind is MentionKind.VERB else None
+    article = index - 1
+    while article > 0 and (mentions[article].kind in _ADJECTIVES or mentions[article].form == "invisible"):
+        article -= 1
+    placed = article >= 1 and get_phrase(mentions, article) in DETERMINERS
+    verb = mentions[article - 1].value if placed and mentions[article - 1].kind is MentionKind.VERB else None
     scene = mention.kind is MentionKind.FUNCTION and mention.form in _SCENE | _SUPPORTS
+    taken = [m.form for m in mentions[max(article - 2, 0) : article]]
+    if scene and placed and taken[-1:] == ["away"] and _TAKING & set(taken):
+        return [f"What comes of it that '{mention.words}' is taken away is not understood."]
     acted = (
         isinstance(verb, Verb)
         and verb.effect not in (Effect.SWAY, Effect.HOLD)

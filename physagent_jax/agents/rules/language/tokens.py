@@ -9,7 +9,7 @@ from physagent_jax.agents.rules.language.verbs import IRREGULAR_FORMS, VERBS
 
 # A word with its contraction, a number, or a mark of punctuation that can end a clause.
 _TOKEN = re.compile(
-    r"(?<!\w)[-\u2212](?=\d)|(?<=\s)-(?=\s)|\d{1,9}(?:\.\d{1,9})?|[^\W\d_]+(?:'[^\W\d_]+)?|[,;.!?:\n\u2014\u2013%\u00b0/]"
+    r"(?<!\w)(?:i\.e|e\.g)\.?(?!\w)|(?<!\w)[-\u2212](?=\d)|(?<=\s)-(?=\s)|\d{1,9}(?:\.\d{1,9})?|[^\W\d_]+(?:'[^\W\d_]+)?|[,;.!?:\n\u2014\u2013%\u00b0/]"
 )
 _SIGNS = {"%": "percent", "\u00b0": "degrees", "/": "per", "-": "minus", "\u2212": "minus"}
 _ABBREVIATIONS = frozenset({"approx", "ca", "deg", "sec", "vs", "incl"})
@@ -49,6 +49,7 @@ def tokenise(prompt: str) -> list[Token]:
         if match.group() == "." and tokens and tokens[-1].text in _ABBREVIATIONS:
             continue  # "approx. 20 %"
         word, _, suffix = match.group().partition("'")
+        word = word.replace(".", "") if word[0].isalpha() else word  # "i.e."
         negated = suffix == "t" and word.endswith("n")
         word = word[:-1] if negated else word
         dash = word in ("-", "\u2013", "\u2014") and not text[match.end() : match.end() + 1].isdigit()

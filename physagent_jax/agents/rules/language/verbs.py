@@ -233,7 +233,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         "remain motionless, lie still, sit still, is motionless, is at rest, at rest, motionless, "
         "immobile, motionlessly, do nothing, does nothing, without motion, stationary, "
         "stay as it is, remain as it is, stay where it is, remain where it is, stay motionless, come to a standstill, "
-        "stop dead, stop ~ dead, stand upright, stay upright, remain upright",
+        "hang still, stop dead, stop ~ dead, stand upright, stay upright, remain upright",
         Verb(_D.STILL),
     ),
 )

@@ -1,0 +1,129 @@
+"""Sentences that word by word say something else: read as people read them, or said to be unclear.
+
+Beside each that is said to be unclear stands a near neighbour that is clear, so that no mark is wider than its reason.
+"""
+
+import pytest
+
+from tests.agents.scenes import read
+from tests.agents.tellings import ground, order, tell
+
+
+@pytest.mark.parametrize(
+    ("prompt", "expected"),
+    [
+        # what is taken back
+        ("push it left, no wait, right", "move right"),
+        ("push it to the left, I mean to the right", "move right"),
+        ("tilt it left, or rather backwards", "rotate left"),
+        ("turn it clockwise... actually make that counterclockwise", "rotate up"),
+        ("bend its head, i.e. its upper half, to the right", "rotate away on up"),
+        ("its head, sorry, the whole robot slides to the left", "move left"),
+        # what comes of it, and when
+        ("it is hit from the left, so it goes right", "hit right"),
+        ("it does not fall until it is pushed from the left", "move right; fall"),
+        ("until it is kicked from behind, it stays still", "still; hit toward"),
+        ("spin it, after which it wobbles", "rotate up; sway left x3"),
+        ("first nothing, then a jolt upward", "still; hit up"),
+        ("it shakes, then calm", "sway left x4; still"),
+        ("toss it up and let it come back down", "hit up; fall"),
+        ("it is thrown to the left and slides down", "hit left; move down"),
+        ("it tips over to the left as soon as it is let go", "rotate toward & fall"),
+        ("it bows and exits left", "rotate right; move left"),
+        # how far a word reaches
+        ("not only its head but all of it moves left", "move left"),
+        ("instead of moving to the left the robot jumps", "hit up; fall"),
+        ("it sways away from the wind that comes from the left", "sway right x2"),
+        ("it slides on its belly towards us", "move toward"),
+        ("its left arm goes up while the right one goes down", "move up on left & move down on right"),
+        ("the upper shelf leans to the left", "rotate toward on up"),
+        ("it is carried to the right and high", "move ?"),
+        ("push it up to the wall on the left", "move left"),
+        ("push it as far as the wall on the right", "move right"),
+        ("turn it upside down and put it back down", "rotate toward & move down"),
+        ("squeeze it from the left and the right at once", "squeeze right"),
+        # said several times, or only heard
+        ("swing, robot, swing", "sway left x2"),
+        ("they hit it from the left, bang bang bang", "hit right x3"),
+        # what is no motion
+        ("what a push, it flies up", "move up"),
+        ("3.2 Compress it from above", "squeeze down"),
+        ("squeeze it in the midle", "squeeze right"),
+        ("its feet planted, it leans to the left", "move left"),
+    ],
+)  # fmt: skip
+def test_what_is_read(prompt, expected):
+    """Motions in their order; the readings were written by hand."""
+    assert order(prompt) == expected
+
+
+@pytest.mark.parametrize(
+    ("unclear", "clear"),
+    [
+        # what is only supposed or asked for, or was so before
+        ("is it leaning to the left?", "can it lean to the left?"),
+        ("will it fall?", "will it fall if it is pushed to the left?"),
+        ("it would have fallen; push it to the left", "it would fall if it were pushed to the left"),
+        ("it is too heavy to be pushed over", "it is too heavy, push it over"),
+        ("if it were light it would fly up, but it trembles", "if it were pushed left it would fall"),
+        ("the robot that had fallen spins", "once it had fallen it spins"),
+        ("robot leaning to the left straightens up", "robot leaning to the left"),
+        # lists and counts
+        ("two nudges, the first left, the second right", "two nudges to the left"),
+        ("left, left, right", "left, right"),
+        ("nudge it left every time it stops", "nudge it left three times"),
+        ("turn it 90 degrees twice", "turn it twice"),
+        ("up a bit, left a lot", "a bit up and left"),
+        ("alternately squeeze and stretch it", "alternately push it left and right"),
+        # places that tell no way
+        ("push it left past the wall", "push it left to the wall"),
+        ("move it in front of us", "move it towards us"),
+        ("push it to its own left", "push it to the left"),
+        ("push it there", "push it left, there"),
+        ("bring it back where it was", "push it left and bring it back"),
+        ("put it back on its feet", "lift it and put it down"),
+        ("it swings from its top", "it hangs from its top"),
+        ("blow on it from where you are", "blow on it from the left"),
+        # what is moved
+        ("turn it so its back faces us", "turn it to face away"),
+        ("blow the robot up", "the wind blows the robot up"),
+        ("take away the table", "take the robot away"),
+        ("lower a big plate onto it", "lower it"),
+        ("all jump", "the robot jumps"),
+        ("the wind drops", "the robot drops"),
+        ("its falling is stopped", "it is falling"),
+        ("its feet drop", "it lands on its feet"),
+        ("pull it to twice its length", "stretch it to twice its length"),
+        ("push it left, no, lift it", "push it left, no, right"),
+    ],
+)
+def test_what_is_unclear(unclear, clear):
+    """A plain sentence in ``unsure`` for the one, none for the other."""
+    doubts = read(unclear, ground()).unsure
+    assert doubts and all(text.endswith(".") for text in doubts)
+    assert read(clear, ground()).unsure == ()
+
+
+def test_a_hold_before_a_release_is_how_long():
+    """What is held for a time and then let go of is done for that time."""
+    (motion,) = read("stretch it to twice its width, hold for 2 seconds and release", ground()).expectations
+    assert tell(motion) == "stretch right" and motion.released
+    assert motion.window[1] == 50  # 2 s of 0.04 s
+
+
+def test_two_words_for_one_change_of_size():
+    """The measure of the second is the measure of both."""
+    (motion,) = read("it loses air and shrinks to half its size", ground()).expectations
+    assert motion.amount is not None and (motion.amount.unit, motion.amount.value) == ("factor", 0.5)
+
+
+def test_what_is_not_done_holds_nothing():
+    """ "Instead of" and "free" anchor neither the top nor nothing."""
+    assert read("instead of raising its head it spins", ground()).anchor.kind is None
+    assert read("pull the free upper end up while the base is clamped", ground()).anchor.kind == "base"
+
+
+def test_one_wall_of_brick():
+    """A brick wall is a wall, and no block besides."""
+    (wall,) = read("it crashes into the brick wall on the right", ground()).world.obstacles
+    assert wall.kind == "wall" and wall.direction == (1.0, 0.0, 0.0)
