@@ -79,6 +79,8 @@ def merge_results(clauses: list[Clause]) -> list[Clause]:
         related = related or (bool(merged) and _is_driven(merged[-1], clause))
         if clause.join is Join.AND and clause.verb is not None and clause.verb.phrase in _LEAVING:
             clause.join = Join.THEN  # "it bows and exits"
+        if clause.join is Join.AND and merged and _is_bouncing(merged[-1], clause):
+            clause.join = Join.THEN
         verb = clause.verb if clause.verb is not None and not clause.negated else None
         if merged and verb is not None and _is_coming_down(merged[-1], verb):
             clause.verb, clause.join = replace(verb, value=VERBS["fall"], phrase="fall"), Join.THEN
@@ -125,7 +127,11 @@ def _share_direction(blow: Clause, clause: Clause) -> None:
     told = clause.select(MentionKind.DIRECTION)
     if blow.head is None or clause.verb is None or blow.select(*WHERE) or clause.join is Join.THEN:
         return
-    if get_verb(blow.head).effect is Effect.STRIKE and get_verb(clause.verb).effect is Effect.TOPPLE:
+    first, second = get_verb(blow.head), get_verb(clause.verb)
+    pushes = first.effect is Effect.PUSH and not first.generic and first.direction is None
+    if first.effect is Effect.STRIKE and second.effect is Effect.TOPPLE:
+        blow.modifiers += told
+    elif pushes and not blow.negated and second.effect in (Effect.ROLL, Effect.TOPPLE):
         blow.modifiers += told
 
 
@@ -211,6 +217,12 @@ def _is_reshaping(first: Clause, clause: Clause) -> bool:
     one, other = get_verb(first.verb), get_verb(clause.verb)
     alike = one.effect is other.effect is Effect.SWELL and one.sign == other.sign
     return alike and clause.join in (Join.AND, Join.COMMA) and not first.modifiers
+
+
+def _is_bouncing(fall: Clause, clause: Clause) -> bool:
+    """Whether it bounces after it fell: "it hits the floor and bounces twice"."""
+    falls = fall.verb is not None and not fall.negated and get_verb(fall.verb).effect is Effect.FALL
+    return falls and clause.verb is not None and clause.verb.phrase == "bounce"
 
 
 def _is_coming_down(throw: Clause, verb: Mention) -> bool:

@@ -63,6 +63,16 @@ def _find_comparison(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
+def _find_correlation(mentions: list[Mention], index: int) -> list[str]:
+    """Says "the harder it is pushed, the more it tilts": both grow together."""
+    here, more = mentions[index], MentionKind.COMPARATIVE
+    heads = [i for i in range(1, len(mentions)) if mentions[i].kind is more and mentions[i - 1].form == "the"]
+    begins = {i for i in heads if i == 1 or mentions[i - 2].kind is MentionKind.JOIN}
+    if index in begins and len(begins) > 1 and index == min(begins):
+        return [f"How much 'the {here.words}' is, is not understood."]
+    return []
+
+
 def _find_delay(mentions: list[Mention], index: int) -> list[str]:
     """Says "a second later", "every second"."""
     mention, before = mentions[index], get_phrase(mentions, index - 1)
@@ -333,7 +343,8 @@ def _find_particle(mentions: list[Mention], index: int) -> list[str]:
             return [f"Which way '{mention.words}' is, is not understood."]
     if mention.kind is MentionKind.PLACE and mention.phrase in ("face", "head"):
         begins = index == 0 or mentions[index - 1].kind is MentionKind.JOIN or before in ("it", "to")
-        if after is not None and begins and after.phrase in DETERMINERS | {"it", "to", "toward"}:
+        faces = after is not None and before == "it" and after.kind in WAYS  # "make it face left"
+        if after is not None and begins and (faces or after.phrase in DETERMINERS | {"it", "to", "toward"}):
             return [f"What '{mention.words} {after.words}' does is not understood."]
     return []
 
@@ -418,6 +429,7 @@ def _find_denial(mentions: list[Mention], index: int) -> list[str]:
 
 _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_comparison,
+    _find_correlation,
     _find_delay,
     _find_bare_unit,
     _find_interval,

@@ -118,7 +118,7 @@ def _find_kept(clauses: list[Clause]) -> list[str]:
     """Says "bend it and don't let go": it is held, but where?"""
     return [
         f"What '{clause.words}' denies is not understood."
-        for clause in clauses[1:]
+        for clause in clauses
         if clause.verb is not None and clause.negated and get_verb(clause.verb).effect is Effect.RELEASE
     ]
 
@@ -132,6 +132,8 @@ def _find_fragments(clauses: list[Clause]) -> list[str]:
         manner = {m.kind for m in clause.modifiers} <= {MentionKind.INTENSITY, MentionKind.DEGREE}
         late = clause.select(*_WAYS) and not before.select(*_WAYS) and get_verb(before.head).direction is None
         told = {m.kind for m in clause.modifiers} <= {*_WAYS}
+        if clause.modifiers and {m.kind for m in clause.modifiers} == {MentionKind.PLACE}:
+            late = told = True  # "Direction: left. Part: top."
         if get_verb(before.head).effect in _DIRECTED and (manner and clause.modifiers or late and told):
             doubts.append(
                 f"Whether '{clause.modifiers[0].words}' tells of '{before.words}' is not understood."
@@ -280,6 +282,17 @@ def _find_held_side(clauses: list[Clause]) -> list[str]:
     return doubts
 
 
+def _find_torn_out(clauses: list[Clause]) -> list[str]:
+    """Says "the storm rips it out of the ground": it goes out, and does not tear."""
+    return [
+        f"Where '{clause.words} {out.words}' leads is not understood."
+        for clause in clauses
+        if clause.head is not None and get_verb(clause.head).effect is Effect.SCALE
+        for out in clause.select(MentionKind.ANCHOR)
+        if out.phrase.startswith("out of")
+    ]
+
+
 def _find_counted_turns(clauses: list[Clause]) -> list[str]:
     """Says "turn it 90 degrees twice": all of it, or each time?"""
     doubts = []
@@ -306,6 +319,7 @@ def _find_measured_ways(clauses: list[Clause]) -> list[str]:
 
 
 _RULES = (
+    _find_torn_out,
     _find_counted_turns,
     _find_measured_ways,
     _find_restated,

@@ -73,6 +73,12 @@ def read_time_or_count(reader: Reader, at: int) -> Mention | None:
         behind = counted[1] + (reader.get_text(counted[1]) in m.INTENSITIES)
         thing = reader.tokens[min(behind, len(reader.tokens) - 1)]  # "three gusts", "two small jumps"
         several = thing.text.endswith("s") and thing.text != thing.lemma  # "3.2 Compress it" is a heading
+        verb = v.VERBS.get(thing.lemma)
+        if counted[0] != int(counted[0]):  # "one and a half somersaults"
+            turns = several and verb is not None and verb.effect is v.Effect.TURN
+            found = Quantity(360.0 * counted[0], "degrees")
+            used = list(range(at, counted[1]))
+            return reader.make_mention(MentionKind.QUANTITY, found, "quantity", used) if turns else None
         if several and thing.lemma in v.VERBS or thing.text.endswith("s") and thing.text in v.CAUSES:
             repeat = m.Repeat(int(min(counted[0], 1000)))
             return reader.make_mention(MentionKind.REPEAT, repeat, "times", list(range(at, counted[1])))

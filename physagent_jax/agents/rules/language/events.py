@@ -172,7 +172,9 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
     driven = (
         verb.effect is Effect.TOPPLE and before is not None and before.effect in (Effect.PUSH, Effect.STRIKE)
     )
-    if notes and before is not None and (before.effect is verb.effect or driven):
+    likewise = before is not None and before.effect is verb.effect
+    likewise = likewise and (verb.effect is not Effect.SWAY or before is not None and before.phrase == phrase)
+    if notes and before is not None and (likewise or driven):
         direction, notes = before.direction, []  # "push it to the right, then push it harder"
         direction_source = replace(direction_source, why="no direction given: as before")
     if (

@@ -49,10 +49,19 @@ def add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> N
             clause.mentions.append(mention)
         elif mention.kind is MentionKind.CAUSE:
             _add_cause(clause, mention, negated, has_verb)
-            negated = False
+            negated = negated and clause.verb is None and _is_subject(mentions, mention)
         elif mention.kind not in (MentionKind.FUNCTION, MentionKind.UNKNOWN, MentionKind.VERB):
             clause.modifiers.append(mention)
             clause.mentions.append(mention)
+
+
+def _is_subject(mentions: list[Mention], cause: Mention) -> bool:
+    """Whether "no" stands before a cause and its verb behind: "no breeze moves it"."""
+    denied = any(m.phrase == "no" and m.first == cause.first - 1 for m in mentions)
+    behind = next(
+        (m for m in mentions if m.first > cause.first and m.kind is not MentionKind.INTENSITY), None
+    )
+    return denied and behind is not None and behind.kind is MentionKind.VERB
 
 
 def _add_cause(clause: Clause, mention: Mention, negated: bool, has_verb: bool) -> None:

@@ -20,7 +20,7 @@ _COMING = frozenset({"come", "comes", "came", "coming"})
 _NEARER = frozenset("toward towards closer nearer forward forwards in up into".split())
 _GOALS = frozenset({*m.OBSTACLES, *_WATCHERS, "edge", "border", "us", "me"}) - {"ceiling"}
 _WAYS_OF_GOALS = ("left", "right", "back", "front")
-_RESTS = frozenset({"calm", "quiet", "silence", "stillness", "nothing", "rest"})
+_RESTS = frozenset({"still", "motionless", "calm", "quiet", "silence", "stillness", "nothing", "rest"})
 _AGAINST = frozenset({"against", "into", "at", "onto", "on", "off"})
 
 

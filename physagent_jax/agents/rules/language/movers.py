@@ -11,7 +11,7 @@ from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
 # Who does these moves by itself: nothing is "landed" or "sat".
 _BY_ITSELF = (Effect.STILL, Effect.FALL, Effect.JUMP, Effect.ROLL, Effect.TURN)
-_ONTO = frozenset({"on", "onto", "upon", "into", "against", "off", "beside"})
+_ONTO = frozenset({"from", "on", "onto", "upon", "into", "against", "off", "beside"})
 _BY = frozenset({"over", "under", "past", "around", "above", "below", "beneath", "behind", "between"})
 _BETWEEN = (
     MentionKind.FUNCTION,

@@ -84,7 +84,7 @@ def read_place(reader: Reader, at: int) -> Mention | None:
             return reader.make_mention(MentionKind.DIRECTION, names, phrase, [at])  # "a front flip"
         if towards:
             return _make_direction(reader, names, phrase, [at])
-        if phrase == "back" and _is_told_where(reader, at):
+        if phrase == "back" and (_is_told_where(reader, at) or _is_regaining(reader, at)):
             return reader.make_mention(MentionKind.FUNCTION, None, phrase, [at])  # "back to the left"
         owned = at > 0 and reader.tokens[at - 1].possessive
         if phrase != "back" or owned or reader.is_after_determiner(at):
@@ -139,6 +139,14 @@ def _is_told_where(reader: Reader, at: int) -> bool:
     if reader.get_text(at + 2) in ("us", "me", "you"):
         return not reader.is_after_determiner(at)  # "turn its back to us"
     return any(reader.get_text(at + reach) in (*m.DIRECTIONS, *m.ENDS, *m.PLACES) for reach in (2, 3))
+
+
+def _is_regaining(reader: Reader, at: int) -> bool:
+    """Whether "back" only says that it was so before: "shrinks back", "jumps back up"."""
+    verbs = [e.value for e in reader.mentions if isinstance(e.value, v.Verb)]
+    shapes = bool(verbs) and verbs[-1].effect in (v.Effect.SCALE, v.Effect.SWELL)
+    jumps = bool(verbs) and verbs[-1].effect is v.Effect.JUMP and reader.get_text(at + 1) == "up"
+    return shapes and not reader.is_after_determiner(at) and reader.get_text(at - 1) != "the" or jumps
 
 
 def _is_longer_phrase(reader: Reader, at: int) -> bool:

@@ -132,6 +132,8 @@ def drop_asides(mentions: list[Mention]) -> list[Mention]:
         elif mention.kind is MentionKind.ANCHOR and mention.form in ("free", "loose"):
             if after is not None and isinstance(after.value, m.Place):
                 result[at] = empty(mention)  # "the free end"
+        elif mention.kind is MentionKind.INTENSITY and mention.form == "low" and _is_leaning(mentions, at):
+            result[at] = empty(mention)  # "it bows low"
         elif mention.kind is MentionKind.INTENSITY and mention.form == "high" and _is_way(mentions, at):
             result[at] = replace(mention, kind=MentionKind.DIRECTION, value=("up",), phrase="up")
         elif mention.kind is MentionKind.DIRECTION and mention.phrase == "away":
@@ -150,6 +152,12 @@ def _is_spared(mentions: list[Mention], at: int) -> bool:
         segment.append(mention)
     denied = [e for e in segment if e.kind is MentionKind.NOT]
     return bool(denied) and denied[0].phrase in ("instead of", "rather than")
+
+
+def _is_leaning(mentions: list[Mention], at: int) -> bool:
+    """Whether a verb of leaning stands just before."""
+    verb = mentions[at - 1].value if at else None
+    return isinstance(verb, v.Verb) and verb.effect is v.Effect.LEAN
 
 
 def _is_way(mentions: list[Mention], at: int) -> bool:

@@ -98,6 +98,9 @@ def _find_facing(mentions: list[Mention], index: int, _names: frozenset[str]) ->
     """Says "it turns to the camera": so that it faces there, and not that its top goes there."""
     mention, verb = mentions[index], find_telling(mentions, index, -1)
     turns = verb is not None and isinstance(verb.value, Verb) and verb.value.effect is Effect.TURN
+    spins = turns and mention.value in (("up",), ("down",)) and mentions[index - 1] is verb
+    if spins and verb is not None and verb.phrase == "spin":
+        return [f"What '{verb.words} {mention.words}' means is not understood."]  # faster, or slower
     if not turns or verb is None or verb.form not in ("turn", "turns", "turning", "turned"):
         return []
     if mention.kind is MentionKind.DIRECTION and mention.value in (("toward",), ("up",)):

@@ -82,10 +82,20 @@ def _find_posture(mentions: list[Mention], index: int, names: frozenset[str]) ->
     return []
 
 
+def _find_origin(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "let it fall from a tilt to the left": how it is before."""
+    mention = mentions[index]
+    article = get_phrase(mentions, index - 1) in ("a", "an") and get_phrase(mentions, index - 2) == "from"
+    if article and mention.kind is MentionKind.VERB and has_motion(mentions[:index]):
+        return [f"Whether it is in a '{mention.words}' at first is not understood."]
+    return []
+
+
 _RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = (
     _find_unreal,
     _find_otherwise,
     _find_prevented,
     _find_past,
     _find_posture,
+    _find_origin,
 )
