@@ -94,7 +94,7 @@ def _find_going_nowhere(clauses: list[Clause]) -> list[str]:
         goes = (
             clause.verb is not None and clause.cause is None and not clause.inherited and not clause.negated
         )
-        if not goes or clause.words.split()[0].lower() not in ("go", "goes", "going", "went"):
+        if not goes or clause.words.split()[0].lower() not in ("go", "goes", "going", "went", "gone"):
             continue
         told = clause.select(
             *_WAYS, MentionKind.SIDES, MentionKind.SOLID, MentionKind.REPEAT, MentionKind.REVERSAL
@@ -293,6 +293,22 @@ def _find_torn_out(clauses: list[Clause]) -> list[str]:
     ]
 
 
+def _find_struck_around(clauses: list[Clause]) -> list[str]:
+    """Says "hit from the left, from the right": one blow after the other; "from the top to the left": pushed there."""
+    doubts = []
+    for clause in clauses:
+        verb = get_verb(clause.head) if clause.head is not None and not clause.negated else None
+        if verb is None or verb.wind or clause.cause is not None:
+            continue
+        origins = [m.value[0] for m in clause.select(MentionKind.FROM) if isinstance(m.value, tuple)]
+        around = verb.effect is Effect.STRIKE and any(_OPPOSITE[way] in origins for way in origins)
+        sided = any(m.value in (("left",), ("right",)) for m in clause.select(MentionKind.DIRECTION))
+        upright = verb.effect is Effect.PUSH and {"up", "down"} & set(origins) and sided
+        if around or upright:
+            doubts.append(f"Where '{clause.words}' acts is not understood.")
+    return doubts
+
+
 def _find_counted_turns(clauses: list[Clause]) -> list[str]:
     """Says "turn it 90 degrees twice": all of it, or each time?"""
     doubts = []
@@ -320,6 +336,7 @@ def _find_measured_ways(clauses: list[Clause]) -> list[str]:
 
 _RULES = (
     _find_torn_out,
+    _find_struck_around,
     _find_counted_turns,
     _find_measured_ways,
     _find_restated,

@@ -121,14 +121,15 @@ def _drop_reporting(mentions: list[Mention]) -> list[Mention]:
 def _drop_tag(mentions: list[Mention]) -> list[Mention]:
     """Empties the "right" of "I have it here, right, and ...": no way stands beside it, and another one follows."""
     result = list(mentions)
-    for at in range(1, len(mentions) - 1):
+    for at in range(len(mentions) - 1):
         tag = mentions[at]
-        alone = mentions[at - 1].words == "," and mentions[at + 1].words in (",", "?")
+        begins = at == 0 and any(m.kind in _HEADS for m in mentions[:5])  # "right, now push it left"
+        alone = (begins or at > 0 and mentions[at - 1].words == ",") and mentions[at + 1].words in (",", "?")
         if tag.kind is not MentionKind.DIRECTION or tag.words.lower() != "right" or not alone:
             continue
         ways = [i for i, m in enumerate(mentions) if m.kind is MentionKind.DIRECTION and i != at]
         moved = any(m.kind in _HEADS for m in mentions[:at])
-        if not moved and ways and all(i > at + 2 for i in ways):
+        if not moved and ways and all(i > at + (1 if begins else 2) for i in ways):
             result[at] = empty(tag)
     return result
 

@@ -154,6 +154,8 @@ def _is_adverb(reader: Reader, at: int) -> bool:
         return True
     article = behind[1] in OWNING
     part = behind[2] if article else behind[1]
+    if behind[0] in ("at", "from", "in") and part in ("start", "beginning", "outset", "end", "moment"):
+        return True  # "right at the start"
     return behind[0] in ("in", "on", "at", "into") and (part in m.PLACES or part in m.ENDS)
 
 

@@ -37,7 +37,12 @@ def _find_noun(mentions: list[Mention], index: int, names: frozenset[str]) -> li
     noun = done and mentions[index - 2] is verb
     leaves = mention.phrase == "left" and before in names | _PRONOUNS and after in DETERMINERS | {"behind"}
     leaves = leaves and not has_motion(mentions[:index])
-    remains = mention.phrase == "left" and before in ("is", "was", "are", "were") and after == "of"
+    owners = [m.phrase for m in mentions[max(index - 2, 0) : index]]
+    remains = (
+        mention.phrase == "left" and before in ("is", "was", "are", "were", "what", "s") and after == "of"
+    )
+    remains = remains or mention.phrase == "left" and before in ("nothing", "something", "anything", "all")
+    remains = remains or owners in (["has", "the"], ["have", "the"], ["had", "the"]) and after == "to"
     one = before in DETERMINERS and after in names
     if noun or leaves or remains or one:
         return [f"What '{mention.words}' means here is not understood."]
@@ -175,6 +180,43 @@ def _find_shown(mentions: list[Mention], index: int, _names: frozenset[str]) -> 
     mention, after = mentions[index], [m.form for m in mentions[index + 1 : index + 3]]
     if mention.kind is MentionKind.PLACE and {"faces", "facing", "points", "pointing"} & set(after):
         return [f"How '{mention.words}' comes to be there is not understood."]
+    return []
+
+
+def _is_shove(verb: Verb) -> bool:
+    """Whether somebody pushes: "push", and not "move"."""
+    return verb.effect is Effect.PUSH and not verb.generic and verb.direction is None and not verb.wind
+
+
+def _find_height(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "hit it low", "push it high up": where, and neither how strongly nor where to."""
+    mention = mentions[index]
+    verb = find_telling(mentions, index, -1)
+    does = verb.value if verb is not None and verb.kind is MentionKind.VERB else None
+    strikes = isinstance(does, Verb) and (
+        does.effect is Effect.STRIKE and not does.gravity or _is_shove(does)
+    )
+    after = mentions[index + 1] if index + 1 < len(mentions) else None
+    rises = (
+        after is not None and after.value == ("up",) and after.phrase != "up"
+    )  # "kick it high into the air"
+    if (
+        mention.kind is MentionKind.INTENSITY
+        and mention.words.lower() in ("low", "high")
+        and strikes
+        and not rises
+    ):
+        return [f"Whether '{mention.words}' is where it is hit is not understood."]
+    return []
+
+
+def _find_over(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
+    """Says "over it goes": it falls, and does not go."""
+    begins = index == 0 or mentions[index - 1].kind is MentionKind.JOIN
+    subject = get_phrase(mentions, index + 1) in names | _PRONOUNS
+    goes = index + 2 < len(mentions) and mentions[index + 2].form in ("goes", "went", "go")
+    if mentions[index].form == "over" and begins and subject and goes:
+        return [f"Where '{mentions[index].words}' leads is not understood."]
     return []
 
 
@@ -341,6 +383,8 @@ _RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = 
     _find_pivot,
     _find_shown,
     _find_blown,
+    _find_height,
+    _find_over,
     _find_measure,
     _find_part_besides,
     _find_other,

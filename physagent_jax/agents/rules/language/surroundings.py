@@ -105,7 +105,9 @@ def _find_retreat(mentions: list[Mention], index: int) -> list[str]:
 def _find_camera(mentions: list[Mention], index: int) -> list[str]:
     """Says "the camera moves left": no sentence moves it, and the object is not meant."""
     mention = mentions[index]
-    if mention.kind is MentionKind.FUNCTION and mention.form in ("camera", "cameras"):
+    begins = index == 0 or mentions[index - 1].kind is MentionKind.JOIN
+    pans = begins and mention.form in ("pan", "pans", "panning", "zoom", "zooms")
+    if pans or mention.kind is MentionKind.FUNCTION and mention.form in ("camera", "cameras"):
         return ["What the camera does is not told by a sentence."]
     return []
 

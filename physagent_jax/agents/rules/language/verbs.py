@@ -252,9 +252,10 @@ _CAUSE_ROWS: tuple[tuple[str, Verb], ...] = (
     ),
     ("explosion, blast, detonation, bomb", Verb(_D.BURST, strength=MAGNITUDE_MAX)),
     (
-        "collision, blow, impact, uppercut, header, impulse, initial velocity, shock wave, shockwave",
+        "collision, blow, impact, header, impulse, initial velocity, shock wave, shockwave",
         Verb(_D.STRIKE),
     ),
+    ("uppercut", Verb(_D.STRIKE, direction="up")),
     # nouns of what verbs do
     ("translation, displacement, acceleration, propulsion", Verb(_D.PUSH)),
     ("elevation, ascent, levitation", Verb(_D.PUSH, direction="up")),
