@@ -14,7 +14,7 @@ from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, descr
 from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb
 from physagent_jax.agents.rules.language.compilation import compile_slots
 from physagent_jax.agents.rules.language.doubts import find_doubts
-from physagent_jax.agents.rules.language.events import Event, ValueSource, interpret, resolve_obstacles
+from physagent_jax.agents.rules.language.events import TOLD, Event, ValueSource, interpret, resolve_obstacles
 from physagent_jax.agents.rules.language.grammar import read_clauses
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import GROUND_WORDS, OPPOSITE_GRAVITY, Join
@@ -246,9 +246,15 @@ def _read_events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Even
             for e in events
             if not (e.effect is Effect.STILL and e.verb.generic)
             or (e is tail and e.join is Join.THEN)
-            or (e is not events[0] and e.when.length is not None)  # "push it, rest for a second, push it"
+            or _is_timed(e)  # "push it, rest for a second, push it"
         ]
     return events
+
+
+def _is_timed(event: Event) -> bool:
+    """Whether the sentence says when or how long it is."""
+    source = event.sources.get("active_time")
+    return source is not None and source.why == TOLD
 
 
 def _find_measure(events: list[Event], clause: Clause) -> Event | None:

@@ -77,13 +77,11 @@ def merge_results(clauses: list[Clause]) -> list[Clause]:
         related = related or (bool(merged) and _is_moved_by_wind(merged[-1], clause))
         related = related or (bool(merged) and _is_introducing(merged[-1], clause))
         related = related or (bool(merged) and _is_driven(merged[-1], clause))
-        if clause.join is Join.AND and clause.verb is not None and clause.verb.phrase in _LEAVING:
-            clause.join = Join.THEN  # "it bows and exits"
-        if clause.join is Join.AND and merged and _is_bouncing(merged[-1], clause):
-            clause.join = Join.THEN
-        verb = clause.verb if clause.verb is not None and not clause.negated else None
-        if merged and verb is not None and _is_coming_down(merged[-1], verb):
-            clause.verb, clause.join = replace(verb, value=VERBS["fall"], phrase="fall"), Join.THEN
+        related = related and not _is_holding(merged[-1] if merged else None)
+        if merged and _is_accompanied(merged[-1], clause):
+            merged.pop()
+        if merged:
+            _set_apart(merged[-1], clause)
         if merged and (_is_restating(merged[-1], clause) or _is_reshaping(merged[-1], clause)):
             merged[-1].modifiers += clause.modifiers
             merged[-1].mentions += clause.mentions
@@ -217,6 +215,29 @@ def _is_reshaping(first: Clause, clause: Clause) -> bool:
     one, other = get_verb(first.verb), get_verb(clause.verb)
     alike = one.effect is other.effect is Effect.SWELL and one.sign == other.sign
     return alike and clause.join in (Join.AND, Join.COMMA) and not first.modifiers
+
+
+def _is_holding(clause: Clause | None) -> bool:
+    """Whether a clause tells what holds the object: "it hangs from a rope, spinning" spins, and hangs."""
+    return clause is not None and clause.verb is not None and get_verb(clause.verb).effect is Effect.HOLD
+
+
+def _is_accompanied(noise: Clause, clause: Clause) -> bool:
+    """Whether a blow is what is heard of a fall: "with a bump, it lands"."""
+    alone = noise.verb is None and noise.cause is not None and not noise.modifiers
+    falls = clause.verb is not None and get_verb(clause.verb).effect is Effect.FALL and not clause.negated
+    return alone and falls and get_verb(noise.cause).effect is Effect.STRIKE and clause.join is Join.COMMA
+
+
+def _set_apart(before: Clause, clause: Clause) -> None:
+    """Puts what can only come later behind what stands before it."""
+    verb = clause.verb if clause.verb is not None and not clause.negated else None
+    if verb is None:
+        return
+    if clause.join is Join.AND and (verb.phrase in _LEAVING or _is_bouncing(before, clause)):
+        clause.join = Join.THEN  # "it bows and exits"
+    if _is_coming_down(before, verb):
+        clause.verb, clause.join = replace(verb, value=VERBS["fall"], phrase="fall"), Join.THEN
 
 
 def _is_bouncing(fall: Clause, clause: Clause) -> bool:

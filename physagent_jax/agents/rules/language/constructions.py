@@ -334,6 +334,7 @@ def _find_particle(mentions: list[Mention], index: int) -> list[str]:
     mention, before = mentions[index], get_phrase(mentions, index - 1)
     after = mentions[index + 1] if index + 1 < len(mentions) else None
     ends = after is None or after.kind in (MentionKind.JOIN, MentionKind.TIME, MentionKind.REPEAT)
+    ends = ends or mention.form == "around" and after is not None and after.form == "by"
     told = find_telling(mentions, index, -1)
     loose = told is not None and told.kind is not MentionKind.JOIN
     alone = mention.phrase == mention.form  # "in the air" is a phrase

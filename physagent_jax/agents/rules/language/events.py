@@ -39,6 +39,7 @@ from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import Region
 
 ASSUMED = "left"
+TOLD = "time as told"
 _SIDE_NAMES = frozenset({("left",), ("right",), ("up",), ("down",), ("toward",), ("away",)})
 
 _WAYS = frozenset({MentionKind.DIRECTION, MentionKind.FROM})
@@ -473,7 +474,8 @@ def _assume_direction(
     out = [m for m in clause.select(MentionKind.ANCHOR) if m.phrase.startswith("out of")]
     if out and verb.effect is Effect.PUSH:  # "pull it out of the pot"
         return brief.directions.up, repeat, ValueSource(out[0].words, "up, out of what holds it"), []
-    name = verb.direction or ASSUMED
+    sides = [m for m in clause.select(MentionKind.SIDES) if "side" in m.words.lower() and not m.value]
+    name = "right" if sides and verb.effect is Effect.SCALE else verb.direction or ASSUMED
     vector = normalise(sum_directions((name,), brief))
     source = ValueSource(words, f"no direction given: {name} by default")
     if verb.direction:
@@ -577,5 +579,5 @@ def _resolve_time(clause: Clause, verb: Verb) -> tuple[TimeSpan, ValueSource]:
         assert isinstance(mention.value, TimeSpan)
         when = TimeSpan(mention.value.start or when.start, mention.value.length or when.length)
     if mentions:
-        return when, ValueSource(", ".join(mention.words for mention in mentions), "time as told")
+        return when, ValueSource(", ".join(mention.words for mention in mentions), TOLD)
     return when, ValueSource(clause.words, "its share of the sequence")

@@ -114,8 +114,17 @@ def _drop_reporting(mentions: list[Mention]) -> list[Mention]:
         end = at + 1
         while end < len(mentions) and mentions[end].kind in (MentionKind.FUNCTION, MentionKind.UNKNOWN):
             end += 1
-        result[at:end] = [empty(m) for m in mentions[at:end]]
+        told = any(m.kind in _HEADS for m in mentions[end:])
+        speaker = mentions[at + 1].phrase if at + 1 < len(mentions) else ""
+        first = 0 if told and speaker in OWNING and _is_speech(mentions[:at]) else at
+        result[first:end] = [empty(m) for m in mentions[first:end]]
     return result
+
+
+def _is_speech(mentions: list[Mention]) -> bool:
+    """Whether only one thing stands before who says it: "move over," said the king, and it rolled to the right"."""
+    ends = [m.words in (",", "!", ".", "?") for m in mentions if m.kind is MentionKind.JOIN]
+    return len(ends) == 1 and ends[0] and mentions[-1].kind is MentionKind.JOIN
 
 
 def _drop_tag(mentions: list[Mention]) -> list[Mention]:

@@ -82,7 +82,11 @@ def _open_clause(
         waiting = waiting and not any(_is_turn(m) for m in last.modifiers)
         # "a breeze comes and moves it": the noun of the last segment does what this verb says
         carried = (
-            last.verb is None and last.cause is not None and has_verb and join in (Join.AND, Join.RESULT)
+            last.verb is None
+            and last.cause is not None
+            and has_verb
+            and join in (Join.AND, Join.RESULT)
+            and not any(m.kind is MentionKind.VERB and get_verb(m).effect is Effect.HOLD for m in mentions)
         )
         continues = (
             not has_verb

@@ -13,6 +13,7 @@ from physagent_jax.agents.rules.language.timing import parse_number
 
 GAP = "~"
 LONGEST_GAP = 4
+_PERSONS = frozenset({"somebody", "someone", "person", "player", "child", "giant", "man", "woman"})
 _BEHIND_NOUNS = frozenset(
     {".", ",", ";", "!", "?", "and", "on", "in", "at", "from", "to", "of", "above", "below"}
 )
@@ -89,9 +90,8 @@ def _is_noun(reader: Reader, entry: Entry, at: int) -> bool:
     words, kind, _ = entry
     before, text = reader.get_text(at - 1), reader.tokens[at].text
     if kind is MentionKind.PLACE:
-        owned = before in ("the", "its", "his", "her", "their") or (
-            at > 0 and reader.tokens[at - 1].possessive
-        )
+        owner = at > 0 and reader.tokens[at - 1].possessive and before not in _PERSONS
+        owned = before in ("the", "its", "his", "her", "their") or owner
         stands = isinstance(entry[2], m.Place) and entry[2].names == ("down",)
         if stands and reader.get_preposition(at) == "on" and _is_standing(reader):
             return True  # "wobble it on its base"

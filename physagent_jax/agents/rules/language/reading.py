@@ -33,6 +33,7 @@ from physagent_jax.agents.rules.language.scopes import (
     mark_exceptions,
     part_substitutes,
     read_delays,
+    read_returns,
     spread_from,
 )
 from physagent_jax.agents.rules.language.similes import read_similes
@@ -45,7 +46,7 @@ def find_mentions(prompt: str, object_words: frozenset[str]) -> list[Mention]:
         if at not in reader.used:
             reader.mentions.append(_read_at(reader, at))
     mentions = part_substitutes(read_corrections(reader.mentions, object_words), object_words)
-    mentions = drop_asides(read_delays(mentions))
+    mentions = drop_asides(read_delays(read_returns(mentions)))
     mentions = merge_repetitions(read_similes(mark_exceptions(spread_from(mentions))), object_words)
     return drop_frames(mentions, object_words)
 

@@ -92,6 +92,23 @@ def read_delays(mentions: list[Mention]) -> list[Mention]:
     return result
 
 
+def read_returns(mentions: list[Mention]) -> list[Mention]:
+    """Makes steps of "turn it over and back", "up 10 cm and back down": there, then back."""
+    result = list(mentions)
+    for at, mention in enumerate(mentions):
+        if mention.kind is not MentionKind.REPEAT or mention.phrase not in ("and back", "and back again"):
+            continue
+        verb = next((e.value for e in reversed(mentions[:at]) if e.kind is MentionKind.VERB), None)
+        turns = isinstance(verb, v.Verb) and verb.effect is v.Effect.TURN
+        told = at + 1 < len(mentions) and mentions[at + 1].kind is MentionKind.DIRECTION
+        if told or turns:
+            result[at] = replace(mention, kind=MentionKind.JOIN, value=m.Join.THEN, phrase="then")
+        if turns and not told:
+            back = replace(mention, kind=MentionKind.DIRECTION, value=("away",), phrase="back", words="back")
+            return [*result[: at + 1], back, *result[at + 1 :]]
+    return result
+
+
 def part_substitutes(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
     """Ends what is not done before what is: "instead of moving left the robot jumps"."""
     result = list(mentions)

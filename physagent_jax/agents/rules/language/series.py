@@ -38,6 +38,30 @@ def _find_shared_count(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
+def _find_shared_by_verbs(mentions: list[Mention], index: int) -> list[str]:
+    """Says "raise and lower it three times": both, again and again."""
+    count = mentions[index].value
+    if not isinstance(count, Repeat) or (count.count or 1) < 2:
+        return []
+    first = max((i for i in range(index) if mentions[i].kind is MentionKind.VERB), default=0)
+    before = mentions[first - 2 : first] if first > 1 else []
+    joined = len(before) == 2 and before[1].phrase == "and" and before[0].kind is MentionKind.VERB
+    if joined and mentions[first].kind is MentionKind.VERB:
+        return [f"How often '{before[0].words}' is done is not understood."]
+    return []
+
+
+def _find_again(mentions: list[Mention], index: int) -> list[str]:
+    """Says "push it left and then again": once more, by itself."""
+    ends = index + 1 == len(mentions) or mentions[index + 1].kind is MentionKind.JOIN
+    begins = (
+        index > 0 and mentions[index - 1].kind is MentionKind.JOIN and mentions[index - 1].words[0].isalpha()
+    )
+    if mentions[index].form == "again" and mentions[index].phrase == "again" and begins and ends:
+        return [f"What happens '{mentions[index].words}' is not understood."]
+    return []
+
+
 def _find_said_again(mentions: list[Mention], index: int) -> list[str]:
     """Says "left, left, right": once more the same way."""
     mention = mentions[index]
@@ -64,6 +88,8 @@ def _find_every_time(mentions: list[Mention], index: int) -> list[str]:
 
 _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_shared_count,
+    _find_shared_by_verbs,
+    _find_again,
     _find_said_again,
     _find_every_time,
 )
