@@ -42,9 +42,29 @@ from tests.agents.tellings import ground, order, tell
         ("push it as far as the wall on the right", "move right"),
         ("turn it upside down and put it back down", "rotate toward & move down"),
         ("squeeze it from the left and the right at once", "squeeze right"),
+        ("squash it from the sides", "squeeze right"),
+        ("it jumps back up", "hit up; fall"),
+        ("it grows, then shrinks back", "stretch; squeeze"),
+        ("it nods twice and shakes its head once", "sway toward x2 & sway left on up"),
+        ("all right, push it left", "move left"),
+        ("right, now push it left", "move left"),
+        ("right at the start give it a kick to the left", "hit left"),
+        ("stop it with your hand after it has moved left for a second", "move left; still"),
+        ("push it and it rolls to the right", "move right & rotate away"),
+        ("it shakes so hard that it moves to the left", "sway left x4 & move left"),
+        ("it is kicked to the left by somebody's foot", "hit left"),
+        ("no breeze stirs it", "still"),
+        ("it stands rock-steady", "still"),
+        ("free fall from rest", "fall"),
+        ("turn it over and back", "rotate toward; rotate away"),
+        ("up 10 cm and back down", "move up; move down"),
+        ("it rests for a while, then suddenly jumps", "still; hit up; fall"),
+        ("an uppercut", "hit up"),
         # said several times, or only heard
         ("swing, robot, swing", "sway left x2"),
         ("they hit it from the left, bang bang bang", "hit right x3"),
+        ("and then, with a bump, it landed", "fall"),
+        ('"move over," said the king, and the robot rose', "move up"),
         # what is no motion
         ("what a push, it flies up", "move up"),
         ("3.2 Compress it from above", "squeeze down"),
@@ -95,6 +115,27 @@ def test_what_is_read(prompt, expected):
         ("its feet drop", "it lands on its feet"),
         ("pull it to twice its length", "stretch it to twice its length"),
         ("push it left, no, lift it", "push it left, no, right"),
+        ("the harder it is pushed left, the more it tilts", "it is pushed harder to the left and tilts left"),
+        ("make it face left", "make it turn left"),
+        ("a storm rips it out of the ground", "a storm pulls it out of the ground"),
+        ("don't let it spring back", "pull it left, let it spring back"),
+        ("over it goes, to the left", "up it goes"),
+        ("poof, gone", "it has gone left"),
+        ("hit it from the left and from the right", "hit it from the left, then from the right"),
+        ("push it from the top to the left", "push it from the right to the left"),
+        ("what is left of it falls", "the left half of it goes up"),
+        ("it has the right to fall", "it has to fall to the right"),
+        ("hit it low from the right", "kick it high into the air"),
+        ("can we see it from the left while it falls?", "can we see a push from the left?"),
+        ("push it left and then again", "push it left and then again to the left"),
+        ("raise and lower it three times", "raise it, then lower it three times"),
+        ("hands up", "its head goes up"),
+        ("spin it end over end", "tumble it end over end"),
+        ("swing it around by its neck", "spin it around by its neck"),
+        ("it spins down", "it spins"),
+        ("let it fall from a tilt to the left", "let it fall to the left"),
+        ("Direction: left. Part: top.", "Direction: left."),
+        ("pan left while it spins", "it moves left while it spins"),
     ],
 )
 def test_what_is_unclear(unclear, clear):
@@ -115,6 +156,24 @@ def test_two_words_for_one_change_of_size():
     """The measure of the second is the measure of both."""
     (motion,) = read("it loses air and shrinks to half its size", ground()).expectations
     assert motion.amount is not None and (motion.amount.unit, motion.amount.value) == ("factor", 0.5)
+
+
+def test_what_holds_beside_a_motion():
+    """Hanging and being clamped are no motions, and hide none."""
+    hanging = read("it hangs from a rope, spinning", ground())
+    assert hanging.anchor.kind == "top" and [tell(m) for m in hanging.expectations] == ["rotate up"]
+    clamped = read("torsion by 45 degrees about the vertical axis with the lower end clamped", ground())
+    assert clamped.anchor.kind == "base" and [tell(m) for m in clamped.expectations] == ["rotate up on up"]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "unit", "value"),
+    [("one and a half somersaults", "degrees", 540.0), ("make it 2x bigger", "factor", 2.0)],
+)
+def test_how_much_is_read(prompt, unit, value):
+    """Numbers that are no counts."""
+    (motion,) = read(prompt, ground()).expectations
+    assert motion.amount is not None and (motion.amount.unit, motion.amount.value) == (unit, value)
 
 
 def test_what_is_not_done_holds_nothing():

@@ -111,6 +111,11 @@ def merge_results(clauses: list[Clause]) -> list[Clause]:
 def _is_besides(cause: Clause, clause: Clause) -> bool:
     """Whether what comes of it is another motion than what is done: "twist it until it tears"."""
     first, second = get_verb(cause.head), get_verb(clause.verb)
+    if first.gravity and second.effect is Effect.TURN:
+        return True  # "toss it so that it flips"
+    travels = second.effect is Effect.PUSH and second.generic and bool(clause.select(MentionKind.DIRECTION))
+    if travels and first.effect in (Effect.SWAY, Effect.TURN):
+        return True  # "it shakes so hard that it moves to the left"
     return first.effect in _SHAPING and second.effect in _SHAPING and second.effect is not first.effect
 
 
@@ -129,7 +134,7 @@ def _share_direction(blow: Clause, clause: Clause) -> None:
     pushes = first.effect is Effect.PUSH and not first.generic and first.direction is None
     if first.effect is Effect.STRIKE and second.effect is Effect.TOPPLE:
         blow.modifiers += told
-    elif pushes and not blow.negated and second.effect in (Effect.ROLL, Effect.TOPPLE):
+    elif pushes and not (blow.negated or clause.negated) and second.effect in (Effect.ROLL, Effect.TOPPLE):
         blow.modifiers += told
 
 

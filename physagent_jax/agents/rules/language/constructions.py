@@ -1,7 +1,8 @@
 """Constructions that the grammar has no reading for, although it knows each of their words.
 
-Taken word by word they would say something else: "over the wall", "around its neck", "faster and faster", "left or
-right", "everything but rotate". A rule here holds for a construction, whatever the words in it.
+Taken word by word they would say something else: "left or right", "everything but rotate", "not to the left". A rule
+here holds for a construction, whatever the words in it; `comparisons`, `parts`, `particles`, `sides`, `turnings`,
+`series` and `suppositions` hold others of one kind each.
 """
 
 from __future__ import annotations
@@ -11,27 +12,18 @@ from collections.abc import Callable
 from physagent_jax.agents.rules.language.function_words import FUNCTION_WORDS, PAUSES
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import (
-    NUMBERS,
-    UNITS,
     WHOLE_WORDS,
     Join,
     Place,
     Repeat,
 )
-from physagent_jax.agents.rules.language.naming import DETERMINERS
+from physagent_jax.agents.rules.language.naming import DETERMINERS, OWNERS
 from physagent_jax.agents.rules.language.neighbours import MOTIONS, WAYS, find_telling, get_phrase, has_motion
 from physagent_jax.agents.rules.language.tokens import FORMS
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
 _CHOOSABLE = (*MOTIONS, *WAYS, MentionKind.PLACE)
-_DOERS = frozenset({"people", "persons", "hands", "fingers", "fists", "plates"})
-_NAMELESS_PARTS = frozenset({"end", "ends", "part", "parts", "side", "corner", "edge"})
 _POSTURES = frozenset({"stand", "sit", "lay", "lie", "rest"})
-OWNERS = ("its", "his", "her", "their")
-_PRONOUNS = frozenset({"it", "he", "she", "him", "her"})
-_TOWARDS = frozenset({"to", "toward", "towards", "from", "into"})
-_SCALES = (Effect.SCALE, Effect.SWELL)
-_BECOMING = frozenset({"get", "gets", "getting", "become", "becomes", "becoming", "got", "became"})
 _KEEPING = frozenset({"keep", "keeps", "keeping", "kept"})
 _ALTERNATING = frozenset({"alternately", "alternating", "alternatingly"})
 _PARTICLES = frozenset({"in", "out", "around", "about", "through", "across", "along", "on", "off"})
@@ -42,54 +34,12 @@ def find_constructions(mentions: list[Mention]) -> list[str]:
     return [doubt for index in range(len(mentions)) for rule in _RULES for doubt in rule(mentions, index)]
 
 
-def _find_comparison(mentions: list[Mention], index: int) -> list[str]:
-    """Says "harder than before", "faster and faster", "each time harder"."""
-    mention = mentions[index]
-    if mention.form == "than":
-        return ["What is compared by 'than' is not understood."]
-    pair = mentions[index + 1 : index + 3]
-    doubled = len(pair) == 2 and pair[0].phrase == "and" and pair[1].words.lower() == mention.words.lower()
-    if doubled and mention.kind is not MentionKind.JOIN and mention.phrase not in _PRONOUNS:
-        return [f"How it changes by '{mention.words} and {mention.words}' is not understood."]
-    each = any(other.form in ("each", "every") for other in mentions[max(index - 3, 0) : index + 4])
-    alike = mention.kind is MentionKind.INTENSITY and "as" in (mention.form, get_phrase(mentions, index - 1))
-    if alike and get_phrase(mentions, index + 1) == "as":
-        return [f"What is as '{mention.words}' as it is not understood."]
-    becomes = mention.kind is MentionKind.COMPARATIVE and get_phrase(mentions, index - 1) in _BECOMING
-    if becomes:
-        return [f"How it changes by '{mention.words}' is not understood."]
-    if mention.kind is MentionKind.COMPARATIVE and each:
-        return [f"How '{mention.words}' grows from time to time is not understood."]
-    return []
-
-
-def _find_correlation(mentions: list[Mention], index: int) -> list[str]:
-    """Says "the harder it is pushed, the more it tilts": both grow together."""
-    here, more = mentions[index], MentionKind.COMPARATIVE
-    heads = [i for i in range(1, len(mentions)) if mentions[i].kind is more and mentions[i - 1].form == "the"]
-    begins = {i for i in heads if i == 1 or mentions[i - 2].kind is MentionKind.JOIN}
-    if index in begins and len(begins) > 1 and index == min(begins):
-        return [f"How much 'the {here.words}' is, is not understood."]
-    return []
-
-
-def _find_delay(mentions: list[Mention], index: int) -> list[str]:
-    """Says "a second later", "every second"."""
-    mention, before = mentions[index], get_phrase(mentions, index - 1)
-    loose = mention.kind is MentionKind.FUNCTION and mention.form in UNITS
-    if loose and before in (*NUMBERS, "another"):
-        return [f"When '{before} {mention.words}' is, is not understood."]
-    rate = mention.kind is MentionKind.TIME and before in ("every", "each")
-    if rate or mention.form == "per" or loose and before in ("every", "each", "per"):
-        return [f"How often '{before} {mention.words}' is, is not understood."]
-    return []
-
-
-def _find_bare_unit(mentions: list[Mention], index: int) -> list[str]:
-    """Says "push it a foot to the left": a length, or whose foot?"""
-    measured = mentions[index].form == "foot" and get_phrase(mentions, index - 1) == "a" and index > 2
-    if measured and get_phrase(mentions, index - 2) not in ("by", "with", "of"):
-        return [f"Whether 'a {mentions[index].words}' is a length is not understood."]
+def _find_end_over_end(mentions: list[Mention], index: int) -> list[str]:
+    """Says "spin it end over end": about which axis?"""
+    verb = next((m.value for m in reversed(mentions[:index]) if isinstance(m.value, Verb)), None)
+    upright = verb is None or verb.direction == "up"  # it tumbles so anyway
+    if upright and [m.form for m in mentions[index : index + 3]] == ["end", "over", "end"]:
+        return ["How it turns 'end over end' is not understood."]
     return []
 
 
@@ -99,41 +49,6 @@ def _find_interval(mentions: list[Mention], index: int) -> list[str]:
     between = mentions[index].form == "between" and mentions[index].kind is MentionKind.FUNCTION
     if between and after and (after[0] is MentionKind.REPEAT or after[-1] is MentionKind.VERB):
         return ["What is done 'between' is not understood."]
-    return []
-
-
-def _find_stage_side(mentions: list[Mention], index: int) -> list[str]:
-    """Says "stage left": the actor's left, the viewer's right, or does the writer mean the viewer's?"""
-    after = mentions[index + 1] if index + 1 < len(mentions) else None
-    if mentions[index].form != "stage" or after is None or after.phrase not in ("left", "right"):
-        return []
-    return [f"Whose left or right 'stage {after.words}' is, is not understood."]
-
-
-def _find_unnamed(mentions: list[Mention], index: int) -> list[str]:
-    """Says "something on its left": a thing that is there, and no part."""
-    after = mentions[index + 1 : index + 4]
-    place = next((m for m in after if m.kind is MentionKind.PLACE), None)
-    some = mentions[index].form in ("something", "someone", "somebody", "anything")
-    if some and place is not None and after[0].form in ("on", "at", "near", "behind"):
-        return [f"What is '{place.words}' is not understood."]
-    return []
-
-
-def _find_corner(mentions: list[Mention], index: int) -> list[str]:
-    """Says "push the bottom right": a corner, or the bottom to the right?"""
-    mention = mentions[index]
-    corner = (
-        mention.kind is MentionKind.DIRECTION and isinstance(mention.value, tuple) and len(mention.value) > 1
-    )
-    if (
-        corner
-        and get_phrase(mentions, index - 1) in ("the", *OWNERS)
-        and get_phrase(mentions, index - 2) not in _TOWARDS
-    ):
-        return [
-            f"Whether '{get_phrase(mentions, index - 1)} {mention.words}' is a place or a way is not understood."
-        ]
     return []
 
 
@@ -159,24 +74,6 @@ def _find_figure(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
-def _find_struck_side(mentions: list[Mention], index: int) -> list[str]:
-    """Says "a punch to the right side": where it is hit, or where it goes?"""
-    mention, before = mentions[index], mentions[max(index - 3, 0) : index]
-    sided = mention.kind is MentionKind.DIRECTION and mention.words.lower().endswith("side")
-    hit = any(isinstance(m.value, Verb) and m.value.effect is Effect.STRIKE for m in before)
-    if sided and hit:
-        return [f"Whether '{mention.words}' is where it is hit or where it goes is not understood."]
-    return []
-
-
-def _find_off_part(mentions: list[Mention], index: int) -> list[str]:
-    """Says "kick it off its feet": it is not its feet that are kicked."""
-    parted = mentions[index].kind is MentionKind.PLACE and get_phrase(mentions, index - 1) in OWNERS
-    if parted and get_phrase(mentions, index - 2) == "off":
-        return [f"What 'off its {mentions[index].words}' means is not understood."]
-    return []
-
-
 def _find_nothing_that_can(mentions: list[Mention], index: int) -> list[str]:
     """Says "nothing can move it"."""
     if mentions[index].form == "nothing" and get_phrase(mentions, index + 1) in (
@@ -186,16 +83,6 @@ def _find_nothing_that_can(mentions: list[Mention], index: int) -> list[str]:
         "would",
     ):
         return ["What 'nothing' can do is not understood."]
-    return []
-
-
-def _find_loose_number(mentions: list[Mention], index: int) -> list[str]:
-    """Says "in two"; how many do it ("two people") does not matter."""
-    mention = mentions[index]
-    counts = mention.kind is MentionKind.FUNCTION and NUMBERS.get(mention.form, 0) >= 2
-    behind = [get_phrase(mentions, index + reach) for reach in (1, 2)]
-    if counts and not _DOERS & set(behind):
-        return [f"What '{mention.words}' counts is not understood."]
     return []
 
 
@@ -229,35 +116,11 @@ def _find_means(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
-def _find_halfway(mentions: list[Mention], index: int) -> list[str]:
-    """Says "tilt it halfway to the left": how far, and not when."""
-    if mentions[index].phrase not in ("halfway", "midway"):
-        return []
-    behind = next((m for m in mentions[index + 1 :] if m.phrase not in ("to", "the")), None)
-    far = behind is not None and behind.kind in WAYS
-    return [f"How far '{mentions[index].words}' is, is not understood."] if far else []
-
-
 def _find_attempt(mentions: list[Mention], index: int) -> list[str]:
     """Says "someone tries to lift it, but ...": it does not come to that."""
     tries = mentions[index].form in ("try", "tries", "tried", "trying")
     if tries and any(m.value is Join.BUT for m in mentions[index:]):
         return ["Whether what is tried succeeds is not understood."]
-    return []
-
-
-def _find_growth(mentions: list[Mention], index: int) -> list[str]:
-    """Says "jump higher", "throw it twice, the second time longer": more of it, and no growth."""
-    mention = mentions[index]
-    grows = isinstance(mention.value, Verb) and mention.value.generic and mention.value.effect in _SCALES
-    if not grows or not mention.form.endswith("er"):
-        return []
-    for other in reversed(mentions[:index]):
-        if other.form in _BECOMING | {"make", "makes", "made", "making", "is", "be"}:
-            return []
-        if isinstance(other.value, Verb):
-            same = other.value.effect in (*_SCALES, Effect.STILL)
-            return [] if same else [f"What is '{mention.words}' is not understood."]
     return []
 
 
@@ -291,15 +154,6 @@ def _find_idle_pause(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
-def _find_nameless_part(mentions: list[Mention], index: int) -> list[str]:
-    """Says "one end of it", "on its side"."""
-    mention, before = mentions[index], get_phrase(mentions, index - 1)
-    if mention.kind is MentionKind.FUNCTION and mention.form in _NAMELESS_PARTS:
-        if before in DETERMINERS | {"one", "other", "no"}:
-            return [f"Which part '{before} {mention.words}' is, is not understood."]
-    return []
-
-
 def _find_posture(mentions: list[Mention], index: int) -> list[str]:
     """Says "lay it on its back", "it stands on its head": something is done, and not stillness."""
     mention = mentions[index]
@@ -316,16 +170,6 @@ def _find_posture(mentions: list[Mention], index: int) -> list[str]:
     imperative = index == 0 or mentions[index - 1].kind is MentionKind.JOIN
     if imperative and behind is not None and behind.phrase in DETERMINERS | {"it", "him", "them"}:
         return [f"What '{mention.words}' does is not understood."]
-    return []
-
-
-def _find_facing(mentions: list[Mention], index: int) -> list[str]:
-    """Says "turn its back to us": all of it turns, so that its back is there."""
-    mention = mentions[index]
-    before = next((m for m in reversed(mentions[:index]) if m.phrase not in DETERMINERS), None)
-    turns = before is not None and isinstance(before.value, Verb) and before.value.effect is Effect.TURN
-    if turns and mention.kind is MentionKind.PLACE and mention.phrase in ("back", "front"):
-        return [f"Where its {mention.words} is to be is not understood."]
     return []
 
 
@@ -429,32 +273,19 @@ def _find_denial(mentions: list[Mention], index: int) -> list[str]:
 
 
 _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
-    _find_comparison,
-    _find_correlation,
-    _find_delay,
-    _find_bare_unit,
+    _find_end_over_end,
     _find_interval,
     _find_both_ways,
-    _find_corner,
     _find_figure,
     _find_nothing_that_can,
-    _find_off_part,
-    _find_struck_side,
-    _find_unnamed,
-    _find_stage_side,
-    _find_loose_number,
     _find_explanation,
     _find_choice,
     _find_idle_denial,
     _find_means,
-    _find_halfway,
     _find_attempt,
-    _find_growth,
     _find_idle_pause,
     _find_counted_pause,
-    _find_nameless_part,
     _find_posture,
-    _find_facing,
     _find_particle,
     _find_gerund,
     _find_alternation,

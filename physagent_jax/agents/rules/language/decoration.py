@@ -10,12 +10,11 @@ from collections.abc import Callable
 
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import ENDS, ONE_OF_MANY, PARTS, SCENE_NOUNS
-from physagent_jax.agents.rules.language.naming import DETERMINERS
+from physagent_jax.agents.rules.language.naming import DETERMINERS, OWNERS
 from physagent_jax.agents.rules.language.neighbours import get_phrase
 from physagent_jax.agents.rules.language.tokens import FORMS
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
-_OWNERS = frozenset({"its", "his", "her", "their"})
 _SETTING = frozenset({"in", "inside", "near", "during", "beside"})  # "on" and "at" tell a part as well
 # Where the way goes, or into what: these change the motion.
 _PATHS = frozenset(
@@ -48,7 +47,7 @@ def is_describing_part(mentions: list[Mention], index: int) -> bool:
     if following is None or get_phrase(mentions, index - 1) not in DETERMINERS:
         return False
     if following.kind is MentionKind.PLACE:
-        owned = get_phrase(mentions, index - 1) in _OWNERS
+        owned = get_phrase(mentions, index - 1) in OWNERS
         several = following.phrase in ONE_OF_MANY and not owned
         return following.phrase in ENDS or " " in following.phrase or several
     return following.phrase in PARTS or following.phrase in ("part", "end")
@@ -91,7 +90,7 @@ def _is_left(mentions: list[Mention], index: int, _names: frozenset[str]) -> boo
 
 
 def _is_owned(mentions: list[Mention], index: int, _names: frozenset[str]) -> bool:
-    return get_phrase(mentions, index - 1) in _OWNERS and is_owned_aside(mentions, index)
+    return get_phrase(mentions, index - 1) in OWNERS and is_owned_aside(mentions, index)
 
 
 def _is_held_to(mentions: list[Mention], index: int, _names: frozenset[str]) -> bool:

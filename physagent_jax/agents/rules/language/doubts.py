@@ -7,6 +7,7 @@ acts) are no doubt.
 from __future__ import annotations
 
 from physagent_jax.agents.rules.language.clauses import Clause, get_verb
+from physagent_jax.agents.rules.language.comparisons import find_comparisons
 from physagent_jax.agents.rules.language.constructions import find_constructions
 from physagent_jax.agents.rules.language.contradictions import find_contradictions
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
@@ -14,12 +15,15 @@ from physagent_jax.agents.rules.language.modifiers import LOCATIONS, PARTS, Plac
 from physagent_jax.agents.rules.language.movers import find_other_movers
 from physagent_jax.agents.rules.language.naming import DETERMINERS
 from physagent_jax.agents.rules.language.neighbours import get_phrase
+from physagent_jax.agents.rules.language.particles import find_particles
+from physagent_jax.agents.rules.language.parts import find_parts
 from physagent_jax.agents.rules.language.questions import find_questions
 from physagent_jax.agents.rules.language.retractions import find_retractions
 from physagent_jax.agents.rules.language.series import find_series
 from physagent_jax.agents.rules.language.sides import find_sides
 from physagent_jax.agents.rules.language.suppositions import find_suppositions
 from physagent_jax.agents.rules.language.surroundings import find_surroundings
+from physagent_jax.agents.rules.language.turnings import find_turnings
 from physagent_jax.agents.rules.language.unplaced import UNPLACED_PARTS
 from physagent_jax.agents.rules.language.verbs import CAUSES, Effect, Verb
 from physagent_jax.agents.schema import SceneBrief
@@ -124,12 +128,12 @@ def find_doubts(
             if m.phrase not in PARTS
         ]
     doubts += find_other_movers(mentions, names)
-    doubts += find_constructions(mentions)
+    doubts += find_constructions(mentions) + find_comparisons(mentions) + find_parts(mentions)
     doubts += find_questions(mentions, prompt, names)
     doubts += find_suppositions(mentions, names)
     doubts += find_series(mentions)
     doubts += find_retractions(mentions)
-    doubts += find_sides(mentions, names)
+    doubts += find_sides(mentions, names) + find_particles(mentions, names) + find_turnings(mentions, names)
     doubts += find_surroundings(mentions)
     doubts += find_contradictions(clauses)
     return list(dict.fromkeys(doubts))

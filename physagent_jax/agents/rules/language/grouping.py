@@ -33,7 +33,11 @@ def add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> N
         kept = kept or mention.kind is MentionKind.FUNCTION and mention.form in _KEEPS
         if mention.kind is MentionKind.NOT:
             negated = True
-        elif mention.kind is MentionKind.VERB and (negated or not _is_absorbed(clause, mention, fresh)):
+        elif mention.kind is MentionKind.VERB and (
+            negated
+            or _is_going_besides(clause, mentions, mention)
+            or not _is_absorbed(clause, mention, fresh)
+        ):
             participle = not mention.form.endswith("ing")
             is_hold = participle and (
                 kept or fresh and is_bare_hold(clause)
@@ -184,6 +188,15 @@ def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention])
         [m.value for m in group if m.kind is MentionKind.DIRECTION] for group in (last.modifiers, mentions)
     )
     return bool(before and now) and any({before[-1], now[0]} == set(pair) for pair in OPPOSITES)
+
+
+def _is_going_besides(clause: Clause, mentions: list[Mention], verb: Mention) -> bool:
+    """Whether it goes somewhere besides what it does on the spot: "it shakes so hard that it moves to the left"."""
+    at = mentions.index(verb)
+    subject = at > 0 and mentions[at - 1].phrase == "it" and verb.form.endswith("s")
+    told = any(m.kind is MentionKind.DIRECTION for m in mentions[at:])
+    spot = clause.verb is not None and get_verb(clause.verb).effect in (Effect.SWAY, Effect.TURN)
+    return subject and told and spot and get_verb(verb).effect is Effect.PUSH
 
 
 def _is_absorbed(clause: Clause, mention: Mention, fresh: bool) -> bool:

@@ -10,6 +10,7 @@ from physagent_jax.agents.rules.language.tokens import FORMS, Token, tokenise
 from physagent_jax.agents.schema import SceneBrief
 
 DETERMINERS = frozenset({"the", "a", "an", "this", "that", "my", "your", "its", "his", "her", "their"})
+OWNERS = ("its", "his", "her", "their")
 PREPOSITIONS = frozenset(
     (
         "in on to into onto at by for from with within under over against through across along about around off near "

@@ -9,13 +9,13 @@ from physagent_jax.agents.rules.language import verbs as v
 from physagent_jax.agents.rules.language.function_words import FUNCTION_WORDS
 from physagent_jax.agents.rules.language.lexicon import LEXICON
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.naming import OWNERS
 from physagent_jax.agents.rules.language.phrases import match_words
 from physagent_jax.agents.rules.language.reader import Reader
 from physagent_jax.agents.rules.language.tokens import FORMS
 
 _GOING_OVER = (v.Effect.LEAN, v.Effect.TOPPLE, v.Effect.FALL)
 _SIDES = frozenset({"left", "right", "front", "back", "rear"})
-_OWNERS = ("its", "his", "her", "their")
 _NO_PARTS = frozenset(
     (
         "moment time way order amount angle direction place spot position thing speed gear hand edge corner faces "
@@ -96,7 +96,7 @@ def read_place(reader: Reader, at: int) -> Mention | None:
 def _is_part_with_name(reader: Reader, at: int, size: int) -> bool:
     """Whether a side stands before a noun that the lexicon does not have: "the upper shelves", "its left sleeve"."""
     noun, owner = reader.get_text(at + size), reader.get_text(at - 1)
-    owners = ("the", "its", "his", "her", "their") if reader.tokens[at].text not in _SIDES else _OWNERS
+    owners = ("the", "its", "his", "her", "their") if reader.tokens[at].text not in _SIDES else OWNERS
     if owner not in owners or not noun.isalpha() or noun in reader.object_words or noun in _NO_PARTS:
         return False
     known = noun in LEXICON or reader.tokens[at + size].lemma in LEXICON or noun in FUNCTION_WORDS - {"body"}

@@ -209,6 +209,7 @@ def _match_unit(
     while _get(tokens, at) in ("a", "an", "of", "one") and part:
         at += 1
     times = _get(tokens, at) in ("times", "time")
+    times = times or _get(tokens, at) == "x" and _get(tokens, at + 1) in _COMPARED  # "2x bigger"
     at += times
     if _get(tokens, at) in ("around", "round") and times:
         return Quantity(360.0 * value, "degrees"), at + 1

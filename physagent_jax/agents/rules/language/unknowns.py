@@ -6,12 +6,11 @@ from physagent_jax.agents.rules.language.decoration import is_decorating, is_des
 from physagent_jax.agents.rules.language.frames import is_mood
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import PARTS
-from physagent_jax.agents.rules.language.naming import DETERMINERS, PREPOSITIONS, is_telling
+from physagent_jax.agents.rules.language.naming import DETERMINERS, OWNERS, PREPOSITIONS, is_telling
 from physagent_jax.agents.rules.language.neighbours import get_phrase
 from physagent_jax.agents.rules.language.unplaced import UNPLACED_PARTS
 from physagent_jax.agents.schema import SceneBrief
 
-_OWNERS = frozenset({"its", "his", "her", "their"})
 _LEAST_WORDS, _MOST_UNKNOWN = 3, 0.5
 
 
@@ -31,7 +30,7 @@ def list_unknown(
             continue
         before = get_phrase(mentions, index - 1)
         owned = (
-            before in _OWNERS and not is_owned_aside(mentions, index) or word.removesuffix("s") in PARTS
+            before in OWNERS and not is_owned_aside(mentions, index) or word.removesuffix("s") in PARTS
         )  # "its corners", "the arms"
         if is_describing_part(mentions, index) or word in UNPLACED_PARTS or owned:
             unknown.append(word)
