@@ -97,6 +97,8 @@ class LevenbergMarquardt(LocalMethod):
                     score, jacobian = evaluator.jacobian(field, unknowns)
             else:
                 damping, growth = damping * growth, 2.0 * growth
-                longest = 0.5 * np.linalg.norm(step)  # beyond where things tear the damping alone comes back slowly
+                longest = 0.5 * np.linalg.norm(
+                    step
+                )  # beyond where things tear the damping alone comes back slowly
                 yield score.loss
         return best

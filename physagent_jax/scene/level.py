@@ -46,7 +46,9 @@ def explain_tilt(source: Source) -> str | None:
     angle = float(np.hypot(*source.tilt))
     if angle == 0:
         return None
-    return f"the object was turned by {angle:.1f} degrees, so that it stands on its feet rather than on an edge"
+    return (
+        f"the object was turned by {angle:.1f} degrees, so that it stands on its feet rather than on an edge"
+    )
 
 
 def find_tilt(points: np.ndarray) -> tuple[float, float] | None:

@@ -60,6 +60,10 @@ from tests.agents.tellings import ground, order, tell
         ("up 10 cm and back down", "move up; move down"),
         ("it rests for a while, then suddenly jumps", "still; hit up; fall"),
         ("an uppercut", "hit up"),
+        ("lift it, swing it to the left, and set it down", "move up; sway left x2; move down"),
+        ("first move it up, then to the right without dropping it", "move up; move right"),
+        ("gently blow on it from the left", "move right"),
+        ("let it fall over to the left", "rotate toward & fall"),
         # said several times, or only heard
         ("swing, robot, swing", "sway left x2"),
         ("they hit it from the left, bang bang bang", "hit right x3"),
@@ -135,6 +139,8 @@ def test_what_is_read(prompt, expected):
         ("it spins down", "it spins"),
         ("let it fall from a tilt to the left", "let it fall to the left"),
         ("Direction: left. Part: top.", "Direction: left."),
+        ("it hangs its head", "it bows its head"),
+        ("do not lift it and drop it", "do not lift it, drop it"),
         ("pan left while it spins", "it moves left while it spins"),
     ],
 )
@@ -180,6 +186,12 @@ def test_what_is_not_done_holds_nothing():
     """ "Instead of" and "free" anchor neither the top nor nothing."""
     assert read("instead of raising its head it spins", ground()).anchor.kind is None
     assert read("pull the free upper end up while the base is clamped", ground()).anchor.kind == "base"
+
+
+def test_forms_of_alike_verbs():
+    """What is taped is held, and what is tapped is struck."""
+    assert read("it is taped to the table", ground()).anchor.kind == "base"
+    assert order("it is tapped from the left") == "hit right"
 
 
 def test_one_wall_of_brick():

@@ -7,6 +7,7 @@ from dataclasses import replace
 from physagent_jax.agents.rules.language.clauses import WHERE, Clause, get_verb
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join
+from physagent_jax.agents.rules.language.tokens import is_participle
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 
 _PARTED = (MentionKind.PLACE, MentionKind.EXCLUDED)
@@ -64,7 +65,7 @@ def merge_results(clauses: list[Clause]) -> list[Clause]:
         _share_direction(before, clause)
     for clause in clauses:
         if clause.join is Join.COMMA and clause.verb and merged and merged[-1].head is not None:
-            participle = clause.verb.form.endswith("ing") and not merged[-1].head.form.endswith("ing")
+            participle = is_participle(clause.verb.form) and not is_participle(merged[-1].head.form)
             beside = participle and _is_moving_beside(merged[-1], clause)
             beside = beside or merged == clauses[:1] and _is_meanwhile(merged[-1], clause)
             clause.join = Join.WHILE if beside else Join.RESULT if participle else Join.COMMA
@@ -184,7 +185,7 @@ def _is_meanwhile(first: Clause, clause: Clause) -> bool:
     if first.verb is None or clause.verb is None or first.join is Join.AFTER or first.negated:
         return False
     still = get_verb(first.verb).effect in (Effect.STILL, Effect.RELEASE, Effect.HOLD)
-    return first.verb.form.endswith("ing") and not clause.verb.form.endswith("ing") and not still
+    return is_participle(first.verb.form) and not is_participle(clause.verb.form) and not still
 
 
 def _is_introducing(cause: Clause, clause: Clause) -> bool:

@@ -19,7 +19,7 @@ from physagent_jax.agents.rules.language.modifiers import (
 )
 from physagent_jax.agents.rules.language.naming import DETERMINERS, OWNERS
 from physagent_jax.agents.rules.language.neighbours import MOTIONS, WAYS, find_telling, get_phrase, has_motion
-from physagent_jax.agents.rules.language.tokens import FORMS
+from physagent_jax.agents.rules.language.tokens import FORMS, is_participle
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
 _CHOOSABLE = (*MOTIONS, *WAYS, MentionKind.PLACE)
@@ -110,7 +110,7 @@ def _find_choice(mentions: list[Mention], index: int) -> list[str]:
 def _find_means(mentions: list[Mention], index: int) -> list[str]:
     """Says "stretch it by pulling its head": one thing, told twice."""
     mention, before = mentions[index], get_phrase(mentions, index - 1)
-    means = mention.kind is MentionKind.VERB and mention.form.endswith("ing") and before == "by"
+    means = mention.kind is MentionKind.VERB and is_participle(mention.form) and before == "by"
     if means and has_motion(mentions[: index - 1]):
         return [f"How 'by {mention.words}' does it is not understood."]
     return []
@@ -197,7 +197,7 @@ def _find_particle(mentions: list[Mention], index: int) -> list[str]:
 def _find_gerund(mentions: list[Mention], index: int) -> list[str]:
     """Says "its falling is stopped": a noun, of what happens anyway."""
     mention = mentions[index]
-    noun = mention.kind is MentionKind.VERB and mention.form.endswith("ing")
+    noun = mention.kind is MentionKind.VERB and is_participle(mention.form)
     if noun and get_phrase(mentions, index - 1) in OWNERS:
         return [f"What 'its {mention.words}' does is not understood."]
     return []

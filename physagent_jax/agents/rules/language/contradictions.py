@@ -5,10 +5,12 @@ from __future__ import annotations
 from physagent_jax.agents.rules.language.clauses import Clause, get_verb
 from physagent_jax.agents.rules.language.mentions import MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join, Place, Repeat
+from physagent_jax.agents.rules.language.tokens import FORMS
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
 _WAYS = (MentionKind.DIRECTION, MentionKind.FROM, MentionKind.AXIS, MentionKind.PLANE, MentionKind.SENSE)
 _DIRECTED = (Effect.PUSH, Effect.LEAN, Effect.STRIKE, Effect.ROLL, Effect.TOPPLE)
+_DONE = (Effect.PUSH, Effect.LEAN, Effect.STRIKE, Effect.ROLL, Effect.SCALE, Effect.TURN, Effect.SWAY)
 _OPPOSITE = {
     "left": "right",
     "right": "left",
@@ -282,6 +284,18 @@ def _find_held_side(clauses: list[Clause]) -> list[str]:
     return doubts
 
 
+def _find_denied_pair(clauses: list[Clause]) -> list[str]:
+    """Says "do not lift it and drop it": is the second forbidden as well?"""
+    doubts = []
+    for denied, clause in zip(clauses, clauses[1:]):
+        verbs = [c.verb for c in (denied, clause) if c.verb is not None]
+        orders = len(verbs) == 2 and all(FORMS.get(v.form) == v.form for v in verbs)
+        alike = orders and denied.negated and not clause.negated and clause.join is Join.AND
+        if alike and denied is clauses[0] and not clause.inherited and get_verb(denied.verb).effect in _DONE:
+            doubts.append(f"Whether '{clause.words}' is denied as well is not understood.")
+    return doubts
+
+
 def _find_torn_out(clauses: list[Clause]) -> list[str]:
     """Says "the storm rips it out of the ground": it goes out, and does not tear."""
     return [
@@ -289,7 +303,7 @@ def _find_torn_out(clauses: list[Clause]) -> list[str]:
         for clause in clauses
         if clause.head is not None and get_verb(clause.head).effect is Effect.SCALE
         for out in clause.select(MentionKind.ANCHOR)
-        if out.phrase.startswith("out of")
+        if out.phrase.startswith(("out of", "loose", "free"))
     ]
 
 
@@ -335,6 +349,7 @@ def _find_measured_ways(clauses: list[Clause]) -> list[str]:
 
 
 _RULES = (
+    _find_denied_pair,
     _find_torn_out,
     _find_struck_around,
     _find_counted_turns,

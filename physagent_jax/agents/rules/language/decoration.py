@@ -12,7 +12,7 @@ from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import ENDS, ONE_OF_MANY, PARTS, SCENE_NOUNS
 from physagent_jax.agents.rules.language.naming import DETERMINERS, OWNERS
 from physagent_jax.agents.rules.language.neighbours import get_phrase
-from physagent_jax.agents.rules.language.tokens import FORMS
+from physagent_jax.agents.rules.language.tokens import FORMS, is_participle
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
 _SETTING = frozenset({"in", "inside", "near", "during", "beside"})  # "on" and "at" tell a part as well
@@ -185,7 +185,7 @@ def _is_acting(mentions: list[Mention], index: int, names: frozenset[str]) -> bo
     while behind < len(mentions) and mentions[behind].kind in (MentionKind.INTENSITY, MentionKind.DEGREE):
         behind += 1
     after = mentions[behind] if behind < len(mentions) else None
-    if after is None or after.kind is not MentionKind.VERB or after.form.endswith("ing"):
+    if after is None or after.kind is not MentionKind.VERB or is_participle(after.form):
         return False
     named = index == 0 and after.form != FORMS.get(after.form)  # "Alice nudges it"
     early = {MentionKind.JOIN, MentionKind.TIME, MentionKind.INTENSITY, MentionKind.FUNCTION}

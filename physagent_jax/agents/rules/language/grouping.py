@@ -15,8 +15,10 @@ from physagent_jax.agents.rules.language.holding import is_bare_hold
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join
 from physagent_jax.agents.rules.language.quantities import Quantity
+from physagent_jax.agents.rules.language.tokens import is_participle
 from physagent_jax.agents.rules.language.verbs import Effect
 
+_WAYS = (MentionKind.DIRECTION, MentionKind.FROM)
 _BOTH_WAYS = (Effect.SWAY, Effect.SCALE, Effect.SWELL)
 _KEEPS = frozenset({"keep", "keeps", "kept", "keeping"})
 _MEASURED = {MentionKind.INTENSITY, MentionKind.COMPARATIVE, MentionKind.QUANTITY, MentionKind.TIME}
@@ -38,14 +40,15 @@ def add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> N
             or _is_going_besides(clause, mentions, mention)
             or not _is_absorbed(clause, mention, fresh)
         ):
-            participle = not mention.form.endswith("ing")
+            participle = not is_participle(mention.form)
             is_hold = participle and (
                 kept or fresh and is_bare_hold(clause)
             )  # "hold it bent", "keep it bent"
             replaceable = clause.verb is not None and (
                 _is_replaceable(clause.verb) or _is_becoming(clause.verb, mention)
             )
-            if clause.verb is not None and not is_hold and (negated or not replaceable):
+            gone = negated and clause.head is None and len(clauses) > 1 and bool(clause.select(*_WAYS))
+            if gone or clause.verb is not None and not is_hold and (negated or not replaceable):
                 clause = Clause(Join.AND)
                 clauses.append(clause)
             clause.stays = is_hold and get_verb(mention).effect in HOLDABLE

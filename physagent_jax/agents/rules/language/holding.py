@@ -17,7 +17,7 @@ def apply_holding(clauses: list[Clause]) -> list[Clause]:
     result: list[Clause] = []
     for index, clause in enumerate(clauses):
         last = next((c for c in reversed(result) if c.head is not None), None)
-        follows = next((c for c in clauses[index + 1 :] if c.head is not None), None)
+        follows = next((c for c in clauses[index + 1 :] if c.head is not None and not c.negated), None)
         if clause.stays and last is not None and last.verb is not None and clause.verb is not None:
             if get_verb(last.verb).effect is get_verb(clause.verb).effect and not clause.modifiers:
                 last.stays = True  # "compress it and keep it compressed"

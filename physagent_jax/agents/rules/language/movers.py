@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.naming import DETERMINERS
+from physagent_jax.agents.rules.language.tokens import is_participle
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
 # Who does these moves by itself: nothing is "landed" or "sat".
@@ -100,7 +101,7 @@ def _find_agents(mentions: list[Mention], names: frozenset[str]) -> list[str]:
         verb = mentions[index]
         noun, article, by = (mentions[index - back] for back in (1, 2, 3))
         agent = noun.kind in (MentionKind.FUNCTION, MentionKind.UNKNOWN) and noun.phrase not in names
-        done = verb.kind is MentionKind.VERB and verb.form.endswith("ing")
+        done = verb.kind is MentionKind.VERB and is_participle(verb.form)
         if done and agent and article.phrase in ("a", "an", "the") and by.form in ("by", "with"):
             doubts.append(f"Whether '{verb.words}' is said of the object is not understood.")
     return doubts

@@ -67,6 +67,15 @@ def _find_there(mentions: list[Mention], index: int, names: frozenset[str]) -> l
     return []
 
 
+def _find_hung(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "it hangs its head": the head sinks, and nothing holds it."""
+    mention, after = mentions[index], mentions[index + 1 : index + 3]
+    hangs = mention.kind is MentionKind.VERB and mention.phrase == "hang" and len(after) == 2
+    if hangs and after[0].phrase in ("its", "his", "her") and after[1].kind is MentionKind.PLACE:
+        return [f"What '{mention.words} {after[0].words} {after[1].words}' means is not understood."]
+    return []
+
+
 def _find_pivot(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
     """Says "it swings from its top": what holds it, and no way."""
     mention, owner = mentions[index], get_phrase(mentions, index - 1)
@@ -152,6 +161,7 @@ _RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = 
     _find_aim,
     _find_return,
     _find_there,
+    _find_hung,
     _find_pivot,
     _find_blown,
     _find_over,

@@ -127,7 +127,8 @@ def _is_noun(reader: Reader, entry: Entry, at: int) -> bool:
     if inflected and reader.is_after_determiner(at) and reader.get_text(at + 1) not in reader.object_words:
         return True  # "in this shot"
     if text in v.CAUSES:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
-        return before in OWNING or before in m.INTENSITIES or reader.get_text(at - 2) in ("a", "an")
+        described = before in m.INTENSITIES and not before.endswith("ly")  # "gently blow on it" is none
+        return before in OWNING or described or reader.get_text(at - 2) in ("a", "an")
     compound = (
         text == phrase
         and before not in reader.object_words

@@ -8,6 +8,7 @@ from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind, empty
 from physagent_jax.agents.rules.language.reader import OWNING
+from physagent_jax.agents.rules.language.tokens import is_participle
 
 _ORIGINS = frozenset(
     {"left", "right", "top", "bottom", "front", "back", "above", "below", "behind", "beneath"}
@@ -114,7 +115,7 @@ def part_substitutes(mentions: list[Mention], names: frozenset[str]) -> list[Men
     result = list(mentions)
     for at, mention in enumerate(mentions[:-1]):
         denied = mention.kind is MentionKind.NOT and mention.phrase in ("instead of", "rather than")
-        if not denied or not mentions[at + 1].form.endswith("ing"):
+        if not denied or not is_participle(mentions[at + 1].form):
             continue
         for behind in range(at + 2, len(mentions) - 1):
             if mentions[behind].kind is MentionKind.JOIN:

@@ -22,7 +22,7 @@ from physagent_jax.agents.rules.language.unplaced import UNPLACED_PARTS
 
 _LEAST, _LEAST_NAME, _LONG_NAME = 3, 6, 8
 _WORDS_OF_THEIR_OWN = frozenset(
-    "form forms hoping bellow latter angel angels trial trials spilt stare staring".split()
+    "form forms hoping hoped bellow latter angel angels trial trials spilt stare staring".split()
 )
 _KNOWN = (
     frozenset(word for entries in LEXICON.values() for words, _, _ in entries for word in words)

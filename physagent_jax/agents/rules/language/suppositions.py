@@ -11,7 +11,7 @@ from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join
 from physagent_jax.agents.rules.language.naming import DETERMINERS
 from physagent_jax.agents.rules.language.neighbours import get_phrase, has_motion
-from physagent_jax.agents.rules.language.tokens import FORMS
+from physagent_jax.agents.rules.language.tokens import FORMS, is_participle
 
 _MODALS = frozenset({"would", "could", "might", "should", "must", "d"})
 _PRONOUNS = frozenset({"it", "he", "she", "they", "that", "which", "who"})
@@ -69,7 +69,7 @@ def _find_past(mentions: list[Mention], index: int, names: frozenset[str]) -> li
 def _find_posture(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
     """Says "the robot leaning left straightens up": how it is at first."""
     mention = mentions[index]
-    participle = mention.kind is MentionKind.VERB and mention.form.endswith("ing")
+    participle = mention.kind is MentionKind.VERB and is_participle(mention.form)
     if not participle or get_phrase(mentions, index - 1) not in names:
         return []
     begins = index < 2 or mentions[index - 2].phrase in DETERMINERS and index < 3

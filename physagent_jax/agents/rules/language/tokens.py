@@ -64,8 +64,8 @@ def tokenise(prompt: str) -> list[Token]:
 def inflect(verb: str) -> set[str]:
     """Regular and irregular forms of a one-word verb.
 
-    Doubling of the last consonant depends on stress, which letters do not show: both spellings are
-    produced, and the wrong one is never met.
+    Doubling of the last consonant depends on stress, which letters do not show where there are several syllables: both
+    spellings are produced, and the wrong one is never met. With one vowel it is doubled ("taped" is of "tape").
     """
     forms = {verb, verb + "s", verb + "ed", verb + "ing"} | set(IRREGULAR_FORMS.get(verb, "").split())
     if verb.endswith(("s", "x", "z", "ch", "sh", "o")):
@@ -76,6 +76,8 @@ def inflect(verb: str) -> set[str]:
         forms |= {verb[:-1] + "ies", verb[:-1] + "ied"}
     if len(verb) > 2 and verb[-1] not in _VOWELS + "wxy" and verb[-2] in _VOWELS and verb[-3] not in _VOWELS:
         forms |= {verb + verb[-1] + "ed", verb + verb[-1] + "ing"}
+        if sum(letter in _VOWELS + "y" for letter in verb) == 1:
+            forms -= {verb + "ed", verb + "ing"}
     return forms
 
 
@@ -90,3 +92,8 @@ def _collect_forms() -> dict[str, str]:
 
 
 FORMS = _collect_forms()
+
+
+def is_participle(form: str) -> bool:
+    """Whether a form of a verb is its present participle: "swinging", but not "swing"."""
+    return form.endswith("ing") and FORMS.get(form) != form

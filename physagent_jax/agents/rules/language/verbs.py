@@ -187,6 +187,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     # gravity
     (
         "drop, fall, plummet, plunge, land, let fall, let ~ fall, fall down, collapse, bounce, "
+        "let ~ fall down, let ~ drop down, "
         "release ~ from, let ~ drop, hit the ground, hit the floor, strike the ground, "
         "touch the ground, reach the ground, hit the table, crash to the ground, crash down, "
         "come down, plop, plunk, plonk, nosedive, crash to the floor, drop down, crash, bounce off the ground, "
@@ -196,7 +197,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     (
         "knock ~ off its feet, sweep ~ off its feet, knock ~ off balance, topple, capsize, flop over, "
         "go over sideways, fall over, tip over, tip ~ over, keel over, topple over, "
-        "overturn, knock over, "
+        "overturn, knock over, let ~ fall over, let ~ tip over, let ~ topple over, "
         "knock ~ over, push over, push ~ over, blow over, blow ~ over, kick over, kick ~ over",
         Verb(_D.TOPPLE),
     ),
