@@ -12,6 +12,9 @@ from physagent_jax.agents.rules.language.verbs import Effect, Verb
 _TIMED = frozenset({Join.WHILE, Join.AFTER, Join.BEFORE})
 _GOING_ON = frozenset({Join.AND, Join.THEN})
 _MEANWHILE = frozenset({"at the same time", "and at the same time", "simultaneously", "meanwhile"})
+_LATER = frozenset(
+    {"afterwards", "afterward", "later", "after that", "subsequently", "in the end", "at last"}
+)
 _DURING = frozenset({"while", "whilst", "as"})
 
 
@@ -23,7 +26,9 @@ def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
     for index, mention in enumerate(mentions):
         if mention.kind is MentionKind.JOIN:
             assert isinstance(mention.value, Join)
-            if any(m.kind is not MentionKind.FUNCTION for m in segments[-1][1]):
+            if _is_trailing(mentions, index) and segments[-1][0] in (Join.AND, Join.COMMA):
+                segments[-1] = (Join.THEN, segments[-1][1])  # "lift it first and spin it afterwards"
+            elif any(m.kind is not MentionKind.FUNCTION for m in segments[-1][1]):
                 segments.append((mention.value, []))
             elif len(segments) == 1 and mention.phrase == "until":
                 segments[-1] = (Join.BEFORE, segments[-1][1])  # "until it is hit, it stays still"
@@ -46,6 +51,12 @@ def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
                 segments.append((Join.COMMA, []))  # "as it falls it spins"
             segments[-1][1].append(mention)
     return [segment for segment in segments if segment[1]]
+
+
+def _is_trailing(mentions: list[Mention], index: int) -> bool:
+    """Whether a word for what comes later ends its segment, and so belongs to what stands before it."""
+    ends = index + 1 == len(mentions) or mentions[index + 1].kind is MentionKind.JOIN
+    return ends and mentions[index].phrase in _LATER
 
 
 def _begins_main_clause(mentions: list[Mention], before: list[Mention]) -> bool:
