@@ -65,6 +65,7 @@ from tests.agents.tellings import ground, order, tell
         ("gently blow on it from the left", "move right"),
         ("let it fall over to the left", "rotate toward & fall"),
         ("push it left first and spin it afterwards", "move left; rotate up"),
+        ("lift it, spinning it at the same time", "move up & rotate up"),
         # said several times, or only heard
         ("swing, robot, swing", "sway left x2"),
         ("they hit it from the left, bang bang bang", "hit right x3"),

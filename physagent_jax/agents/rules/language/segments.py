@@ -27,7 +27,7 @@ def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
         if mention.kind is MentionKind.JOIN:
             assert isinstance(mention.value, Join)
             if _is_trailing(mentions, index) and segments[-1][0] in (Join.AND, Join.COMMA):
-                segments[-1] = (Join.THEN, segments[-1][1])  # "lift it first and spin it afterwards"
+                segments[-1] = (mention.value, segments[-1][1])  # "lift it first and spin it afterwards"
             elif any(m.kind is not MentionKind.FUNCTION for m in segments[-1][1]):
                 segments.append((mention.value, []))
             elif len(segments) == 1 and mention.phrase == "until":
@@ -56,7 +56,7 @@ def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
 def _is_trailing(mentions: list[Mention], index: int) -> bool:
     """Whether a word for what comes later ends its segment, and so belongs to what stands before it."""
     ends = index + 1 == len(mentions) or mentions[index + 1].kind is MentionKind.JOIN
-    return ends and mentions[index].phrase in _LATER
+    return ends and mentions[index].phrase in _LATER | _MEANWHILE
 
 
 def _begins_main_clause(mentions: list[Mention], before: list[Mention]) -> bool:
