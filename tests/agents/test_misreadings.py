@@ -65,6 +65,9 @@ from tests.agents.tellings import ground, order, tell
         ("let it fall over to the left", "rotate toward & fall"),
         ("push it left first and spin it afterwards", "move left; rotate up"),
         ("push it left, stretching it up at the same time", "move left & stretch up"),
+        ("push it left, but spin it first", "rotate up; move left"),
+        ("push it left; before that, lift it", "move up; move left"),
+        ("lift it, having pushed it left", "move left; move up"),
         # said several times, or only heard
         ("swing, robot, swing", "sway left x2"),
         ("they hit it from the left, bang bang bang", "hit right x3"),

@@ -77,6 +77,8 @@ def read_delays(mentions: list[Mention]) -> list[Mention]:
     """Makes one order of "it does not fall until it is pushed" and "it falls after it is pushed"."""
     result = list(mentions)
     for at, mention in enumerate(mentions):
+        if mention.kind is MentionKind.JOIN and _is_earlier(mentions, at):
+            result[at] = replace(mention, value=m.Join.AFTER, phrase="after")
         if mention.phrase != "until" or mention.kind is not MentionKind.JOIN:
             continue
         before, behind = mentions[:at], mentions[at + 1 :]
@@ -91,6 +93,18 @@ def read_delays(mentions: list[Mention]) -> list[Mention]:
                 result[denials[-1]] = empty(mentions[denials[-1]])
                 result[at] = replace(mention, value=m.Join.AFTER, phrase="after")
     return result
+
+
+def _is_earlier(mentions: list[Mention], at: int) -> bool:
+    """Whether what stands behind came first: "lift it, having pushed it left", "push it, but lift it first"."""
+    done = any(e.kind is MentionKind.VERB for e in mentions[:at])
+    behind = mentions[at + 1 :]
+    end = next((i for i, e in enumerate(behind) if e.kind is MentionKind.JOIN), len(behind))
+    segment = behind[:end]
+    does = any(e.kind is MentionKind.VERB for e in segment)
+    having = mentions[at].words == "," and bool(segment) and segment[0].form == "having"
+    first = mentions[at].value is m.Join.BUT and bool(segment) and segment[-1].form == "first"
+    return done and does and (having or first)
 
 
 def read_returns(mentions: list[Mention]) -> list[Mention]:

@@ -38,6 +38,8 @@ def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
                 segments[-1] = (Join.WHILE, segments[-1][1])  # "it rises; at the same time it spins"
             elif mention.value is Join.AFTER and len(segments) > 1 and segments[-1][1]:
                 segments.append((Join.AFTER, []))  # "stop it with a hand after it has rolled"
+            elif mention.phrase.startswith("before ") and len(segments) > 1:
+                segments[-1] = (Join.AFTER, segments[-1][1])  # "push it; before that, lift it"
             elif mention.value is Join.AFTER and len(segments) > 1 and segments[-1][0] in _GOING_ON:
                 segments[-1] = (Join.THEN, segments[-1][1])  # "lift it, and after landing it spins"
             elif len(segments) > 1 or mention.value in (Join.BEFORE, Join.AFTER):
