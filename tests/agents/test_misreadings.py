@@ -68,6 +68,8 @@ from tests.agents.tellings import ground, order, tell
         ("push it left, but spin it first", "rotate up; move left"),
         ("push it left; before that, lift it", "move up; move left"),
         ("lift it, having pushed it left", "move left; move up"),
+        ("three blows from the left", "hit right x3"),
+        ("a wind from the right blows it away", "move left"),
         # said several times, or only heard
         ("swing, robot, swing", "sway left x2"),
         ("they hit it from the left, bang bang bang", "hit right x3"),
@@ -136,6 +138,7 @@ def test_what_is_read(prompt, expected):
         ("can we see it from the left while it falls?", "can we see a push from the left?"),
         ("push it left and then again", "push it left and then again to the left"),
         ("raise and lower it three times", "raise it, then lower it three times"),
+        ("hit it from the left. Three times.", "hit it from the left. Three times it is hit from above."),
         ("hands up", "its head goes up"),
         ("spin it end over end", "tumble it end over end"),
         ("swing it around by its neck", "spin it around by its neck"),

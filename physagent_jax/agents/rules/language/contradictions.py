@@ -132,6 +132,7 @@ def _find_fragments(clauses: list[Clause]) -> list[str]:
         if not clause.inherited or clause.join is not Join.THEN or before.head is None or clause.negated:
             continue
         manner = {m.kind for m in clause.modifiers} <= {MentionKind.INTENSITY, MentionKind.DEGREE}
+        manner = manner or {m.kind for m in clause.mentions} == {MentionKind.REPEAT}  # "Hit it. Three times."
         late = clause.select(*_WAYS) and not before.select(*_WAYS) and get_verb(before.head).direction is None
         told = {m.kind for m in clause.modifiers} <= {*_WAYS}
         if clause.modifiers and {m.kind for m in clause.modifiers} == {MentionKind.PLACE}:

@@ -32,6 +32,8 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
     (words, kind, value), used = max(matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0]))
     if kind is MentionKind.VERB and _is_means(reader, value, at):
         kind = MentionKind.CAUSE
+    if kind is MentionKind.VERB and token.text == "blows" and _is_counted(reader, at):
+        kind, value = MentionKind.CAUSE, v.CAUSES["blow"]  # "three blows from the left"
     if kind is MentionKind.DIRECTION and (
         reader.get_preposition(at) == "from" or _is_crossed(reader, at) or _is_locating_cause(reader, words)
     ):
@@ -183,6 +185,14 @@ def _is_means(reader: Reader, verb: object, at: int) -> bool:
         before -= 1
     article = reader.get_text(before) in ("a", "an", "one")
     return article and reader.get_text(before - 1) == "with"
+
+
+def _is_counted(reader: Reader, at: int) -> bool:
+    """Whether a number stands before it, past adjectives."""
+    before = at - 1
+    while reader.get_text(before) in m.INTENSITIES or reader.get_text(before) in ("quick", "consecutive"):
+        before -= 1
+    return reader.get_text(before) in m.NUMBERS or reader.get_text(before).isdigit()
 
 
 def _is_crossed(reader: Reader, at: int) -> bool:

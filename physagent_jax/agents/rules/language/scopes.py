@@ -172,7 +172,15 @@ def drop_asides(mentions: list[Mention]) -> list[Mention]:
             from_it = any(e.form == "from" for e in mentions[at + 1 : at + 2])
             if from_it and after is not None and isinstance(after.value, v.Verb) and after.value.wind:
                 result[at] = empty(mention)
+            elif not from_it and _is_blown_off(mentions[:at]):
+                result[at] = empty(mention)
     return result
+
+
+def _is_blown_off(before: list[Mention]) -> bool:
+    """Whether a wind whose side is told blows it "away": off, wherever that is."""
+    sided = any(e.kind is MentionKind.FROM and e.value in (("left",), ("right",)) for e in before)
+    return sided and any(isinstance(e.value, v.Verb) and e.value.wind for e in before)
 
 
 def _is_spared(mentions: list[Mention], at: int) -> bool:
