@@ -22,6 +22,9 @@ _AXES: dict[str, Names] = {"height": ("up",), "width": ("right",), "depth": ("to
 _TRAVELS = (Effect.PUSH, Effect.STRIKE, Effect.ROLL, Effect.SWAY, Effect.LEAN, Effect.JUMP)
 _TURNS = (Effect.TURN, Effect.LEAN, Effect.SWAY, Effect.TOPPLE, Effect.ROLL)
 _SCALES = (Effect.SCALE, Effect.SWELL)
+_SAME_HEIGHT = 0.1
+"""[body lengths] by which a height may differ from the one that everything is dropped from."""
+
 _STRAIN_PER_M = 0.2
 """[1] that a stretch or squeeze shows for M = 1: between the linear 0.15 and what soft solids do at full strength."""
 
@@ -47,7 +50,8 @@ def find_target(quantity: Quantity, verb: Verb, before: Amount | None) -> Target
     """What ``quantity`` says of what ``verb`` does; ``before`` is the target of the event before."""
     value, unit, effect = quantity.value, quantity.unit, verb.effect
     if quantity.dimension == "far":
-        known = before is not None and before.unit in ("lengths", "metres") and effect in _TRAVELS
+        fits = {"lengths": _TRAVELS, "metres": _TRAVELS, "degrees": _TURNS}
+        known = before is not None and effect in fits.get(before.unit, ())
         return Target(before.model_copy(update={"value": before.value * value}) if known and before else None)
     if value > MOST:
         return Target(None)
@@ -57,6 +61,9 @@ def find_target(quantity: Quantity, verb: Verb, before: Amount | None) -> Target
         return Target(Amount(value=value, unit="lengths"))
     if unit == "metres" and effect in _TRAVELS:
         return Target(Amount(value=value, unit="metres"))
+    if effect is Effect.FALL and (unit == "lengths" or unit == "share" and quantity.dimension == "length"):
+        meant = abs(value - calibration.DROP_HEIGHT) <= _SAME_HEIGHT
+        return Target(Amount(value=value, unit="lengths") if meant else None)
     becomes = quantity.goal or quantity.acts  # "pull it to twice its length", "until it is half as tall"
     if unit == "share" and effect in _TRAVELS and quantity.dimension and not becomes:
         return Target(Amount(value=value, unit="lengths"))

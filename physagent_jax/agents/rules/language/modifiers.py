@@ -171,7 +171,8 @@ VIEWS: dict[str, Names] = {
     {
         "from a bird eye view, top view, from the top view, from a top view": ("up",),
         "as we see it, as seen by the viewer, seen by the viewer, "
-        "in the picture, in the picture plane, in the image plane": ("toward",),
+        "in the picture, in the picture plane, in the image plane, in the plane of the picture, "
+        "in the plane of the image, in the plane of the screen": ("toward",),
     }
 )
 

@@ -111,6 +111,16 @@ _COMPARED = frozenset(
 )
 # Before "around".
 _CIRCLES = {("all", "the", "way"): 360.0, ("halfway",): 180.0, ("half", "way"): 180.0}
+# As before: "then right by as much".
+_AS_MUCH = (
+    ("as", "far"),
+    ("as", "much"),
+    ("equally", "far"),
+    ("the", "same", "distance"),
+    ("the", "same", "amount"),
+    ("an", "equal", "distance"),
+    ("an", "equal", "amount"),
+)
 _LEAST_DEGREES = 45  # nobody asks for so many turns
 _ABOUT = frozenset({"about", "roughly", "exactly", "nearly", "almost", "approximately"})
 _WHOLE = frozenset({"full", "complete", "whole", "entire"})
@@ -154,6 +164,9 @@ def match_quantity(tokens: list[Token], at: int) -> tuple[Quantity, int] | None:
         if dimension:
             return Quantity(1.0, "share", dimension), behind
     words = [_get(tokens, at + i) for i in range(4)]
+    for phrase in _AS_MUCH:
+        if words[: len(phrase)] == list(phrase) and words[len(phrase)] != "as":  # "as far as" is a place
+            return Quantity(1.0, "share", "far", acts=True), at + len(phrase)
     for phrase, value in _CIRCLES.items():
         if words[: len(phrase)] == list(phrase) and words[len(phrase)] in ("around", "round"):
             return Quantity(value, "degrees"), at + len(phrase) + 1
@@ -253,6 +266,8 @@ def _match_unit(
         return Quantity(value, "share"), at
     if times and value != round(value):
         return Quantity(value, "share"), at  # "stretch it 1.5 times"
+    if part and unit in _COMPARED:  # "a fifth longer"
+        return Quantity(value, "share", "", True), at
     if relative and part and _get(tokens, at) not in UNITS:
         return Quantity(value, "share", "", True), start
     return None
