@@ -38,12 +38,14 @@ class Target:
         names: The axis that it names; empty = none.
         everywhere: Whether all dimensions change.
         sign: Of a stretch (+1) or squeeze (-1) that the quantity alone tells.
+        usual: Whether the quantity is what the motion has by itself: there is nothing to aim at.
     """
 
     amount: Amount | None
     names: Names = ()
     everywhere: bool = False
     sign: int = 0
+    usual: bool = False
 
 
 def find_target(quantity: Quantity, verb: Verb, before: Amount | None) -> Target:
@@ -62,8 +64,7 @@ def find_target(quantity: Quantity, verb: Verb, before: Amount | None) -> Target
     if unit == "metres" and effect in _TRAVELS:
         return Target(Amount(value=value, unit="metres"))
     if effect is Effect.FALL and (unit == "lengths" or unit == "share" and quantity.dimension == "length"):
-        meant = abs(value - calibration.DROP_HEIGHT) <= _SAME_HEIGHT
-        return Target(Amount(value=value, unit="lengths") if meant else None)
+        return Target(None, usual=abs(value - calibration.DROP_HEIGHT) <= _SAME_HEIGHT)
     becomes = quantity.goal or quantity.acts  # "pull it to twice its length", "until it is half as tall"
     if unit == "share" and effect in _TRAVELS and quantity.dimension and not becomes:
         return Target(Amount(value=value, unit="lengths"))

@@ -288,6 +288,8 @@ def _resolve_amount(clause: Clause, verb: Verb, before: Event | None) -> tuple[T
     for mention in clause.select(MentionKind.QUANTITY):
         assert isinstance(mention.value, Quantity)
         found = find_target(mention.value, verb, before.amount if before else None)
+        if found.usual:
+            continue
         if found.amount is None or target.amount is not None:
             doubts.append(f"'{mention.words}' is a quantity that nothing here is measured in.")
         else:
