@@ -52,3 +52,11 @@ def test_turns_in_the_plane_of_the_picture_are_about_the_line_of_sight(plane):
     for words in (f"in the plane of the {plane}", "as seen by the viewer"):
         (motion,) = read(f"turn it counter-clockwise by 15 degrees {words}", ground()).expectations
         assert motion.direction == (0.0, -1.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "prompt", ["stretch it by a fifth within half a second and keep it so", "it becomes taller and stays so"]
+)
+def test_what_stays_so_stays(prompt):
+    (motion,) = read(prompt, ground()).expectations
+    assert motion.stays and not motion.released

@@ -207,9 +207,9 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         "hold, fix, anchor, clamp, pin, attach, glue, nail, bolt, root, fasten, tie, stick, weld, strap, tape, "
         "screw to, "
         "screw down, screw onto, "
-        "secure, mount, hold ~ there, keep ~ there, hold ~ that way, keep ~ that way, "
+        "secure, mount, hold ~ there, keep ~ there, hold ~ that way, keep ~ that way, keep ~ so, hold ~ so, "
         "hold ~ in place, keep ~ in place, keep ~ fixed, hold ~ fixed, "
-        "hold ~ still, keep ~ still, stay there, remain there, stay that way, remain that way",
+        "hold ~ still, keep ~ still, stay there, remain there, stay that way, remain that way, stay so, remain so",
         Verb(_D.HOLD),
     ),
     ("hang, suspend, dangle", Verb(_D.HOLD, holds="top")),
