@@ -14,17 +14,20 @@ _HEAD = """# Sentences as people understand them
 What the offline parser makes of {count} sentences, beside what a person understands by them: kinds of motion,
 directions, strength, quantities, how often, which part, when, what stays or is let go, their order, gravity, walls, and
 what is held. The expectations were written by hand; some sentences have several good readings, and for some the only
-right answer is a refusal or a plain word that something was not understood. They have six authors. The
+right answer is a refusal or a plain word that something was not understood. They have nine authors. The
 [first author's]({first}) were written before the parser was tuned on them, by the parser's own author; a third of
 them, by their hash, is the test split. The [second]({second}), the [third]({third}), the [fourth]({fourth}) and the
 [fifth author's]({fifth}) were written by somebody who had read neither the parser nor, but for a few lines that show
-the notation, anybody else's sentences; half of the second's, the fourth's and the fifth's, by the same hash, are test
+the notation, anybody else's sentences, and so were the [seventh's]({seventh}), the [eighth's]({eighth}) and the
+[ninth's]({ninth}); half of the second's, the fourth's, the fifth's and the seventh's, by the same hash, are test
 splits. No rule is made for a test split, and nobody looks at its sentences one by one while rules are written. The
 third's had one too, until it was opened and rules were made for it: it counts as development now. A second reader, who
 saw neither the parser nor what it makes of any sentence, went through all sentences of the third, the fourth and the
 fifth author, test splits too, and added readings that are as good where one was missing (286 of 720 sentences; none was
 taken away). By the expectations as their authors left them 25 of 656 sentences of the test splits were silently wrong
-before the third's was opened, by the completed ones 22.
+before the third's was opened, by the completed ones 22. Three more such readers later did the same for the first (188 of
+473), the second (140 of 233) and the seventh author (132 of 240). By these three authors' own words the same parser has
+20 of 638 silently wrong (3.13 %, more than is allowed; below), by the completed ones what the first table says.
 
 How clean the test splits are: the second author mended the parser afterwards, with the development splits alone, but
 remembers sentences of their own, and saw how many of each group of a test split were silently wrong. The fourth and the
@@ -35,7 +38,10 @@ rules made since are somebody else's, who saw totals alone. The first author's t
 mended, and its silently wrong share is what to expect of sentences in a style that the grammar was made for; the other
 authors' first figures (below) are what to expect of a newcomer's. The [sixth author's]({sixth}) are all development:
 whoever wrote them mended the parser by them afterwards, and saw totals alone of the other authors' test splits, but
-those several times while rules were written. Three of their expectations were completed after the first run.
+those several times while rules were written. Three of their expectations were completed after the first run. The
+seventh author's test split is the cleanest: whoever mended by the other half, and by all of the eighth's and the ninth's,
+saw its totals alone. It did not gain by it: six of its 110 sentences were silently wrong before, and six are now. 5.5 %
+is what to expect of a newcomer.
 
 *Right* are sentences of which every field is right. *Silently wrong* are those of which something is wrong, and that
 were neither refused nor marked as unsure (which keeps a run from being called a success); words that are merely listed
@@ -43,8 +49,8 @@ as not understood do not count as a mark. *Marked in vain* were understood and r
 at most {limit:.0%} silently wrong on the test splits together.
 """
 _BEFORE = (
-    "\n## Before tuning\n\nThe parser as it was when the sentences of each author after the first were first read "
-    "to it.\n"
+    "\n## Before tuning, and by the authors' own words\n\nThe parser as it was when the sentences of each author after "
+    "the first were first read to it, and, last, today's by expectations that nobody has completed.\n"
 )
 _EARLIER = (
     ("before", "The second author's, expectations as they were first written"),
@@ -74,6 +80,15 @@ _EARLIER = (
     (
         "sixth-before",
         "The sixth author's, which were written and committed before they were read to the parser",
+    ),
+    (
+        "seventh-before",
+        "The seventh, the eighth and the ninth author's, which were written and committed before they were read to the "
+        "parser; two lines that did not keep to the notation were corrected first",
+    ),
+    (
+        "own-words",
+        "Today's parser, by the first, the second and the seventh author's expectations as they left them",
     ),
 )
 _COLUMNS = (
