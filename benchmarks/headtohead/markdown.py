@@ -204,7 +204,9 @@ def _write_costs(rows: list[dict]) -> str:
         "effort [m/s]",
         "refused",
     ]
-    said = "Medians over tasks; seconds with what had to be compiled, on one core where fits ran side by side."
+    said = (
+        "Medians over tasks; seconds with what had to be compiled, on one core where fits ran side by side."
+    )
     return f"\n{said}\n" + table(head, lines)
 
 

@@ -47,6 +47,8 @@ def _find_comparison(mentions: list[Mention], index: int) -> list[str]:
 def _find_correlation(mentions: list[Mention], index: int) -> list[str]:
     """Says "the harder it is pushed, the more it tilts": both grow together."""
     here, more = mentions[index], MentionKind.COMPARATIVE
+    if here.kind is not more:
+        return []
     heads = [i for i in range(1, len(mentions)) if mentions[i].kind is more and mentions[i - 1].form == "the"]
     begins = {i for i in heads if i == 1 or mentions[i - 2].kind is MentionKind.JOIN}
     if index in begins and len(begins) > 1 and index == min(begins):

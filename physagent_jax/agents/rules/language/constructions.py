@@ -206,8 +206,10 @@ def _find_gerund(mentions: list[Mention], index: int) -> list[str]:
 def _find_alternation(mentions: list[Mention], index: int) -> list[str]:
     """Says "alternately squeeze and stretch it": the one and the other, again and again."""
     mention = mentions[index]
+    if mention.form not in _ALTERNATING:
+        return []
     verbs = [m.value for m in mentions if m.kind is MentionKind.VERB and isinstance(m.value, Verb)]
-    if mention.form in _ALTERNATING and len({(verb.effect, verb.sign) for verb in verbs}) > 1:
+    if len({(verb.effect, verb.sign) for verb in verbs}) > 1:
         return [f"What happens '{mention.words}' is not understood."]
     return []
 

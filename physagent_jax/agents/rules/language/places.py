@@ -106,16 +106,20 @@ def _is_part_with_name(reader: Reader, at: int, size: int) -> bool:
 
 def _find_like(reader: Reader, at: int) -> str:
     """The part that "one" stands for: "its left arm goes up, the right one down"; empty if there is none."""
-    parts = [e.phrase.split()[-1] for e in reader.mentions if e.kind is MentionKind.PLACE]
-    return parts[-1] if parts and parts[-1] in m.PARTS and reader.is_after_determiner(at) else ""
+    if not reader.is_after_determiner(at):
+        return ""
+    said = next((e for e in reversed(reader.mentions) if e.kind is MentionKind.PLACE), None)
+    part = "" if said is None else said.phrase.split()[-1]
+    return part if part in m.PARTS else ""
 
 
 def _is_lying_on(reader: Reader, at: int) -> bool:
     """Whether it travels on that side: "slides on its belly" moves all of it."""
-    verbs = [e.value for e in reader.mentions if isinstance(e.value, v.Verb)]
-    travels = bool(verbs) and verbs[-1].effect is v.Effect.PUSH and verbs[-1].generic
     owned = reader.get_text(at - 1) in ("its", "his", "her") and reader.get_text(at - 2) == "on"
-    return travels and owned and reader.tokens[at].text in _LYING
+    if not owned or reader.tokens[at].text not in _LYING:
+        return False
+    verb = next((e.value for e in reversed(reader.mentions) if isinstance(e.value, v.Verb)), None)
+    return verb is not None and verb.effect is v.Effect.PUSH and verb.generic
 
 
 def _is_excepted(reader: Reader, at: int) -> bool:
@@ -128,8 +132,10 @@ def _is_applied_to(reader: Reader, at: int, size: int) -> bool:
     """Whether a blow that a noun names is given "to the top of it": there, and not that way."""
     part = reader.get_text(at + size)
     owned = "of" in (part, reader.get_text(at + size + 1)) and reader.get_preposition(at) == "to"
-    heads = [e for e in reader.mentions if isinstance(e.value, v.Verb)]
-    return owned and bool(heads) and heads[-1].kind is MentionKind.CAUSE
+    if not owned:
+        return False
+    head = next((e for e in reversed(reader.mentions) if isinstance(e.value, v.Verb)), None)
+    return head is not None and head.kind is MentionKind.CAUSE
 
 
 def _is_told_where(reader: Reader, at: int) -> bool:

@@ -162,13 +162,15 @@ def _find_body(mentions: list[Mention], index: int, _names: frozenset[str]) -> l
     """Says "the head goes left, the body right": the whole, or what is left of it?"""
     mention, after = mentions[index], find_telling(mentions, index, 1)
     rest = mention.form == "body" or mention.form == "rest" and get_phrase(mentions, index + 1) == "of"
+    if not rest:
+        return []
     other = any(m.kind is MentionKind.PLACE for m in mentions)
     moves = after is not None and (
         after.kind is MentionKind.DIRECTION
         or isinstance(after.value, Verb)
         and after.value.effect not in (Effect.STILL, Effect.HOLD)
     )
-    if mention.kind is MentionKind.FUNCTION and rest and other and moves:
+    if mention.kind is MentionKind.FUNCTION and other and moves:
         return [f"Which part '{mention.words}' is, is not understood."]
     return []
 

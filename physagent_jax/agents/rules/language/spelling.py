@@ -38,9 +38,10 @@ _KNOWN = (
 
 def correct_spelling(tokens: list[Token], object_words: frozenset[str]) -> list[Token]:
     """The tokens with slips undone; places in the prompt are kept."""
-    corrected = []
+    known, corrected = _KNOWN | object_words, []
+    meant = {text: _find_meant(text, known, object_words) for text in {token.text for token in tokens}}
     for token in tokens:
-        word = _find_meant(token.text, object_words)
+        word = meant[token.text]
         corrected.append(token if word is None else replace(token, text=word, lemma=FORMS.get(word, word)))
     return corrected
 
@@ -52,16 +53,16 @@ def describe_corrections(prompt: str, object_words: frozenset[str]) -> list[str]
     return [f"'{said.text}' is read as '{meant.text}'." for said, meant in pairs if said.text != meant.text]
 
 
-def _find_meant(text: str, object_words: frozenset[str]) -> str | None:
+def _find_meant(text: str, known: frozenset[str], object_words: frozenset[str]) -> str | None:
     """The word that is meant by one that means nothing; None if it stands, or if nothing is near."""
-    if not text.isalpha() or len(text) < _LEAST or text in _KNOWN | object_words | _WORDS_OF_THEIR_OWN:
+    if not text.isalpha() or len(text) < _LEAST or text in known or text in _WORDS_OF_THEIR_OWN:
         return None
-    if text.removesuffix("s") in _KNOWN | object_words:
+    if text.removesuffix("s") in known:
         return None
     near = [text[:i] + text[i + 1] + text[i] + text[i + 2 :] for i in range(len(text) - 1)]
     near += [text[:i] + text[i + 1 :] for i in range(1, len(text)) if text[i] == text[i - 1]]
     near += [text[:i] + text[i] + text[i:] for i in range(1, len(text) - 1)]  # "midle"
-    found = {word for word in near if word != text and word in _KNOWN | object_words}
+    found = {word for word in near if word != text and word in known}
     if len(found) == 1:
         return found.pop()
     names = [

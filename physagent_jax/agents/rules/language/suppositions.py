@@ -35,8 +35,10 @@ def _find_unreal(mentions: list[Mention], index: int, _names: frozenset[str]) ->
 
 def _find_otherwise(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
     """Says "if it were light it would fly, but it only trembles": the first is not so."""
+    if mentions[index].form != "if":
+        return []
     behind = [m.form for m in mentions[index + 1 :]]
-    supposed = mentions[index].form == "if" and "were" in behind[:4] and "would" in behind
+    supposed = "were" in behind[:4] and "would" in behind
     if supposed and any(m.value is Join.BUT for m in mentions[index:]):
         return ["What would happen 'if' it were otherwise is not understood."]
     return []
@@ -57,11 +59,13 @@ def _find_prevented(mentions: list[Mention], index: int, _names: frozenset[str])
 
 def _find_past(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
     """Says "the robot that had fallen over": it did before, and does not now."""
-    mention, verb = mentions[index], mentions[index + 1] if index + 1 < len(mentions) else None
+    if mentions[index].form != "had":
+        return []
+    verb = mentions[index + 1] if index + 1 < len(mentions) else None
     done = verb is not None and verb.kind is MentionKind.VERB and verb.form != FORMS.get(verb.form)
     subject = get_phrase(mentions, index - 1) in _PRONOUNS | names
     time = any(m.value in (Join.AFTER, Join.BEFORE, Join.RESULT) for m in mentions[:index])
-    if mention.form == "had" and done and subject and not time and verb is not None:
+    if done and subject and not time and verb is not None:
         return [f"Whether '{verb.words}' was so before is not understood."]
     return []
 

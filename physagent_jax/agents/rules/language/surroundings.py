@@ -35,6 +35,8 @@ def find_surroundings(mentions: list[Mention]) -> list[str]:
 def _find_passage(mentions: list[Mention], index: int) -> list[str]:
     """Says "over the wall", "around its neck"."""
     mention = mentions[index]
+    if mention.kind not in (MentionKind.PLACE, MentionKind.SOLID):
+        return []
     before = index - 1
     while before >= 0 and mentions[before].phrase in DETERMINERS:
         before -= 1
@@ -45,7 +47,7 @@ def _find_passage(mentions: list[Mention], index: int) -> list[str]:
         bool(heads) and heads[-1].kind is MentionKind.CAUSE and preposition == "to"
     )  # "an impulse to the top"
     along = along or mention.kind is MentionKind.PLACE and preposition in _GOALS and not applied
-    if mention.kind in (MentionKind.PLACE, MentionKind.SOLID) and (preposition in _PAST or along):
+    if preposition in _PAST or along:
         return [f"What '{preposition} {mention.words}' means is not understood."]
     return []
 

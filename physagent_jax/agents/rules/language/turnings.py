@@ -60,9 +60,10 @@ def _find_seen(mentions: list[Mention], index: int, _names: frozenset[str]) -> l
 def _find_turned(mentions: list[Mention], index: int, names: frozenset[str]) -> list[str]:
     """Says "the breeze turns it": the object, and not the wind."""
     mention, after = mentions[index], get_phrase(mentions, index + 1)
+    if mention.kind is not MentionKind.VERB or mention.form not in ("turns", "turned", "turning"):
+        return []
     wind = any(isinstance(m.value, Verb) and m.value.wind for m in mentions[:index])
-    turns = mention.kind is MentionKind.VERB and mention.form in ("turns", "turned", "turning")
-    if wind and turns and after in DETERMINERS | names | {"it", "him", "her"}:
+    if wind and after in DETERMINERS | names | {"it", "him", "her"}:
         return [f"What the wind '{mention.words}' is not understood."]
     return []
 
@@ -70,10 +71,12 @@ def _find_turned(mentions: list[Mention], index: int, names: frozenset[str]) -> 
 def _find_viewpoint(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
     """Says "can we see it from the left": whence it is seen, and not moved."""
     mention = mentions[index]
+    if mention.kind is not MentionKind.FROM:
+        return []
     begin = max((i for i in range(index) if mentions[i].kind is MentionKind.JOIN), default=-1) + 1
     segment = mentions[begin:index]
     sees = any(m.form in ("see", "show", "watch", "view", "look", "looking") for m in segment)
-    if mention.kind is MentionKind.FROM and sees and not has_motion(segment):
+    if sees and not has_motion(segment):
         return [f"Whether it is seen '{mention.words}' is not understood."]
     return []
 
