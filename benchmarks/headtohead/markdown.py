@@ -52,8 +52,8 @@ Its planner judges by the sentence, the tables by the task's clauses. Read on th
 
 - All 25 sentences with clauses as targets name the amounts that the judge measures; the six of recovery name none, and
   stored paths within 0.015 body lengths cannot be known from their words.
-- The agent that reads them takes at least one quantity from 21 of the 25 (lengths and their fractions, degrees, factors
-  of a stretch), but marks something as not understood in 20 of them. Where it takes none, the planner goes by its range
+- The agent that reads them takes at least one quantity from 22 of the 25 (lengths and their fractions, degrees, factors
+  of a stretch), but marks something as not understood in 17 of them. Where it takes none, the planner goes by its range
   for a word without a number, as 0.25 to 1.3 body lengths for a push, which is wider than the judge's third of the
   amount. What lies inside has no failed check, and the executor mends nothing else.
 - A quantity that is read has 20 %, at least 0.05 body lengths or 12 degrees: narrower than the judge's third, but
