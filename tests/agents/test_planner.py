@@ -416,6 +416,16 @@ def test_what_is_let_go_comes_back_and_what_is_held_stays():
         assert passes(deformed, seen) == right
 
 
+@pytest.mark.parametrize("asked", [dict(stays=True), dict(released=True)])
+def test_an_end_that_is_not_seen_is_not_observable(asked):
+    """It moves as it should, and is lost from sight before it could be seen to stay, or to come back."""
+    last_seen = 28
+    seen = make_report([(-0.2 * ramp(t, 0, 20), 0, 0) if t < last_seen else None for t in range(LAST + 1)])
+    judgement = verdict_of(expected(window=(0, 24), **asked), seen, HELD)
+    (check,) = [each for each in judgement.checks if "its end is not seen" in each.observed]
+    assert check.passed is None and judgement.verdict is Verdict.FAIL
+
+
 def test_a_return_that_the_clip_does_not_show_is_no_success():
     """The clip ends with the cause."""
     seen = show(along(LEFT, 0.15))

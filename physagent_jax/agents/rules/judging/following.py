@@ -287,6 +287,8 @@ def _check_return(index: int, expectation: ExpectedMotion, view: View) -> list[C
     if largest < visible(expectation):
         return []
     rest = [v for t, v in signal if t >= until - _REST * (until - last)]
+    if not rest:
+        return [make_unseen_check(index, expectation, "its end is not seen", question)]
     left = abs(sum(rest) / len(rest)) / largest
     return [
         make_limit_check(
@@ -321,6 +323,8 @@ def _check_stay(index: int, expectation: ExpectedMotion, view: View) -> list[Che
     if largest < visible(expectation):
         return []
     rest = [v for t, v in signal if t >= until - _REST * (until - first)]
+    if not rest:
+        return [make_unseen_check(index, expectation, "its end is not seen", question)]
     left = min(rest) / largest
     wanders = (max(rest) - min(rest)) / largest
     sigma = view.sigma(figure_of(expectation)) / largest
