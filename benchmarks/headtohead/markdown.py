@@ -103,12 +103,16 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
             text += f"\n![Success against budget]({link(picture, target)})\n"
         text += _write_pairs(rows)
     if "ablation" in result:
-        text += "\n## What skills, feedback and numbers are worth\n" + _write_marks(
-            result["ablation"]["rows"]
-        )
+        rows = result["ablation"]["rows"]
+        text += "\n## What skills, feedback and numbers are worth\n\n" + _tell_splits(rows)
+        text += _write_marks(rows)
     if "iterations" in result:
-        text += "\n## Rounds\n\nSuccess after so many simulations: the first guess, then rewrites.\n"
-        text += _write_marks(result["iterations"]["rows"])
+        rows = result["iterations"]["rows"]
+        text += (
+            "\n## Rounds\n\nSuccess after so many simulations: the first guess, then rewrites. "
+            + _tell_splits(rows)
+        )
+        text += _write_marks(rows)
     if "distillation" in result:
         rows = result["distillation"]["rows"]
         text += _DISTILLED + _write_families(rows) + _write_costs(rows)
