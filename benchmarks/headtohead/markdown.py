@@ -101,7 +101,7 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
         picture = target.parent / "images" / "headtohead-success.png"
         if picture.exists():
             text += f"\n![Success against budget]({link(picture, target)})\n"
-        text += _write_pairs(rows)
+        text += _write_pairs(rows) + _state_findings(rows)
     if "ablation" in result:
         rows = result["ablation"]["rows"]
         text += "\n## What skills, feedback and numbers are worth\n\n" + _tell_splits(rows)
@@ -162,6 +162,39 @@ def format_share(values: tuple[float, float, float]) -> str:
 
 def _name(label: str, rows: list[dict]) -> str:
     return f"{label} (oracle)" if rows[0]["oracle"] else label
+
+
+def _state_findings(rows: list[dict]) -> str:
+    """What the comparison says, in words; empty where methods that the words are about have not been measured."""
+    groups, last = group(rows), find_last_mark(rows)
+    blind = [f"{name}, all types" for name in ("adam", "lbfgs", "levenberg_marquardt", "smoothed_adam")]
+    told = [f"{name}, responses" for name in ("adam", "lbfgs", "levenberg_marquardt")]
+    if not {REFERENCE, "hybrid", "random", "catcma", *blind, *told} <= groups.keys():
+        return ""
+
+    def share(labels, mark=last):
+        values = [100 * estimate(groups[label], mark, 1)[0] for label in labels]
+        low, high = f"{min(values):.0f}", f"{max(values):.0f}"
+        return f"{low} %" if low == high else f"{low} to {high} %"
+
+    tasks = {row["task"] for row in rows}
+    solved = {row["task"] for row in rows if read_mark(row, last)[0]}
+    ours = {row["task"] for row in groups[REFERENCE] if read_mark(row, last)[0]}
+    theirs = {row["task"] for label in told for row in groups[label] if read_mark(row, last)[0]}
+    return f"""
+### What was found
+
+- After one simulation the agents are ahead of every search: {share([REFERENCE], 1.0)} of the tasks for `{REFERENCE}`,
+  {share(["random"], 1.0)} for chance. They stay there: more simulations do not help them (see below).
+- With {last:g} simulations, optimisers that are told by the target and the object's responses what acts, when and where
+  solve {share(told)}. Of the tasks that all of these miss, `{REFERENCE}` solves {len(ours - theirs) or "none"}. They know
+  the answer that they are measured by: it is what the simulator allows, and what agents could reach.
+- Gradients alone do not find out what acts: begun at random with every skill in turn they solve {share(blind)}, where
+  evolution over skills (`catcma`) solves {share(["catcma"])} and chance {share(["random"])}.
+- Least squares on the agents' first guess (`hybrid`) solves {share(["hybrid"])}: of what the agents miss, a part is
+  numbers, which gradients mend, and the rest is what acts and when, which they do not.
+- {len(tasks - solved)} of {len(tasks)} tasks are solved by nobody.
+"""
 
 
 def _write_families(rows: list[dict]) -> str:

@@ -171,3 +171,36 @@ def test_the_page_has_success_cost_and_pairs():
         "Not measured yet: ablation, iterations, distillation, neighbourhood, verify" in page
         and "Against physagent" in page
     )
+
+
+def test_the_page_says_in_words_what_its_rows_say():
+    """Only of all the methods that the words are about."""
+
+    def make_rows(label, solved):
+        marks = [{"mark": 1.0, "success": False, "error": 4.0}]
+        same = dict(
+            run=0, label=label, split="test", seed=0, oracle=label != "physagent", spent=9.0, seconds=2.0
+        )
+        same |= dict(memory_gb=None, evaluations=9, family="drop")
+        return [
+            same | dict(task=task, marks=[*marks, {"mark": 10.0, "success": task in solved, "error": 0.5}])
+            for task in "abcd"
+        ]
+
+    solved = {entrant.label: "a" for entrant in METHODS}
+    solved |= {"adam, responses": "ab", "levenberg_marquardt, responses": "ab", "physagent": "c"}
+    rows = [row for label, tasks in solved.items() for row in make_rows(label, tasks)]
+    run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
+
+    def write(rows):
+        return document(
+            {"methods": {"runs": [run], "complete": True, "rows": rows}}, Path("a.json"), Path("b.md")
+        )
+
+    page = " ".join(write(rows).split())
+    assert (
+        "what acts, when and where solve 25 to 50 %. Of the tasks that all of these miss, `physagent` solves 1."
+        in page
+    )
+    assert "1 of 4 tasks are solved by nobody" in page
+    assert "What was found" not in write([row for row in rows if row["label"] != "hybrid"])
