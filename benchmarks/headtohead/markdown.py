@@ -187,8 +187,8 @@ def _state_findings(rows: list[dict]) -> str:
 - After one simulation the agents are ahead of every search: {share([REFERENCE], 1.0)} of the tasks for `{REFERENCE}`,
   {share(["random"], 1.0)} for chance. They stay there: more simulations do not help them (see below).
 - With {last:g} simulations, optimisers that are told by the target and by the object's responses what acts, when and
-  where solve {share(told)}. Of the tasks that all of these miss, `{REFERENCE}` solves {len(ours - theirs) or "none"}. They know
-  the answer that they are measured by: it is what the simulator allows, and what agents could reach.
+  where solve {share(told)}. Of the tasks that all of these miss, `{REFERENCE}` solves {len(ours - theirs) or "none"}.
+  They know the answer that they are measured by: it is what the simulator allows, and what agents could reach.
 - Gradients alone do not find out what acts: begun at random with every skill in turn they solve {share(blind)}, where
   evolution over skills (`catcma`) solves {share(["catcma"])} and chance {share(["random"])}.
 - Least squares on the agents' first guess (`hybrid`) solves {share(["hybrid"])}: of what the agents miss, a part is
