@@ -14,6 +14,7 @@ import numpy as np
 from baselines.evaluation import Evaluator
 from baselines.parametrisation import Parametrisation
 from baselines.starts import SOLVED, Descent, LocalMethod
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 
 COARSE = 0.03
@@ -32,6 +33,11 @@ class LevenbergMarquardt(LocalMethod):
 
     damping: float = 1e-2
     shortest: float = 2e-3
+
+    def __post_init__(self):
+        super().__post_init__()
+        if not self.damping > 0:
+            raise UserError("`damping` must be positive: steps are shortened by it", got=self.damping)
 
     @property
     def name(self) -> str:
@@ -99,6 +105,6 @@ class LevenbergMarquardt(LocalMethod):
                 damping, growth = damping * growth, 2.0 * growth
                 longest = 0.5 * np.linalg.norm(
                     step
-                )  # beyond where things tear the damping alone comes back slowly
+                )  # by the damping alone it comes back slowly from what tore
                 yield score.loss
         return best

@@ -184,8 +184,8 @@ def _state_findings(rows: list[dict]) -> str:
     return f"""
 ### What was found
 
-- After one simulation the agents are ahead of every search: {share([REFERENCE], 1.0)} of the tasks for `{REFERENCE}`,
-  {share(["random"], 1.0)} for chance. They stay there: more simulations do not help them (see below).
+- After one simulation `{REFERENCE}` solves {share([REFERENCE], 1.0)} of the tasks, chance {share(["random"], 1.0)};
+  after {last:g}, {share([REFERENCE])} and {share(["random"])}.
 - With {last:g} simulations, optimisers that are told by the target and by the object's responses what acts, when and
   where solve {share(told)}. Of the tasks that all of these miss, `{REFERENCE}` solves {len(ours - theirs) or "none"}.
   They know the answer that they are measured by: it is what the simulator allows, and what agents could reach.

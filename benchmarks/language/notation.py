@@ -7,7 +7,8 @@ the reply must say so) or motions, then the surroundings behind bars:
 
     move left slight ; hit up & ?fall | gravity none | wall left | anchor base
 
-``;`` is "then", ``&`` "at the same time", ``?`` marks what may be left out. A motion begins with its kind: one of
+``gravity`` is ``none``, ``down`` or ``up`` (or ``reversed``, the same). ``;`` is "then", ``&`` "at the same time",
+``?`` marks what may be left out. A motion begins with its kind: one of
 `MotionKind`, ``hit`` (a sudden move) or ``lean`` (a move along the direction, or the turn that brings the top there).
 Its direction follows in the viewer's words (an axis for ``rotate``, by the right-hand rule): ``up+left``, ``+-up``
 (either sense), ``*`` (any) or ``-`` (all directions at once). Then, in any order: ``slight``, ``strong`` or ``any``

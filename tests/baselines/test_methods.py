@@ -144,6 +144,12 @@ def test_failures_are_survived():
         np.testing.assert_allclose(find(result), [-0.1, 1.0, 0.0], atol=0.1)
 
 
+@pytest.mark.parametrize("damping", [0.0, -1.0, float("nan")])
+def test_damping_that_shortens_no_step_is_refused(damping):
+    with pytest.raises(UserError, match="damping"):
+        make_method("levenberg_marquardt", dict(damping=damping))
+
+
 def test_a_step_over_a_cliff_is_at_least_halved_until_it_stays_on_this_side():
     """The least value lies beyond it: what is found is the edge, in a few trials each time."""
 
