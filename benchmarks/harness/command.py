@@ -47,10 +47,12 @@ class Job:
     Attributes:
         name: Unique in its part.
         measure: Does it, and returns its rows.
+        group: Of jobs that compile the same programs; "" = none.
     """
 
     name: str
     measure: Callable[[], Iterable[Row]]
+    group: str = ""
 
 
 def main(
@@ -114,7 +116,8 @@ def _do_jobs(
     wanted = [job for job in jobs if _is_wanted(job, command) and job.name not in done]
     bad, begun = 0, time.perf_counter()
     console.rule(part)
-    for place, rows in measure([job.measure for job in wanted]):
+    groups = [job.group or job.name for job in wanted]
+    for place, rows in measure([job.measure for job in wanted], groups=groups):
         if not any(known is run for known in section["runs"]):
             section["runs"].append(run)
         name = wanted[place].name

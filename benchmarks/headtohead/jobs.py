@@ -35,7 +35,7 @@ def list_fits(
         for entrant in entrants:
             for seed in range(seeds if entrant.make().stochastic else 1):
                 work = partial(fit, entrant, spec, data, marks, seed, budget)
-                jobs.append(Job(f"{spec.name} / {entrant.label} / {seed}", work))
+                jobs.append(Job(f"{spec.name} / {entrant.label} / {seed}", work, spec.name))
     return jobs
 
 
@@ -56,7 +56,7 @@ def list_neighbours(
             for entrant in list_entrants(begin):
                 witness = witnesses[spec.name] if begin == "near" else None
                 work = partial(fit_from, begin, witness, entrant, spec, data, marks, budget)
-                jobs.append(Job(f"{spec.name} / {entrant.label}", work))
+                jobs.append(Job(f"{spec.name} / {entrant.label}", work, spec.name))
     return jobs
 
 
@@ -86,7 +86,7 @@ def list_checks(specs: Sequence[TaskSpec], result: Path, board: Path | None, dat
         content = json.loads(result.read_text()) if result.is_file() else {}
         rows = [row for part in leaderboard.PARTS for row in content.get(part, {}).get("rows", [])]
     return [
-        Job(row["job"], partial(check, row, known[row["task"]], data))
+        Job(row["job"], partial(check, row, known[row["task"]], data), row["task"])
         for row in rows
         if row["task"] in known and row["marks"]
     ]

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import os
+import time
 from functools import partial
 
 import pytest
@@ -165,9 +166,30 @@ def test_workers_do_not_share_cores():
     assert sum(map(len, shares)) == len(set().union(*shares)) <= len(os.sched_getaffinity(0))
 
 
+def test_a_group_is_done_by_one_worker_until_the_other_has_nothing_left(tmp_path):
+    """In its order; only its last calls are taken over. The second one waits until that has happened."""
+    calls = [partial(meet, None, None) for _ in range(6)]
+    calls[1], calls[3] = partial(meet, tmp_path / "taken", None), partial(meet, None, tmp_path / "taken")
+    done = list(call_all(calls, 2, groups=["one"] * 4 + ["two", "three"]))
+    assert sorted(place for place, _ in done) == list(range(6))
+    by = {place: who for place, (who,) in done}
+    assert by[0] == by[1] != by[4] == by[5] == by[3]
+    own = [place for place, _ in done if by[place] == by[0]]
+    assert own == sorted(own)
+
+
 def test_what_fails_in_a_worker_is_raised(tmp_path):
     with pytest.raises(FileNotFoundError):
         list(call_all([partial(os.listdir, tmp_path / "absent")], 2))
+
+
+def meet(wanted, made):
+    """Waits for one file, makes another, and says who did: found by its name in another process."""
+    while wanted is not None and not wanted.exists():
+        time.sleep(0.01)
+    if made is not None:
+        made.touch()
+    return [os.getpid()]
 
 
 def make_rows(value):
