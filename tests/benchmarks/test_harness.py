@@ -167,9 +167,17 @@ def test_workers_do_not_share_cores():
 
 
 def test_a_group_is_done_by_one_worker_until_the_other_has_nothing_left(tmp_path):
-    """In its order; only its last calls are taken over. The second one waits until that has happened."""
+    """In its order; only its last calls are taken over.
+
+    The other worker waits until the group's second call has begun, and that one until its fourth was taken over.
+    """
+    begun, taken = tmp_path / "begun", tmp_path / "taken"
     calls = [partial(meet, None, None) for _ in range(6)]
-    calls[1], calls[3] = partial(meet, tmp_path / "taken", None), partial(meet, None, tmp_path / "taken")
+    calls[1], calls[3], calls[4] = (
+        partial(meet, begun, taken),
+        partial(meet, taken, None),
+        partial(meet, None, begun),
+    )
     done = list(call_all(calls, 2, groups=["one"] * 4 + ["two", "three"]))
     assert sorted(place for place, _ in done) == list(range(6))
     by = {place: who for place, (who,) in done}
@@ -183,12 +191,12 @@ def test_what_fails_in_a_worker_is_raised(tmp_path):
         list(call_all([partial(os.listdir, tmp_path / "absent")], 2))
 
 
-def meet(wanted, made):
-    """Waits for one file, makes another, and says who did: found by its name in another process."""
-    while wanted is not None and not wanted.exists():
-        time.sleep(0.01)
+def meet(made, wanted):
+    """Makes a file, waits for another, and says who did: found by its name in another process."""
     if made is not None:
         made.touch()
+    while wanted is not None and not wanted.exists():
+        time.sleep(0.01)
     return [os.getpid()]
 
 
