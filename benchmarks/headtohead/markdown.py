@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from benchmarks.harness import link, number, provenance, table
-from benchmarks.headtohead.statistics import CAP, compare, correct, estimate, read_mark
+from benchmarks.headtohead.statistics import (
+    CAP,
+    average_tasks,
+    compare,
+    correct,
+    estimate,
+    find_solved,
+    is_measured,
+    read_budget,
+    read_cost,
+    read_mark,
+)
 
 PARTS = ("methods", "ablation", "iterations", "distillation", "neighbourhood", "verify")
 REFERENCE = "physagent"
@@ -27,6 +39,12 @@ intervals of the bootstrap over tasks, stratified by family; seeds are averaged 
 time.
 """
 
+_MARKS = """
+### Success against budget
+
+Where a method stood when so much was spent. What shares its budget out (successive halving over skills) does so for the
+last mark of its row: given less it would have stood elsewhere by then. Empty where not all tasks were given as much.
+"""
 _DISTILLED = """
 ## Score distillation
 
@@ -97,7 +115,7 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
     if "methods" in result:
         rows = result["methods"]["rows"]
         text += "\n## Methods\n\n" + _tell_splits(rows) + _write_families(rows) + _write_costs(rows)
-        text += "\n### Success against budget\n" + _write_marks(rows)
+        text += _MARKS + _write_marks(rows)
         picture = target.parent / "images" / "headtohead-success.png"
         if picture.exists():
             text += f"\n![Success against budget]({link(picture, target)})\n"
@@ -150,8 +168,9 @@ def group(rows: list[dict]) -> dict[str, list[dict]]:
 
 
 def find_last_mark(rows: list[dict]) -> float:
-    """The largest mark of any row."""
-    return max((mark["mark"] for row in rows for mark in row["marks"]), default=0.0)
+    """The largest mark that every fit had the budget for."""
+    least = min((read_budget(row) for row in rows), default=0.0)
+    return least if math.isfinite(least) else 0.0
 
 
 def format_share(values: tuple[float, float, float]) -> str:
@@ -178,9 +197,9 @@ def _state_findings(rows: list[dict]) -> str:
         return f"{low} %" if low == high else f"{low} to {high} %"
 
     tasks = {row["task"] for row in rows}
-    solved = {row["task"] for row in rows if read_mark(row, last)[0]}
-    ours = {row["task"] for row in groups[REFERENCE] if read_mark(row, last)[0]}
-    theirs = {row["task"] for label in told for row in groups[label] if read_mark(row, last)[0]}
+    solved = set().union(*(find_solved(mine, last) for mine in groups.values()))
+    ours = find_solved(groups[REFERENCE], last)
+    theirs = set().union(*(find_solved(groups[label], last) for label in told))
     return f"""
 ### What was found
 
@@ -204,7 +223,7 @@ def _write_families(rows: list[dict]) -> str:
     for label, mine in group(rows).items():
         cells = []
         for family in families:
-            solved = [read_mark(row, last)[0] for row in mine if row["family"] == family]
+            solved = [success for of, success, _ in average_tasks(mine, last).values() if of == family]
             cells.append(f"{np.mean(solved):.0%} of {len(solved)}" if solved else "")
         error = estimate(mine, last, 2, lambda values: float(np.median(values)))
         lines.append(
@@ -219,16 +238,21 @@ def _write_families(rows: list[dict]) -> str:
 
 
 def _write_costs(rows: list[dict]) -> str:
-    lines = []
+    last, lines = find_last_mark(rows), []
     for label, mine in group(rows).items():
         done = [row for row in mine if "seconds" in row]
+        costs = [read_cost(row, last) for row in done]
         efforts = [
-            row["marks"][-1].get("effort") for row in done if row["marks"][-1].get("effort") is not None
+            mark["effort"]
+            for row in done
+            for mark in row["marks"]
+            if mark["mark"] == last and mark.get("effort") is not None
         ]
         lines.append(
             [
                 _name(label, mine),
-                *(_find_median(done, name) for name in ("spent", "seconds", "memory_gb", "evaluations")),
+                *(_find_median(costs, name) for name in ("spent", "seconds", "evaluations")),
+                _find_median(done, "memory_gb"),
                 number(float(np.median(efforts))) if efforts else "", sum("refused" in row for row in mine),
             ]
         )  # fmt: skip
@@ -236,13 +260,14 @@ def _write_costs(rows: list[dict]) -> str:
         "method",
         "forward-equivalents",
         "seconds",
-        "memory [GB]",
         "evaluations",
+        "memory [GB]",
         "effort [m/s]",
         "refused",
     ]
     said = (
-        "Medians over tasks; seconds with what had to be compiled, on one core where fits ran side by side."
+        f"Medians over tasks, up to {last:g} forward-equivalents; seconds with what had to be compiled for the "
+        "first of a task's methods, on one core where fits ran side by side."
     )
     return f"\n{said}\n" + table(head, lines)
 
@@ -276,7 +301,10 @@ def _find_median(rows: list[dict], name: str) -> str:
 def _write_marks(rows: list[dict]) -> str:
     marks = sorted({mark["mark"] for row in rows for mark in row["marks"]})
     lines = [
-        [_name(label, mine), *(format_share(estimate(mine, mark, 1)) for mark in marks)]
+        [
+            _name(label, mine),
+            *(format_share(estimate(mine, mark, 1)) if is_measured(mine, mark) else "" for mark in marks),
+        ]
         for label, mine in group(rows).items()
     ]
     return table(["method", *(f"{mark:g}" for mark in marks)], lines)

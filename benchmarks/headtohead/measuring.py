@@ -31,7 +31,6 @@ def measure(entrant: Entrant, task: Task, marks: Sequence[float], seed: int, bud
         "family": task.spec.family,
         "split": task.spec.split,
         "seed": seed,
-        "budget": budget,
         "oracle": method.oracle,
         "target_hash": task.spec.target_hash,
     }

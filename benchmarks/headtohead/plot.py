@@ -7,7 +7,7 @@ from typing import Any
 
 from benchmarks.harness import import_pyplot
 from benchmarks.headtohead.markdown import group
-from benchmarks.headtohead.statistics import estimate
+from benchmarks.headtohead.statistics import estimate, is_measured
 
 
 def plot(result: dict[str, Any], folder: Path) -> None:
@@ -22,12 +22,11 @@ def plot(result: dict[str, Any], folder: Path) -> None:
     marks = sorted({mark["mark"] for row in rows for mark in row["marks"]})
     figure, axis = plt.subplots(figsize=(8, 5))
     for index, (label, mine) in enumerate(group(rows).items()):
-        values = [estimate(mine, mark, 1)[0] for mark in marks]
+        values = [(mark, 100 * estimate(mine, mark, 1)[0]) for mark in marks if is_measured(mine, mark)]
         style = "--" if mine[0]["oracle"] else "-"
         color = plt.get_cmap("tab20")(index / 20)
         axis.plot(
-            marks,
-            [100 * value for value in values],
+            *zip(*values),
             style,
             color=color,
             marker="o",

@@ -1,13 +1,15 @@
 """Success and error of a method over tasks, with intervals: the task is the sampling unit.
 
-Seeds of a task are averaged first. Intervals are of the stratified bootstrap (Agarwal et al. 2021, "Deep Reinforcement
-Learning at the Edge of the Statistical Precipice"): tasks are drawn with replacement within their family, those that
-are alone in theirs among each other. Two methods are compared on the tasks that both have done, by exact McNemar for
-success and by Wilcoxon's signed ranks for the error, with Holm's correction over all comparisons of a table.
+Seeds of a task are averaged first; fits that were not given a budget do not count at its mark. Intervals are of the
+stratified bootstrap (Agarwal et al. 2021, "Deep Reinforcement Learning at the Edge of the Statistical Precipice"):
+tasks are drawn with replacement within their family, those that are alone in theirs among each other. Two methods are
+compared on the tasks that both have done, by exact McNemar for success and by Wilcoxon's signed ranks for the error,
+with Holm's correction over all comparisons of a table.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -27,15 +29,38 @@ def read_mark(row: Mapping[str, Any], mark: float) -> tuple[float, float]:
     return 0.0, CAP
 
 
+def read_budget(row: Mapping[str, Any]) -> float:
+    """What the fit was given: the last mark at which a row says anything; a refusal says the same at all."""
+    return float(row["marks"][-1]["mark"]) if row["marks"] else math.inf
+
+
 def average_tasks(rows: Rows, mark: float) -> dict[str, tuple[str, float, float]]:
-    """Per task its family, and success and error averaged over the seeds."""
+    """Per task its family, and success and error averaged over the seeds that had the budget."""
     tasks: dict[str, list] = {}
-    for row in rows:
+    for row in (row for row in rows if read_budget(row) >= mark):
         tasks.setdefault(row["task"], []).append((row["family"], *read_mark(row, mark)))
     return {
         name: (each[0][0], float(np.mean([s for _, s, _ in each])), float(np.mean([e for _, _, e in each])))
         for name, each in tasks.items()
     }
+
+
+def is_measured(rows: Rows, mark: float) -> bool:
+    """Whether every task of these rows has a fit that had the budget."""
+    return average_tasks(rows, mark).keys() == {row["task"] for row in rows}
+
+
+def find_solved(rows: Rows, mark: float) -> set[str]:
+    """The tasks of which at least half of the seeds succeed."""
+    return {name for name, (_, success, _) in average_tasks(rows, mark).items() if success >= 0.5}
+
+
+def read_cost(row: Mapping[str, Any], mark: float) -> dict[str, float]:
+    """What a fit had spent, how long it had taken [s] and what it had tried by a mark."""
+    if read_budget(row) <= mark or row["spent"] <= mark:
+        return {"spent": row["spent"], "seconds": row["seconds"], "evaluations": row["evaluations"]}
+    made = [(0.0, 0.0), *((spent, seconds) for spent, seconds, _ in row["trace"] if spent <= mark)]
+    return {"spent": made[-1][0], "seconds": made[-1][1], "evaluations": len(made) - 1}
 
 
 def estimate(
@@ -53,11 +78,11 @@ def estimate(
         reduce: Of the values per task.
 
     Raises:
-        ValueError: There are no rows.
+        ValueError: No row had the budget.
     """
     tasks = list(average_tasks(rows, mark).values())
     if not tasks:
-        raise ValueError("there are no rows to estimate from")
+        raise ValueError(f"there are no rows at the mark of {mark:g} to estimate from")
     strata: dict[str, list[float]] = {}
     for task in tasks:
         strata.setdefault(task[0], []).append(task[pick])
@@ -73,14 +98,11 @@ def estimate(
 
 
 def compare(one: Rows, other: Rows, mark: float) -> tuple[int, int, float, float]:
-    """Tasks that only ``one`` and only ``other`` solves, and the p values of McNemar and of Wilcoxon.
-
-    A task counts as solved where at least half of its seeds are.
-    """
+    """Tasks that only ``one`` and only ``other`` solves, and the p values of McNemar and of Wilcoxon."""
     a, b = average_tasks(one, mark), average_tasks(other, mark)
     shared = sorted(a.keys() & b.keys())
-    first = sum(a[name][1] >= 0.5 > b[name][1] for name in shared)
-    second = sum(b[name][1] >= 0.5 > a[name][1] for name in shared)
+    ours, theirs = find_solved(one, mark) & set(shared), find_solved(other, mark) & set(shared)
+    first, second = len(ours - theirs), len(theirs - ours)
     exact = stats.binomtest(first, first + second).pvalue if first + second else 1.0
     gap = np.array([a[name][2] - b[name][2] for name in shared])
     ranks = stats.wilcoxon(gap).pvalue if np.any(gap) else 1.0

@@ -55,6 +55,28 @@ def test_a_refusal_is_a_miss():
     assert statistics.read_mark(far, 10.0) == (0.0, statistics.CAP)
 
 
+def test_only_fits_that_had_the_budget_count_at_its_mark():
+    """Seed 0 was given 30, seed 1 only 10: at 30 the second says nothing; a refusal says the same at both."""
+    short, long = make_rows([(False, 2.0)]), make_rows([(True, 0.5)])
+    long[0]["marks"].append({"mark": 30.0, "success": True, "error": 0.2})
+    rows = short + long
+    assert statistics.average_tasks(rows, 10.0)["drop-0"][1:] == (0.5, 1.25)
+    assert statistics.average_tasks(rows, 30.0)["drop-0"][1:] == (1.0, 0.2)
+    refused = {"task": "drop-1", "family": "drop", "seed": 0, "marks": []}
+    assert statistics.is_measured([*rows, refused], 30.0) and not statistics.is_measured(short, 30.0)
+    assert not statistics.is_measured([*rows, refused], 100.0)
+    assert statistics.find_solved([*rows, refused], 10.0) == {"drop-0"}
+    assert statistics.find_solved([*rows, refused], 100.0) == set()
+
+
+def test_cost_at_a_mark_is_that_of_what_was_tried_by_then():
+    row = {"spent": 31.0, "seconds": 9.0, "evaluations": 3, "marks": [{"mark": 10.0}, {"mark": 30.0}]}
+    row["trace"] = [[4.0, 1.5, 1.0], [9.0, 3.0, 0.5], [31.0, 9.0, 0.4]]
+    assert statistics.read_cost(row, 10.0) == {"spent": 9.0, "seconds": 3.0, "evaluations": 2}
+    assert statistics.read_cost(row, 30.0) == {"spent": 31.0, "seconds": 9.0, "evaluations": 3}
+    assert statistics.read_cost(row, 2.0) == {"spent": 0.0, "seconds": 0.0, "evaluations": 0}
+
+
 def test_mcnemar_is_exact():
     """8 tasks that only one solves, none that only the other does: 2 / 2^8."""
     one = make_rows([(True, 0.5)] * 8 + [(True, 0.5)] * 3)
