@@ -23,7 +23,7 @@ def test_a_plan_in_json(robot_path, capsys):
     sentence = (
         "push it half a body length to the left against a wall, then rotate it by 90 degrees, melodiously"
     )
-    out = plan(capsys, robot_path, sentence, "--json", "--world", "ground")
+    out = plan(capsys, robot_path, sentence, "--json")
     assert out.count("\n") == 1
     said = json.loads(out)
     assert [each["kind"] for each in said["targets"]] == ["move", "rotate"]
@@ -32,9 +32,20 @@ def test_a_plan_in_json(robot_path, capsys):
         {"value": 90.0, "unit": "degrees"},
     ]
     assert said["actions"][0]["action_type"] == "translation"
-    assert said["world"]["surroundings"] == "ground" and said["world"]["obstacles"][0]["kind"] == "wall"
+    assert said["world"]["obstacles"][0]["kind"] == "wall"
     assert said["frames"] > 50 and said["seconds"] == pytest.approx((said["frames"] - 1) * 0.04)
     assert said["not_understood"] == ["melodiously"] and said["unsure"]
+
+
+def test_a_plan_says_where_the_object_will_be(robot_path, tmp_path, capsys):
+    """On the ground if it stands there; the robot would fall over, so that it is held in the air, as in a run."""
+    cube = tmp_path / "cube.obj"
+    trimesh.creation.box([0.4, 0.4, 0.4]).export(cube)
+    said = json.loads(plan(capsys, cube, "push it left", "--json", "--up", "+z"))
+    assert said["world"]["surroundings"] == "ground"
+    said = json.loads(plan(capsys, robot_path, "push it left", "--json", "--world", "ground"))
+    assert said["world"]["surroundings"] == "free"
+    assert any("held in the air" in each for each in said["assumptions"])
 
 
 def test_a_plan_in_words(robot_path, capsys):

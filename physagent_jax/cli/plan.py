@@ -18,6 +18,7 @@ from physagent_jax.scene.presets import PresetName
 if TYPE_CHECKING:
     from physagent_jax.agents.schema import SceneBrief, SemanticReply
     from physagent_jax.run.resolve import ResolvedRun
+    from physagent_jax.scene.fuse import SceneTemplate
 
 
 @dataclasses.dataclass(frozen=True)
@@ -68,9 +69,9 @@ class Plan:
         brief = make_brief(run.template, frames_fixed=run.frames_fixed)
         reader = agents_of(run.spec).semantic
         reply = reader.compile(AgentContext(self.prompt, brief, describe_skills())).value
-        after = make_brief(run.with_reply(reply), frames_fixed=run.frames_fixed)
-        found = [name_options(text) for text in examine_object(run, reply)]
-        reply = reply.model_copy(update=dict(notes=(*reply.notes, *found)))
+        template, found = examine_object(run, reply)
+        after = make_brief(template, frames_fixed=run.frames_fixed)
+        reply = reply.model_copy(update=dict(notes=(*reply.notes, *map(name_options, found))))
         if self.json_line:
             print(json.dumps(to_json(reply, after)))
         else:
@@ -78,8 +79,8 @@ class Plan:
         return 0
 
 
-def examine_object(run: ResolvedRun, reply: SemanticReply) -> list[str]:
-    """What a run would say of the object before it simulates anything: loose pieces, toppling, damping."""
+def examine_object(run: ResolvedRun, reply: SemanticReply) -> tuple[SceneTemplate, list[str]]:
+    """The scene as a run would have it, and what that says of the object: loose pieces, toppling, damping."""
     from physagent_jax.scene.body import make_body
     from physagent_jax.scene.fuse import damp
     from physagent_jax.scene.standing import make_stand
@@ -91,7 +92,7 @@ def examine_object(run: ResolvedRun, reply: SemanticReply) -> list[str]:
     if reply.world.gravity is None:
         template, notes = make_stand(template, body, keep_material=run.spec.material.says_stiffness)
     told = [*(str(each.message) for each in caught), *notes]
-    return told if (note := damp(template, body)[1]) is None else [*told, note]
+    return template, told if (note := damp(template, body)[1]) is None else [*told, note]
 
 
 def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:
