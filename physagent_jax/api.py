@@ -29,7 +29,6 @@ from physagent_jax.scene.config import Source
 from physagent_jax.scene.cost import Limits
 from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.scene_file import read_scene
-from physagent_jax.scene.standing import make_stand
 
 
 @dataclasses.dataclass(frozen=True)
@@ -139,17 +138,15 @@ def build_scene(
     run = resolve(_validate(**changed), source=loaded.source)
     for text in run.warnings:
         warnings.warn(text, UserWarning, stacklevel=2)
-    template, stated = run.template, False
+    template, notes = run.place(loaded.body)
     if prompt:
         context = AgentContext(prompt, make_brief(template, frames_fixed=run.frames_fixed), describe_skills())
         reply = agents_of(run.spec).semantic.compile(context).value
-        template, field, stated = run.with_reply(reply), reply.force_field, reply.world.gravity is not None
+        field, (template, notes) = reply.force_field, run.place(loaded.body, reply)
     else:
         field = _make_force_field(force_field)
-    if not stated:
-        template, notes = make_stand(template, loaded.body, keep_material=run.spec.material.says_stiffness)
-        for text in notes:
-            warnings.warn(text, UserWarning, stacklevel=2)
+    for text in notes:
+        warnings.warn(text, UserWarning, stacklevel=2)
     return compile_scene(fuse(template, loaded.body, field), loaded.body, run.base_dir)
 
 

@@ -17,8 +17,6 @@ from physagent_jax.scene.presets import PresetName
 
 if TYPE_CHECKING:
     from physagent_jax.agents.schema import SceneBrief, SemanticReply
-    from physagent_jax.run.resolve import ResolvedRun
-    from physagent_jax.scene.fuse import SceneTemplate
 
 
 @dataclasses.dataclass(frozen=True)
@@ -60,39 +58,31 @@ class Plan:
         from physagent_jax.run.brief import make_brief
         from physagent_jax.run.loop import agents_of
         from physagent_jax.run.resolve import resolve
+        from physagent_jax.scene.body import make_body
+        from physagent_jax.scene.fuse import damp
 
         given = {name: value for name, value in vars(self).items() if value is not None}
         with report_as_options():
             run = resolve(to_spec({**vars(Run(out=Path())), **given}), origin="command line")
         for text in run.warnings:
             warn(name_options(text))
-        brief = make_brief(run.template, frames_fixed=run.frames_fixed)
+        template = run.template
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", UserWarning)
+            body = make_body(template.source, template.preset.filling, template.preset.domain, run.base_dir)
+        brief = make_brief(run.place(body)[0], frames_fixed=run.frames_fixed)
         reader = agents_of(run.spec).semantic
         reply = reader.compile(AgentContext(self.prompt, brief, describe_skills())).value
-        template, found = examine_object(run, reply)
+        template, placed = run.place(body, reply)
         after = make_brief(template, frames_fixed=run.frames_fixed)
+        damped = damp(template, body)[1]
+        found = [*(str(each.message) for each in caught), *placed, *([damped] if damped else [])]
         reply = reply.model_copy(update=dict(notes=(*reply.notes, *map(name_options, found))))
         if self.json_line:
             print(json.dumps(to_json(reply, after)))
         else:
             print("\n".join(describe_plan(reply, after)))
         return 0
-
-
-def examine_object(run: ResolvedRun, reply: SemanticReply) -> tuple[SceneTemplate, list[str]]:
-    """The scene as a run would have it, and what that says of the object: loose pieces, toppling, damping."""
-    from physagent_jax.scene.body import make_body
-    from physagent_jax.scene.fuse import damp
-    from physagent_jax.scene.standing import make_stand
-
-    template, notes = run.with_reply(reply), ()
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", UserWarning)
-        body = make_body(template.source, template.preset.filling, template.preset.domain, run.base_dir)
-    if reply.world.gravity is None:
-        template, notes = make_stand(template, body, keep_material=run.spec.material.says_stiffness)
-    told = [*(str(each.message) for each in caught), *notes]
-    return template, told if (note := damp(template, body)[1]) is None else [*told, note]
 
 
 def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:

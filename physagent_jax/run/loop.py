@@ -48,7 +48,6 @@ from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import CameraConfig, SceneConfig
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
 from physagent_jax.scene.fuse import SceneTemplate, damp, fuse
-from physagent_jax.scene.standing import make_stand
 from physagent_jax.simulation.ahead import compile_ahead
 from physagent_jax.simulation.recording import RestartCache
 from physagent_jax.simulation.simulate import simulate_scene
@@ -133,11 +132,11 @@ def run_loop(
             return store
         compile_ahead()  # while the sentence is read and the object loaded
         loop = _Loop(run, agents, backends, observer or Observer(), store)
+        body = loop.load_object()
         reading = loop.read_sentence()
         reply = reading.value
         loop.observer.understood(reply)
         try:
-            body = loop.load_object()
             template = loop.apply_reply(reply, body)
             with loop.tell_warnings():
                 config = fuse(template, body, reply.force_field)
@@ -245,12 +244,14 @@ class _Loop:
         self._store.write("run.json", self._run.spec.located(self._run.base_dir))
 
     def load_object(self) -> Body:
-        """The object at rest, filled and bound."""
+        """The object at rest, filled and bound; agents are told whether it stands."""
         self.observer.stage("loading and filling the object")
         template = self._run.template
         preset = template.preset
         with self._watch("prepare"), self.tell_warnings():
-            return make_body(template.source, preset.filling, preset.domain, self._run.base_dir)
+            body = make_body(template.source, preset.filling, preset.domain, self._run.base_dir)
+            self._template, _ = self._run.place(body)
+            return body
 
     @contextmanager
     def tell_warnings(self) -> Iterator[None]:
@@ -264,17 +265,11 @@ class _Loop:
                 self.observer.warned(text)
 
     def apply_reply(self, reply: SemanticReply, body: Body) -> SceneTemplate:
-        """The scene template with what the sentence says about holding, the world and the clip's length.
-
-        An object that cannot stand as it was captured is held or made stiffer, unless the sentence wants gravity.
-        """
-        self._template = self._run.with_reply(reply)
-        if reply.world.gravity is None:
-            chosen = self._run.spec.material.says_stiffness
-            self._template, notes = make_stand(self._template, body, keep_material=chosen)
-            self._warnings += notes
-            for note in notes:
-                self.observer.warned(note)
+        """The scene template with what the sentence says about holding, the world and the clip's length."""
+        self._template, notes = self._run.place(body, reply)
+        self._warnings += notes
+        for note in notes:
+            self.observer.warned(note)
         if (note := damp(self._template, body)[1]) is not None:
             self.observer.assumed(note)
         return self._template

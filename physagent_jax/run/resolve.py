@@ -15,6 +15,7 @@ from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
 from physagent_jax.scene.anchor import MASK_BYTES
+from physagent_jax.scene.body import Body
 from physagent_jax.scene.broad_side import find_broad_side
 from physagent_jax.scene.card import ObjectCard, load_card
 from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, Source
@@ -30,6 +31,7 @@ from physagent_jax.scene.priors import (
     find_kind,
     guess_kind,
 )
+from physagent_jax.scene.standing import make_stand
 from physagent_jax.scene.world import WORLDS, Obstacle, World
 
 _PRESET_PARTS = ("domain", "filling", "timing", "transfer", "rendering")
@@ -62,6 +64,20 @@ class ResolvedRun:
     def frames_fixed(self) -> bool:
         """Whether the clip's length is the user's, whatever the sentence asks for."""
         return self.spec.overrides.frame_count is not None
+
+    def place(self, body: Body, reply: SemanticReply | None = None) -> tuple[SceneTemplate, tuple[str, ...]]:
+        """The scene in which the object stays as it was captured, and in words what had to be changed for that.
+
+        An object that cannot stand is held or made stiffer, unless the sentence wants gravity.
+
+        Args:
+            body: The object at rest.
+            reply: What the sentence says of the scene; None = before it is read, for those who read it.
+        """
+        template = self.template if reply is None else self.with_reply(reply)
+        if reply is not None and reply.world.gravity is not None:
+            return template, ()
+        return make_stand(template, body, keep_material=self.spec.material.says_stiffness)
 
     def with_reply(self, reply: SemanticReply) -> SceneTemplate:
         """The template with what the sentence says about holding, the world and the clip's length."""

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from physagent_jax.agents.protocols import ExecutorAgent, PlannerAgent
-from physagent_jax.agents.schema import Check, Judgement, Rewrite, Verdict
+from physagent_jax.agents.schema import Check, Judgement, Rewrite, SemanticReply, Verdict
 from physagent_jax.agents.trace import Reply
 from physagent_jax.cli import main
 from physagent_jax.core.errors import UserError
@@ -81,6 +81,13 @@ def test_the_object_moves_the_way_the_sentence_says(finished):
     )
     x, y, z = record.truth.centroid[-1]
     assert x < -0.3 and abs(y) < 0.01 and abs(z) < 0.01
+
+
+def test_a_sentence_is_read_for_the_scene_that_the_object_is_in(robot_path, tmp_path):
+    """The robot would fall over, so that it is held in the air: there a later fall needs a push, which is said."""
+    store = made(small(robot_path, "push it left, then drop it", world="ground", rounds=1), tmp_path / "run")
+    first, second = store.read("semantic.json", SemanticReply).force_field.actions
+    assert first.vector[0] < 0 and second.vector[2] < 0 and second.active_time[0] > 0
 
 
 def test_perception_agrees_with_the_particles(finished):
