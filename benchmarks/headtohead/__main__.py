@@ -3,7 +3,8 @@
 Every method gets the same budget on the same tasks and the same simulator, counted in forward-equivalents; what it is
 to be judged by is read from the particles and never shown to it (oracles apart, which are named so). `methods` is the
 comparison, `ablation` takes the agents apart, `iterations` counts their rewrites, `neighbourhood` checks that local
-methods are not broken. `verify` simulates the force fields of the file again and judges them anew.
+methods are not broken. `clipsim` is how alike their pictures and the sentence are to a CLIP model. `verify` simulates
+the force fields of the file again and judges them anew.
 """
 
 from __future__ import annotations
@@ -24,10 +25,11 @@ from benchmarks import harness
 from benchmarks.harness import Job
 from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS, list_distillers
-from benchmarks.headtohead.jobs import list_checks, list_fits, list_neighbours
+from benchmarks.headtohead.jobs import list_checks, list_fits, list_neighbours, list_pictures
 from benchmarks.headtohead.markdown import document
 from benchmarks.headtohead.plot import plot
 from physagent_jax.core.errors import UserError
+from physagent_jax.metrics.clip_similarity import TransformersClip
 
 MARKS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 ROUNDS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
@@ -39,7 +41,8 @@ class Command(harness.Command):
     """Compare the methods, or write the tables of an earlier run."""
 
     parts: tuple[
-        Literal["methods", "ablation", "iterations", "distillation", "neighbourhood", "verify"], ...
+        Literal["methods", "ablation", "iterations", "distillation", "neighbourhood", "clipsim", "verify"],
+        ...,
     ] = (
         "methods",
         "ablation",
@@ -68,6 +71,8 @@ class Command(harness.Command):
     """Who leads the methods of score distillation."""
     weights: str = "runs/toy_prior/prior"
     """Of the prior."""
+    clip: Path | None = None
+    """Folder of a CLIP model, for `clipsim`."""
     leaderboard: Path | None = None
     """File of JSON lines, one per fit: those of this result are added; `verify` then checks all of its lines."""
     plots: Path | None = None
@@ -92,15 +97,32 @@ def main() -> int:
         "iterations": lambda: fits(ITERATIONS, ROUNDS, ROUNDS[-1]),
         "distillation": lambda: fits(list_distillers(command.prior, command.weights), marks, budget),
         "neighbourhood": lambda: list_neighbours(specs, command.tasks, marks, budget, command.data),
+        "clipsim": lambda: list_pictures(specs, command.json, find_clip(command.clip), command.data),
         "verify": lambda: list_checks(specs, command.json, command.leaderboard, command.data),
     }
     about = {"left_out": left_out, "budget": budget}
-    code = harness.main(command, parts, document, about, command.workers, pa.enable_compile_cache)
+    try:
+        code = harness.main(command, parts, document, about, command.workers, pa.enable_compile_cache)
+    except UserError as error:
+        print(f"headtohead: {error}", file=sys.stderr)
+        return 2
     if command.leaderboard is not None and command.json.is_file():
         leaderboard.merge(command.leaderboard, json.loads(command.json.read_text()))
     if command.plots is not None:
         plot(json.loads(command.json.read_text()), command.plots)
     return code
+
+
+def find_clip(folder: Path | None) -> Path:
+    """The folder of the CLIP model, which can be read.
+
+    Raises:
+        UserError: It is not given, or cannot.
+    """
+    if folder is None:
+        raise UserError("`clipsim` needs a CLIP model", do="Give its folder with --clip")
+    TransformersClip.load(folder)
+    return folder
 
 
 def list_tasks(command: Command) -> tuple[tuple[TaskSpec, ...], list[str]]:

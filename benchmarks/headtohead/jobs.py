@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import tempfile
 from collections.abc import Sequence
 from functools import cache, partial
 from pathlib import Path
 
+from baselines.simulation import Simulation
 from baselines.tasks import Task, TaskSpec, load_witnesses, make_task
 from benchmarks import harness
 from benchmarks.harness import Job, Row
@@ -15,8 +17,11 @@ from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.entrants import Entrant
 from benchmarks.headtohead.measuring import judge_field, measure
 from benchmarks.headtohead.neighbourhood import Begin, list_begins, list_entrants, move
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.metrics.clip_similarity import TransformersClip, measure_clip_similarity
 
+NOTHING = "nothing is done"
 _TOLERANCE = 1e-6  # [tolerances] by which a verified error may differ on the machine it was made on
 _KEPT = tempfile.TemporaryDirectory()
 
@@ -92,6 +97,39 @@ def list_checks(specs: Sequence[TaskSpec], result: Path, board: Path | None, dat
     ]
 
 
+def list_pictures(specs: Sequence[TaskSpec], result: Path, clip: Path, data: Path | None) -> list[Job]:
+    """CLIPsim of the last force field of every fit of the comparison, and of a clip in which nothing is done."""
+    known = {spec.name: spec for spec in specs}
+    content = json.loads(result.read_text()) if result.is_file() else {}
+    rows = [
+        row for row in content.get("methods", {}).get("rows", []) if row["task"] in known and row["marks"]
+    ]
+    still = [
+        {"job": f"{name} / nothing", "label": NOTHING, "task": name, "oracle": False, "seed": 0, "marks": []}
+        for name in dict.fromkeys(row["task"] for row in rows)
+    ]
+    return [
+        Job(row["job"], partial(look, row, known[row["task"]], clip, data), row["task"])
+        for row in (*rows, *still)
+    ]
+
+
+def look(row: Row, spec: TaskSpec, clip: Path, data: Path | None) -> list[Row]:
+    """CLIPsim of a stored force field with its task's sentence, in the pictures that methods see."""
+    last = row["marks"][-1] if row["marks"] else None
+    field = ForceField() if last is None else ForceField.model_validate(last["force_field"])
+    told = {name: row[name] for name in ("label", "task", "oracle", "seed")} | {
+        "family": spec.family,
+        "split": spec.split,
+    }
+    try:
+        pictures, _ = Simulation(_make(spec, data)).play(field)
+    except UserError as error:  # what cannot be simulated has no pictures
+        return [told | {"refused": str(error)[:200]}]
+    found = measure_clip_similarity(pictures.rgb, spec.sentence, _load_clip(clip))
+    return [told | {"mark": last and last["mark"], **dataclasses.asdict(found)}]
+
+
 def check(row: Row, spec: TaskSpec, data: Path | None) -> list[Row]:
     """`verify` of a task that is made first."""
     return verify(row, _make(spec, data))
@@ -107,6 +145,11 @@ def verify(row: Row, task: Task) -> list[Row]:
     if not good:
         harness.say(f"{row['job']}: error {stored['error']:.6g} then, {again['error']:.6g} now")
     return [{"good": good, "stored": stored["error"], "again": again["error"], "same_target": same_target}]
+
+
+@cache
+def _load_clip(folder: Path) -> TransformersClip:
+    return TransformersClip.load(folder)
 
 
 @cache

@@ -22,7 +22,7 @@ from benchmarks.headtohead.statistics import (
     read_mark,
 )
 
-PARTS = ("methods", "ablation", "iterations", "distillation", "neighbourhood", "verify")
+PARTS = ("methods", "ablation", "iterations", "distillation", "neighbourhood", "clipsim", "verify")
 REFERENCE = "physagent"
 _MEANING = f"""Made by `python -m benchmarks.headtohead`. Every method has the same tasks, the same simulator and the
 same budget in forward-equivalents (one plain simulation is 1; a value with its gradient is charged 4.3, failures, line
@@ -36,7 +36,7 @@ split. *Error* is the largest
 miss of a task's clauses in tolerances (1 = just a success), cut at {CAP:g}; its median over tasks. Brackets are 95 %
 intervals of the bootstrap over tasks, stratified by family; seeds are averaged first. Score distillation
 (`dreamphysics_f`, `omniphysgs_f`) has a table of its own: what leads it here is a toy. `bo_leap` is left out for its
-time.
+time. CLIPsim (`--parts clipsim --clip DIR`) needs the weights of a CLIP model, which do not come with this repository.
 """
 
 _MARKS = """
@@ -62,6 +62,13 @@ tasks give; *all types* and *responses* from afar, at random with every skill in
 and axis, superposed, says that it might be solved ([responses.py](../baselines/responses.py)). *Smooth* tasks are those
 in which nothing comes to touch the ground, a rule of the scene ([README](../benchmarks/tasks/README.md)).
 Where fewer tasks than the splits have (26 smooth ones each) are counted, the run was stopped.
+"""
+_CLIPSIM = """
+## CLIPsim
+
+The mean over the frames of the cosine between picture and sentence, by a CLIP model: the figure of the paper's table 1.
+It does not know the order of the frames. *Still* is that of the first frame alone, the same for all methods of a task:
+what a method adds is the difference.
 """
 _STOPS = """
 ## Why `physagent` stops early
@@ -136,6 +143,8 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
         text += _DISTILLED + _write_families(rows) + _write_costs(rows)
     if "neighbourhood" in result:
         text += _NEIGHBOURS + _write_neighbours(result["neighbourhood"]["rows"])
+    if "clipsim" in result:
+        text += _CLIPSIM + _write_similarities(result["clipsim"]["rows"])
     if "verify" in result:
         rows = result["verify"]["rows"]
         good = sum(row["good"] for row in rows)
@@ -292,6 +301,18 @@ def _write_neighbours(rows: list[dict]) -> str:
             lines.append([label, split, *cells, spent, names if missed else "none"])
     head = ["method, start", "split", "smooth", "others", "forward-equivalents (median)", "missed"]
     return table(head, lines)
+
+
+def _write_similarities(rows: list[dict]) -> str:
+    lines = []
+    for label, mine in group(rows).items():
+        done = [row for row in mine if "mean" in row]
+        means, stills = (np.array([row[name] for row in done]) for name in ("mean", "still"))
+        models = ", ".join(dict.fromkeys(row["model"] for row in done))
+        figures = [f"{x.mean():.4f}" for x in (means, stills)] if done else ["", ""]
+        gain = f"{(means - stills).mean():+.4f} ± {(means - stills).std():.4f}" if done else ""
+        lines.append([_name(label, mine), len(done), *figures, gain, models])
+    return table(["method", "clips", "CLIPsim", "still", "difference ± spread over clips", "model"], lines)
 
 
 def _find_median(rows: list[dict], name: str) -> str:

@@ -1,19 +1,24 @@
 """The harness of the head-to-head: what a mark says, what is verified, and the page."""
 
+import json
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from baselines.protocol import Evaluation, FitResult
+from baselines.tasks import load_tasks
 from benchmarks.headtohead import leaderboard
+from benchmarks.headtohead.__main__ import TASKS, main
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS
-from benchmarks.headtohead.jobs import verify
+from benchmarks.headtohead.jobs import NOTHING, list_pictures, verify
 from benchmarks.headtohead.markdown import document
 from benchmarks.headtohead.measuring import judge_marks
 from benchmarks.headtohead.neighbourhood import STRONGER, TURNED, perturb
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import Action, ActionType, BoxRegion, ForceField
+from physagent_jax.metrics.clip_similarity import TransformersClip
 from physagent_jax.metrics.task_judge import ClauseJudgement, TaskJudgement
 
 
@@ -75,6 +80,44 @@ def test_a_stored_field_is_verified_against_target_and_simulation():
     assert not verify(row | {"target_hash": "abd"}, task)[0]["good"]
     assert not verify(row | {"marks": [mark | {"error": 0.5}]}, task)[0]["good"]
     assert not verify(row | {"marks": [mark | {"success": False}]}, task)[0]["good"]
+
+
+class Reddish:
+    """In place of a CLIP model: each picture's mean brightness, so that what moves differs from the first."""
+
+    name = "reddish"
+
+    def compare(self, rgb, sentence):
+        assert sentence.startswith("Stretch the jelly")
+        return rgb.mean((1, 2, 3)) / 255.0
+
+
+def test_pictures_of_stored_fields_and_of_nothing_are_compared_with_the_sentence(tmp_path, monkeypatch):
+    """What does nothing scores as its first frame; what stretches the object does not; what cannot run says so."""
+    monkeypatch.setattr(TransformersClip, "load", lambda folder: Reddish())
+    (spec,) = [spec for spec in load_tasks(TASKS) if spec.name == "stretch-jelly-wide"]
+    stretch = Action(action_type=ActionType.SCALE, vector=(1, 0, 0), magnitude=1.6)
+    row = dict(run=0, job="j", label="adam", task=spec.name, oracle=True, seed=0)
+    row["marks"] = [{"mark": 10.0, "force_field": ForceField(actions=(stretch,)).model_dump(mode="json")}]
+    path = tmp_path / "rows.json"
+    path.write_text(json.dumps({"methods": {"rows": [row, row | {"job": "k", "marks": []}]}}))
+    made = [job.measure() for job in list_pictures((spec,), path, tmp_path, None)]
+    (moved,), (still,) = made
+    assert (moved["label"], moved["mark"], moved["model"]) == ("adam", 10.0, "reddish")
+    assert abs(moved["mean"] - moved["still"]) > 1e-3 and moved["still"] == pytest.approx(still["still"])
+    assert still["label"] == NOTHING and abs(still["mean"] - still["still"]) < 1e-4
+    run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
+    rows = [each | {"run": 0} for (each,) in made]
+    page = document(
+        {"clipsim": {"runs": [run], "complete": True, "rows": rows}}, Path("a.json"), Path("b.md")
+    )
+    assert f"| adam (oracle) | 1 | {moved['mean']:.4f} | {moved['still']:.4f} |" in page
+
+
+def test_clipsim_without_a_model_is_refused(tmp_path, capsys, monkeypatch):
+    line = ["headtohead", "--json", str(tmp_path / "x.json"), "--parts", "clipsim"]
+    monkeypatch.setattr(sys, "argv", line)
+    assert main() == 2 and "--clip" in capsys.readouterr().err
 
 
 def test_a_leaderboard_keeps_what_others_wrote_and_can_be_verified(tmp_path):
@@ -168,7 +211,7 @@ def test_the_page_has_success_cost_and_pairs():
     assert "| adam (oracle) | 0% of 1 | 0 % (0–0) |" in page
     assert "| physagent | 0 % (0–0) | 100 % (100–100) |" in page
     assert (
-        "Not measured yet: ablation, iterations, distillation, neighbourhood, verify" in page
+        "Not measured yet: ablation, iterations, distillation, neighbourhood, clipsim, verify" in page
         and "Against physagent" in page
     )
 
