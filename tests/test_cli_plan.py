@@ -59,6 +59,16 @@ def test_a_plan_in_words(robot_path, capsys):
     assert "clip: 30 frames, 1.16 s" in out
 
 
+def test_a_plan_of_what_falls_has_gravity(robot_path, capsys):
+    """Wherever it would be otherwise."""
+    assert "surroundings: gravity acts, the ground is below it\n" in plan(
+        capsys, robot_path, "drop it", "--world", "free"
+    )
+    assert "surroundings: it floats in empty space\n" in plan(
+        capsys, robot_path, "push it left", "--world", "free"
+    )
+
+
 def test_a_plan_tells_what_grips_and_turns(robot_path, capsys):
     out = plan(capsys, robot_path, "twist the robot by 90 degrees")
     assert out.count("keeps turning") == 2 and "then held until frame" in out

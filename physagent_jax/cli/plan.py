@@ -139,8 +139,14 @@ def _describe_world(reply: SemanticReply, brief: SceneBrief) -> str:
     from physagent_jax.report.directions import describe_direction
 
     words = {"none": "no gravity", "up": "gravity acts upwards", "down": "gravity acts"}
-    usual = "gravity acts, it stands on the ground" if brief.world == "ground" else "it floats in empty space"
-    parts = [words[reply.world.gravity] if reply.world.gravity else usual]
+    if reply.world.gravity:
+        parts = [words[reply.world.gravity]]
+    elif brief.world == "ground":
+        parts = ["gravity acts, it stands on the ground"]
+    elif reply.force_field.default_drop:
+        parts = ["gravity acts, the ground is below it"]
+    else:
+        parts = ["it floats in empty space"]
     for each in reply.world.obstacles:
         where = describe_direction(each.direction, brief.directions)
         parts.append(f"a {each.kind} {where} of it, {each.distance:g} body lengths away")
