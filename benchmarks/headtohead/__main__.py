@@ -25,7 +25,7 @@ from benchmarks import harness
 from benchmarks.harness import Job
 from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS, list_distillers
-from benchmarks.headtohead.jobs import list_checks, list_fits, list_neighbours, list_pictures
+from benchmarks.headtohead.jobs import USUAL, list_checks, list_fits, list_neighbours, list_pictures
 from benchmarks.headtohead.markdown import document
 from benchmarks.headtohead.plot import plot
 from physagent_jax.core.errors import UserError
@@ -61,8 +61,8 @@ class Command(harness.Command):
     """Only tasks in which nothing comes to touch the ground."""
     every: int = 1
     """Only every so-many-th task of a family."""
-    budget: float = 30.0
-    """Forward-equivalents of each fit: the last mark."""
+    budget: float = USUAL
+    """Forward-equivalents of each fit: the last mark. Fits with another budget are kept beside these."""
     seeds: int = 1
     """Of what is random; the rest is done once."""
     workers: int = 1

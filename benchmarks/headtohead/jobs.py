@@ -21,6 +21,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.clip_similarity import TransformersClip, measure_clip_similarity
 
+USUAL = 30.0  # forward-equivalents; fits with others say so in their names
 NOTHING = "nothing is done"
 _TOLERANCE = 1e-6  # [tolerances] by which a verified error may differ on the machine it was made on
 _KEPT = tempfile.TemporaryDirectory()
@@ -34,13 +35,13 @@ def list_fits(
     seeds: int,
     data: Path | None,
 ) -> list[Job]:
-    """Every entrant on every task, those that draw anything with every seed."""
-    jobs = []
+    """Every entrant on every task, those that draw anything with every seed; each budget is a fit of its own."""
+    jobs, given = [], "" if budget == USUAL else f" / {budget:g}"
     for spec in specs:
         for entrant in entrants:
             for seed in range(seeds if entrant.make().stochastic else 1):
                 work = partial(fit, entrant, spec, data, marks, seed, budget)
-                jobs.append(Job(f"{spec.name} / {entrant.label} / {seed}", work, spec.name))
+                jobs.append(Job(f"{spec.name} / {entrant.label} / {seed}{given}", work, spec.name))
     return jobs
 
 

@@ -12,6 +12,7 @@ from benchmarks.harness import link, number, provenance, table
 from benchmarks.headtohead.statistics import (
     CAP,
     average_tasks,
+    choose_fits,
     compare,
     correct,
     estimate,
@@ -42,8 +43,9 @@ time. CLIPsim (`--parts clipsim --clip DIR`) needs the weights of a CLIP model, 
 _MARKS = """
 ### Success against budget
 
-Where a method stood when so much was spent. What shares its budget out (successive halving over skills) does so for the
-last mark of its row: given less it would have stood elsewhere by then. Empty where not all tasks were given as much.
+Where a method stood when so much was spent, by the fit with the least budget that reaches so far: what shares its
+budget out (successive halving over skills) does other things with a larger one. Empty where not all tasks were given
+as much.
 """
 _DISTILLED = """
 ## Score distillation
@@ -177,8 +179,12 @@ def group(rows: list[dict]) -> dict[str, list[dict]]:
 
 
 def find_last_mark(rows: list[dict]) -> float:
-    """The largest mark that every fit had the budget for."""
-    least = min((read_budget(row) for row in rows), default=0.0)
+    """The largest mark up to which every method has been given budget on every task of the rows."""
+    given: dict[tuple[str, str], float] = {}
+    for row in rows:
+        key = row["label"], row["task"]
+        given[key] = max(given.get(key, 0.0), read_budget(row))
+    least = min(given.values(), default=0.0)
     return least if math.isfinite(least) else 0.0
 
 
@@ -249,7 +255,7 @@ def _write_families(rows: list[dict]) -> str:
 def _write_costs(rows: list[dict]) -> str:
     last, lines = find_last_mark(rows), []
     for label, mine in group(rows).items():
-        done = [row for row in mine if "seconds" in row]
+        done = [row for row in choose_fits(mine, last) if "seconds" in row]
         costs = [read_cost(row, last) for row in done]
         efforts = [
             mark["effort"]
@@ -262,7 +268,8 @@ def _write_costs(rows: list[dict]) -> str:
                 _name(label, mine),
                 *(_find_median(costs, name) for name in ("spent", "seconds", "evaluations")),
                 _find_median(done, "memory_gb"),
-                number(float(np.median(efforts))) if efforts else "", sum("refused" in row for row in mine),
+                number(float(np.median(efforts))) if efforts else "",
+                sum("refused" in row for row in choose_fits(mine, last)),
             ]
         )  # fmt: skip
     head = [

@@ -34,10 +34,21 @@ def read_budget(row: Mapping[str, Any]) -> float:
     return float(row["marks"][-1]["mark"]) if row["marks"] else math.inf
 
 
+def choose_fits(rows: Rows, mark: float) -> list[Mapping[str, Any]]:
+    """Of one method, the fits that say where it stands at a mark: of each task and seed that with the least budget.
+
+    What shares its budget out does other things with a larger one, so that its early marks say less.
+    """
+    fits: dict[tuple, Mapping[str, Any]] = {}
+    for row in sorted((row for row in rows if read_budget(row) >= mark), key=read_budget):
+        fits.setdefault((row["task"], row["seed"]), row)
+    return list(fits.values())
+
+
 def average_tasks(rows: Rows, mark: float) -> dict[str, tuple[str, float, float]]:
     """Per task its family, and success and error averaged over the seeds that had the budget."""
     tasks: dict[str, list] = {}
-    for row in (row for row in rows if read_budget(row) >= mark):
+    for row in choose_fits(rows, mark):
         tasks.setdefault(row["task"], []).append((row["family"], *read_mark(row, mark)))
     return {
         name: (each[0][0], float(np.mean([s for _, s, _ in each])), float(np.mean([e for _, _, e in each])))

@@ -59,6 +59,7 @@ def test_only_fits_that_had_the_budget_count_at_its_mark():
     """Seed 0 was given 30, seed 1 only 10: at 30 the second says nothing; a refusal says the same at both."""
     short, long = make_rows([(False, 2.0)]), make_rows([(True, 0.5)])
     long[0]["marks"].append({"mark": 30.0, "success": True, "error": 0.2})
+    long[0]["seed"] = 1
     rows = short + long
     assert statistics.average_tasks(rows, 10.0)["drop-0"][1:] == (0.5, 1.25)
     assert statistics.average_tasks(rows, 30.0)["drop-0"][1:] == (1.0, 0.2)
@@ -67,6 +68,15 @@ def test_only_fits_that_had_the_budget_count_at_its_mark():
     assert not statistics.is_measured([*rows, refused], 100.0)
     assert statistics.find_solved([*rows, refused], 10.0) == {"drop-0"}
     assert statistics.find_solved([*rows, refused], 100.0) == set()
+
+
+def test_a_mark_is_read_off_the_fit_with_the_least_budget_that_reaches_it():
+    """One seed, three budgets: what was planned for 100 says nothing at 10, and what was planned for 10 none at 30."""
+    rows = make_rows([(False, 2.0)]) + make_rows([(True, 0.5)])
+    rows[1]["marks"] += [{"mark": mark, "success": True, "error": mark / 100} for mark in (30.0, 100.0)]
+    for order in (rows, rows[::-1]):
+        errors = [statistics.average_tasks(order, mark)["drop-0"][2] for mark in (10.0, 30.0, 100.0)]
+        assert errors == [2.0, 0.3, 1.0]
 
 
 def test_cost_at_a_mark_is_that_of_what_was_tried_by_then():
