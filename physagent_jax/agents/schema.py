@@ -159,6 +159,7 @@ class ExpectedMotion(Strict):
             no end.
         excludes_part: True if ``part`` is the one that should not move ("everything except the head").
         stays: True if it is to stay where it was brought ("and hold it there").
+        even: True if it is to go at one speed ("evenly", "at a constant speed").
         amount: A quantity that the sentence names; None = none.
         words: The words that led to it.
     """
@@ -174,6 +175,7 @@ class ExpectedMotion(Strict):
     part: Numbers | None = None
     excludes_part: bool = False
     stays: bool = False
+    even: bool = False
     amount: Amount | None = None
     words: str = ""
 

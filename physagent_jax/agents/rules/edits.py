@@ -230,6 +230,12 @@ def is_mistimed(case: Case, cause: Cause) -> bool:
     first, last = cause.item.active_time or (0.0, case.last)
     if is_blow(cause):
         return abs(first - window[0]) > 0.2 * (window[1] - window[0]) + 1.0
+    if case.brief.anchored is not None and not case.expectation.released and last >= window[1]:
+        later = [e.window[0] for e in case.expectations if e.window[0] > case.expectation.window[0] + 0.5]
+        if last <= min([*later, case.last]):
+            return (
+                abs(first - window[0]) > 0.2 * (window[1] - window[0]) + 1.0
+            )  # it is kept where it was brought
     shared = max(0.0, min(last, window[1]) - max(first, window[0]))
     return shared < 0.6 * (last - first) or shared < 0.3 * (window[1] - window[0])
 
@@ -346,6 +352,26 @@ def shorten(case: Case, causes: Sequence[Cause], factor: float, why: str) -> Cha
     return Change(
         replace_items(case.force_field, causes, items),
         f"{format_names(causes)} acts for a shorter time: {why}.",
+        "window_in_clip",
+    )
+
+
+def keep(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
+    """What is to stay is kept where it was brought until the next motion: held, or pushed on."""
+    begins = [e.window[0] for e in case.expectations if e.window[0] >= case.expectation.window[1] - 0.5]
+    limit = min([*begins, case.last])
+    items = []
+    for cause in causes:
+        first, end = cause.item.active_time or (0.0, case.last)
+        if travels(cause):
+            items.append(cause.item.model_copy(update={"held_until": limit if limit > end else None}))
+        elif is_blow(cause) or case.brief.anchored is None and case.expectation.kind not in AXIAL:
+            return  # what is free would only go on
+        else:
+            items.append(cause.item.model_copy(update={"active_time": (first, max(end, limit))}))
+    yield Change(
+        replace_items(case.force_field, causes, items),
+        f"{format_names(causes)} keeps it where it was brought, until frame {limit:g}.",
         "window_in_clip",
     )
 

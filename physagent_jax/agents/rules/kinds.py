@@ -13,14 +13,21 @@ from dataclasses import dataclass
 
 from physagent_jax.agents.matching import Cause, agrees, find_own_causes, share_time
 from physagent_jax.agents.rules.edits import AXIAL, replace_items
+from physagent_jax.agents.rules.language.amounts import find_magnitude
 from physagent_jax.agents.rules.language.events import make_end_region
-from physagent_jax.agents.rules.tolerances import expect_move, expect_quantity, expect_strain
+from physagent_jax.agents.rules.tolerances import (
+    expect_move,
+    expect_quantity,
+    expect_rotation,
+    expect_strain,
+)
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import clamp, cosine, scale
 from physagent_jax.forces.calibration import (
     MAGNITUDE_MAX,
     MAGNITUDE_MIN,
     PRESCRIBED_TRAVEL,
+    TRAVEL,
     TURN,
     find_reference_time,
 )
@@ -28,6 +35,9 @@ from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, 
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
 MOVING = 0.6  # share of its window in which an end or a plate moves; in the rest it is held
+MEAN_OF_ENDS = 1.375
+"""[1] how much more a bar stretches on average (the affine fit of its points) than from end to end, where its outer
+quarters (`SLAB`) are moved as they are: 24 d (1/48 + 3/32) for ends moved by d each, over 2 d."""
 _VERTICAL = 0.7  # cosine
 _OPPOSED = -0.7
 
@@ -57,7 +67,7 @@ def choose_kinds(
     """
     reasons: list[str] = []
     for expectation in expectations:
-        for make in (_part_ends, _press, _turn_ends, _strike, _carry):
+        for make in (_part_ends, _press, _turn_ends, _strike, _carry, _lead):
             replaced = make(force_field, expectation, expectations, brief)
             if replaced is not None:
                 force_field, why = replaced
@@ -97,13 +107,29 @@ def stands_on_its_end(brief: SceneBrief, axis: Sequence[float]) -> bool:
     ) > _VERTICAL
 
 
+def find_hold_end(
+    expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], end: float, last: float
+) -> float:
+    """Until when what is brought somewhere by frame ``end`` is kept there: until the next motion, if it is to stay."""
+    if not expectation.stays:
+        return end
+    begins = [e.window[0] for e in everything if e is not expectation and e.kind is not MotionKind.STILL]
+    return max(end, min([begin for begin in begins if begin >= end - 0.5], default=last))
+
+
 def move_ends(
-    force_field: ForceField, causes: Sequence[Cause], expectation: ExpectedMotion, brief: SceneBrief
+    force_field: ForceField,
+    causes: Sequence[Cause],
+    expectation: ExpectedMotion,
+    brief: SceneBrief,
+    everything: Sequence[ExpectedMotion] = (),
 ) -> ForceField:
     """Exactly two opposed translations of the end slabs in place of ``causes`` (paper, appendix B.2)."""
     axis = expectation.direction or causes[0].item.vector
     outward = 1.0 if expectation.kind is MotionKind.STRETCH else -1.0
-    magnitude, window, hold_end = find_travel(causes, expectation, brief)
+    magnitude, window, hold_end = find_travel(
+        causes, expectation, brief, everything, share=1.0 / math.sqrt(MEAN_OF_ENDS)
+    )
     pair = tuple(
         VelocityConstraint(
             constraint_type=ConstraintType.PARTICLE_TRANSLATION,
@@ -119,12 +145,17 @@ def move_ends(
 
 
 def press_between(
-    force_field: ForceField, causes: Sequence[Cause], expectation: ExpectedMotion, brief: SceneBrief
+    force_field: ForceField,
+    causes: Sequence[Cause],
+    expectation: ExpectedMotion,
+    brief: SceneBrief,
+    everything: Sequence[ExpectedMotion] = (),
 ) -> ForceField:
     """Two opposed plates in place of ``causes``; one against the ground or the fixture, where there is one."""
     axis = expectation.direction or causes[0].item.vector
     alone = stands_on_its_end(brief, axis)
-    magnitude, window, hold_end = find_travel(causes, expectation, brief, movers=1 if alone else 2)
+    movers = 1 if alone else 2
+    magnitude, window, hold_end = find_travel(causes, expectation, brief, everything, movers=movers)
     top_is_held = brief.anchored is not None and "top" in brief.anchored
     free = brief.directions.down if not top_is_held else brief.directions.up
     towards_it = axis if cosine(axis, free) > 0 else scale(axis, -1.0)
@@ -142,25 +173,53 @@ def press_between(
 
 
 def find_travel(
-    causes: Sequence[Cause], expectation: ExpectedMotion, brief: SceneBrief, movers: int = 2
+    causes: Sequence[Cause],
+    expectation: ExpectedMotion,
+    brief: SceneBrief,
+    everything: Sequence[ExpectedMotion] = (),
+    *,
+    movers: int = 2,
+    share: float = 1.0,
 ) -> tuple[float, tuple[float, float], float | None]:
     """Magnitude, window, and until when to hold, with which ``movers`` ends change the extent as the sentence asks.
 
-    They move in the first part of the cause's window and are held in the rest of it.
+    They move in the first part of the cause's window and are held in the rest of it, and for as long as it is to stay.
+    What was deformed the other way just before is brought back first. ``share``: of the asked change, that the ends go.
     """
     last = float(brief.frame_count - 1)
     first, end = causes[0].item.active_time or (0.0, last)
     end = min(end, last)
-    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
-    if told and told.unit == "of its length":
-        target = told.target
-    else:
-        target = expect_strain(expectation, expectation.kind is MotionKind.SQUEEZE).target
+    squeeze = expectation.kind is MotionKind.SQUEEZE
+    target = share * _find_strain(expectation, squeeze, brief)
+    target += sum(
+        share * _find_strain(each, not squeeze, brief)
+        for each in everything
+        if each.kind in AXIAL and each.kind is not expectation.kind and not each.released
+        if abs(each.window[1] - first) < 1.5 and _share_line(each, expectation)
+    )
     reference = find_reference_time(brief.anchored is not None, last * brief.frame_dt) / brief.frame_dt
     effort = target * reference / (movers * PRESCRIBED_TRAVEL)  # magnitude times frames
     magnitude = clamp(effort / (MOVING * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
     until = clamp(float(round(first + effort / magnitude)), first + 1.0, max(end, first + 1.0))
-    return round(magnitude, 4), (first, until), (end if end > until else None)
+    magnitude = clamp(effort / (until - first), MAGNITUDE_MIN, MAGNITUDE_MAX)  # in whole frames
+    kept = find_hold_end(expectation, everything, end, last)
+    return round(magnitude, 4), (first, until), (kept if kept > until else None)
+
+
+def _find_strain(expectation: ExpectedMotion, squeeze: bool, brief: SceneBrief) -> float:
+    """By how much of its length it is to get longer or shorter."""
+    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
+    if told and told.unit == "of its length":
+        return told.target
+    return expect_strain(expectation, squeeze).target
+
+
+def _share_line(one: ExpectedMotion, other: ExpectedMotion) -> bool:
+    return (
+        one.direction is not None
+        and other.direction is not None
+        and abs(cosine(one.direction, other.direction)) > _VERTICAL
+    )
 
 
 def _part_ends(
@@ -173,7 +232,7 @@ def _part_ends(
     if stands_on_its_end(brief, expectation.direction):
         return None  # the lower end cannot move: a force stretches what rises above it
     why = f"'{expectation.words}': the two ends are moved apart, whatever the stiffness."
-    return move_ends(field, causes, expectation, brief), why
+    return move_ends(field, causes, expectation, brief, everything), why
 
 
 def _press(
@@ -186,11 +245,11 @@ def _press(
     begin = (causes[0].item.active_time or (0.0, 0.0))[0]
     if begin < 1 and not field.default_drop:
         why = f"'{expectation.words}': it is pressed between plates, not pulled inwards at every point."
-        return press_between(field, causes, expectation, brief), why
+        return press_between(field, causes, expectation, brief, everything), why
     if stands_on_its_end(brief, expectation.direction):
         return None
     why = f"'{expectation.words}': the two ends are moved together, wherever it is by then."
-    return move_ends(field, causes, expectation, brief), why
+    return move_ends(field, causes, expectation, brief, everything), why
 
 
 def _turn_ends(
@@ -209,7 +268,7 @@ def _turn_ends(
         if not causes:
             return None
         pair.append((each, causes[0]))
-    ends = tuple(_make_turn(each, cause, brief) for each, cause in pair)
+    ends = tuple(_make_turn(each, cause, brief, everything) for each, cause in pair)
     why = f"'{expectation.words}': its ends are turned against each other, each about its own middle."
     return _put(field, [cause for _, cause in pair], ends), why
 
@@ -222,11 +281,14 @@ def _is_turned_against(one: ExpectedMotion, other: ExpectedMotion) -> bool:
     return cosine(one.part, other.part) < _OPPOSED and cosine(one.direction, other.direction) < _OPPOSED
 
 
-def _make_turn(expectation: ExpectedMotion, cause: Cause, brief: SceneBrief) -> VelocityConstraint:
+def _make_turn(
+    expectation: ExpectedMotion, cause: Cause, brief: SceneBrief, everything: Sequence[ExpectedMotion]
+) -> VelocityConstraint:
     assert expectation.part is not None
     last = float(brief.frame_count - 1)
     first, end = cause.item.active_time or (0.0, last)
     until = max(float(round(first + MOVING * (min(end, last) - first))), first + 1.0)
+    kept = find_hold_end(expectation, everything, min(end, last), last)
     magnitude, amount = cause.item.magnitude, expectation.amount
     if amount is not None and amount.unit == "degrees":
         reference = find_reference_time(brief.anchored is not None, last * brief.frame_dt) / brief.frame_dt
@@ -237,7 +299,7 @@ def _make_turn(expectation: ExpectedMotion, cause: Cause, brief: SceneBrief) -> 
         vector=cause.item.vector,
         magnitude=round(magnitude, 4),
         active_time=(first, until),
-        held_until=min(end, last) if min(end, last) > until else None,
+        held_until=kept if kept > until else None,
         region=make_end_region(expectation.part, SLAB),
     )
 
@@ -313,6 +375,57 @@ def _carry(
         held_until=kept if kept > until else None,
     )
     return _put(field, causes, (hand,)), f"'{expectation.words}': it is carried up, and kept there."
+
+
+def _lead(
+    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
+) -> _Replaced:
+    """What is to go at one speed, or so far that no force in range starts and stops it in its time: it is led there."""
+    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
+    skills = {MotionKind.MOVE: ActionType.TRANSLATION, MotionKind.ROTATE: ActionType.TORQUE}
+    turns = expectation.kind is MotionKind.ROTATE
+    measured = told is not None and told.unit == ("degrees" if turns else "body lengths")
+    if expectation.kind not in skills or not (measured or expectation.even):
+        return None
+    if brief.anchored is not None or expectation.sudden or expectation.partial or expectation.repeats > 1:
+        return None
+    others = [e for e in everything if e is not expectation and e.kind is not MotionKind.STILL]
+    if any(share_time(e, expectation) for e in others) or expectation.direction is None:
+        return None  # what is led does nothing else
+    causes = find_own_causes(expectation, everything, field)
+    causes = [c for c in causes if c.type is skills[expectation.kind] and c.item.region is None]
+    if not any(agrees(c, expectation) for c in causes):
+        return None
+    last = float(brief.frame_count - 1)
+    first = min((c.item.active_time or (0.0, last))[0] for c in causes)
+    end = min(max((c.item.active_time or (0.0, last))[1] for c in causes), last)
+    seconds = (end - first) * brief.frame_dt
+    if turns:
+        way = (
+            told
+            if measured and told
+            else expect_rotation(expectation, brief.frame_count, False, seconds=seconds)
+        )
+        effort = math.radians(way.target) / TURN
+    else:
+        effort = _find_way(expectation, seconds, brief) / TRAVEL
+    if not expectation.even and find_magnitude(effort, seconds, True, brief) <= MAGNITUDE_MAX:
+        return None
+    frames = find_reference_time(False, last * brief.frame_dt) / brief.frame_dt
+    effort *= frames if turns else frames * TRAVEL / PRESCRIBED_TRAVEL  # magnitude times frames
+    magnitude = clamp(effort / (end - first), MAGNITUDE_MIN, MAGNITUDE_MAX)
+    until = clamp(float(round(first + effort / magnitude)), first + 1.0, end)
+    kept = min([e.window[0] for e in others if e.window[0] >= end - 0.5], default=last)
+    hand = VelocityConstraint(
+        constraint_type=ConstraintType.PARTICLE_ROTATION if turns else ConstraintType.PARTICLE_TRANSLATION,
+        vector=expectation.direction,
+        magnitude=round(clamp(effort / (until - first), MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
+        active_time=(first, until),
+        held_until=kept if kept > until else None,
+    )
+    reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
+    why = f"'{expectation.words}': {reason}, so it is led there."
+    return _put(field, causes, (hand,)), why
 
 
 def _find_way(expectation: ExpectedMotion, seconds: float, brief: SceneBrief) -> float:

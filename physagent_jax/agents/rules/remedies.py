@@ -54,7 +54,9 @@ def list_remedies(case: Case) -> Iterator[Change]:
         yield _add(case)
         return
     yield from _aim(case, causes)
-    if case.failed("return"):
+    if case.failed("return") and case.expectation.stays:
+        yield from edits.keep(case, causes)
+    elif case.failed("return"):
         yield edits.shorten(case, causes, 0.5, "it should come back after letting go")
     if case.failed("repeats"):
         yield edits.alternate(case, causes)
@@ -170,9 +172,11 @@ def _try_other_kind(case: Case, causes: Sequence[Cause], gain: float) -> Iterato
     if stretches and expectation.direction is not None and whole:
         names = edits.format_names(stretches)
         if expectation.kind is MotionKind.SQUEEZE:
-            field = kinds.press_between(case.force_field, stretches, expectation, case.brief)
+            field = kinds.press_between(
+                case.force_field, stretches, expectation, case.brief, case.expectations
+            )
             yield Change(field, f"{names} cannot do it: it is pressed between plates instead.")
-        field = kinds.move_ends(case.force_field, stretches, expectation, case.brief)
+        field = kinds.move_ends(case.force_field, stretches, expectation, case.brief, case.expectations)
         why = f"{names} cannot do it: two opposed translations of the end slabs instead."
         yield Change(field, why, "paired_translation")
     blows = [c for c in causes if c.type is ActionType.IMPULSE]

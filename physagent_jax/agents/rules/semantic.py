@@ -15,6 +15,7 @@ from physagent_jax.agents.rules.language.clauses import Clause, find_places, get
 from physagent_jax.agents.rules.language.compilation import compile_slots
 from physagent_jax.agents.rules.language.doubts import find_doubts
 from physagent_jax.agents.rules.language.events import TOLD, Event, ValueSource, interpret, resolve_obstacles
+from physagent_jax.agents.rules.language.explanations import merge_explanations
 from physagent_jax.agents.rules.language.grammar import read_clauses
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import GROUND_WORDS, OPPOSITE_GRAVITY, Join
@@ -101,7 +102,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     _check_text(prompt)
     names = collect_object_words(prompt, brief)
     mentions = find_mentions(prompt, names)
-    clauses = read_clauses(mentions)
+    clauses, mentions = merge_explanations(read_clauses(mentions), mentions)
     gravity = _read_gravity(mentions)
     unknown, notes = list_unknown(mentions, names, brief)
     notes += describe_corrections(prompt, names)

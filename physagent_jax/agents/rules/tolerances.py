@@ -221,8 +221,9 @@ def expect_fall(expectation: ExpectedMotion, seconds: float = 2.0) -> Tolerance:
 def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tolerance | None:
     """The range around a quantity that the sentence names, in the unit in which its kind of motion is measured.
 
-    A viewer has no ruler: 20 % off a distance, a length or an angle is not noticed without comparison, nor 12 degrees.
-    How long a cause lasts is read from speeds, which a viewer judges to about 40 %.
+    A viewer has no ruler: 20 % off a distance, a length or an angle is not noticed without comparison, nor what is less
+    than `LEAST` of a length or `STILL_DEGREES` of a turn, which perception can tell (`docs/perception.md`). How long a
+    cause lasts is read from speeds, which a viewer judges to about 40 %.
 
     Returns:
         Body lengths for moves, degrees for turns, relative change of length (or depth of a squeeze), seconds; None if
@@ -235,13 +236,13 @@ def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tole
     if unit == "metres":
         value, unit = value / brief.size, "lengths"
     if unit == "degrees":
-        width = max(0.2 * value, 12.0)
+        width = max(0.2 * value, STILL_DEGREES)
         return Tolerance(max(value - width, 0.2 * value), value, value + width, "degrees")
     axial = kind in (MotionKind.STRETCH, MotionKind.SQUEEZE)
     if unit == "factor":
         value = abs(value - 1.0)
     if unit == "factor" and not axial:
         return None
-    width = max(0.2 * value, 0.05)
+    width = max(0.2 * value, LEAST)
     name = "of its length" if axial else "body lengths"
     return Tolerance(max(value - width, 0.2 * value), value, value + width, name)

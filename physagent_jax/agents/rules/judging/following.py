@@ -29,6 +29,7 @@ Signal = list[tuple[int, float]]
 AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)
 _CAME_BACK = 0.5  # of the largest excursion that may be left after letting go
 _STAYED = 0.65  # of the largest excursion that has to be left where it should stay
+_UNEVEN = 0.2  # of its way that it may be ahead of, or behind, what goes at one speed
 _SUDDEN = 0.3  # [s] in which a blow has brought most of the speed that it brings
 _PULSE = 0.35  # of the hardest: what counts as another blow
 _LEAKS = 0.5  # of a motion that may be seen before its time
@@ -75,6 +76,7 @@ def check_following(index: int, expectation: ExpectedMotion, view: View) -> list
     return [
         *_check_quantity(index, expectation, view),
         *_check_sudden(index, expectation, view),
+        *_check_even(index, expectation, view),
         *_check_blows(index, expectation, view),
         *_check_return(index, expectation, view),
         *_check_stay(index, expectation, view),
@@ -191,6 +193,35 @@ def _check_sudden(index: int, expectation: ExpectedMotion, view: View) -> list[C
             aspect="order",
             sigma=view.report.frame_dt,
             remedy=f"make {view.causes(expectation) or 'the cause'} an impulse",
+        )
+    ]
+
+
+def _check_even(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
+    """At one speed: the place over time is a straight line. What starts from rest is a quarter of its way behind."""
+    if not expectation.even:
+        return []
+    first, last = view.span(expectation)
+    signal = measure_signal(expectation, view, first, last)
+    question = "does it go at one speed?"
+    if len(signal) < 4:
+        return [make_unseen_check(index, expectation, "its course is not known", question)]
+    (begin, start), (end, way) = signal[0], max(signal, key=lambda point: abs(point[1]))
+    if abs(way - start) < visible(expectation) or end - begin < 3:
+        return []
+    line = [(t, (v - start) / (way - start) - (t - begin) / (end - begin)) for t, v in signal if t <= end]
+    off = max((v for _, v in line), key=abs)
+    return [
+        make_limit_check(
+            index,
+            question,
+            f"at most {_UNEVEN:.0%} of its way ahead or behind",
+            f"{abs(off):.0%} {'ahead' if off > 0 else 'behind'}",
+            abs(off),
+            _UNEVEN,
+            aspect="order",
+            sigma=math.sqrt(2.0) * view.sigma(figure_of(expectation)) / abs(way - start),
+            remedy=f"let {view.causes(expectation) or 'its cause'} be a blow, or prescribe its velocity",
         )
     ]
 

@@ -103,6 +103,7 @@ class ForceFieldBuilder:
             part=event.part,
             excludes_part=event.excludes_part,
             stays=event.stays,
+            even=event.even and kind in (MotionKind.MOVE, MotionKind.ROTATE),
             amount=more.pop("amount", event.amount or self._find_duration(event)),
             words=event.words[:200],
             **more,

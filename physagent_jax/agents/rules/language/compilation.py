@@ -58,11 +58,16 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
 
 def _is_released(event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder) -> bool:
     """Whether the cause ends and leaves the object to itself; what is brought to a place is not left there."""
-    if event.stays or _is_measured(event, builder):
-        return False
     let_go = any(e.effect is Effect.RELEASE for e in after)
+    if event.stays or _is_measured(event, builder) or _is_reached_within(event) and not let_go:
+        return False
     ends_early = not after and window[1] < builder.last - 0.5
     return let_go or ends_early or event.verb.brief
+
+
+def _is_reached_within(event: Event) -> bool:
+    """Whether the time that is told is the one in which a quantity is reached, and says nothing of what comes then."""
+    return event.when.whole and event.amount is not None and not event.verb.brief
 
 
 def _is_measured(event: Event, builder: ForceFieldBuilder) -> bool:
@@ -92,9 +97,12 @@ def _add_steady(
     if event.verb.brief and event.when.length is None:
         window = (window[0], window[0] + max(_GUST * (window[1] - window[0]), min(1.0, builder.last)))
     brakes = _needs_brake(event, after, builder)
-    told = event.when.length is not None and event.when.length.unit != "clip"
+    told = event.when.length is not None and event.when.length.unit != "clip" and not event.when.whole
     seconds = (window[1] - window[0]) * builder.brief.frame_dt
     magnitude *= _find_dose(event, kind, magnitude, seconds, brakes and not told, builder)
+    if builder.anchored and _is_reached_within(event) and not after:
+        builder.add_action(event, kind, vector, magnitude, (window[0], builder.last))
+        return window
     if not brakes or told:
         builder.add_action(event, kind, vector, magnitude, window)
         if brakes and any(later.effect is Effect.STILL for later in after) and window[1] < builder.last:
@@ -253,6 +261,8 @@ def _compile_scale(
     strength = event.strength
     if event.amount is not None and event.amount.unit == "factor":
         strength = find_strain_magnitude(event.amount)
+        released = any(later.effect is Effect.RELEASE for later in after)
+        event = replace(event, stays=event.stays or event.when.whole and not released and count == 1)
         if strength > MAGNITUDE_MAX:
             builder.add_note(f"'{event.words}': more than the library's strongest force is calibrated for.")
     for part in windows:
@@ -300,6 +310,12 @@ def _compile_strike(
         strength = effort * find_reference_seconds(builder.brief) / max(seconds, builder.brief.frame_dt)
         if builder.anchored:
             strength = find_held_magnitude(event.amount, event.effect, builder.brief) or strength
+    if event.verb.gravity and not builder.grounded:
+        builder.enable_gravity(event.sources["action_type"].words, "what is thrown or jumps comes down again")
+    falls_back = builder.default_drop or (builder.grounded and not builder.anchored)
+    rises = falls_back and dot(event.direction, builder.brief.directions.up) > 0.5
+    if effort is not None and rises:
+        strength = effort  # what weight stops rises by M body lengths (`forces.opposition`)
     for index, part in enumerate(divide(window, [1.0] * count)):
         sign = -1.0 if event.repeat.alternate and index % 2 else 1.0
         builder.add_action(
@@ -313,10 +329,6 @@ def _compile_strike(
         stop = _make_impulse_window(window[1] - _IMPULSE_FRAMES)
         builder.add_action(event, ActionType.IMPULSE, scale(event.direction, -1.0), strength, stop)
         builder.add_note("The object is free and would drift on: it is braked before what follows.")
-    if event.verb.gravity and not builder.grounded:
-        builder.enable_gravity(event.sources["action_type"].words, "what is thrown or jumps comes down again")
-    falls_back = builder.default_drop or (builder.grounded and not builder.anchored)
-    rises = falls_back and dot(event.direction, builder.brief.directions.up) > 0.5
     rise, fall = divide(window, [1.0, 1.0])
     builder.add_expectation(
         event,
@@ -329,7 +341,7 @@ def _compile_strike(
     )
     thrown = event.verb.gravity or builder.default_drop
     if rises and thrown and not any(e.effect in (Effect.FALL, Effect.TOPPLE) for e in after):
-        builder.add_expectation(event, MotionKind.FALL, None, fall)
+        builder.add_expectation(event, MotionKind.FALL, None, fall, amount=None)
 
 
 def _compile_jump(

@@ -88,6 +88,8 @@ def _find_nothing_that_can(mentions: list[Mention], index: int) -> list[str]:
 
 def _find_explanation(mentions: list[Mention], index: int) -> list[str]:
     """Says "it rises: it gets taller", "twice: first left, then right"."""
+    if mentions[index].kind is not MentionKind.JOIN:
+        return []
     if mentions[index].words == ":" and any(m.kind is MentionKind.REPEAT for m in mentions[:index]):
         return ["What is counted before ':' is not understood."]
     if mentions[index].words == ":" and has_motion(mentions[:index]) and has_motion(mentions[index:]):

@@ -94,6 +94,7 @@ class Event:
         excludes_part: ``part`` is the one that is not meant.
         amount: A quantity that the sentence names.
         stays: It is to be held where it was brought.
+        even: It is to go at one speed.
         obstacles: Solids that it meets.
         repeat: Count and alternation.
         when: Time that the sentence names.
@@ -114,6 +115,7 @@ class Event:
     excludes_part: bool = False
     amount: Amount | None = None
     stays: bool = False
+    even: bool = False
     obstacles: tuple[ObstacleRequest, ...] = ()
     repeat: Repeat = Repeat()
     when: TimeSpan = TimeSpan()
@@ -186,6 +188,9 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         direction = scale(before.direction, -1.0)
         direction_source = replace(direction_source, why="back where it came from")
     target, doubts = _resolve_amount(clause, verb, before)
+    if direction_source.why == "back where it came from" and before is not None and target.amount is None:
+        if before.effect is verb.effect and not clause.select(MentionKind.QUANTITY):
+            target = replace(target, amount=before.amount)  # all of it
     if verb.effect is Effect.TURN and repeat.count is not None and not repeat.alternate and not target.amount:
         if not repeat.vague:  # "spin three times" counts turns
             target = Target(Amount(value=min(360.0 * repeat.count, MOST), unit="degrees"))
@@ -250,6 +255,7 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         excludes,
         target.amount,
         clause.stays,
+        bool(clause.select(MentionKind.EVEN)),
         obstacles,
         repeat,
         when,
@@ -426,7 +432,8 @@ def _resolve_direction(
             parts.append(scale(sum_directions(names, brief), sign))
         total, words = normalise(add(parts)), " ".join(mention.words for mention in told)
         if total is None:  # "to the left and to the right": an axis for stretching, to and fro for the rest
-            total, repeat = normalise(parts[0]), replace(repeat, alternate=verb.effect is not Effect.SCALE)
+            both = verb.effect is Effect.SCALE or bool(clause.select(MentionKind.SIDES))  # "its ends apart"
+            total, repeat = normalise(parts[0]), replace(repeat, alternate=not both)
         source = ValueSource(
             words, "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"
         )
@@ -559,9 +566,11 @@ def _choose_by_direction(verb: Verb, clause: Clause, source: ValueSource) -> Ver
         return replace(verb, effect=Effect.STRIKE) if told else verb
     if not sides or verb.effect is Effect.SWAY:
         return verb
+    if told and sides[0].phrase == "either side" and verb.effect in (Effect.PUSH, Effect.STRIKE):
+        return verb  # "hit it away: by less than a tenth to either side"
     isotropic = bool(sides[0].value)
     if verb.effect in (Effect.PUSH, Effect.STRIKE):
-        outward = verb.pulls or "outward" in sides[0].words
+        outward = verb.pulls or "outward" in sides[0].words or sides[0].phrase == "outward"
         verb = replace(verb, effect=Effect.SCALE, sign=1 if outward else -1)
     return replace(verb, effect=Effect.SWELL) if isotropic else verb
 
@@ -579,7 +588,9 @@ def _resolve_time(clause: Clause, verb: Verb) -> tuple[TimeSpan, ValueSource]:
     when = TimeSpan()
     for mention in mentions:
         assert isinstance(mention.value, TimeSpan)
-        when = TimeSpan(mention.value.start or when.start, mention.value.length or when.length)
+        told = mention.value
+        whole = told.whole if told.length else when.whole
+        when = TimeSpan(told.start or when.start, told.length or when.length, whole)
     if mentions:
         return when, ValueSource(", ".join(mention.words for mention in mentions), TOLD)
     return when, ValueSource(clause.words, "its share of the sequence")

@@ -197,6 +197,13 @@ def read_frontal(reader: Reader, at: int) -> Mention | None:
     return reader.make_mention(MentionKind.DIRECTION, ("away",), "frontal", [at])
 
 
+def read_apart(reader: Reader, at: int) -> Mention | None:
+    """The "apart" in "pull its ends apart": both ways at once."""
+    if reader.get_text(at) != "apart" or reader.get_text(at - 1) not in ("ends", "sides"):
+        return None
+    return reader.make_mention(MentionKind.SIDES, False, "outward", [at])
+
+
 def read_manner(reader: Reader, at: int) -> Mention | None:
     """The noun in "with great force", "at high speed", ", medium force": its adjective says how it is done."""
     if reader.get_text(at) not in m.MANNERS or not any(e.kind is MentionKind.VERB for e in reader.mentions):

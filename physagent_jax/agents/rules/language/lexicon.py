@@ -32,6 +32,7 @@ def _build_lexicon() -> dict[str, list[Entry]]:
         (MentionKind.JOIN, m.JOINS),
         (MentionKind.REVERSAL, dict.fromkeys(m.REVERSALS)),
         (MentionKind.REVERSAL, dict.fromkeys(m.SAME_WAYS, "same")),
+        (MentionKind.EVEN, dict.fromkeys(m.EVENLY)),
         (MentionKind.EXCEPT, dict.fromkeys(m.EXCEPTIONS)),
         (MentionKind.TIME, {phrase: parse_moment(phrase) for phrase in m.MOMENTS}),
         (MentionKind.NOT, dict.fromkeys(m.NEGATIONS)),

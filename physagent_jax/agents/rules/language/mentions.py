@@ -21,6 +21,7 @@ class MentionKind(enum.Enum):
     INTENSITY = enum.auto()  # float
     DEGREE = enum.auto()  # float
     COMPARATIVE = enum.auto()  # float
+    EVEN = enum.auto()  # None: at one speed
     REPEAT = enum.auto()  # Repeat
     PLACE = enum.auto()  # Place
     EXCLUDED = enum.auto()  # Place that is not meant

@@ -404,6 +404,14 @@ NEGATIONS = frozenset(
     {"not", "no", "never", "without", "neither", "nor", "none", "instead of", "rather than"}
 )
 
+# At one speed from beginning to end.
+EVENLY = frozenset(
+    f"{at} {how} {speed}"
+    for at in ("at", "with")
+    for how in ("a constant", "constant", "an even", "even", "a steady", "a uniform", "uniform", "one")
+    for speed in ("speed", "velocity", "pace", "rate")
+) | {"evenly", "uniformly"}
+
 UNITS: dict[str, str] = {
     "ms": "millisecond",
     "millisecond": "millisecond",

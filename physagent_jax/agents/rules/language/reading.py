@@ -8,6 +8,7 @@ from physagent_jax.agents.rules.language.corrections import read_corrections
 from physagent_jax.agents.rules.language.counts import read_ordinal, read_quantity, read_time_or_count
 from physagent_jax.agents.rules.language.frames import drop_frames
 from physagent_jax.agents.rules.language.idioms import (
+    read_apart,
     read_coming,
     read_condition,
     read_floating,
@@ -69,6 +70,7 @@ def _read_at(reader: Reader, at: int) -> Mention:
         or read_state(reader, at)
         or read_target(reader, at)
         or read_floating(reader, at)
+        or read_apart(reader, at)
         or read_manner(reader, at)
         or read_frontal(reader, at)
         or read_coming(reader, at)

@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from physagent_jax.agents.rules.language.modifiers import CLIP_PARTS, FRACTIONS, MOMENTS, NUMBERS, UNITS
+from physagent_jax.agents.rules.language.quantities import match_quantity
 from physagent_jax.agents.rules.language.tokens import Token
 
+_STOPS = frozenset({".", ";", ":", "!", "?"})
+_NOT_OF_A_UNIT = frozenset("of turn turns body length lengths rotation revolution".split())
 _FILMS = frozenset({"video", "clip", "shot", "scene", "animation", "film", "movie", "sequence", "take"})
 BRIEF = 0.15  # of the clip: "briefly"
 
@@ -31,10 +34,17 @@ class Duration:
 
 @dataclass(frozen=True)
 class TimeSpan:
-    """What a sentence says about the time of an action; None = nothing."""
+    """What a sentence says about the time of an action; None = nothing.
+
+    Attributes:
+        start: When it begins.
+        length: How long its cause acts; if ``whole``, in what time all of it has happened ("within a second").
+        whole: See ``length``.
+    """
 
     start: Duration | None = None
     length: Duration | None = None
+    whole: bool = False
 
 
 def match_time(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
@@ -42,8 +52,11 @@ def match_time(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
     word = tokens[at].text
     if word == "for" and (part := _parse_part_of_clip(tokens, at + 1)):
         return part  # "for the first second"
-    if word in ("for", "within", "lasting"):
+    if word in ("for", "lasting"):
         return _map_match(_parse_quantity(tokens, at + 1), lambda a: TimeSpan(length=a))
+    if word == "within" or word in ("in", "over") and _is_measured(tokens, at):
+        part = None if word == "within" else _parse_part_of_clip(tokens, at + 1)
+        return part or _map_match(_parse_quantity(tokens, at + 1), lambda a: TimeSpan(None, a, True))
     if word in ("after", "at", "from", "between"):
         return _parse_span(tokens, at) or (
             None
@@ -64,6 +77,16 @@ def match_time(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
             None if _get_word(tokens, bare[1]) in ("later", "after") else (TimeSpan(length=bare[0]), bare[1])
         )
     return None
+
+
+def _is_measured(tokens: list[Token], at: int) -> bool:
+    """Whether the words around say how much: "by half its length in a second", where "in" tells no start."""
+    if tokens[at - 1].text == "," and at:
+        return False  # of all that was said so far, maybe
+    first = next((i + 1 for i in range(at - 1, -1, -1) if tokens[i].text in _STOPS), 0)
+    last = next((i for i in range(at, len(tokens)) if tokens[i].text in _STOPS), len(tokens))
+    found = [match_quantity(tokens, i) for i in range(first, last)]
+    return any(each is not None and each[0].unit for each in found)
 
 
 def parse_moment(phrase: str) -> TimeSpan:
@@ -115,6 +138,9 @@ def _parse_quantity(tokens: list[Token], at: int) -> tuple[Duration, int] | None
     value, behind = counted
     unit = UNITS.get(_get_word(tokens, behind))
     if unit:
+        more = [_get_word(tokens, behind + i) for i in range(1, 5)]
+        if more[:2] == ["and", "a"] and more[2] in FRACTIONS and more[3] not in _NOT_OF_A_UNIT:
+            return Duration(value + FRACTIONS[more[2]], unit), behind + 4  # "a second and a half"
         return Duration(value, unit), behind + 1
     if value == 0.5 and _get_word(tokens, behind) in ("the", "clip", "time"):
         return Duration(0.5, "clip"), behind + 1 + (_get_word(tokens, behind) == "the")
@@ -156,7 +182,7 @@ def _parse_span(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
     amounts = [
         Duration(value, unit or named or early or "frame") for value in (first[0], second[0] - first[0])
     ]
-    return TimeSpan(*amounts), second[1] + (unit is not None)
+    return TimeSpan(amounts[0], amounts[1]), second[1] + (unit is not None)
 
 
 def _parse_part_of_clip(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:

@@ -215,7 +215,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     ("hang, suspend, dangle", Verb(_D.HOLD, holds="top")),
     (
         "let go, let ~ go, release, rebound, recoil, recover, relax, spring back, snap back, "
-        "swing back, bounce back, come back, return, go back, move back to, let ~ spring back, "
+        "swing back, bounce back, come back, is back, be back, return, go back, move back to, let ~ spring back, "
         "let ~ snap back, let ~ swing back, let loose, regain its shape, let ~ relax, "
         "let ~ recover, spring back upright, return upright, come back upright, snap back upright, "
         "swing back upright, coast, set free, leave alone, leave ~ alone, die down, subside, calm down, fall back, "
