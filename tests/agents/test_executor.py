@@ -6,7 +6,7 @@ from physagent_jax.agents.hard_rules import apply_hard_rules
 from physagent_jax.agents.matching import list_causes
 from physagent_jax.agents.schema import Verdict
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField
-from tests.agents.scenes import brief, judge, read, rewrite, seen_in
+from tests.agents.scenes import brief, judge, make_report, read, rewrite, seen_in
 from tests.agents.sentences import SENTENCES
 from tests.agents.toy_world import ToyWorld, loop
 
@@ -299,6 +299,33 @@ def test_torque_type_is_kept_for_rotation():
     reply = read("spin it")
     attempts = loop(reply.force_field, reply.expectations, ToyWorld(brief(), 0.1), iterations=5)
     assert all({a.action_type for a in field.actions} == {ActionType.TORQUE} for field, _ in attempts)
+
+
+def test_what_is_to_stay_and_comes_back_is_kept_longer():
+    """Until the clip's end, or until the next motion: a shorter cause is for what should come back."""
+    end = {"kind": "half_space", "point": [0.75, 0.5, 0.5], "normal": [1, 0, 0]}
+    other = {"kind": "half_space", "point": [0.25, 0.5, 0.5], "normal": [-1, 0, 0]}
+    ends = [
+        {
+            "constraint_type": "enforce_particle_translation",
+            "vector": region["normal"],
+            "magnitude": 0.8,
+            "active_time": [0, 8],
+            "held_until": 12,
+            "region": region,
+        }
+        for region in (end, other)
+    ]
+    prompt = "stretch it sideways by a fifth within half a second and keep it so"
+    scene, reply = brief(), read(prompt)
+    strains = [0.2 * min(t / 8, 1) if t <= 12 else 0.0 for t in range(49)]
+    tensors = [((1 + e, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)) for e in strains]
+    seen = make_report([(0.0, 0.0, 0.0)] * 49, [(0.0, 0.0, 0.0)] * 49, tensors, windows=[(0, 12)])
+    failed = judge(prompt, reply, seen, scene, ForceField.model_validate({"constraints": ends}))
+    assert [c.aspect for c in failed.judgement.checks if c.passed is False][:1] == ["return"]
+    answer = rewrite(prompt, reply, failed, scene)
+    assert [c.held_until for c in answer.force_field.constraints] == [48, 48]
+    assert [c.active_time for c in answer.force_field.constraints] == [(0, 8), (0, 8)]
 
 
 def test_what_left_the_picture_was_too_much():

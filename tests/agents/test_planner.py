@@ -390,6 +390,45 @@ def test_blows_are_counted():
     assert not passes(twice, kicked(0)) and not passes(twice, kicked(0, 16, 32))
 
 
+@pytest.mark.parametrize(
+    ("course", "passed"),
+    [
+        (lambda s: s, True),  # at one speed
+        (lambda s: s * s, False),  # from rest, ever faster: a quarter of its way behind
+        (lambda s: 2 * s * s if s < 0.5 else 1 - 2 * (1 - s) ** 2, True),  # an eighth, there and back
+        (lambda s: min(2 * s, 1), True),  # there early, at one speed
+        (lambda s: math.sqrt(s), False),  # ahead: it slows down
+    ],
+)
+@pytest.mark.parametrize(("kind", "size"), [(KINDS.MOVE, 0.6), (KINDS.ROTATE, 80.0)])
+def test_evenly_is_at_one_speed(kind, size, course, passed):
+    """The place over time is a straight line to where it arrives, to a fifth of the way."""
+    asked = expected(kind, LEFT, even=True)
+    moved = {"place" if kind is KINDS.MOVE else "turn": lambda t: np.multiply(LEFT, size * course(t / LAST))}
+    assert passes(asked, show(**moved)) == passed
+    assert passes(asked.model_copy(update={"even": False}), show(**moved))
+
+
+@pytest.mark.parametrize(("value", "seen", "passed"), [(15, 19, True), (15, 25, False), (15, 6, False)])
+def test_a_small_angle_is_not_any_small_angle(value, seen, passed):
+    """25 degrees are not 15 to a viewer; 4 of them nobody sees."""
+    asked = expected(KINDS.ROTATE, UP, amount=Amount(value=value, unit="degrees"))
+    assert passes(asked, show(turn=along(UP, seen))) == passed
+
+
+@pytest.mark.parametrize(("seen", "passed"), [(0.12, True), (0.15, False), (0.05, False)])
+def test_a_small_way_is_not_any_small_way(seen, passed):
+    asked = expected(amount=Amount(value=0.1, unit="lengths"))
+    assert passes(asked, show(along(LEFT, seen))) == passed
+
+
+def test_what_stays_in_place_may_be_stretched_there():
+    both = (expected(KINDS.STRETCH, UP, strength=1.0), expected(KINDS.STILL, None))
+    strain = along((0, 0, 1), 0.25)
+    assert passes(both, show(strain=strain))
+    assert not passes(both, show(along(LEFT, 0.1), strain=strain))
+
+
 def test_a_blow_starts_at_once():
     """A slow push is no kick."""
     kick = expected(sudden=True)

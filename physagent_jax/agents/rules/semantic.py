@@ -14,15 +14,23 @@ from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, descr
 from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb
 from physagent_jax.agents.rules.language.compilation import compile_slots
 from physagent_jax.agents.rules.language.doubts import find_doubts
-from physagent_jax.agents.rules.language.events import TOLD, Event, ValueSource, interpret, resolve_obstacles
+from physagent_jax.agents.rules.language.events import (
+    TOLD,
+    Event,
+    ValueSource,
+    interpret,
+    lands_aside,
+    resolve_obstacles,
+)
 from physagent_jax.agents.rules.language.explanations import merge_explanations
 from physagent_jax.agents.rules.language.grammar import read_clauses
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import GROUND_WORDS, OPPOSITE_GRAVITY, Join
 from physagent_jax.agents.rules.language.naming import collect_object_words
 from physagent_jax.agents.rules.language.reading import find_mentions
-from physagent_jax.agents.rules.language.schedule import schedule
+from physagent_jax.agents.rules.language.schedule import follows, schedule
 from physagent_jax.agents.rules.language.spelling import describe_corrections
+from physagent_jax.agents.rules.language.timing import TimeSpan
 from physagent_jax.agents.rules.language.unknowns import is_mostly_unknown, list_unknown
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 from physagent_jax.agents.schema import (
@@ -44,6 +52,7 @@ EXAMPLES = (
 )
 MOST_CHARACTERS = 100_000  # read within seconds
 End = Literal["base", "top", "none"] | None
+_AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
 _LETS_FALL = frozenset({"release", "let go", "let ~ go", "let loose", "set free"})
 Gravity = Literal["down", "up", "none"] | None
 
@@ -230,15 +239,22 @@ def _read_events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Even
             builder.add_note(f"'{clause.words}' is negated: it does not happen.")
             continue
         directed = _find_measure(events, clause)
-        event = interpret(clause, directed, builder.brief)
+        event = _measure_return(interpret(clause, directed, builder.brief), events, clause)
         ways = [mention.value for mention in clause.select(MentionKind.DIRECTION)]
         lands = bool(events) and events[-1].effect is Effect.FALL and event.effect is Effect.FALL
         if lands and all(mention.kind is MentionKind.INTENSITY for mention in clause.modifiers):
             continue  # "it drops and bounces"
+        if lands and lands_aside(clause) and events[-1].direction is None:
+            told = dict(
+                direction=event.direction, amount=event.amount, doubts=events[-1].doubts + event.doubts
+            )
+            words = f"{events[-1].words} {event.words}"
+            events[-1] = replace(events[-1], **told, words=words, sources=events[-1].sources | event.sources)
+            continue  # "drop it; as it reaches the ground it is farther to the right"
         if event.effect is Effect.FALL and builder.gravity is None and ("up",) in ways:
             builder.gravity = "up"  # "it falls upwards"
         events.append(_put_under_gravity(event, clause, builder.gravity))
-    events = _find_releases(events, builder)
+    events = _share_time(_find_releases(events, builder))
     moving = [e for e in events if e.effect not in (Effect.STILL, Effect.RELEASE)]
     if moving:  # "the robot standing on the ground is pushed": standing is not a wish for stillness
         tail = events[-1]
@@ -250,6 +266,37 @@ def _read_events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Even
             or _is_timed(e)  # "push it, rest for a second, push it"
         ]
     return events
+
+
+def _measure_return(event: Event, events: list[Event], clause: Clause) -> Event:
+    """What goes "back" goes by as much as it is away, where that was told."""
+    back = any(m.phrase == "back" for m in clause.select(MentionKind.DIRECTION))
+    if not back or event.amount is not None or event.direction is None or clause.select(MentionKind.QUANTITY):
+        return event
+    away = 0.0
+    alike = [e for e in events if e.effect is event.effect and e.direction is not None]
+    for each in alike:
+        along = dot(each.direction or event.direction, event.direction)
+        if each.amount is None or alike[0].amount is None or each.amount.unit != alike[0].amount.unit:
+            return event
+        away -= along * each.amount.value
+    if away < _AWAY or alike[0].amount is None:
+        return event
+    return replace(event, amount=alike[0].amount.model_copy(update={"value": round(away, 6)}))
+
+
+def _share_time(events: list[Event]) -> list[Event]:
+    """A time that is told of all steps together ("left, then up, in a second") as a time of each, by its way."""
+    if not events or not events[-1].when.total or events[-1].when.length is None:
+        return events
+    span = events[-1].when.length
+    timed = any(_is_timed(e) for e in events[:-1])
+    if timed or not all(follows(one, other) for one, other in zip(events, events[1:])):
+        return events
+    units = {e.amount.unit if e.amount else None for e in events}
+    ways = [e.amount.value if e.amount and len(units) == 1 else 1.0 for e in events]
+    lengths = [replace(span, value=span.value * way / sum(ways)) for way in ways]
+    return [replace(e, when=TimeSpan(None, length, True)) for e, length in zip(events, lengths)]
 
 
 def _is_timed(event: Event) -> bool:

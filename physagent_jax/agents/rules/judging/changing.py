@@ -273,11 +273,15 @@ def check_still(index: int, expectation: ExpectedMotion, view: View) -> list[Che
         if part := view.course(first, last, end):
             moved = norm(find_farthest(part)[1]) / (1.5 * tolerances.STILL)
             ratios["moves at one end"] = max(moved, ratios.get("moves at one end", 0.0))
-    if turns := view.turns(first, last):
+    beside = {e.kind for e in view.together(expectation)}
+    reshaped = bool(beside & {MotionKind.STRETCH, MotionKind.SQUEEZE})  # "stretch it while it stays in place"
+    if reshaped or MotionKind.ROTATE in beside:
+        ratios.pop("moves at one end", None)
+    if (turns := view.turns(first, last)) and not (reshaped or MotionKind.ROTATE in beside):
         ratios["turns"] = norm(find_farthest(turns)[1]) / tolerances.STILL_DEGREES
     table = view.brief.directions
     for axis in (table.right, table.up, table.toward):
-        if not view.hides(axis) and (strains := view.strains(axis, first, last)):
+        if not reshaped and not view.hides(axis) and (strains := view.strains(axis, first, last)):
             largest = max(abs(value) for _, value in strains) / tolerances.STILL_STRAIN
             ratios["deforms"] = max(largest, ratios.get("deforms", 0.0))
     if "moves" not in ratios:

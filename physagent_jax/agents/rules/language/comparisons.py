@@ -72,6 +72,8 @@ def _find_growth(mentions: list[Mention], index: int) -> list[str]:
     if not grows or not mention.form.endswith("er"):
         return []
     for other in reversed(mentions[:index]):
+        if other.kind is MentionKind.SIDES and other.phrase == "outward":
+            return []  # "pull its ends apart, a fifth longer"
         if other.form in _BECOMING | {"make", "makes", "made", "making", "is", "be"}:
             return []
         if isinstance(other.value, Verb):

@@ -27,7 +27,7 @@ from physagent_jax.agents.rules.language.verbs import Effect
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import add, dot, normalise, scale
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, SWING
+from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MAX, SWING
 from physagent_jax.forces.schema import ActionType
 
 _IMPULSE_FRAMES = 1.0
@@ -465,6 +465,18 @@ def _compile_fall(
         builder.add_note(
             "Gravity acts from the first frame, so a fall that comes later is made by a push downwards."
         )
+    aside = event.direction is not None and abs(dot(event.direction, up)) < _UPRIGHT
+    effort = find_effort(event.amount, Effect.PUSH, builder.brief)
+    if aside and event.direction is not None and effort is not None and builder.default_drop:
+        brief = builder.brief
+        seconds = math.sqrt(2.0 * DROP_HEIGHT * brief.size / GRAVITY)  # of the fall
+        landed = min(window[0] + seconds / brief.frame_dt, window[1])
+        strength = effort * find_reference_seconds(brief) / seconds
+        start = _make_impulse_window(window[0])
+        builder.add_action(event, ActionType.IMPULSE, event.direction, strength, start)
+        builder.add_expectation(event, MotionKind.FALL, None, window, amount=None)
+        builder.add_expectation(event, MotionKind.MOVE, event.direction, (window[0], landed))
+        return
     builder.add_expectation(event, MotionKind.FALL, None, window)
     if event.direction is not None and abs(dot(event.direction, builder.brief.directions.up)) < 0.7:
         builder.add_action(event, ActionType.TRANSLATION, event.direction, event.strength, window)

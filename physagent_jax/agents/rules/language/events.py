@@ -25,6 +25,7 @@ from physagent_jax.agents.rules.language.regions import make_end_region, make_re
 from physagent_jax.agents.rules.language.solids import Solid
 from physagent_jax.agents.rules.language.timing import TimeSpan
 from physagent_jax.agents.rules.language.verbs import (
+    LANDINGS,
     PICTURE_PLANE_TURNS,
     TUMBLES,
     TURNED_OVER,
@@ -188,9 +189,6 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         direction = scale(before.direction, -1.0)
         direction_source = replace(direction_source, why="back where it came from")
     target, doubts = _resolve_amount(clause, verb, before)
-    if direction_source.why == "back where it came from" and before is not None and target.amount is None:
-        if before.effect is verb.effect and not clause.select(MentionKind.QUANTITY):
-            target = replace(target, amount=before.amount)  # all of it
     if verb.effect is Effect.TURN and repeat.count is not None and not repeat.alternate and not target.amount:
         if not repeat.vague:  # "spin three times" counts turns
             target = Target(Amount(value=min(360.0 * repeat.count, MOST), unit="degrees"))
@@ -293,7 +291,8 @@ def _resolve_amount(clause: Clause, verb: Verb, before: Event | None) -> tuple[T
     target, doubts = Target(None), []
     for mention in clause.select(MentionKind.QUANTITY):
         assert isinstance(mention.value, Quantity)
-        found = find_target(mention.value, verb, before.amount if before else None)
+        landing = replace(verb, effect=Effect.PUSH) if lands_aside(clause) else verb
+        found = find_target(mention.value, landing, before.amount if before else None)
         if found.usual:
             continue
         if found.amount is None or target.amount is not None:
@@ -301,6 +300,13 @@ def _resolve_amount(clause: Clause, verb: Verb, before: Event | None) -> tuple[T
         else:
             target = found
     return target, doubts
+
+
+def lands_aside(clause: Clause) -> bool:
+    """Whether it tells where something comes down: "as it reaches the ground it is farther to the right"."""
+    lands = clause.verb is not None and clause.verb.phrase in LANDINGS and not clause.negated
+    ways = [m.value for m in clause.select(MentionKind.DIRECTION)]
+    return lands and any(way not in (("up",), ("down",)) for way in ways)
 
 
 def _resolve_part(
@@ -589,8 +595,8 @@ def _resolve_time(clause: Clause, verb: Verb) -> tuple[TimeSpan, ValueSource]:
     for mention in mentions:
         assert isinstance(mention.value, TimeSpan)
         told = mention.value
-        whole = told.whole if told.length else when.whole
-        when = TimeSpan(told.start or when.start, told.length or when.length, whole)
+        latest = told if told.length else when
+        when = TimeSpan(told.start or when.start, latest.length, latest.whole, latest.total)
     if mentions:
         return when, ValueSource(", ".join(mention.words for mention in mentions), TOLD)
     return when, ValueSource(clause.words, "its share of the sequence")

@@ -197,6 +197,14 @@ def read_frontal(reader: Reader, at: int) -> Mention | None:
     return reader.make_mention(MentionKind.DIRECTION, ("away",), "frontal", [at])
 
 
+def read_farther(reader: Reader, at: int) -> Mention | None:
+    """The "farther" in "a third of its length farther to the right": the measure and the way say it all."""
+    measured = bool(reader.mentions) and reader.mentions[-1].kind is MentionKind.QUANTITY
+    if not measured or reader.get_text(at) not in ("farther", "further"):
+        return None
+    return reader.make_mention(MentionKind.FUNCTION, None, "farther", [at])
+
+
 def read_apart(reader: Reader, at: int) -> Mention | None:
     """The "apart" in "pull its ends apart": both ways at once."""
     if reader.get_text(at) != "apart" or reader.get_text(at - 1) not in ("ends", "sides"):

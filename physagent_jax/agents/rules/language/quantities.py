@@ -166,7 +166,10 @@ def match_quantity(tokens: list[Token], at: int) -> tuple[Quantity, int] | None:
     words = [_get(tokens, at + i) for i in range(4)]
     for phrase in _AS_MUCH:
         if words[: len(phrase)] == list(phrase) and words[len(phrase)] != "as":  # "as far as" is a place
-            return Quantity(1.0, "share", "far", acts=True), at + len(phrase)
+            far = (
+                2.0 if _is_from_the_start(tokens, at + len(phrase)) else 1.0
+            )  # through where it began, and on
+            return Quantity(far, "share", "far", acts=True), at + len(phrase)
     for phrase, value in _CIRCLES.items():
         if words[: len(phrase)] == list(phrase) and words[len(phrase)] in ("around", "round"):
             return Quantity(value, "degrees"), at + len(phrase) + 1
@@ -180,6 +183,13 @@ def match_quantity(tokens: list[Token], at: int) -> tuple[Quantity, int] | None:
     preceding = at - 1 - (_get(tokens, at - 1) in _ABOUT)
     before = _get(tokens, preceding)
     return _match_unit(tokens, *counted, before=before, relative=relative, bare=text in ("a", "an"))
+
+
+def _is_from_the_start(tokens: list[Token], at: int) -> bool:
+    """Whether a way is measured from where all began: "as far to the right of where it began"."""
+    words = [_get(tokens, i) for i in range(at, at + 8)]
+    where = [i for i in range(5) if words[i : i + 2] == ["of", "where"]]
+    return any(words[i + 3] in ("began", "started", "was", "stood") for i in where)
 
 
 def match_number(tokens: list[Token], at: int) -> tuple[float, int] | None:

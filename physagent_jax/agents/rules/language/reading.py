@@ -11,6 +11,7 @@ from physagent_jax.agents.rules.language.idioms import (
     read_apart,
     read_coming,
     read_condition,
+    read_farther,
     read_floating,
     read_frontal,
     read_manner,
@@ -71,6 +72,7 @@ def _read_at(reader: Reader, at: int) -> Mention:
         or read_target(reader, at)
         or read_floating(reader, at)
         or read_apart(reader, at)
+        or read_farther(reader, at)
         or read_manner(reader, at)
         or read_frontal(reader, at)
         or read_coming(reader, at)

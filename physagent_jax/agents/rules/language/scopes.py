@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
+from physagent_jax.agents.rules.language.clauses import OPPOSITES
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind, empty
 from physagent_jax.agents.rules.language.reader import OWNING
 from physagent_jax.agents.rules.language.tokens import is_participle
@@ -116,12 +117,21 @@ def read_returns(mentions: list[Mention]) -> list[Mention]:
         verb = next((e.value for e in reversed(mentions[:at]) if e.kind is MentionKind.VERB), None)
         turns = isinstance(verb, v.Verb) and verb.effect is v.Effect.TURN
         told = at + 1 < len(mentions) and mentions[at + 1].kind is MentionKind.DIRECTION
+        turns = turns or not told and _is_swinging_by_steps(mentions[:at])
         if told or turns:
             result[at] = replace(mention, kind=MentionKind.JOIN, value=m.Join.THEN, phrase="then")
         if turns and not told:
             back = replace(mention, kind=MentionKind.DIRECTION, value=("away",), phrase="back", words="back")
             return [*result[: at + 1], back, *result[at + 1 :]]
     return result
+
+
+def _is_swinging_by_steps(mentions: list[Mention]) -> bool:
+    """Whether a measured way is followed by one against it: "left by a half, then right by a half, and back"."""
+    ways = [e.value for e in mentions if e.kind is MentionKind.DIRECTION]
+    steps = any(e.kind is MentionKind.JOIN and e.value is m.Join.THEN for e in mentions)
+    measured = sum(e.kind is MentionKind.QUANTITY for e in mentions)
+    return steps and measured > 1 and len(ways) > 1 and {ways[-2], ways[-1]} in map(set, OPPOSITES)
 
 
 def part_substitutes(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:

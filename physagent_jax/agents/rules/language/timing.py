@@ -40,11 +40,13 @@ class TimeSpan:
         start: When it begins.
         length: How long its cause acts; if ``whole``, in what time all of it has happened ("within a second").
         whole: See ``length``.
+        total: ``length`` is that of all that was said so far: "left, then up, in a second".
     """
 
     start: Duration | None = None
     length: Duration | None = None
     whole: bool = False
+    total: bool = False
 
 
 def match_time(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
@@ -56,7 +58,8 @@ def match_time(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
         return _map_match(_parse_quantity(tokens, at + 1), lambda a: TimeSpan(length=a))
     if word == "within" or word in ("in", "over") and _is_measured(tokens, at):
         part = None if word == "within" else _parse_part_of_clip(tokens, at + 1)
-        return part or _map_match(_parse_quantity(tokens, at + 1), lambda a: TimeSpan(None, a, True))
+        total = word != "within" and at > 0 and tokens[at - 1].text == ","
+        return part or _map_match(_parse_quantity(tokens, at + 1), lambda a: TimeSpan(None, a, True, total))
     if word in ("after", "at", "from", "between"):
         return _parse_span(tokens, at) or (
             None
@@ -81,8 +84,6 @@ def match_time(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
 
 def _is_measured(tokens: list[Token], at: int) -> bool:
     """Whether the words around say how much: "by half its length in a second", where "in" tells no start."""
-    if tokens[at - 1].text == "," and at:
-        return False  # of all that was said so far, maybe
     first = next((i + 1 for i in range(at - 1, -1, -1) if tokens[i].text in _STOPS), 0)
     last = next((i for i in range(at, len(tokens)) if tokens[i].text in _STOPS), len(tokens))
     found = [match_quantity(tokens, i) for i in range(first, last)]

@@ -371,6 +371,10 @@ CAUSES = _build_table(_CAUSE_ROWS)
 # Verbs whose clockwise is meant in the picture plane; the others turn about the vertical, seen from above.
 PICTURE_PLANE_TURNS = frozenset({"rotate", "revolve", "flip", "tumble", "cartwheel", "somersault", "roll"})
 # Their direction is where the top goes.
+LANDINGS = frozenset(
+    {"land", "reach the ground", "hit the ground", "hit the floor", "strike the ground", "touch the ground"}
+)
+"""How a fall ends: told after a fall, they tell of the same one."""
 TUMBLES = frozenset(
     {"flip", "tumble", "somersault", "cartwheel", "turn over", "turn ~ over", "roll over", "roll ~ over"}
 )
