@@ -53,6 +53,7 @@ def test_seconds_and_a_half():
 def test_in_a_second_without_a_measure_is_still_a_doubt():
     """It may be when it begins."""
     assert planned("in a second push it to the left")[0].unsure
+    assert planned("in a second push it to the left by half of its length")[0].unsure
 
 
 @pytest.mark.parametrize("way", [0.4, 0.5])

@@ -149,7 +149,7 @@ def _find_hovering(clauses: list[Clause]) -> list[str]:
     return [
         f"How high '{clause.words}' is, is not understood."
         for before, clause in zip(clauses, clauses[1:])
-        if before.verb is not None and clause.verb is not None
+        if before.verb is not None and clause.verb is not None and not clause.inherited
         if get_verb(before.verb).direction == get_verb(clause.verb).direction == "up"
         if clause.verb.form in ("hover", "hovers", "hovering", "floats", "floating")
     ]

@@ -83,9 +83,11 @@ def match_time(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
 
 
 def _is_measured(tokens: list[Token], at: int) -> bool:
-    """Whether the words around say how much: "by half its length in a second", where "in" tells no start."""
+    """Whether it was said how much: "by half its length in a second"; "in a second push it" tells a start."""
     first = next((i + 1 for i in range(at - 1, -1, -1) if tokens[i].text in _STOPS), 0)
-    last = next((i for i in range(at, len(tokens)) if tokens[i].text in _STOPS), len(tokens))
+    last = at
+    if at and tokens[at - 1].text == ":":  # "hit it: in a second it goes by half its length"
+        last = next((i for i in range(at, len(tokens)) if tokens[i].text in _STOPS), len(tokens))
     found = [match_quantity(tokens, i) for i in range(first, last)]
     return any(each is not None and each[0].unit for each in found)
 
