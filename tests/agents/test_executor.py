@@ -328,6 +328,26 @@ def test_what_is_to_stay_and_comes_back_is_kept_longer():
     assert [c.active_time for c in answer.force_field.constraints] == [(0, 8), (0, 8)]
 
 
+def test_a_round_with_nothing_but_doubts_is_not_changed_for_the_worse():
+    """Its every check is met: what a worse round failed by is mended already."""
+    prompt, scene = "push it left by half of its length", brief()
+    reply = read(prompt, scene).model_copy(update={"unsure": ("'so' is not understood.",)})
+    weak, near = (
+        judge(
+            prompt,
+            reply,
+            seen_in(reply.expectations, scene.frame_count, displacement=(-way, 0, 0)),
+            scene,
+            reply.force_field.model_copy(update={"actions": reply.force_field.actions[:count]}),
+        )
+        for way, count in ((0.2, 1), (0.5, 2))
+    )
+    assert all(check.passed for check in near.judgement.checks)
+    assert near.judgement.verdict is Verdict.FAIL
+    answer = rewrite(prompt, reply, near, scene, (weak,))
+    assert answer.force_field == near.force_field and "no check failed" in answer.changes[0]
+
+
 def test_what_left_the_picture_was_too_much():
     """Unobservable because the object is gone: the same again, but weaker."""
     prompt, scene = "push it left", brief()

@@ -532,6 +532,27 @@ def test_ends_against_each_other():
     assert not passes(both, show(turn=along(UP, 60), parts=ends(ZERO, ZERO, (0, 0, 60), (0, 0, 60))))
 
 
+@pytest.mark.parametrize(
+    ("top", "bottom", "passed"),
+    [
+        ((0, 0, 20), (0, 0, -20), True),
+        ((25, 0, 20), (25, 0, -20), True),  # both lean
+        ((0, 0, 30), (0, 0, -10), True),  # 40 degrees of one against the other, all the same
+        ((0, 0, 10), (0, 0, -10), False),
+        ((0, 0, 20), (0, 0, 20), False),
+        ((0, 0, -20), (0, 0, 20), False),
+        ((40, 0, 20), (-40, 0, -20), False),  # about another axis
+    ],
+)
+def test_of_ends_against_each_other_the_difference_counts(top, bottom, passed):
+    degrees = Amount(value=20, unit="degrees")
+    both = (
+        expected(KINDS.ROTATE, UP, part=UP, partial=True, amount=degrees),
+        expected(KINDS.ROTATE, DOWN, part=DOWN, partial=True, amount=degrees),
+    )
+    assert passes(both, show(parts=ends(ZERO, ZERO, top, bottom))) == passed
+
+
 # --- collateral ---------------------------------------------------------------------------------------------
 
 

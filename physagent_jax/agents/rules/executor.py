@@ -28,14 +28,16 @@ class RuleExecutor(ExecutorAgent):
 
         It goes out from the round that came nearest, not from the last: a change that made things worse is dropped.
         The mildest remedies come first; if they lead to a force field that was tried before, the next ones are
-        taken, and then those of the round that came second. If none is left, the last field is returned unchanged and
-        ``changes`` says so.
+        taken, and then those of the round that came second. If none is left, or nothing that was measured failed in a
+        round that came nearer, the last field is returned unchanged and ``changes`` says so.
         """
         rounds = [*context.rounds, failed]
         tried = [each.force_field for each in rounds]
         limits: list[str] = []
         hopeful = False
         for base in rank(rounds):
+            if base.judgement.checks and all(check.passed for check in base.judgement.checks):
+                break  # only doubts about the sentence keep it from being a success
             unmet = _group_failed(base.judgement, len(context.expectations), base.report)
             hopeful = hopeful or bool(unmet)
             for depth in range(_DEEPEST if unmet else 0):

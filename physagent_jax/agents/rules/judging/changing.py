@@ -30,7 +30,8 @@ def check_rotation(index: int, expectation: ExpectedMotion, view: View) -> list[
         return [make_unseen_check(index, expectation, why)]
     first, last = view.span(expectation)
     until = view.until(expectation) if expectation.released or not view.anchored else last
-    turns = view.turns(first, until, end) or view.turns(first, last, end)
+    turns = view.turns_asked(expectation, first, until, end)
+    turns = turns or view.turns_asked(expectation, first, last, end)
     if not turns:
         return [make_unseen_check(index, expectation, _explain(view, first, last))]
     axis = expectation.direction

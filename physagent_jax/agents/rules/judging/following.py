@@ -45,7 +45,7 @@ def measure_signal(expectation: ExpectedMotion, view: View, first: int, until: i
         sign = -1.0 if expectation.kind is MotionKind.SQUEEZE else 1.0
         return [(t, sign * v) for t, v in measure_strains(expectation, view, first, until)[0]]
     if expectation.kind is MotionKind.ROTATE:
-        turns = view.turns(first, until, end)
+        turns = view.turns_asked(expectation, first, until, end)
         axis = expectation.direction
         return [(t, norm(v) if axis is None else dot(v, axis)) for t, v in turns]
     course = view.course(first, until, end)

@@ -143,6 +143,30 @@ class View:
         axis = window.rotation_axis or (0.0, 0.0, 0.0)
         return [(window.first, (0.0, 0.0, 0.0)), (window.last, scale(axis, window.rotation_degrees))]
 
+    def turns_asked(
+        self, expectation: ExpectedMotion, first: int, last: int, end: PartMotion | None
+    ) -> Course:
+        """As `turns`; of one end that is to turn against the other, half of their difference.
+
+        That difference is what is asked, and what both ends seem to do alike, as leaning does, is not in it.
+        """
+        turns, other = self.turns(first, last, end), self._find_opposed(expectation)
+        against = None if other is None or end is None or other.part is None else self.find_end(other.part)
+        if against is None:
+            return turns
+        back = dict(self.turns(first, last, against))
+        return [(t, scale(add([v, scale(back[t], -1.0)]), 0.5)) for t, v in turns if t in back]
+
+    def _find_opposed(self, expectation: ExpectedMotion) -> ExpectedMotion | None:
+        """The turn of the other end the other way, at the same time."""
+        part, axis = expectation.part, expectation.direction
+        for other in self.together(expectation):
+            turns = other.kind is expectation.kind is MotionKind.ROTATE and not expectation.excludes_part
+            if turns and part and axis and other.part and other.direction:
+                if cosine(part, other.part) < -_ALONG_END and cosine(axis, other.direction) < -_SAME_LINE:
+                    return other
+        return None
+
     def window(self, first: int, last: int) -> WindowMotion | None:
         """The report's window of these frames, or the shortest that holds them from the same frame on."""
         fitting = [w for w in self.report.windows if w.first == first and w.last >= last]

@@ -131,7 +131,12 @@ def _is_swinging_by_steps(mentions: list[Mention]) -> bool:
     ways = [e.value for e in mentions if e.kind is MentionKind.DIRECTION]
     steps = any(e.kind is MentionKind.JOIN and e.value is m.Join.THEN for e in mentions)
     measured = sum(e.kind is MentionKind.QUANTITY for e in mentions)
-    return steps and measured > 1 and len(ways) > 1 and {ways[-2], ways[-1]} in map(set, OPPOSITES)
+    return (
+        steps
+        and measured > 1
+        and len(ways) > 1
+        and any({ways[-2], ways[-1]} == set(pair) for pair in OPPOSITES)
+    )
 
 
 def part_substitutes(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
