@@ -107,6 +107,7 @@ def test_evenly_is_at_one_speed():
         "stretch it sideways by a fifth within a third of a second and keep it so",
         "it becomes a fifth wider within a third of a second",
         "pull its left and right ends apart: a fifth longer within a third of a second",
+        "squeeze it from the left and the right by a twelfth within a third of a second",
     ],
 )
 def test_a_length_that_is_reached_is_kept(prompt):
@@ -114,6 +115,12 @@ def test_a_length_that_is_reached_is_kept(prompt):
     assert [e.stays for e in reply.expectations] == [True] and not reply.unsure
     assert {c.held_until for c in field.constraints} == {last}
     assert all(c.active_time[1] <= 8 for c in field.constraints)
+
+
+def test_a_twist_that_is_reached_is_kept():
+    reply, field, last = planned("twist it about the vertical by 40 degrees within half a second")
+    assert [e.stays for e in reply.expectations] == [True, True] and not reply.unsure
+    assert {c.held_until for c in field.constraints} == {last}
 
 
 def test_a_length_that_is_let_go_is_not_kept():

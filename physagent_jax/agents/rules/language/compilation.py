@@ -70,6 +70,11 @@ def _is_reached_within(event: Event) -> bool:
     return event.when.whole and event.amount is not None and not event.verb.brief
 
 
+def _is_kept(event: Event, after: list[Event]) -> bool:
+    """Whether a change of shape that is reached in its time is to stay: nothing says that it is let go."""
+    return _is_reached_within(event) and not any(later.effect is Effect.RELEASE for later in after)
+
+
 def _is_measured(event: Event, builder: ForceFieldBuilder) -> bool:
     """Whether a free object is to go so far, or turn by so much, and no further."""
     return not builder.anchored and find_effort(event.amount, event.effect, builder.brief) is not None
@@ -261,8 +266,7 @@ def _compile_scale(
     strength = event.strength
     if event.amount is not None and event.amount.unit == "factor":
         strength = find_strain_magnitude(event.amount)
-        released = any(later.effect is Effect.RELEASE for later in after)
-        event = replace(event, stays=event.stays or event.when.whole and not released and count == 1)
+        event = replace(event, stays=event.stays or count == 1 and _is_kept(event, after))
         if strength > MAGNITUDE_MAX:
             builder.add_note(f"'{event.words}': more than the library's strongest force is calibrated for.")
     for part in windows:
@@ -358,6 +362,7 @@ def _compile_turn(
 ) -> None:
     assert event.direction is not None
     if event.verb.wrings and event.part is None and event.region is None and not event.repeat.alternate:
+        event = replace(event, stays=event.stays or _is_kept(event, after))
         ends = _split_ends(event, builder)
         if len(ends) > 1:
             _compile_turn_against(ends, window, _is_released(event, window, after, builder), builder)

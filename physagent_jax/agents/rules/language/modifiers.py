@@ -427,7 +427,9 @@ UNITS: dict[str, str] = {
 _ORDINALS = ("third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth")
 # Nouns of parts of a whole: "a fifth", "three quarters".
 FRACTIONS: dict[str, float] = {"half": 0.5, "quarter": 0.25, "quarters": 0.25} | {
-    name + plural: 1 / (index + 3) for index, name in enumerate(_ORDINALS) for plural in ("", "s")
+    name + plural: 1 / number
+    for number, name in (*enumerate(_ORDINALS, 3), (12, "twelfth"), (15, "fifteenth"), (20, "twentieth"))
+    for plural in ("", "s")
 }
 CLIP_PARTS: dict[str, float] = {"half": 0.5, "third": 1 / 3, "quarter": 0.25}
 NUMBERS: dict[str, float] = {
