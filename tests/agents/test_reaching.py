@@ -84,6 +84,17 @@ def test_what_a_force_can_do_stays_a_force():
     assert not field.constraints and {a.action_type for a in field.actions} == {ActionType.TRANSLATION}
 
 
+@pytest.mark.parametrize("frame_count", [26, 31, 38, 51])
+def test_what_is_braked_comes_to_rest_where_it_should(frame_count):
+    """As many whole frames of pushing as of braking: 2 (M / T^2) (t / 2)^2 body lengths, and no speed is left."""
+    _, field, last = planned("push it to the left by 0.3 lengths", frame_count=frame_count)
+    push, brake = field.actions
+    (first, middle), (again, end) = push.active_time, brake.active_time
+    assert middle == again and middle - first == end - middle and last - end <= 1
+    assert (push.vector, push.magnitude) == (LEFT, brake.magnitude) and brake.vector == RIGHT
+    assert 2 * push.magnitude * ((middle - first) / last) ** 2 == pytest.approx(0.3, rel=2e-3)
+
+
 def test_what_is_led_leaves_room_for_the_next_step():
     prompt = "push it left by 0.4 lengths in the first half, then up by 0.3 lengths in the second half"
     _, field, _ = planned(prompt)

@@ -398,7 +398,7 @@ def _lead(
         return None
     last = float(brief.frame_count - 1)
     first = min((c.item.active_time or (0.0, last))[0] for c in causes)
-    end = min(max((c.item.active_time or (0.0, last))[1] for c in causes), last)
+    end = min(expectation.window[1], last)
     seconds = (end - first) * brief.frame_dt
     if turns:
         way = (

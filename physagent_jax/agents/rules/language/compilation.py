@@ -103,7 +103,9 @@ def _add_steady(
         window = (window[0], window[0] + max(_GUST * (window[1] - window[0]), min(1.0, builder.last)))
     brakes = _needs_brake(event, after, builder)
     told = event.when.length is not None and event.when.length.unit != "clip" and not event.when.whole
-    seconds = (window[1] - window[0]) * builder.brief.frame_dt
+    halves = _halve(window)
+    acts = (halves[0][0], halves[1][1]) if brakes and not told else window
+    seconds = (acts[1] - acts[0]) * builder.brief.frame_dt
     magnitude *= _find_dose(event, kind, magnitude, seconds, brakes and not told, builder)
     if builder.anchored and _is_reached_within(event) and not after:
         builder.add_action(event, kind, vector, magnitude, (window[0], builder.last))
@@ -120,11 +122,21 @@ def _add_steady(
                 "The object is free and would drift on: it is braked after the time that is told."
             )
         return window
-    speed_up, slow_down = divide(window, [1.0, 1.0])
+    speed_up, slow_down = halves
     builder.add_action(event, kind, vector, magnitude, speed_up)
     builder.add_action(event, kind, scale(vector, -1.0), magnitude, slow_down)
     builder.add_note("The object is free and would drift on: it is braked before what follows.")
     return window
+
+
+def _halve(window: Window) -> tuple[Window, Window]:
+    """Two halves of as many whole frames each where there is room: else what is braked would drift on, or go back."""
+    first = float(round(window[0]))
+    half = int((round(window[1]) - first) / 2)
+    if half < 1:
+        speed_up, slow_down = divide(window, [1.0, 1.0])
+        return speed_up, slow_down
+    return (first, first + half), (first + half, first + 2.0 * half)
 
 
 def _find_dose(
