@@ -154,11 +154,16 @@ def test_moved_ends_stretch_a_bar_on_average_by_more_than_from_end_to_end():
 
 
 def test_what_was_squeezed_is_brought_back_before_it_is_stretched():
+    """By the same two ends: a plate leaves them nearly where they are, and cannot pull."""
     prompt = "squeeze it from the left and the right by a seventh in the first half, then stretch it the same way by "
     alone = planned("stretch it sideways by a seventh in the second half")[1].constraints
     after = planned(prompt + "a seventh until the end")[1].constraints
-    ends = [c for c in after if c.constraint_type is ConstraintType.PARTICLE_TRANSLATION]
-    assert len(ends) == 2 and travelled(ends[0], 25) == pytest.approx(2 * travelled(alone[0], 25), rel=0.05)
+    assert {c.constraint_type for c in after} == {ConstraintType.PARTICLE_TRANSLATION} and len(after) == 4
+    inward, outward = after[0], after[2]
+    assert inward.held_until <= outward.active_time[0] and inward.region == outward.region
+    assert inward.vector == tuple(-c for c in outward.vector)
+    assert travelled(outward, 25) == pytest.approx(2 * travelled(alone[0], 25), rel=0.05)
+    assert travelled(outward, 25) == pytest.approx(2 * travelled(inward, 25), rel=0.05)
 
 
 def test_back_is_as_far_as_it_is_away():

@@ -243,12 +243,18 @@ def _press(
     if expectation.kind is not MotionKind.SQUEEZE or not causes or expectation.direction is None:
         return None
     begin = (causes[0].item.active_time or (0.0, 0.0))[0]
-    if begin < 1 and not field.default_drop:
+    pulled = any(e.kind is MotionKind.STRETCH and _share_line(e, expectation) for e in everything)
+    if (
+        begin < 1
+        and not field.default_drop
+        and (not pulled or stands_on_its_end(brief, expectation.direction))
+    ):
         why = f"'{expectation.words}': it is pressed between plates, not pulled inwards at every point."
         return press_between(field, causes, expectation, brief, everything), why
     if stands_on_its_end(brief, expectation.direction):
         return None
-    why = f"'{expectation.words}': the two ends are moved together, wherever it is by then."
+    where = "as they are moved apart in turn" if pulled else "wherever it is by then"
+    why = f"'{expectation.words}': the two ends are moved together, {where}."
     return move_ends(field, causes, expectation, brief, everything), why
 
 

@@ -42,6 +42,7 @@ _LARGEST_GAIN = 10.0  # beyond it the response is not proportional anyway
 _SETTLE = 1 / 3  # of a later stillness that may still show what came before it
 _PART = 0.3  # how much less the whole shows if only a part is acted on
 REACHED = 0.8  # of the way to an obstacle, from where on it counts as met
+_TOLD_STRAIN = 0.04  # [1] within which perception tells nine strains of ten
 _UNHURRIED = 1.0  # [s] what lasts for less time may do less
 _STRENGTHS = (0.4, 1.0, 1.6)
 
@@ -222,8 +223,8 @@ def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tole
     """The range around a quantity that the sentence names, in the unit in which its kind of motion is measured.
 
     A viewer has no ruler: 20 % off a distance, a length or an angle is not noticed without comparison, nor what is less
-    than `LEAST` of a length or `STILL_DEGREES` of a turn, which perception can tell (`docs/perception.md`). How long a
-    cause lasts is read from speeds, which a viewer judges to about 40 %.
+    than `LEAST` of a way, `STILL_DEGREES` of a turn or 0.04 of a length, as perception tells (`docs/perception.md`).
+    How long a cause lasts is read from speeds, which a viewer judges to about 40 %.
 
     Returns:
         Body lengths for moves, degrees for turns, relative change of length (or depth of a squeeze), seconds; None if
@@ -243,6 +244,6 @@ def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tole
         value = abs(value - 1.0)
     if unit == "factor" and not axial:
         return None
-    width = max(0.2 * value, LEAST)
+    width = max(0.2 * value, _TOLD_STRAIN if axial else LEAST)
     name = "of its length" if axial else "body lengths"
     return Tolerance(max(value - width, 0.2 * value), value, value + width, name)
