@@ -16,7 +16,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from physagent_jax.agents.matching import Cause, agrees, find_own_causes, list_causes
+from physagent_jax.agents.matching import Cause, agrees, find_own_causes, list_causes, overlaps
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.stacking import find_room, fits, has_room
 from physagent_jax.agents.vectors import add, clamp, cosine, normalise, scale
@@ -346,7 +346,7 @@ def paired_translation(entries: Entries, context: Context) -> tuple[Entries, lis
     """A stretch or squeeze by constraints is exactly two, symmetrically opposed.
 
     A single `enforce_particle_translation` gets its mirror image; of several that are no such pair, the
-    first and its mirror image stay.
+    first and its mirror image stay. What is squeezed and then stretched has such a pair for each.
     """
     reasons: list[str] = []
     for expectation in context.expectations:
@@ -359,6 +359,7 @@ def paired_translation(entries: Entries, context: Context) -> tuple[Entries, lis
             if cause.type is ConstraintType.PARTICLE_TRANSLATION
             and cause.item.region is not None
             and abs(cosine(cause.item.vector, expectation.direction)) > _PARALLEL
+            and overlaps(cause, expectation.window)
         ]
         if not slabs or _is_pair(slabs):
             continue

@@ -151,6 +151,19 @@ def test_paired_translation():
     assert rules == []
 
 
+def test_each_of_two_changes_of_length_has_its_own_pair():
+    """Squeezed first, then stretched along the same line: neither pair is the other's surplus."""
+    squeeze = ExpectedMotion(kind=MotionKind.SQUEEZE, direction=RIGHT, window=(0, 24))
+    stretch = ExpectedMotion(kind=MotionKind.STRETCH, direction=RIGHT, window=(24, 48))
+    inward = [slab(LEFT, RIGHT, active_time=[0, 14]), slab(RIGHT, LEFT, active_time=[0, 14])]
+    outward = [slab(RIGHT, RIGHT, active_time=[24, 38]), slab(LEFT, LEFT, active_time=[24, 38])]
+    field, rules = mended(constraints=[*inward, *outward], expectations=[squeeze, stretch])
+    assert rules == [] and len(field.constraints) == 4
+    field, rules = mended(constraints=[*inward, outward[0]], expectations=[squeeze, stretch])
+    assert rules == ["paired_translation"] and len(field.constraints) == 4
+    assert field.constraints[3].active_time == (24, 38)
+
+
 def test_known_skills():
     """Unknown skills, keys and shapes vanish with a reason."""
     field, rules = mended(
