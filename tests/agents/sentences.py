@@ -58,8 +58,8 @@ SENTENCES = [
     (
         "push the robot to the left, then harder to the right, and finally stop",
         "",
-        "translation left +1.6 0-10; translation right +1.6 10-19; translation right +1.6 19-29; "
-        "translation left +1.6 29-38",
+        "translation left +1.6 0-9; translation right +1.6 9-18; translation right +1.6 19-28; "
+        "translation left +1.6 28-37",
         "move left; move right; still",
     ),
     (

@@ -21,6 +21,7 @@ def amounts(prompt):
     [
         ("it becomes a sixth taller", ["stretch 1.167 factor"]),
         ("within a third of a second it gets a quarter shorter", ["squeeze 0.75 factor"]),
+        ("it gets a twelfth shorter", ["squeeze 0.9167 factor"]),
         ("move it left by half its length, then right by as much", ["move 0.5 lengths", "move 0.5 lengths"]),
         ("it moves up half a metre, then as far down", ["move 0.5 metres", "move 0.5 metres"]),
         ("move it up by a third of its length, then left the same distance", ["move 0.3333 lengths"] * 2),
