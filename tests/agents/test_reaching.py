@@ -224,3 +224,9 @@ def test_a_throw_on_the_ground_rises_by_its_magnitude():
     (blow,) = reply.force_field.actions
     assert (blow.vector, blow.magnitude) == (UP, 0.6)
     assert [e.amount is None for e in reply.expectations] == [False, True]
+
+
+def test_what_moves_with_its_holder_is_a_doubt():
+    """The turntable makes the turn, and it does not turn on its held base."""
+    assert planned("mount it on a turntable that makes one turn in four seconds")[0].unsure
+    assert not planned("hold its base; push it with a gust that makes it lean left")[0].unsure

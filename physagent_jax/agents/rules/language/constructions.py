@@ -134,6 +134,14 @@ def _find_idle_denial(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
+def _find_moving_holder(mentions: list[Mention], index: int) -> list[str]:
+    """Says "mount it on a turntable that makes one turn in four seconds": what holds it moves, and it with that."""
+    verb = next((m.value for m in reversed(mentions[:index]) if isinstance(m.value, Verb)), None)
+    if mentions[index].phrase != "that makes" or verb is None or verb.effect is not Effect.HOLD:
+        return []
+    return ["Whether what holds it moves it along is not understood."]
+
+
 def _find_counted_pause(mentions: list[Mention], index: int) -> list[str]:
     """Says "three times with pauses of a second": how long the pauses are, and not what comes after all."""
     mention = mentions[index]
@@ -288,6 +296,7 @@ _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_means,
     _find_attempt,
     _find_idle_pause,
+    _find_moving_holder,
     _find_counted_pause,
     _find_posture,
     _find_particle,
