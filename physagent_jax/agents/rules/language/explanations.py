@@ -17,7 +17,7 @@ def merge_explanations(clauses: list[Clause], mentions: list[Mention]) -> tuple[
     The verb is the first one's; what both tell is the second one's.
 
     Returns:
-        The clauses, and the mentions with the colons that are understood emptied.
+        The clauses, and the mentions; colons that are understood, and verbs that say the same again, are emptied.
     """
     mentions = list(mentions)
     for index, colon in enumerate(mentions):
@@ -29,6 +29,8 @@ def merge_explanations(clauses: list[Clause], mentions: list[Mention]) -> tuple[
             merged = _merge(before[0], after[0])
             clauses = [merged if c is before[0] else c for c in clauses if c is not after[0]]
             mentions[index] = empty(colon, ":")
+            again = None if after[0].verb is None or after[0].inherited else after[0].verb.first
+            mentions = [empty(m, m.phrase) if m.first == again else m for m in mentions]
     return clauses, mentions
 
 
