@@ -50,6 +50,12 @@ def test_seconds_and_a_half():
     assert reply.expectations[0].window == (0, 38) and not reply.unsure and last == 75
 
 
+def test_the_second_half_need_not_be_named_again():
+    reply, _, last = planned("push it left in the first half, then turn it in the second", frame_count=49)
+    assert [e.window for e in reply.expectations] == [(0, last / 2), (last / 2, last)] and not reply.unsure
+    assert planned("push it to the left in the first half and up in the second")[0].unsure
+
+
 def test_in_a_second_without_a_measure_is_still_a_doubt():
     """It may be when it begins."""
     assert planned("in a second push it to the left")[0].unsure

@@ -201,6 +201,11 @@ def _parse_part_of_clip(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | 
         size = CLIP_PARTS[noun]
         start = 1.0 - size if order < 0 else min(order * size, 1.0 - size)
         return TimeSpan(Duration(start, "clip"), Duration(size, "clip")), behind + 1
+    named = [t.text for t in tokens[:at] if t.text in CLIP_PARTS]
+    if not noun.isalnum() and order and named and _get_word(tokens, at - 1) == "the":
+        size = CLIP_PARTS[named[-1]]  # "... in the first half and up in the second"
+        start = 1.0 - size if order < 0 else min(order * size, 1.0 - size)
+        return TimeSpan(Duration(start, "clip"), Duration(size, "clip")), at + 1
     unit = UNITS.get(noun)
     if unit is None or (order > 0 and value != 1.0):
         return None
