@@ -337,6 +337,27 @@ def test_a_lengthening_after_a_shortening_is_no_stretch():
     assert not passes(expected(KINDS.STRETCH, RIGHT), seen)
 
 
+def test_a_length_from_rest_is_measured_in_one_way():
+    """By the outline before and after: 0.88 of its length, then 1.14, whatever the points on its surface show."""
+    half = LAST // 2
+    points = [-0.15 * ramp(t, 0, half) + 0.15 * ramp(t, half, LAST) for t in range(LAST + 1)]
+    outline = [1 - 0.12 * ramp(t, 0, half) + 0.26 * ramp(t, half, LAST) for t in range(LAST + 1)]
+    extent = Extent(direction=RIGHT, ratio=tuple(outline), half_width=(0.01,) * (LAST + 1))
+    seen = show(strain=lambda t: (points[t], 0, 0)).model_copy(update={"extents": (extent,)})
+    both = tuple(
+        expected(kind, RIGHT, window=window, amount=Amount(value=factor, unit="factor"))
+        for kind, window, factor in (
+            (KINDS.SQUEEZE, (0, half), 0.86),
+            (KINDS.STRETCH, (half, LAST), 1.16),
+        )
+    )
+    assert passes(both, seen)
+    over = expected(KINDS.STRETCH, RIGHT, window=(half, LAST), amount=Amount(value=1.1, unit="factor"))
+    assert passes((both[0], over), seen) and not passes(
+        (both[0], over.model_copy(update={"amount": Amount(value=1.08, unit="factor")})), seen
+    )
+
+
 # --- several actions ----------------------------------------------------------------------------------------
 
 

@@ -20,6 +20,7 @@ from physagent_jax.core.strict import Vector
 _FIRST = 0.2  # of the largest turn or strain: what is seen of it first
 _OWN_AXIS = 0.6  # of the asked strain that other directions may show the same way
 _UPRIGHT = 0.7  # cosine
+_OUTLINE = "from the outline"
 _KEPT = 0.4  # of the largest turn that a free thing has left where it ends
 
 
@@ -166,7 +167,7 @@ def measure_strains(expectation: ExpectedMotion, view: View, first: int, until: 
         if view.hides(expectation.direction):
             return [], "the stretch along the line of sight is hidden", usual
         strains, how, half_width = _measure_along(expectation.direction, view, first, until)
-        strains = _measure_from_rest(expectation, view, strains, first)
+        strains = _measure_from_rest(expectation, view, strains, first, how)
         return strains, how if strains else lost, half_width
     table = view.brief.directions
     axes = [table.right, table.up, table.toward]
@@ -197,14 +198,18 @@ def _measure_along(direction: Vector, view: View, first: int, until: int) -> Str
     least = tolerances.VISIBLE_STRAIN if upright else -tolerances.VISIBLE_STRAIN
     if math.copysign(1.0, value) * fitted[frame] < least or abs(sure) <= abs(fitted[frame]):
         return strains, "from the affine fit", usual
-    return [(t, v) for t, v, _ in outline], "from the outline", half_width
+    return [(t, v) for t, v, _ in outline], _OUTLINE, half_width
 
 
 def _measure_from_rest(
-    expectation: ExpectedMotion, view: View, strains: list[tuple[int, float]], first: int
+    expectation: ExpectedMotion, view: View, strains: list[tuple[int, float]], first: int, how: str
 ) -> list[tuple[int, float]]:
-    """Relative to rest, if it was deformed the other way before: springing back is not stretching yet."""
-    before = view.strains(expectation.direction, 0, first) if first > 0 and expectation.direction else []
+    """Relative to rest by the same measure, if it was deformed the other way before: springing back is no stretch."""
+    before = []
+    if first > 0 and expectation.direction and how == _OUTLINE:
+        before = [(t, v) for t, v, _ in view.outline(expectation.direction, 0, first)]
+    elif first > 0 and expectation.direction:
+        before = view.strains(expectation.direction, 0, first)
     start = before[-1][1] if before and before[-1][0] == first else 0.0
     if (start > 0.0) == (expectation.kind is MotionKind.STRETCH):
         return strains
