@@ -12,7 +12,9 @@ from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.rules.language.audit import find_lost_ways, find_odd_measures
 from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, describe_skill
 from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb
+from physagent_jax.agents.rules.language.coherence import find_incoherences
 from physagent_jax.agents.rules.language.compilation import compile_slots
+from physagent_jax.agents.rules.language.cross_check import Outcome, find_disagreements
 from physagent_jax.agents.rules.language.doubts import find_doubts
 from physagent_jax.agents.rules.language.events import (
     TOLD,
@@ -29,8 +31,9 @@ from physagent_jax.agents.rules.language.modifiers import GROUND_WORDS, OPPOSITE
 from physagent_jax.agents.rules.language.naming import collect_object_words
 from physagent_jax.agents.rules.language.reading import find_mentions
 from physagent_jax.agents.rules.language.schedule import follows, schedule
-from physagent_jax.agents.rules.language.spelling import describe_corrections
+from physagent_jax.agents.rules.language.spelling import correct_spelling, describe_corrections
 from physagent_jax.agents.rules.language.timing import TimeSpan
+from physagent_jax.agents.rules.language.tokens import tokenise
 from physagent_jax.agents.rules.language.unknowns import is_mostly_unknown, list_unknown
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 from physagent_jax.agents.schema import (
@@ -145,6 +148,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
         builder.unsure.append(f"Where '{solids[-1].words}' is, is not understood.")
     lost = find_lost_ways(clauses, builder.expectations, builder.obstacles, brief.directions)
     lost += find_odd_measures(builder.expectations, brief.directions.up)
+    lost += _hold_against_words(prompt, mentions, names, events, anchor, builder)
     for doubt in [*find_doubts(mentions, names, unknown, clauses, brief, prompt), *lost]:
         if doubt not in builder.unsure:
             builder.unsure.append(doubt)
@@ -159,6 +163,30 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
         not_understood=tuple(unknown),
         notes=tuple(builder.notes),
     )
+
+
+def _hold_against_words(
+    prompt: str,
+    mentions: list[Mention],
+    names: frozenset[str],
+    events: list[Event],
+    anchor: AnchorRequest,
+    builder: ForceFieldBuilder,
+) -> list[str]:
+    """Where a simpler reading of the words, or the motions among themselves, speak against what was read."""
+    tokens, directions = correct_spelling(tokenise(prompt), names), builder.brief.directions
+    outcome = Outcome(
+        motions=builder.expectations,
+        events=events,
+        anchor=anchor.kind,
+        obstacles=[(o.direction[0], o.direction[1], o.direction[2]) for o in builder.obstacles],
+        directions=directions,
+        reversed_gravity=builder.gravity == "up",
+    )
+    return [
+        *find_disagreements(tokens, mentions, names, outcome),
+        *find_incoherences(tokens, builder.expectations, anchor.kind, directions),
+    ]
 
 
 def _check_text(prompt: str) -> None:

@@ -41,6 +41,7 @@ from physagent_jax.forces.schema import Region
 
 ASSUMED = "left"
 TOLD = "time as told"
+_BY_DEFAULT = "by default"
 _SIDE_NAMES = frozenset({("left",), ("right",), ("up",), ("down",), ("toward",), ("away",)})
 
 _WAYS = frozenset({MentionKind.DIRECTION, MentionKind.FROM})
@@ -479,6 +480,12 @@ def _resolve_direction(
     return total, repeat, source, []
 
 
+def is_way_assumed(event: Event) -> bool:
+    """Whether the sentence does not say, as far as it was read, which way an event goes."""
+    source = event.sources.get("vector")
+    return source is not None and source.why.endswith(_BY_DEFAULT)
+
+
 def _assume_direction(
     clause: Clause, verb: Verb, brief: SceneBrief, repeat: Repeat
 ) -> tuple[Vector | None, Repeat, ValueSource, list[str]]:
@@ -492,7 +499,7 @@ def _assume_direction(
     sides = [m for m in clause.select(MentionKind.SIDES) if "side" in m.words.lower() and not m.value]
     name = "right" if sides and verb.effect is Effect.SCALE else verb.direction or ASSUMED
     vector = normalise(sum_directions((name,), brief))
-    source = ValueSource(words, f"no direction given: {name} by default")
+    source = ValueSource(words, f"no direction given: {name} {_BY_DEFAULT}")
     if verb.direction:
         return vector, repeat, source, []
     return vector, repeat, source, [f"'{words}': no direction given, assumed {name}."]
