@@ -9,6 +9,7 @@ from typing import Literal
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
+from physagent_jax.agents.rules.language.accounting import find_unused
 from physagent_jax.agents.rules.language.audit import find_lost_ways, find_odd_measures
 from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, describe_skill
 from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb
@@ -148,6 +149,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
         builder.unsure.append(f"Where '{solids[-1].words}' is, is not understood.")
     lost = find_lost_ways(clauses, builder.expectations, builder.obstacles, brief.directions)
     lost += find_odd_measures(builder.expectations, brief.directions.up)
+    lost += find_unused(mentions, clauses)
     lost += _hold_against_words(prompt, mentions, names, events, anchor, builder)
     for doubt in [*find_doubts(mentions, names, unknown, clauses, brief, prompt), *lost]:
         if doubt not in builder.unsure:
@@ -442,9 +444,18 @@ def _choose_anchor(clauses: list[Clause]) -> AnchorRequest:
 def _names_held_end(clause: Clause, clauses: list[Clause]) -> bool:
     """Whether a clause says of a part that it does not move while the rest does."""
     verb = get_verb(clause.head)
-    still = verb.effect is Effect.STILL or (clause.negated and verb.effect is not Effect.STILL)
+    still = verb.effect is Effect.STILL or (clause.negated and _is_said_of_part(clause))
     held = still and _find_held_end(clause, None) is not None
     return held and (clause is clauses[0] or clause.join is not Join.THEN)
+
+
+def _is_said_of_part(clause: Clause) -> bool:
+    """Whether a part is what moves rather than what is acted on: "its base does not tilt", not "don't hit its head"."""
+    head = clause.head
+    if head is None or get_verb(head).effect is Effect.STILL:
+        return False
+    places = [mention.first for mention in clause.select(MentionKind.PLACE)]
+    return get_verb(head).generic or min(places, default=0) < head.first
 
 
 def _find_held_end(clause: Clause, otherwise: End) -> End:

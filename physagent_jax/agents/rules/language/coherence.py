@@ -60,7 +60,7 @@ def _find_unjoined(
 
 
 def _is_one_motion(first: ExpectedMotion, second: ExpectedMotion, directions: DirectionTable) -> bool:
-    """Whether two kinds go together by themselves: wider and flatter, pushed left and tilted left, falling and turning."""
+    """Whether two kinds go together by themselves: wider and flatter, pushed and tilted left, falling and turning."""
     if first.kind in _SHAPES and second.kind in _SHAPES:
         return True
     turn, other = (first, second) if first.kind is MotionKind.ROTATE else (second, first)
@@ -90,9 +90,7 @@ def _find_echoes(words: list[str], motions: Sequence[ExpectedMotion]) -> list[st
     ]
 
 
-def _find_leaving(
-    motions: Sequence[ExpectedMotion], anchor: str, directions: DirectionTable
-) -> list[str]:
+def _find_leaving(motions: Sequence[ExpectedMotion], anchor: str, directions: DirectionTable) -> list[str]:
     """What hangs and yet falls or goes up, and what stands fast and yet leaps."""
     doubts = []
     for motion in motions:

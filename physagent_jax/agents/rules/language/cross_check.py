@@ -23,7 +23,12 @@ from physagent_jax.agents.vectors import add, dot
 from physagent_jax.core.strict import Vector
 
 _ALONG = 0.3  # cosine from which a motion goes a way at least in part
-_AXES = (MotionKind.STRETCH, MotionKind.SQUEEZE, MotionKind.SWAY, MotionKind.ROTATE)  # either sense may be meant
+_AXES = (
+    MotionKind.STRETCH,
+    MotionKind.SQUEEZE,
+    MotionKind.SWAY,
+    MotionKind.ROTATE,
+)  # either sense may be meant
 _SHAPES = (MotionKind.STRETCH, MotionKind.SQUEEZE)
 _GOING = (Effect.PUSH, Effect.STRIKE, Effect.LEAN, Effect.ROLL)
 # Kinds of motion that a verb may bring about, whatever stands around it.
@@ -37,7 +42,9 @@ _BROUGHT = {
     Effect.TOPPLE: (MotionKind.FALL, MotionKind.ROTATE),
     Effect.JUMP: (MotionKind.MOVE, MotionKind.SWAY),
 }
-_NOT_ALWAYS = frozenset({"turn", "bounce", "screw"})  # "a quarter turn", "bounce it up and down", "screwed to"
+_NOT_ALWAYS = frozenset(
+    {"turn", "bounce", "screw"}
+)  # "a quarter turn", "bounce it up and down", "screwed to"
 _FIXING = frozenset({"clamp", "fix", "anchor", "pin", "bolt", "nail", "glue", "root"})
 _LETTING_GO = re.compile(r"\b(releas(e|es|ed|ing)|lets? go)\b")
 # What is denied, supposed or compared did not happen: nothing need come of it.
@@ -131,10 +138,10 @@ def _find_untold_ways(mentions: Sequence[Mention], outcome: Outcome) -> list[str
         for event in outcome.events
         if event.effect in _GOING and not event.verb.bound and is_way_assumed(event)
     ]
-    passing = {"over"} if any(event.wind for event in assumed) else set()  # whichever way it goes over the object
-    leading = [
-        m.words for m in mentions if m.kind is MentionKind.FUNCTION and m.form in _LEADING - passing
-    ]
+    passing = (
+        {"over"} if any(event.wind for event in assumed) else set()
+    )  # whichever way it goes over the object
+    leading = [m.words for m in mentions if m.kind is MentionKind.FUNCTION and m.form in _LEADING - passing]
     if not assumed or not leading:
         return []
     return [f"Which way '{assumed[0].phrase}' goes may be told by '{leading[0]}', which is not understood."]
@@ -162,7 +169,11 @@ def _find_wholes(text: str, outcome: Outcome) -> list[str]:
     """What is said of the whole, where a part was read."""
     said = _ALL.search(text)
     parted = any(m.partial and not m.excludes_part for m in outcome.motions) or outcome.anchor == "top"
-    return [f"Whether a part or the '{said.group()}' object is meant is not understood."] if said and parted else []
+    return (
+        [f"Whether a part or the '{said.group()}' object is meant is not understood."]
+        if said and parted
+        else []
+    )
 
 
 def _find_lost_verbs(mentions: Sequence[Mention], names: frozenset[str], outcome: Outcome) -> list[str]:

@@ -10,6 +10,7 @@ from physagent_jax.agents.rules.language.clauses import Clause, get_verb
 from physagent_jax.agents.rules.language.comparisons import find_comparisons
 from physagent_jax.agents.rules.language.constructions import find_constructions
 from physagent_jax.agents.rules.language.contradictions import find_contradictions
+from physagent_jax.agents.rules.language.elsewhere import find_elsewhere
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import LOCATIONS, PARTS, Place
 from physagent_jax.agents.rules.language.movers import find_other_movers
@@ -134,7 +135,7 @@ def find_doubts(
     doubts += find_series(mentions)
     doubts += find_retractions(mentions)
     doubts += find_sides(mentions, names) + find_particles(mentions, names) + find_turnings(mentions, names)
-    doubts += find_surroundings(mentions)
+    doubts += find_surroundings(mentions) + find_elsewhere(mentions)
     doubts += find_contradictions(clauses)
     return list(dict.fromkeys(doubts))
 

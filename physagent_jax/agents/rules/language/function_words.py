@@ -93,6 +93,13 @@ FUNCTION_PHRASES = frozenset(
         "will ~ look like",
         "lots of",
         "each other",
+        "do nothing more",
+        "do nothing else",
+        "does nothing more",
+        "does nothing else",
+        "turn out that",
+        "turns out that",
+        "turned out that",
     }
     | PAUSES
 )

@@ -397,7 +397,7 @@ JOINS: dict[str, Join] = _spread(
         "in order to, which, because of, caused by, due to, make, makes, cause, causes": Join.RESULT,
         "but, however, yet": Join.BUT,
         "before": Join.BEFORE,
-        "after, not until, as soon as, before that, beforehand, before this": Join.AFTER,
+        "after, not until, as soon as, before that, beforehand, before this, but first": Join.AFTER,
     }
 )
 NEGATIONS = frozenset(

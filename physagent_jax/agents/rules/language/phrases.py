@@ -12,6 +12,7 @@ from physagent_jax.agents.rules.language.reader import FINITE, OWNING, Reader
 from physagent_jax.agents.rules.language.timing import parse_number
 
 GAP = "~"
+_ASKING = frozenset({"not", ",", ";", ".", "!", "please"})  # before a verb in its plain form
 LONGEST_GAP = 4
 _PERSONS = frozenset({"somebody", "someone", "person", "player", "child", "giant", "man", "woman"})
 _BEHIND_NOUNS = frozenset(
@@ -40,6 +41,8 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
         kind = MentionKind.FROM
     elif kind is MentionKind.NOT and "why" in [reader.get_text(at - back) for back in (1, 2)]:
         kind = MentionKind.FUNCTION  # "why don't you push it"
+    elif kind is MentionKind.JOIN and token.text == "make" and reader.get_text(at - 1) in _ASKING:
+        kind, value = MentionKind.FUNCTION, None  # "don't make it jump": a request, and no result
     elif kind is MentionKind.DIRECTION and words == ("away",) and _is_way_told_behind(reader, at):
         kind, value = MentionKind.FUNCTION, None  # "flies away to the right"
     elif kind is MentionKind.INTENSITY and _is_thing(reader, at, len(used)):
@@ -105,6 +108,8 @@ def _is_noun(reader: Reader, entry: Entry, at: int) -> bool:
         "forth",
     ):
         return True  # "swings back and forth" does not swing back
+    if phrase in ("right now", "right away") and before == "the":
+        return True  # "tip it to the right now"
     listed = before == "first" or [reader.get_text(behind + i) for i in (0, 1)] == ["and", "then"]
     if phrase == "left and then right" and listed:
         return True

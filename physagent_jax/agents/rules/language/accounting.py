@@ -1,0 +1,85 @@
+"""Whether the grammar has used every verb and every way that was found in the sentence.
+
+A verb that heads no clause, and a way that no clause with a verb has taken up, got lost between two rules: "push it,
+and after a short pause shake its head".
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+from physagent_jax.agents.rules.language.clauses import Clause
+from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.verbs import Effect, Verb
+
+_HEADS = (MentionKind.VERB, MentionKind.CAUSE)
+# What a hold or a rest adds to what is done needs no clause of its own: "bend it and hold it there".
+_ADDING = (Effect.HOLD, Effect.STILL, Effect.RELEASE)
+
+_SHAPING = (Effect.SCALE, Effect.SWELL)
+_DENIALS = frozenset({"not", "don't", "do", "no", "never", "without", "doesn't", "instead", "rather"})
+
+
+def find_unused(mentions: Sequence[Mention], clauses: Sequence[Clause]) -> list[str]:
+    """Plain sentences about verbs and ways that no clause has taken up, and ways of two verbs that one has."""
+    doubts = [f"What '{m.words}' does here is not understood." for m in _list_lost_verbs(mentions, clauses)]
+    doubts += [f"Where '{m.words}' leads here is not understood." for m in _list_lost_ways(mentions, clauses)]
+    doubts += [
+        f"Whether '{one.words}' and '{other.words}' are of one motion is not understood."
+        for clause in clauses
+        for one, other in _list_mixed(clause, mentions)
+    ]
+    denied = _find_denied_manner(clauses)
+    if denied is not None and not any(m.kind is MentionKind.DEGREE for m in mentions):
+        doubts.append(f"Whether '{denied.words}' is of all that is denied is not understood.")
+    return list(dict.fromkeys(doubts))
+
+
+def _find_denied_manner(clauses: Sequence[Clause]) -> Mention | None:
+    """How strongly something is not done, where something else is done: "don't push it hard to the right, rock it"."""
+    if len({c.head.first for c in clauses if c.head is not None and not c.negated and not c.inherited}) < 2:
+        return None
+    strengths = [m for c in clauses if not c.negated for m in c.select(MentionKind.INTENSITY)]
+    return next((m for m in strengths if m.words.split()[0].lower() in _DENIALS), None)
+
+
+def _list_lost_verbs(mentions: Sequence[Mention], clauses: Sequence[Clause]) -> list[Mention]:
+    """Verbs that head no clause, unless the same word does elsewhere ("compress it and keep it compressed")."""
+    heads = [head for clause in clauses for head in (clause.verb, clause.cause) if head is not None]
+    used = {head.first for head in heads}
+    phrases = {head.phrase for head in heads}
+    shapes = any(isinstance(head.value, Verb) and head.value.effect in _SHAPING for head in heads)
+    return [
+        m
+        for before, m in zip([None, *mentions], mentions)
+        if m.kind is MentionKind.VERB and isinstance(m.value, Verb) and m.first not in used
+        if not m.value.generic and m.value.effect not in _ADDING and m.phrase not in phrases
+        if not (shapes and m.value.effect in _SHAPING)  # "it grows taller"
+        if before is None or before.kind is not MentionKind.CAUSE  # "the wind turns"
+    ]
+
+
+def _list_lost_ways(mentions: Sequence[Mention], clauses: Sequence[Clause]) -> list[Mention]:
+    """Ways that stand in a clause without a verb."""
+    if not any(clause.head is not None for clause in clauses):
+        return []
+    headed = {
+        m.first for clause in clauses if clause.head is not None for m in (*clause.modifiers, clause.head)
+    }
+    said = [m.value for m in mentions if m.first in headed]
+    loose = [m for clause in clauses if clause.head is None for m in clause.select(MentionKind.DIRECTION)]
+    return [m for m in loose if m.first not in headed and m.value not in said]
+
+
+def _list_mixed(clause: Clause, mentions: Sequence[Mention]) -> list[tuple[Mention, Mention]]:
+    """Different ways of one clause between which another verb stands: each verb may have its own."""
+    ways = sorted(clause.select(MentionKind.DIRECTION, MentionKind.FROM), key=lambda m: m.first)
+    found = []
+    for one, other in itertools.combinations(ways, 2):
+        same = one.value == other.value  # from the left and to the left are different ways
+        mixed = same if one.kind is not other.kind else not same and one.kind is MentionKind.DIRECTION
+        between = [m for m in mentions if one.first < m.first < other.first and m.kind in _HEADS]
+        if mixed and between:
+            found.append((one, other))
+    return found
