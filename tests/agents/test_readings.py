@@ -336,8 +336,8 @@ def test_what_is_clear(prompt):
 def test_a_part_that_alone_moves_and_gravity_that_turns(prompt, alike):
     one, other = (read(text, ground()) for text in (prompt, alike))
     assert not one.unsure and one.world.gravity == other.world.gravity
-    assert [(m.kind, m.direction, m.part, m.window) for m in one.expectations] == [
-        (m.kind, m.direction, m.part, m.window) for m in other.expectations
+    assert [(m.kind, m.direction, m.part, m.excludes_part, m.window) for m in one.expectations] == [
+        (m.kind, m.direction, m.part, m.excludes_part, m.window) for m in other.expectations
     ]
 
 

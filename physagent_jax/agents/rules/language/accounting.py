@@ -13,7 +13,9 @@ from physagent_jax.agents.rules.language.clauses import Clause
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
 
-_HEADS = (MentionKind.VERB, MentionKind.CAUSE)
+_PARTING = (MentionKind.VERB, MentionKind.CAUSE, MentionKind.QUANTITY)  # "up half its height and down again"
+_TELLING = (MentionKind.DIRECTION, MentionKind.INTENSITY, MentionKind.REPEAT)
+_WEAK, _STRONG = 0.7, 1.2  # strengths up to and from which one word speaks against another
 # What a hold or a rest adds to what is done needs no clause of its own: "bend it and hold it there".
 _ADDING = (Effect.HOLD, Effect.STILL, Effect.RELEASE)
 
@@ -24,11 +26,20 @@ _DENIALS = frozenset({"not", "don't", "do", "no", "never", "without", "doesn't",
 def find_unused(mentions: Sequence[Mention], clauses: Sequence[Clause]) -> list[str]:
     """Plain sentences about verbs and ways that no clause has taken up, and ways of two verbs that one has."""
     doubts = [f"What '{m.words}' does here is not understood." for m in _list_lost_verbs(mentions, clauses)]
-    doubts += [f"Where '{m.words}' leads here is not understood." for m in _list_lost_ways(mentions, clauses)]
+    doubts += [f"What '{m.words}' is said of is not understood." for m in _list_lost_ways(mentions, clauses)]
     doubts += [
         f"Whether '{one.words}' and '{other.words}' are of one motion is not understood."
         for clause in clauses
         for one, other in _list_mixed(clause, mentions)
+    ]
+    for clause in clauses:
+        doubts += [
+            f"Which of {' and '.join(words)} is meant is not understood." for words in _list_rivals(clause)
+        ]
+    doubts += [
+        f"What '{one.words}' denies is not understood."
+        for one, other in zip(mentions, [*mentions[1:], None])
+        if one.kind is MentionKind.NOT and (other is None or other.words in (".", ";", "!"))
     ]
     denied = _find_denied_manner(clauses)
     if denied is not None and not any(m.kind is MentionKind.DEGREE for m in mentions):
@@ -61,25 +72,38 @@ def _list_lost_verbs(mentions: Sequence[Mention], clauses: Sequence[Clause]) -> 
 
 
 def _list_lost_ways(mentions: Sequence[Mention], clauses: Sequence[Clause]) -> list[Mention]:
-    """Ways that stand in a clause without a verb."""
+    """Ways, strengths and counts that stand in a clause without a verb."""
     if not any(clause.head is not None for clause in clauses):
         return []
     headed = {
         m.first for clause in clauses if clause.head is not None for m in (*clause.modifiers, clause.head)
     }
     said = [m.value for m in mentions if m.first in headed]
-    loose = [m for clause in clauses if clause.head is None for m in clause.select(MentionKind.DIRECTION)]
+    loose = [m for clause in clauses if clause.head is None for m in clause.select(*_TELLING)]
     return [m for m in loose if m.first not in headed and m.value not in said]
 
 
+def _list_rivals(clause: Clause) -> list[list[str]]:
+    """Words that give one clause two strengths or two senses of rotation: "first gently, then hard"."""
+    strengths = [
+        (m, m.value) for m in clause.select(MentionKind.INTENSITY) if isinstance(m.value, float | int)
+    ]
+    weak = [m for m, value in strengths if value <= _WEAK]
+    strong = [m for m, value in strengths if value >= _STRONG]
+    senses = clause.select(MentionKind.SENSE)
+    rivals = [[weak[0], strong[0]]] if weak and strong else []
+    rivals += [senses[:2]] if len({m.value for m in senses}) > 1 else []
+    return [[f"'{m.words}'" for m in pair] for pair in rivals]
+
+
 def _list_mixed(clause: Clause, mentions: Sequence[Mention]) -> list[tuple[Mention, Mention]]:
-    """Different ways of one clause between which another verb stands: each verb may have its own."""
+    """Different ways of one clause between which a verb or a quantity stands: each way may have its own."""
     ways = sorted(clause.select(MentionKind.DIRECTION, MentionKind.FROM), key=lambda m: m.first)
     found = []
     for one, other in itertools.combinations(ways, 2):
         same = one.value == other.value  # from the left and to the left are different ways
         mixed = same if one.kind is not other.kind else not same and one.kind is MentionKind.DIRECTION
-        between = [m for m in mentions if one.first < m.first < other.first and m.kind in _HEADS]
+        between = [m for m in mentions if one.first < m.first < other.first and m.kind in _PARTING]
         if mixed and between:
             found.append((one, other))
     return found

@@ -49,9 +49,12 @@ def _find_unjoined(
     joined = joined or not _PARTING & set(words[:-1]) or any(is_participle(word) for word in words)
     for first, second in itertools.combinations(motions, 2):
         apart = first.window[1] <= second.window[0] or second.window[1] <= first.window[0]
-        if apart or first.words == second.words or first.part != second.part:
+        several = first.part is not None and second.part is not None and first.part != second.part
+        if apart or first.words == second.words or several:
             continue
         twice = first.kind is second.kind and _is_along(first, second) != 0
+        if first.part != second.part and not twice:
+            continue  # a part may do something else than the whole
         if twice or not joined and not _is_one_motion(first, second, directions):
             doubts.append(
                 f"Whether '{first.words}' and '{second.words}' happen at the same time is not understood."

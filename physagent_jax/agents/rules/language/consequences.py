@@ -48,7 +48,7 @@ def give_exceptions(clauses: list[Clause]) -> list[Clause]:
     """Makes one motion of a part of "all is still except the top, which shakes": the rest's stillness follows."""
     result: list[Clause] = []
     for before, clause in zip((None, *clauses), clauses):
-        excluded = before.select(MentionKind.EXCLUDED) if before is not None and _is_at_rest(before) else []
+        excluded = before.select(MentionKind.EXCLUDED) if before is not None and _is_resting(before) else []
         moves = clause.verb is not None and not clause.negated
         if excluded and moves and clause.join is not Join.THEN and not clause.select(*_PARTED):
             clause.modifiers += [replace(mention, kind=MentionKind.PLACE) for mention in excluded]
@@ -124,6 +124,12 @@ def _is_at_rest(clause: Clause) -> bool:
     """Whether a clause says that nothing moves."""
     verb = None if clause.verb is None or clause.negated else get_verb(clause.verb)
     return verb is not None and verb.effect is Effect.STILL and not verb.generic
+
+
+def _is_resting(clause: Clause) -> bool:
+    """Whether a clause says that something rests: "all of it rests", too."""
+    verb = None if clause.verb is None or clause.negated else get_verb(clause.verb)
+    return verb is not None and verb.effect is Effect.STILL
 
 
 def _share_direction(blow: Clause, clause: Clause) -> None:

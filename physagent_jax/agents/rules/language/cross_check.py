@@ -56,6 +56,7 @@ _LEADING = frozenset(
     "toward towards at near nearer against past out where beside over off into onto from behind between among "
     "beyond direction way".split()
 )
+_RESTING = frozenset({"nothing", "nobody", "no", "still", "motionless", "rests", "stays"})
 _PART_ADJECTIVES = frozenset("upper lower uppermost lowermost topmost bottommost hind rear".split())
 _WALLS = {"wall": 1, "walls": 2, "obstacle": 1}
 _BODIES = frozenset(
@@ -102,6 +103,7 @@ def find_disagreements(
     if not _DENYING & set(words):
         doubts += _find_lost_ways(mentions, outcome) + _find_lost_verbs(mentions, names, outcome)
         doubts += _find_lost_holds(tokens, names, text, outcome)
+    doubts += _find_spared(words, outcome) + _find_turned_sides(mentions, outcome)
     doubts += _find_lost_parts(words, outcome) + _find_walls(words, names, outcome)
     return list(dict.fromkeys(doubts))
 
@@ -219,6 +221,29 @@ def _find_lost_holds(
     if letting and kinds and not freed and kinds[0] is not MotionKind.STILL:
         doubts.append(f"What is let go ('{letting.group()}') is not understood.")
     return doubts
+
+
+def _find_spared(words: Sequence[str], outcome: Outcome) -> list[str]:
+    """A part that is excepted from rest, read as excepted from motion: "nothing may move except the head"."""
+    spared = [m for m in outcome.motions if m.excludes_part and m.kind is not MotionKind.STILL]
+    resting = _RESTING & set(words)
+    return (
+        [f"Whether '{spared[0].words}' is of the part or of the rest is not understood."]
+        if spared and resting
+        else []
+    )
+
+
+def _find_turned_sides(mentions: Sequence[Mention], outcome: Outcome) -> list[str]:
+    """A side that is turned somewhere is the whole that turns: "turn its right side toward the camera"."""
+    up = outcome.directions.up
+    sides = [
+        m
+        for m in outcome.motions
+        if m.kind is MotionKind.ROTATE and m.part is not None and abs(dot(_to_vector(m.part), up)) < _ALONG
+    ]
+    told = [m.words for m in mentions if m.kind is MentionKind.DIRECTION]
+    return [f"How a side turns '{told[0]}' is not understood."] if sides and told else []
 
 
 def _find_lost_parts(words: Sequence[str], outcome: Outcome) -> list[str]:

@@ -19,6 +19,7 @@ _WITHIN = frozenset({"in", "at"})
 _PASSING = frozenset({"pass", "passes", "passed", "elapse", "elapses", "elapsed"})
 _TIMES = frozenset({"second", "seconds", "moment", "instant", "while", "time", "frames"})
 _NEAR = 5
+_OF_MOTION = (MentionKind.REPEAT, MentionKind.QUANTITY, MentionKind.PLACE)
 _SHOWING = frozenset({"clip", "video", "film", "shot", "scene", "recording", "animation", "movie"})
 
 
@@ -44,7 +45,7 @@ def _find_pretended(mentions: list[Mention], index: int) -> list[str]:
     if said not in ("as if", "as though") or get_phrase(mentions, index + 1) != "to":
         return []
     pretended = itertools.takewhile(lambda m: m.kind is not MentionKind.JOIN, mentions[index + 1 :])
-    if any(m.kind in (*MOTIONS, *WAYS, MentionKind.REPEAT, MentionKind.QUANTITY) for m in pretended):
+    if any(m.kind in (*MOTIONS, *WAYS, *_OF_MOTION) for m in pretended):
         return [f"How it moves '{said} to' do something is not understood."]
     return []
 

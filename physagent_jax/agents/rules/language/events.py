@@ -150,6 +150,11 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         verb, phrase = replace(VERBS["sway"], strength=verb.strength), "sway"
     if verb.effect is Effect.FALL and any(repeat.alternate for repeat in find_repeats(clause)):
         verb, phrase = VERBS["bob"], "bob"  # "bounces up and down"
+    if verb.gravity and any(repeat.alternate for repeat in find_repeats(clause)):
+        phrase = (
+            "bob" if verb.effect is Effect.JUMP else "sway"
+        )  # "jumps up and down", "is tossed to and fro"
+        verb = VERBS[phrase]
     if phrase == "bounce" and any(m.value == ("up",) for m in clause.select(MentionKind.DIRECTION)):
         verb, phrase = VERBS["jump"], "jump"
     if phrase == "bounce" and any((repeat.count or 1) > 1 for repeat in find_repeats(clause)):
