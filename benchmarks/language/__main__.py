@@ -32,6 +32,8 @@ class Command(harness.Command):
 
     parts: tuple[Literal["sentences"], ...] = ("sentences",)
     """There is one."""
+    own_words: bool = False
+    """Without the readings that second readers added to the first, the second and the seventh author's."""
 
 
 def main() -> int:
@@ -39,7 +41,7 @@ def main() -> int:
     command = tyro.cli(Command)
     jobs = []
     for author in FILES:
-        sentences = read_sentences(author)[:: 4 if command.quick else 1]
+        sentences = read_sentences(author, command.own_words)[:: 4 if command.quick else 1]
         for split in ("development", "test"):
             chosen = [sentence for sentence in sentences if sentence.split == split]
             if chosen:

@@ -26,9 +26,9 @@ saw neither the parser nor what it makes of any sentence, went through all sente
 fifth author, test splits too, and added readings that are as good where one was missing (286 of 720 sentences; none
 was taken away). By the expectations as their authors left them 25 of 656 sentences of the test splits were silently
 wrong before the third's was opened, by the completed ones 22. Three more such readers later did the same for the first
-(188 of 473), the second (140 of 233) and the seventh author (132 of 240). By these three authors' own words the same
-parser has 20 of 638 silently wrong (3.13 %, more than is allowed; below), and 14 of 528 (2.65 %) without the seventh's;
-by the completed ones what the first table says.
+(188 of 473), the second (140 of 233) and the seventh author (132 of 240). By these three authors' own words, without
+these readings (`--own-words`), 20 of 638 sentences were silently wrong (3.13 %) before a second reading was held
+against the grammar's (below); what is silently wrong since, by both, the tables say.
 
 How clean the test splits are: the second author mended the parser afterwards, with the development splits alone, but
 remembers sentences of their own, and saw how many of each group of a test split were silently wrong. The fourth and the
@@ -41,14 +41,34 @@ authors' first figures (below) are what to expect of a newcomer's. The [sixth au
 whoever wrote them mended the parser by them afterwards, and saw totals alone of the other authors' test splits, but
 those several times while rules were written. Three of their expectations were completed after the first run. The
 seventh author's test split is the cleanest: whoever mended by the other half, and by all of the eighth's and the
-ninth's, saw its totals alone. It did not gain by it: six of its 110 sentences were silently wrong before, and six are
-now. 5.5 % is what to expect of a newcomer.
+ninth's, saw its totals alone. It did not gain by it: six of its 110 sentences were silently wrong before, and six were
+then. About 5 % is what to expect of a newcomer: rules for single sentences do not help there.
+
+So a general check was looked for. Parsers as they were when the third to the ninth author's development sentences were
+first read to them gave 75 silent errors and 441 sentences that they read right; of each candidate it was counted how
+many of both it marks. What was dropped: words that a sentence reads the same without (31 errors, 98 right sentences),
+n-grams of word classes that no other author's right sentence has (17 of 37 against 31 of 89), readings that change
+without commas or with a sentence's idle words left out (7 against 22, 11 against 34), words that no evidence quotes, and
+a logistic score of forty features, fitted without the author whom it is tried on (14 errors at 3.5 % of the right
+sentences). What was kept ([cross_check]({cross_check}), [coherence]({coherence}), [accounting]({accounting})): ways,
+parts, sizes, verbs, holds, walls and counts are collected word by word and held against the motions, motions are held
+against each other (together though nothing joins them, the same twice, hung up and yet falling), and every verb, way
+and strength must be in some clause. On the 75 it was made, so that its 33 say little; of 30 other misreadings by these
+parsers, of partly the same sentences, it marks 11, and of 472 sentences that were read right, 1. Of today's development
+sentences it marks 2 of 1,244 that were right (0.1 points; 2 points were allowed), and none of the verdicts' 105.
+It did less on the test splits than on the old parsers' errors, of which many kinds are read by now: see the tables.
+
+Sentences that are composed of two clear ones ("before B-ing, A", "B, but first A") have an answer that nobody need
+write: both, in their order. Of 2,015 such, 167 were silently wrong before and 8 are now; of 2,032 others, by another
+seed, 13. Of 281 sentences written afterwards to look for what was left, 14 were silently wrong, and rules were made. The
+totals of the test splits were looked at five times while this was made, and decided nothing but whether to keep it.
 
 *Right* are sentences of which every field is right. *Silently wrong* are those of which something is wrong, and that
 were neither refused nor marked as unsure (which keeps a run from being called a success); words that are merely listed
 as not understood do not count as a mark. *Marked in vain* were understood and refused or marked all the same. Required:
 at most {limit:.0%} silently wrong on the test splits together.
 """
+_RULES = Path(__file__).parents[2] / "physagent_jax/agents/rules/language"
 _BEFORE = (
     "\n## Before tuning, and by the authors' own words\n\nThe parser as it was when the sentences of each author after "
     "the first were first read to it, and, last, today's by expectations that nobody has completed.\n"
@@ -107,7 +127,10 @@ def document(result: dict, json_path: Path, target: Path) -> str:
     """The page's text."""
     rows = result["sentences"]["rows"] if "sentences" in result else []
     files = {author: link(Path(__file__).with_name(name), target) for author, (name, _) in FILES.items()}
-    text = _HEAD.format(count=len(rows), limit=LIMIT, **files)
+    checks = {
+        name: link(_RULES / f"{name}.py", target) for name in ("cross_check", "coherence", "accounting")
+    }
+    text = _HEAD.format(count=len(rows), limit=LIMIT, **files, **checks)
     text += f"\nEvery row is in [{json_path.name}]({link(json_path, target)}).\n"
     text += provenance(result, ("sentences",))
     if not rows:

@@ -1,6 +1,6 @@
 """The lines of a file of sentences: a sentence, and what a person understands by it.
 
-    sentence => reading || another reading that is as good
+    sentence => reading || another reading that is as good ||+ one that a second reader added || another of theirs
 
 A reading is ``refused`` (no motion may be made of it), ``unsure`` (something that matters is outside the grammar, and
 the reply must say so) or motions, then the surroundings behind bars:
@@ -103,8 +103,11 @@ class Sentence:
         return "test" if held_back else "development"
 
 
-def read_sentences(author: str = "first") -> list[Sentence]:
-    """All sentences of an author, one of `FILES`."""
+def read_sentences(author: str = "first", own_words: bool = False) -> list[Sentence]:
+    """All sentences of an author, one of `FILES`; with ``own_words`` without what second readers added.
+
+    The additions to the third, the fourth and the fifth author's are not marked as such: they stay.
+    """
     sentences, group, name = [], "", ""
     path = Path(__file__).with_name(FILES[author][0])
     for line in path.read_text(encoding="utf-8").splitlines():
@@ -117,6 +120,7 @@ def read_sentences(author: str = "first") -> list[Sentence]:
             name = line.strip("[]")
         else:
             text, expected = (side.strip() for side in line.split(" => "))
+            expected = expected.partition(" ||+ ")[0] if own_words else expected.replace(" ||+ ", " || ")
             readings = tuple(
                 each
                 for alternative in expected.split(" || ")

@@ -6,6 +6,7 @@ and after a short pause shake its head".
 
 from __future__ import annotations
 
+import bisect
 import itertools
 from collections.abc import Sequence
 
@@ -25,12 +26,13 @@ _DENIALS = frozenset({"not", "don't", "do", "no", "never", "without", "doesn't",
 
 def find_unused(mentions: Sequence[Mention], clauses: Sequence[Clause]) -> list[str]:
     """Plain sentences about verbs and ways that no clause has taken up, and ways of two verbs that one has."""
+    parting = [m.first for m in mentions if m.kind in _PARTING]
     doubts = [f"What '{m.words}' does here is not understood." for m in _list_lost_verbs(mentions, clauses)]
     doubts += [f"What '{m.words}' is said of is not understood." for m in _list_lost_ways(mentions, clauses)]
     doubts += [
         f"Whether '{one.words}' and '{other.words}' are of one motion is not understood."
         for clause in clauses
-        for one, other in _list_mixed(clause, mentions)
+        for one, other in _list_mixed(clause, parting)
     ]
     for clause in clauses:
         doubts += [
@@ -78,7 +80,7 @@ def _list_lost_ways(mentions: Sequence[Mention], clauses: Sequence[Clause]) -> l
     headed = {
         m.first for clause in clauses if clause.head is not None for m in (*clause.modifiers, clause.head)
     }
-    said = [m.value for m in mentions if m.first in headed]
+    said = {m.value for m in mentions if m.kind in _TELLING and m.first in headed}
     loose = [m for clause in clauses if clause.head is None for m in clause.select(*_TELLING)]
     return [m for m in loose if m.first not in headed and m.value not in said]
 
@@ -96,14 +98,13 @@ def _list_rivals(clause: Clause) -> list[list[str]]:
     return [[f"'{m.words}'" for m in pair] for pair in rivals]
 
 
-def _list_mixed(clause: Clause, mentions: Sequence[Mention]) -> list[tuple[Mention, Mention]]:
+def _list_mixed(clause: Clause, parting: Sequence[int]) -> list[tuple[Mention, Mention]]:
     """Different ways of one clause between which a verb or a quantity stands: each way may have its own."""
     ways = sorted(clause.select(MentionKind.DIRECTION, MentionKind.FROM), key=lambda m: m.first)
     found = []
-    for one, other in itertools.combinations(ways, 2):
+    for one, other in itertools.pairwise(ways):
         same = one.value == other.value  # from the left and to the left are different ways
         mixed = same if one.kind is not other.kind else not same and one.kind is MentionKind.DIRECTION
-        between = [m for m in mentions if one.first < m.first < other.first and m.kind in _PARTING]
-        if mixed and between:
+        if mixed and bisect.bisect(parting, one.first) < bisect.bisect_left(parting, other.first):
             found.append((one, other))
     return found

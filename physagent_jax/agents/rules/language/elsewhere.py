@@ -75,18 +75,20 @@ def _find_moment(mentions: list[Mention], index: int) -> list[str]:
 def _find_passing(mentions: list[Mention], index: int) -> list[str]:
     """Says "let a second pass, then push it": how long nothing happens."""
     mention = mentions[index]
-    before = [m for m in mentions[max(0, index - _NEAR) : index] if m.kind is not MentionKind.JOIN]
     if mention.words.lower() not in _PASSING or any(m.value is Join.AFTER for m in mentions):
         return []
+    before = [m for m in mentions[max(0, index - _NEAR) : index] if m.kind is not MentionKind.JOIN]
     timed = any(m.kind is MentionKind.TIME or _TIMES & set(m.words.lower().split()) for m in before)
     return ["How long it takes to 'pass' is not understood."] if timed else []
 
 
 def _find_at_once(mentions: list[Mention], index: int) -> list[str]:
     """Says "push it and shake it at once": together, and not without delay."""
+    if mentions[index].words.lower() != "at once":
+        return []
     motions = [m for m in mentions[:index] if m.kind in MOTIONS]
     joined = any(m.kind is MentionKind.JOIN and m.words.lower() == "and" for m in mentions[:index])
-    if mentions[index].words.lower() == "at once" and joined and len(motions) > 1:
+    if joined and len(motions) > 1:
         return ["Whether 'at once' is together or without delay is not understood."]
     return []
 
