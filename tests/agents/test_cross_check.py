@@ -205,6 +205,25 @@ def test_what_was_misread_is_marked(unclear, clear):
     assert not read(clear, ground()).unsure
 
 
+@pytest.mark.parametrize(
+    ("unclear", "told", "clear"),
+    [
+        ("drag it past us", "told by 'past'", "drag it past us to the left"),
+        ("push it gently to the left and hard", "'gently' and 'hard'", "push it gently to the left"),
+        ("spin it clockwise, counterclockwise", "'clockwise' and", "spin it clockwise, then counterclockwise"),
+        ("push it to the left and shake it at once", "'at once'", "push it to the left at once"),
+        ("let a second pass, then push it to the left", "'pass'", "wait a second, then push it to the left"),
+        ("nothing may move except the head, which nods", "part or of the rest",
+         "nothing moves except its head, which nods"),
+        ("push it to the left, not", "'not' denies", "push it to the left, not up"),
+    ],
+)  # fmt: skip
+def test_the_mark_says_why(unclear, told, clear):
+    """The sentence that tells what is unclear names the words; without them nothing is."""
+    assert any(told in text for text in read(unclear, ground()).unsure)
+    assert read(clear, ground()).unsure == ()
+
+
 def test_a_jump_up_and_down_bobs_and_what_is_tossed_about_sways():
     """To and fro is one motion: nothing of it ends in a fall of its own."""
     for prompt, way in (("it jumps up and down", UP), ("it is tossed to and fro", LEFT)):
