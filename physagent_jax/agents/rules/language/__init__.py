@@ -6,6 +6,8 @@ in it, `timing` its durations, `clauses` its grammar, `events` what each clause 
 
 `doubts` says what was not understood and would change the motion: words, and what the words that are known say
 together. Each kind has a module: `comparisons`, `constructions`, `contradictions`, `movers`, `particles`, `parts`,
-`questions`, `retractions`, `series`, `sides`, `suppositions`, `surroundings`, `turnings`. `corrections` reads what is
-said instead, and `scopes` how far a word reaches.
+`elsewhere`, `questions`, `retractions`, `series`, `sides`, `suppositions`, `surroundings`, `turnings`. `corrections`
+reads what is said instead, and `scopes` how far a word reaches. What the grammar made of the sentence is held against
+it once more: `audit`, `accounting` (is every verb and way used?), `cross_check` (a second, simpler reading of the
+words) and `coherence` (the motions against each other).
 """
