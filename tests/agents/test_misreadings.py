@@ -147,6 +147,9 @@ def test_what_is_read(prompt, expected):
         ("Force direction: left. Region: top.", "Force direction: left."),
         ("it hangs its head", "it bows its head"),
         ("do not lift it and drop it", "do not lift it, drop it"),
+        # how it ends
+        ("spin it three times and then let it slow down", "spin it three times and then let it stand still"),
+        ("it collapses under its own weight", "it collapses"),
     ],
 )
 def test_what_is_unclear(unclear, clear):
@@ -179,7 +182,13 @@ def test_what_holds_beside_a_motion():
 
 @pytest.mark.parametrize(
     ("prompt", "unit", "value"),
-    [("one and a half somersaults", "degrees", 540.0), ("make it 2x bigger", "factor", 2.0)],
+    [
+        ("one and a half somersaults", "degrees", 540.0),
+        ("make it 2x bigger", "factor", 2.0),
+        ("flip it over", "degrees", 180.0),
+        ("flip it upside down", "degrees", 180.0),
+        ("flip it over by 90 degrees", "degrees", 90.0),
+    ],
 )
 def test_how_much_is_read(prompt, unit, value):
     """Numbers that are no counts."""

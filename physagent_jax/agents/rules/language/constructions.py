@@ -97,6 +97,14 @@ def _find_explanation(mentions: list[Mention], index: int) -> list[str]:
     return []
 
 
+def _find_sagging(mentions: list[Mention], index: int) -> list[str]:
+    """Says "it collapses under its own weight": it gives way where it stands, and nobody lets it fall."""
+    under = [m.form for m in mentions[max(index - 2, 0) : index]]
+    if mentions[index].phrase in ("own weight", "its weight") and "under" in under:
+        return [f"How it gives way under '{mentions[index].words}' is not understood."]
+    return []
+
+
 def _find_choice(mentions: list[Mention], index: int) -> list[str]:
     """Says "left or right", "push or pull it"; "neither ... or" is a list."""
     before, after = find_telling(mentions, index, -1), find_telling(mentions, index, 1)
@@ -291,6 +299,7 @@ _RULES: tuple[Callable[[list[Mention], int], list[str]], ...] = (
     _find_figure,
     _find_nothing_that_can,
     _find_explanation,
+    _find_sagging,
     _find_choice,
     _find_idle_denial,
     _find_means,

@@ -41,6 +41,16 @@ def _find_facing(mentions: list[Mention], index: int, _names: frozenset[str]) ->
     return []
 
 
+def _find_slowing(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
+    """Says "spin it, then let it slow down": what it does dies out, and does not begin again more weakly."""
+    mention, before = mentions[index], mentions[:index]
+    slows = mention.kind is MentionKind.COMPARATIVE and mention.phrase.startswith("slow")
+    starts = max((i for i, m in enumerate(before) if m.kind is MentionKind.JOIN), default=-1)
+    if slows and has_motion(before) and not has_motion(before[starts + 1 :]):
+        return [f"How it comes to '{mention.words}' is not understood."]
+    return []
+
+
 def _find_shown(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
     """Says "so that its back faces us": all of it turns, and no part is moved."""
     mention, after = mentions[index], [m.form for m in mentions[index + 1 : index + 3]]
@@ -84,6 +94,7 @@ def _find_viewpoint(mentions: list[Mention], index: int, _names: frozenset[str])
 _RULES: tuple[Callable[[list[Mention], int, frozenset[str]], list[str]], ...] = (
     _find_turns,
     _find_facing,
+    _find_slowing,
     _find_shown,
     _find_seen,
     _find_turned,

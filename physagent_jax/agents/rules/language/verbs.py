@@ -179,8 +179,7 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
     ("rotate, revolve", Verb(_D.TURN, direction="up")),
     (
         "flip, upend, somersault, tumble, cartwheel, turn over, turn ~ over, roll over, roll ~ over, "
-        "turn upside down, "
-        "turn ~ upside down",
+        "turn upside down, turn ~ upside down, flip upside down, flip ~ upside down, flip over, flip ~ over",
         Verb(_D.TURN, direction="toward"),
     ),
     ("roll", Verb(_D.ROLL)),
@@ -379,7 +378,9 @@ TUMBLES = frozenset(
     {"flip", "tumble", "somersault", "cartwheel", "turn over", "turn ~ over", "roll over", "roll ~ over"}
 )
 # They turn by half a turn unless the sentence says otherwise.
-TURNED_OVER = frozenset({"turn upside down", "turn ~ upside down"})
+TURNED_OVER = frozenset(
+    {f"{verb} {way}" for verb in ("turn", "turn ~", "flip", "flip ~") for way in ("upside down", "over")}
+)
 # After "the", these are things rather than verbs ("the rock rocks").
 NOUNS_AFTER_THE = frozenset(
     {
