@@ -73,22 +73,19 @@ It does not know the order of the frames. *Still* is that of the first frame alo
 what a method adds is the difference.
 """
 _STOPS = """
-## Why `physagent` stops early
+## What `physagent` goes by
 
-Its planner judges by the sentence, the tables by the task's clauses. Read on the development split:
+Its planner judges by the sentence, the tables by the task's clauses. Read on the development split, on which it was
+mended:
 
-- All 25 sentences with clauses as targets name the amounts that the judge measures; the six of recovery name none, and
-  stored paths within 0.015 body lengths cannot be known from their words.
-- The agent that reads them takes at least one quantity from 22 of the 25 (lengths and their fractions, degrees, factors
-  of a stretch), but marks something as not understood in 17 of them. Where it takes none, the planner goes by its range
-  for a word without a number, as 0.25 to 1.3 body lengths for a push, which is wider than the judge's third of the
-  amount. What lies inside has no failed check, and the executor mends nothing else.
-- A quantity that is read has 20 %, at least 0.05 body lengths or 12 degrees: narrower than the judge's third, but
-  wider below 0.15 body lengths and 36 degrees (15 degrees: 12 against 5; 25 degrees: 12 against 8.3).
-- "At once", "evenly", "within a third of a second" are clauses in early windows for the judge, and none for the
-  planner.
+- The sentences of all tasks with clauses as targets name the amounts that the judge measures; those of recovery name
+  none, and stored paths within 0.015 body lengths cannot be known from their words.
+- A quantity that is read has 20 % to either side, at least 0.03 body lengths, 5 degrees or a strain of 0.04. What lies
+  inside has no failed check, the executor mends nothing else, and the run ends. Where a quantity is not understood, the
+  run says so, and the planner goes by its range for a word without a number, as 0.25 to 1.3 body lengths for a push.
+- The amounts are perceived: what deforms quickly one way and then the other is seen to do less than it does.
 
-No task and no tolerance was changed for it.
+No task and no tolerance of the judge was changed for it.
 """
 _ELSEWHERE = """
 ## What others report on their own scenes
