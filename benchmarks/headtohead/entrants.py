@@ -58,17 +58,13 @@ METHODS = (
 """Table 1: oracles, which read the true distance to the target, among those that see pictures only."""
 
 ABLATION = (
-    Entrant("full", "physagent", question="skills and feedback"),
     Entrant(
         "privileged", "physagent", dict(privileged=True), "true particles and the judge in place of pictures"
     ),
     Entrant("without skills", "physsplat_f", dict(feedback=True), "pushes of strength 1, with feedback"),
     Entrant("without refinement", "physsplat_f", dict(skills=True), "the first guess"),
-    Entrant("types: agent, numbers: agent", "physsplat_f", dict(skills=True), "nobody optimises"),
     Entrant("types: agent, numbers: least squares", "levenberg_marquardt", _AGENT, "the agent's types"),
     Entrant("types: agent, numbers: adam", "adam", _AGENT, "the agent's types"),
-    Entrant("types: all, numbers: least squares", "levenberg_marquardt", ENUMERATED, "enumeration"),
-    Entrant("types: all, numbers: adam", "adam", ENUMERATED, "enumeration"),
     Entrant(
         "types: task, numbers: least squares",
         "levenberg_marquardt",
@@ -76,7 +72,21 @@ ABLATION = (
         "the task's own kind",
     ),
 )
-"""Table 2: what skills and feedback are worth, and who should choose types, who numbers."""
+"""For table 2: what skills and feedback are worth, and who should choose types, who numbers."""
+
+ABLATION_ROWS: Mapping[str, tuple[str, str]] = {
+    "full": ("methods", "physagent"),
+    "privileged": ("ablation", "privileged"),
+    "without skills": ("ablation", "without skills"),
+    "without refinement": ("ablation", "without refinement"),
+    "types: agent, numbers: agent": ("ablation", "without refinement"),
+    "types: agent, numbers: least squares": ("ablation", "types: agent, numbers: least squares"),
+    "types: agent, numbers: adam": ("ablation", "types: agent, numbers: adam"),
+    "types: all, numbers: least squares": ("methods", "levenberg_marquardt, all types"),
+    "types: all, numbers: adam": ("methods", "adam, all types"),
+    "types: task, numbers: least squares": ("ablation", "types: task, numbers: least squares"),
+}
+"""Table 2: per row the part and the label of the fits that it is made of, as some are those of table 1."""
 
 
 def list_distillers(prior: str, weights: str) -> tuple[Entrant, ...]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.harness import link, number, provenance, table
+from benchmarks.headtohead.entrants import ABLATION_ROWS
 from benchmarks.headtohead.statistics import (
     CAP,
     average_tasks,
@@ -127,7 +128,7 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
             text += f"\n![Success against budget]({link(picture, target)})\n"
         text += _write_pairs(rows) + _state_findings(rows)
     if "ablation" in result:
-        rows = result["ablation"]["rows"]
+        rows = choose_ablation(result)
         text += "\n## What skills, feedback and numbers are worth\n\n" + _tell_splits(rows)
         text += _write_marks(rows)
     if "iterations" in result:
@@ -154,6 +155,17 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
         + _ELSEWHERE
         + table(["work", "what it optimises", "what it reports", "source"], _REPORTS)
     )
+
+
+def choose_ablation(result: dict[str, Any]) -> list[dict]:
+    """The rows of table 2, of the parts that have them, on the tasks that all of these were done on."""
+    chosen: dict[str, list[dict]] = {}
+    for label, (part, name) in ABLATION_ROWS.items():
+        rows = [row for row in result.get(part, {}).get("rows", []) if row["label"] == name]
+        if rows:
+            chosen[label] = [row | {"label": label} for row in rows]
+    tasks = set.intersection(*({row["task"] for row in rows} for rows in chosen.values()))
+    return [row for rows in chosen.values() for row in rows if row["task"] in tasks]
 
 
 def _tell_splits(rows: list[dict]) -> str:

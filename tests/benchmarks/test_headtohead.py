@@ -13,7 +13,7 @@ from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.__main__ import TASKS, main
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS
 from benchmarks.headtohead.jobs import NOTHING, list_pictures, verify
-from benchmarks.headtohead.markdown import document
+from benchmarks.headtohead.markdown import choose_ablation, document
 from benchmarks.headtohead.measuring import judge_marks
 from benchmarks.headtohead.neighbourhood import STRONGER, TURNED, perturb
 from physagent_jax.core.errors import UserError
@@ -144,6 +144,24 @@ def test_a_leaderboard_keeps_what_others_wrote_and_can_be_verified(tmp_path):
     path.write_text(path.read_text() + "{}\n")
     with pytest.raises(UserError, match="board.jsonl:3"):
         leaderboard.read(path)
+
+
+def test_the_ablation_takes_what_the_comparison_has_and_only_tasks_that_all_have_done():
+    def make_rows(label, tasks, success):
+        mark = {"mark": 30.0, "success": success, "error": 0.5}
+        same = dict(run=0, label=label, oracle=False, family="drop", split="test", seed=0, marks=[mark])
+        return [same | {"task": task} for task in tasks]
+
+    result = {
+        "methods": {"rows": make_rows("physagent", "abc", True) + make_rows("cma", "abc", True)},
+        "ablation": {"rows": make_rows("without refinement", "bcd", False)},
+    }
+    rows = choose_ablation(result)
+    assert {(row["label"], row["task"], row["marks"][0]["success"]) for row in rows} == {
+        (label, task, label == "full")
+        for label in ("full", "without refinement", "types: agent, numbers: agent")
+        for task in "bc"
+    }
 
 
 def test_the_page_names_missed_tasks_of_development_only():
