@@ -19,7 +19,7 @@ from baselines.agents import read_sentence
 from baselines.evaluation import Evaluator
 from baselines.parametrisation import SHORTEST, Parametrisation
 from baselines.protocol import Method
-from baselines.responses import find_starts
+from baselines.structures import find_starts
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import Action, ActionType, ForceField

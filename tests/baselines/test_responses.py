@@ -8,19 +8,9 @@ import pytest
 from baselines.evaluation import Evaluator
 from baselines.methods import make_method
 from baselines.protocol import Budget
-from baselines.responses import (
-    BLOW_LENGTH,
-    WEAKER,
-    WRING,
-    find_starts,
-    list_changes,
-    list_structures,
-    make_end,
-    measure_responses,
-    pick,
-    weaken,
-)
+from baselines.responses import BLOW_LENGTH, WRING, list_changes, make_end, measure_responses
 from baselines.starts import share
+from baselines.structures import WEAKER, find_starts, list_structures, pick, weaken
 from baselines.tasks import START
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import Action, ActionType, ForceField, HalfSpaceRegion
