@@ -9,10 +9,12 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
+from baselines.misses import FAILED, Score
 from baselines.parametrisation import Parametrisation
 from baselines.protocol import Budget, BudgetSpent, Evaluation
 from baselines.simulation import Pictures, Rollout, Simulation
@@ -41,35 +43,6 @@ one side alone is none of a slope."""
 
 KINDS = 32
 """Simulations that are remembered for their steps, one per kind of force field."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Score:
-    """How far a force field misses the target.
-
-    Attributes:
-        loss: |r|^2 / 2; infinite where the simulation failed.
-        residuals: r in tolerances, shape (m,); empty where it failed.
-    """
-
-    loss: float
-    residuals: np.ndarray
-
-    @staticmethod
-    def of(residuals: np.ndarray) -> Score:
-        """Of the residuals; a failure if they are not finite."""
-        residuals = np.asarray(residuals, np.float64)
-        if not np.isfinite(residuals).all():
-            return FAILED
-        return Score(0.5 * float(residuals @ residuals), residuals)
-
-    @property
-    def failed(self) -> bool:
-        """Whether there is nothing to go by."""
-        return not np.isfinite(self.loss)
-
-
-FAILED = Score(float("inf"), np.zeros(0))
 
 
 class Evaluator:
@@ -104,6 +77,7 @@ class Evaluator:
         self._begun = time.perf_counter()
         self._simulation = Simulation(task) if simulation is None else simulation
         self._rollouts: OrderedDict[str, tuple[ForceField, Rollout]] = OrderedDict()
+        self._power = 1
 
     @property
     def seconds(self) -> float:
@@ -115,6 +89,24 @@ class Evaluator:
         """Forward-equivalents that are left, at least 0."""
         return max(0.0, self.budget.forward_equivalents - self.spent)
 
+    @contextmanager
+    def sharpened(self, power: int) -> Iterator[None]:
+        """Within, all residuals are `sharpen`ed; the objectives that are recorded stay comparable with others."""
+        self._power = power
+        try:
+            yield
+        finally:
+            self._power = 1
+
+    def find_best(self) -> ForceField | None:
+        """Of what has been tried and has numbers; None where there is nothing."""
+        best, least = None, float("inf")
+        for each in self.evaluations:
+            numbers = each.force_field.actions or each.force_field.constraints
+            if numbers and each.objective is not None and (best is None or each.objective < least):
+                best, least = each.force_field, each.objective
+        return best
+
     def score(self, force_field: ForceField, note: str = "") -> Score:
         """How far ``force_field`` misses the target, for one simulation.
 
@@ -124,7 +116,7 @@ class Evaluator:
         """
         self._need_oracle("score")
         score = self._simulate(force_field)
-        self._record(force_field, score.loss, note)
+        self._record(force_field, score, note)
         return score
 
     def watch(self, force_field: ForceField, note: str = "") -> np.ndarray | None:
@@ -138,8 +130,8 @@ class Evaluator:
         """
         self._need_oracle("watch")
         rollout = self._simulate_for_steps(force_field)
-        score = FAILED if rollout is None else Score.of(self._simulation.compute_residuals(rollout))
-        self._record(force_field, score.loss, note)
+        score = FAILED if rollout is None else self._rate(self._simulation.compute_residuals(rollout))
+        self._record(force_field, score, note)
         return None if rollout is None or score.failed else rollout.x
 
     def gradient(self, force_field: ForceField, note: str = "") -> tuple[Score, ForceFieldParameters]:
@@ -159,15 +151,16 @@ class Evaluator:
             if rollout is None:
                 break
             self._charge(GRADIENT_COST)
-            residuals, gradient = self._simulation.differentiate(rollout, parameters)
-            score = Score.of(residuals)
+            sharper = dict(power=self._power) if self._power > 1 else {}
+            residuals, gradient = self._simulation.differentiate(rollout, parameters, **sharper)
+            score = self._rate(residuals)
             if not score.failed and _is_finite(gradient):
                 gradient = self._add_sides(force_field, rollout, parameters, score, gradient)
-                self._record(force_field, score.loss, note)
+                self._record(force_field, score, note)
                 return score, gradient
             if near is None:
                 break
-        self._record(force_field, FAILED.loss, note)
+        self._record(force_field, FAILED, note)
         return FAILED, _make_zeros(parameters)
 
     def jacobian(
@@ -199,9 +192,9 @@ class Evaluator:
             rollout = self._find_rollout(force_field)
             if score.failed or rollout is None:
                 return FAILED, np.zeros((0, unknowns.size))
-        score = Score.of(self._simulation.compute_residuals(rollout))
+        score = self._rate(self._simulation.compute_residuals(rollout))
         if not self._is_rated(force_field):  # it was played for its pictures
-            self._record(force_field, score.loss, note)
+            self._record(force_field, score, note)
         u = unknowns.encode(force_field)
         columns: list[np.ndarray] = []
         for row, item in enumerate(unknowns.entries):
@@ -225,7 +218,7 @@ class Evaluator:
         try:
             pictures, rollout = self._simulation.play(force_field)
         except UserError as error:
-            self._record(force_field, float("inf"), note or str(error))
+            self._record(force_field, FAILED, note or str(error))
             return None
         self._keep(force_field, rollout)
         self._record(force_field, None, note)
@@ -295,7 +288,11 @@ class Evaluator:
             raise BudgetSpent
         self.spent += cost
 
-    def _record(self, force_field: ForceField, objective: float | None, note: str) -> None:
+    def _rate(self, residuals: np.ndarray) -> Score:
+        return Score.of(residuals, self._power)
+
+    def _record(self, force_field: ForceField, score: Score | None, note: str) -> None:
+        objective = None if score is None else score.find_objective(self._power)
         self.evaluations.append(Evaluation(force_field, self.spent, self.seconds, objective, note))
         self._on_evaluation(self.evaluations[-1])
 
@@ -306,7 +303,7 @@ class Evaluator:
 
     def _simulate(self, force_field: ForceField) -> Score:
         rollout = self._simulate_for_steps(force_field)
-        return FAILED if rollout is None else Score.of(self._simulation.compute_residuals(rollout))
+        return FAILED if rollout is None else self._rate(self._simulation.compute_residuals(rollout))
 
     def _simulate_for_steps(self, force_field: ForceField) -> Rollout | None:
         """One simulation; None if it fails."""
@@ -369,7 +366,7 @@ class Evaluator:
 
     def _replay(self, rollout: Rollout, parameters: ForceFieldParameters) -> Score:
         self._charge(1.0)
-        return Score.of(self._simulation.replay(rollout, parameters))
+        return self._rate(self._simulation.replay(rollout, parameters))
 
     def _turn(
         self, unknowns: Parametrisation, rollout: Rollout, u: np.ndarray, first: int, score: Score

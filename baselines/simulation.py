@@ -16,6 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 
 import physagent_jax as pa
+from baselines.misses import sharpen
 from baselines.tasks import Task
 from baselines.truncation import WHOLE, Truncation, fit_schedule, replay_truncated
 from physagent_jax.forces.parameters import ForceFieldParameters
@@ -71,11 +72,12 @@ class Simulation:
         def residuals(x):
             return compute_residuals(task.target, x, mass, frame_dt)
 
-        def loss(x):
+        def loss(x, power):
             r = residuals(x)
-            return 0.5 * (r**2).sum(), r
+            return 0.5 * (sharpen(r, power) ** 2).sum(), r
 
-        self._residuals, self._slope = jax.jit(residuals), jax.jit(jax.grad(loss, has_aux=True))
+        self._residuals = jax.jit(residuals)
+        self._slope = jax.jit(jax.grad(loss, has_aux=True), static_argnums=1)
 
     def simulate(self, force_field: ForceField) -> Rollout:
         """Simulates without pictures.
@@ -106,12 +108,15 @@ class Simulation:
         return np.asarray(self._residuals(_play_particles(rollout, _to_device(parameters, rollout))))
 
     def differentiate(
-        self, rollout: Rollout, parameters: ForceFieldParameters
+        self, rollout: Rollout, parameters: ForceFieldParameters, power: int = 1
     ) -> tuple[np.ndarray, ForceFieldParameters]:
-        """The residuals r by the steps of ``rollout``, and the gradient of |r|^2 / 2 by the parameters."""
+        """The residuals r by the steps of ``rollout``, and the gradient of |r|^2 / 2 by the parameters.
+
+        With a ``power``, of the residuals as `sharpen` makes them; those that are returned are as they are.
+        """
         parameters = _to_device(parameters, rollout)
         played, pull = jax.vjp(partial(_play_particles, rollout), parameters)
-        slope, residuals = self._slope(played)
+        slope, residuals = self._slope(played, power)
         (gradient,) = pull(slope)
         return np.asarray(residuals), jax.tree.map(np.asarray, gradient)
 

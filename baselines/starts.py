@@ -6,19 +6,16 @@ by an expert, by the agents, by trying all or by the object's responses: who cho
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
 from typing import Literal
 
 import numpy as np
 
 from baselines.agents import read_sentence
 from baselines.evaluation import Evaluator
-from baselines.parametrisation import SHORTEST, Parametrisation
-from baselines.protocol import Method
+from baselines.parametrisation import SHORTEST
 from baselines.structures import find_starts
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
@@ -42,9 +39,6 @@ BLOW = (0.0, 2.0)
 SOLVED = 1e-6
 """Loss at which nothing is left to be gained."""
 
-GOOD = 0.125
-"""Loss at which no residual is beyond 0.5, which is a success: `compute_residuals` begins at half a tolerance."""
-
 HOP = 0.15
 """[|M| v] standard deviation by which a search that got stuck begins again beside its best."""
 
@@ -53,124 +47,6 @@ FIRST_SHARE = 0.6
 
 Descent = Iterator[float]
 """A local search that can be stopped after every step: yields the best loss so far."""
-
-
-@dataclasses.dataclass(frozen=True)
-class OracleMethod(Method):
-    """A search that minimises the distance to the target.
-
-    Attributes:
-        windows: Whether windows are sought too.
-        actions: How many, one after another in equal parts of the clip; None = as many as the task's own.
-    """
-
-    windows: bool = False
-    actions: int | None = None
-
-    @property
-    def oracle(self) -> bool:
-        """It reads true particles."""
-        return True
-
-    @property
-    def stochastic(self) -> bool:
-        """Always, unless a method says otherwise."""
-        return True
-
-    def __post_init__(self):
-        if self.actions is not None and not 1 <= self.actions <= 3:
-            raise UserError(
-                "`actions` must be 1 to 3: nobody can try all combinations of more", got=self.actions
-            )
-
-    def make_unknowns(self, evaluator: Evaluator, template: ForceField) -> Parametrisation:
-        """What is sought of force fields like ``template``."""
-        return Parametrisation(template, evaluator.task.frame_count, self.windows)
-
-    def draw(self, evaluator: Evaluator, template: ForceField) -> ForceField:
-        """The template with numbers at random, windows too where they are sought."""
-        return draw_numbers(evaluator.rng, template, evaluator.task.frame_count if self.windows else None)
-
-
-@dataclasses.dataclass(frozen=True)
-class LocalMethod(OracleMethod):
-    """A local optimiser from one start or from several, of one type or of all.
-
-    With several, each is scored, the best half goes on again and again (successive halving, Jamieson & Talwalkar 2016),
-    and what is left of the budget is the last one's; when it has converged the others go on, then new ones begin. What
-    has converged short of a success, as at a kink (a greatest value that changes its frame), which small steps do not
-    leave, begins again beside the best (basin hopping, Wales & Doye 1997).
-
-    Attributes:
-        types: Who says what the actions are.
-        numbers: Who says where they begin.
-        starts: Starts of each type, all but the first drawn at random; how many types, where responses say which.
-        hops: How often a search that got stuck begins again beside its best, at most.
-    """
-
-    types: Types = "task"
-    numbers: Numbers = "task"
-    starts: int = 1
-    hops: int = 4
-
-    @property
-    def stochastic(self) -> bool:
-        """Whether anything may be drawn."""
-        return self.hops > 0 or self._draws
-
-    @property
-    def _draws(self) -> bool:
-        """Whether there are ever new starts."""
-        return self.starts > 1 or self.numbers == "random" or self.types in ("enumerated", "responses")
-
-    def __post_init__(self):
-        super().__post_init__()
-        if self.starts < 1 or self.hops < 0:
-            raise UserError("`starts` must be at least 1, `hops` at least 0", got=(self.starts, self.hops))
-        if self.numbers == "responses" and self.types != "responses":
-            raise UserError("responses give numbers for their own types only", do="Say types=responses too")
-
-    def descend(self, evaluator: Evaluator, start: ForceField, budget: float) -> Descent:
-        """Searches from ``start``; ``budget`` are the forward-equivalents to plan with."""
-        raise NotImplementedError
-
-    def find_cost(self, start: ForceField) -> float:
-        """Forward-equivalents from ``start`` until it is known what a step has gained."""
-        raise NotImplementedError
-
-    def count_unknowns(self, start: ForceField) -> int:
-        """How many numbers are sought from ``start``."""
-        return (5 if self.windows else 3) * (len(start.actions) + len(start.constraints))
-
-    def search(self, evaluator: Evaluator) -> None:
-        """From all starts, then from new ones while the budget lasts."""
-        repeats = 1 if self.types == "responses" else self.starts
-        templates = choose_templates(evaluator, self.types, self.actions, self.starts)
-        draw = partial(self.draw, evaluator)
-        found = choose_numbers(evaluator, templates, self.types, self.numbers, draw)
-        found += [draw(template) for template in templates for _ in range(repeats - 1)]
-        sought = any(template.actions or template.constraints for template in templates)
-        while True:
-            best = share(evaluator, list(dict.fromkeys(found)), self.descend, self.find_cost)
-            for _ in range(self.hops if sought else 0):
-                if best <= GOOD:
-                    break
-                hop = self._hop(evaluator)
-                best = min(best, _exhaust(self.descend(evaluator, hop, evaluator.remaining)))
-            if best <= SOLVED or not (sought and self._draws):
-                return
-            found = [draw(template) for template in templates for _ in range(repeats)]
-
-    def _hop(self, evaluator: Evaluator) -> ForceField:
-        """Beside the best that has been tried and has numbers."""
-        best, least = None, math.inf
-        for each in evaluator.evaluations:
-            numbers = each.force_field.actions or each.force_field.constraints
-            if numbers and each.objective is not None and (best is None or each.objective < least):
-                best, least = each.force_field, each.objective
-        best = evaluator.task.start if best is None else best
-        unknowns = self.make_unknowns(evaluator, best)
-        return unknowns.decode(unknowns.encode(best) + HOP * evaluator.rng.normal(size=unknowns.size))
 
 
 def choose_templates(
@@ -229,7 +105,25 @@ def share(
     descend: Callable[[Evaluator, ForceField, float], Descent],
     cost: Callable[[ForceField], float],
 ) -> float:
-    """Searches from ``starts`` with what is left of the budget; the best loss.
+    """Searches from ``starts`` with what is left of the budget, as `compare`; the best loss."""
+    if len(starts) == 1:
+        return exhaust(descend(evaluator, starts[0], evaluator.remaining))
+    best, searches = compare(evaluator, starts, descend, cost)
+    for search in searches:
+        if best <= SOLVED:
+            break
+        best = min(best, exhaust(search))
+    return best
+
+
+def compare(
+    evaluator: Evaluator,
+    starts: Sequence[ForceField],
+    descend: Callable[[Evaluator, ForceField, float], Descent],
+    cost: Callable[[ForceField], float],
+    rounds: float = math.inf,
+) -> tuple[float, list[Descent]]:
+    """Begins searches from ``starts``; the best loss, and the searches to be gone on with, the likeliest first.
 
     Nobody is judged before a step: a start says little about where a search from it leads. What has been scored is not
     scored again.
@@ -239,9 +133,8 @@ def share(
         starts: One or more, the likeliest first.
         descend: As `LocalMethod.descend`.
         cost: As `LocalMethod.find_cost`: no more searches are begun than can take a step each.
+        rounds: How often all of them may have their cost, at most.
     """
-    if len(starts) == 1:
-        return _exhaust(descend(evaluator, starts[0], evaluator.remaining))
     order = evaluator.rng.permutation(len(starts))[: max(1, int(evaluator.remaining / 2))]
     ranked = []
     known = {each.force_field: each.objective for each in evaluator.evaluations}
@@ -250,11 +143,12 @@ def share(
         loss = evaluator.score(starts[index], "start").loss if loss is None else loss
         ranked.append((loss, starts[index]))
         if ranked[-1][0] <= SOLVED:
-            return ranked[-1][0]
+            return ranked[-1][0], []
     ranked.sort(key=lambda pair: pair[0])
     best, left = ranked[0][0], FIRST_SHARE * evaluator.remaining
     ranked = ranked[: max(1, int(left / max(cost(start) for _, start in ranked)))]
     rungs = max(1, math.ceil(math.log2(len(ranked))))
+    left = min(left, rounds * sum(cost(start) for _, start in ranked))
     running = [
         (loss, descend(evaluator, start, evaluator.remaining / 2), cost(start)) for loss, start in ranked
     ]
@@ -262,20 +156,16 @@ def share(
     for _ in range(rungs):
         each = left / rungs / len(running)
         running = [
-            (_advance(evaluator, loss, descent, max(each, least)), descent, least)
+            (advance(evaluator, loss, descent, max(each, least)), descent, least)
             for loss, descent, least in running
         ]
         running.sort(key=lambda item: item[0])
         best = min(best, running[0][0])
         if best <= SOLVED:
-            return best
+            return best, []
         half = math.ceil(len(running) / 2)
         running, waiting = running[:half], [*running[half:], *waiting]
-    for _, descent, _ in (*running, *waiting):
-        best = min(best, _exhaust(descent))
-        if best <= SOLVED:
-            break
-    return best
+    return best, [descent for _, descent, _ in (*running, *waiting)]
 
 
 def draw_numbers(
@@ -381,7 +271,7 @@ def _draw_entry(rng: np.random.Generator, item, frame_count: int | None):
     return item.model_copy(update=update)
 
 
-def _advance(evaluator: Evaluator, loss: float, descent: Descent, budget: float) -> float:
+def advance(evaluator: Evaluator, loss: float, descent: Descent, budget: float) -> float:
     """Steps until ``budget`` is spent, at least one."""
     until = evaluator.spent + budget
     for best in descent:
@@ -391,7 +281,8 @@ def _advance(evaluator: Evaluator, loss: float, descent: Descent, budget: float)
     return loss
 
 
-def _exhaust(descent: Descent) -> float:
+def exhaust(descent: Descent) -> float:
+    """Steps until it ends; the best loss."""
     best = math.inf
     for best in descent:
         if best <= SOLVED:

@@ -54,8 +54,9 @@ class Ranking:
     """All structures with their numbers, the likeliest first; what has been taken is not taken again."""
 
     def __init__(self, evaluator: Evaluator):
-        """Charged one simulation for each skill and axis, of the whole and of each end that the target or the task's
-        own first force field speaks of, as far as `SHARE` of the budget goes.
+        """Charged one simulation for each skill and axis, as far as `SHARE` of the budget goes.
+
+        Of the whole, and of each end that the target or the task's own first force field speaks of.
         """
         self.evaluator = evaluator
         self.responses = responses = measure_responses(evaluator)
@@ -131,7 +132,7 @@ def list_structures(evaluator: Evaluator) -> Iterator[Structure]:
     """
     end, changes = evaluator.task.frame_count - 1, list_changes(evaluator)
     own = [
-        Slot(*_round(action.active_time or (0, end)), action.region)
+        Slot(*round_window(action.active_time or (0, end)), action.region)
         for action in evaluator.task.start.actions
     ]
     for skills in itertools.product(SKILLS, repeat=len(own) if len(own) <= _MOST else 0):
@@ -184,6 +185,8 @@ class Fitter:
         clauses = tuple(each for each in target.clauses if not isinstance(each, Integrity))
         target, frame_dt = Target(clauses=clauses or target.clauses), evaluator.task.frame_dt
 
+        self._target = target
+
         def residuals(u, base, known, bank, mass):
             motions = jnp.einsum("ai,aitnc->tnc", (u - known).reshape(-1, 3), bank)
             return compute_residuals(target, base.add(motions), mass, frame_dt)
@@ -219,6 +222,11 @@ class Fitter:
             losses += [float(each) if np.isfinite(each) else np.inf for each in loss[: len(batch)]]
             fields += [self._make(structure, v, begun) for structure, v in zip(batch, u)]
         return losses, fields
+
+    def miss(self, x: np.ndarray) -> float:
+        """The loss of paths of the particles that responses are of, by what is fitted."""
+        r = np.asarray(compute_residuals(self._target, x, self.responses.mass, self.evaluator.task.frame_dt))
+        return 0.5 * float(r @ r)
 
     def _fit_batch(self, batch: list[Structure], base: Base, begun: Begun | None):
         old = () if begun is None else begun.structure
@@ -311,5 +319,6 @@ def _make_weaker(item):
     return item.model_copy(update=dict(magnitude=np.copysign(size, item.magnitude).item()))
 
 
-def _round(window: tuple[float, float]) -> tuple[int, int]:
+def round_window(window: tuple[float, float]) -> tuple[int, int]:
+    """To whole frames."""
     return round(window[0]), round(window[1])

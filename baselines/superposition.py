@@ -1,9 +1,9 @@
 """Motions added up: what several forces do, from what each does alone.
 
 Displacements of a body that turns do not add: twice a small turn of each particle is a larger body, and would pass for
-a stretch. So every motion is taken apart into the way of the mass centre, the turn of the whole, and the change of shape
-in the axes that turn with it. Ways and shapes are added as vectors, turns as rotation vectors, which is exact about one
-axis; then they are put together again.
+a stretch. So every motion is taken apart into the way of the mass centre, the turn of the whole, and the change of
+shape in the axes that turn with it. Ways and shapes are added as vectors, turns as rotation vectors, which is exact
+about one axis; then they are put together again.
 """
 
 from __future__ import annotations

@@ -16,8 +16,9 @@ import numpy as np
 import optax
 
 from baselines.evaluation import GRADIENT_COST, Evaluator, Score
+from baselines.local import LocalMethod
 from baselines.parametrisation import Parametrisation
-from baselines.starts import SOLVED, Descent, LocalMethod
+from baselines.starts import SOLVED, Descent
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 

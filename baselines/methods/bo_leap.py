@@ -12,10 +12,11 @@ import warnings
 import numpy as np
 
 from baselines.evaluation import GRADIENT_COST, Evaluator
+from baselines.local import OracleMethod
 from baselines.methods.cma import WORST, import_cmaes
 from baselines.methods.lbfgs import LBFGS
 from baselines.parametrisation import Parametrisation
-from baselines.starts import SOLVED, OracleMethod, Types, choose_templates
+from baselines.starts import SOLVED, Types, choose_templates
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 

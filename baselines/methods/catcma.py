@@ -11,8 +11,9 @@ import dataclasses
 import numpy as np
 
 from baselines.evaluation import Evaluator
+from baselines.local import OracleMethod
 from baselines.methods.cma import WORST, import_cmaes
-from baselines.starts import KINDS, SOLVED, OracleMethod, fill_actions, turn_into
+from baselines.starts import KINDS, SOLVED, fill_actions, turn_into
 from physagent_jax.forces.schema import ForceField
 
 

@@ -8,8 +8,9 @@ import math
 import numpy as np
 
 from baselines.evaluation import Evaluator
+from baselines.local import LocalMethod
 from baselines.parametrisation import Parametrisation
-from baselines.starts import SOLVED, Descent, LocalMethod, Types
+from baselines.starts import SOLVED, Descent, Types
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.calibration import MAGNITUDE_MAX
 from physagent_jax.forces.schema import ForceField

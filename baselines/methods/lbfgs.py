@@ -11,8 +11,9 @@ import dataclasses
 import numpy as np
 
 from baselines.evaluation import GRADIENT_COST, Evaluator
+from baselines.local import LocalMethod
 from baselines.parametrisation import Parametrisation
-from baselines.starts import SOLVED, Descent, LocalMethod
+from baselines.starts import SOLVED, Descent
 from physagent_jax.forces.schema import ForceField
 
 

@@ -12,8 +12,9 @@ from collections.abc import Generator
 import numpy as np
 
 from baselines.evaluation import Evaluator
+from baselines.local import LocalMethod
 from baselines.parametrisation import Parametrisation
-from baselines.starts import SOLVED, Descent, LocalMethod
+from baselines.starts import SOLVED, Descent
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import dataclasses
 
 from baselines.evaluation import Evaluator
-from baselines.starts import SOLVED, OracleMethod, Types, choose_templates
+from baselines.local import OracleMethod
+from baselines.starts import SOLVED, Types, choose_templates
 
 
 @dataclasses.dataclass(frozen=True)
