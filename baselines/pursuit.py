@@ -44,8 +44,8 @@ POWER = 3
 FOLLOWED = 0.05
 """Loss, in place of `GOOD`, at which stored paths are followed everywhere: their residual is a mean over frames."""
 
-PART = 0.5
-"""Of what is left of the budget that one search more may spend before others have their turn."""
+PART = 0.35
+"""Of what is left of the budget that a search may spend before others have their turn."""
 
 
 def pursue(
@@ -147,7 +147,7 @@ def extend(evaluator: Evaluator, ranking: Ranking, field: ForceField, x: np.ndar
     if len(structure) + len(field.constraints) >= MOST:
         return []
     begun = Begun(field, structure, Base.of(x[:, :: responses.stride], responses.mass))
-    more = [each for each in list_additions(evaluator, ranking, structure) if each[0] not in structure]
+    more = list_additions(evaluator, ranking, structure)
     if not more:
         return []
     losses, fields = ranking.fitter.fit(more, begun)

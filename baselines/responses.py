@@ -53,6 +53,10 @@ CLOSEST = 3
 PARTICLES = 120
 """Of which the superposed paths are made, about."""
 
+CLEARLY = 0.9
+"""Of the loss at rest: a fall that leaves more is none of what is asked for. What falls comes to touch the ground, and
+answers to every skill in another way."""
+
 SHORTER = 4
 """Part of the clip for which a skill acts whose response failed: less strength the library does not have."""
 
@@ -112,7 +116,7 @@ class Responses:
 
 
 def measure_responses(evaluator: Evaluator) -> Responses:
-    """Simulates each skill along each axis, and the fall; the fall is what is added to where it misses less.
+    """Simulates each skill along each axis, and the fall; the fall is what is added to where it misses clearly less.
 
     What fails is simulated once more, for a shorter time. An axis along which a skill fails then too adds nothing, as
     its record says, and a skill that fails along all is left out in that place.
@@ -144,7 +148,7 @@ def measure_responses(evaluator: Evaluator) -> Responses:
     if fallen is not None:
         fallen = fallen[:, ::stride]
         losses = [find_loss(evaluator, x, mass) for x in (fallen, still.x)]
-    drop = losses[0] < losses[-1]
+    drop = losses[0] < CLEARLY * losses[-1]
     base = Base.of(fallen, mass) if drop and fallen is not None else still
     return Responses(base, drop, mass, stride, steps)
 
