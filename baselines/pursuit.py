@@ -16,14 +16,14 @@ import numpy as np
 from baselines.evaluation import Evaluator
 from baselines.misses import GOOD
 from baselines.responses import Slot, Structure, fit_slot
-from baselines.starts import Descent, advance, compare, exhaust
+from baselines.starts import Descent, compare, exhaust
 from baselines.structures import Begun, Ranking, round_window
 from baselines.superposition import Base
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.targets import Path
 from physagent_jax.metrics.task_judge import compute_residuals
 
-ROUNDS = 2.0
+ROUNDS = 1.0
 """How often the first searches may have their cost before the best goes on alone: the rest is for what comes after."""
 
 PROMISE = 0.7
@@ -44,6 +44,12 @@ POWER = 3
 FOLLOWED = 0.05
 """Loss, in place of `GOOD`, at which stored paths are followed everywhere: their residual is a mean over frames."""
 
+WORTH = 0.9
+"""Of the loss: what leaves more has not gained enough to be gone on with at once, or to be looked at again."""
+
+PATIENCE = 3
+"""Steps in which as much has to be gained."""
+
 PART = 0.35
 """Of what is left of the budget that a search may spend before others have their turn."""
 
@@ -57,9 +63,8 @@ def pursue(
 ) -> None:
     """Searches until there is a success, or the budget is spent.
 
-    From the ``count`` likeliest starts; then, in turn and as long as it helps, from the best with the worst clause
-    counting more, from the best with an action more, from what was begun and left, from the next ``count`` starts, and
-    beside the best.
+    From the ``count`` likeliest starts; then from the best with an action more, or where none promises enough with the
+    worst clause counting more; then from what was begun and left, from the next ``count`` starts, and beside the best.
 
     Args:
         evaluator: Charged.
@@ -68,44 +73,55 @@ def pursue(
         cost: As for `compare`.
         hop: Gives a start beside the best.
     """
-    ranking, seen = Ranking(evaluator), set[ForceField]()
+    ranking = Ranking(evaluator)
     stored = any(isinstance(clause, Path) for clause in evaluator.task.target.clauses)
     good = FOLLOWED if stored else GOOD
     opened: list[Descent] = []
+    looked_at = np.inf
 
     def begin(starts: list[ForceField]) -> None:
         _, searches = compare(evaluator, starts, descend, cost, ROUNDS)
-        if searches:
-            go_on(searches[0])
-            opened[:0] = searches
-
-    def go_on(search: Descent) -> None:
-        advance(evaluator, np.inf, search, PART * evaluator.remaining)
+        if searches and not go_on(evaluator, searches[0], good):
+            searches = searches[1:]
+        opened[:0] = searches
 
     begin(ranking.take(count))
     while find_least(evaluator) > good:
-        best = evaluator.find_best()
-        if best is not None and best not in seen:
-            seen.add(best)
+        best, least = evaluator.find_best(), find_least(evaluator)
+        if best is not None and least < WORTH * looked_at:
+            looked_at = least
             x = evaluator.watch(best, "what is left")
-            worst = np.inf if x is None else find_worst(evaluator, x)
-            if not stored and worst <= NEARLY:
-                with evaluator.sharpened(POWER):
-                    descend_until(evaluator, descend(evaluator, best, PART * evaluator.remaining), good)
-                if find_least(evaluator) <= good:
-                    return
             more = [] if x is None else extend(evaluator, ranking, best, x)
-            if more:
-                begin(more)
-                continue
-        if opened:
-            go_on(opened.pop(0))
+            if not (more or x is None or stored) and find_worst(evaluator, x) <= NEARLY:
+                with evaluator.sharpened(POWER):
+                    go_on(evaluator, descend(evaluator, best, PART * evaluator.remaining), good)
+            tried = sorted(((evaluator.score(each, "an action more").loss, i) for i, each in enumerate(more)))
+            opened[:0] = [descend(evaluator, more[i], PART * evaluator.remaining) for _, i in tried]
+        elif opened:
+            search = opened.pop(0)
+            if go_on(evaluator, search, good):
+                opened.append(search)
         elif ranking.fields:
             begin(ranking.take(count))
         else:
             exhaust(descend(evaluator, hop(evaluator), evaluator.remaining))
     for search in opened[:1]:
         exhaust(search)
+
+
+def go_on(evaluator: Evaluator, search: Descent, good: float) -> bool:
+    """Steps while they gain; whether the search can be gone on with.
+
+    It stops where something has been good, and where `PATIENCE` steps have not gained what is `WORTH` it or its part of
+    the budget is spent: others have their turn first.
+    """
+    until, marks = evaluator.spent + PART * evaluator.remaining, []
+    for loss in search:
+        marks.append(loss)
+        stuck = len(marks) > PATIENCE and loss > WORTH * marks[-1 - PATIENCE]
+        if stuck or evaluator.spent >= until or find_least(evaluator) <= good:
+            return True
+    return False
 
 
 def find_least(evaluator: Evaluator) -> float:
@@ -119,14 +135,6 @@ def find_worst(evaluator: Evaluator, x: np.ndarray) -> float:
     """The largest residual on paths of all particles."""
     task = evaluator.task
     return float(np.abs(np.asarray(compute_residuals(task.target, x, task.mass, task.frame_dt))).max())
-
-
-def descend_until(evaluator: Evaluator, search: Descent, good: float) -> None:
-    """Steps until something has been good, the search ends, or half of the budget is spent."""
-    until = evaluator.spent + PART * evaluator.remaining
-    for _ in search:
-        if evaluator.spent >= until or find_least(evaluator) <= good:
-            break
 
 
 def extend(evaluator: Evaluator, ranking: Ranking, field: ForceField, x: np.ndarray) -> list[ForceField]:
