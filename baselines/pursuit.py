@@ -17,7 +17,7 @@ from baselines.evaluation import Evaluator
 from baselines.misses import GOOD
 from baselines.responses import Slot, Structure, fit_slot
 from baselines.starts import Descent, compare, exhaust
-from baselines.structures import Begun, Ranking, round_window
+from baselines.structures import FAINT, Begun, Ranking, round_window
 from baselines.superposition import Base
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.targets import Path
@@ -161,7 +161,8 @@ def extend(evaluator: Evaluator, ranking: Ranking, field: ForceField, x: np.ndar
     losses, fields = ranking.fitter.fit(more, begun)
     left = ranking.fitter.miss(begun.base.x)
     order = sorted(range(len(more)), key=losses.__getitem__)
-    return [fields[index] for index in order if losses[index] <= PROMISE * left][:TRIED]
+    enough = min(PROMISE * left, left - FAINT)
+    return [fields[index] for index in order if losses[index] <= enough][:TRIED]
 
 
 def list_additions(evaluator: Evaluator, ranking: Ranking, structure: Structure) -> list[Structure]:
