@@ -116,7 +116,8 @@ class LocalMethod(OracleMethod):
     def search(self, evaluator: Evaluator) -> None:
         """From all starts, then from new ones while the budget lasts."""
         if self.types == self.numbers == "responses":
-            pursue(evaluator, self.starts, self.descend, self.find_cost, self._hop)
+            retime = dataclasses.replace(self, windows=True).descend
+            pursue(evaluator, self.starts, self.descend, self.find_cost, retime, self._hop)
             return
         repeats = 1 if self.types == "responses" else self.starts
         templates = choose_templates(evaluator, self.types, self.actions, self.starts)

@@ -35,6 +35,9 @@ TRIED = 2
 MOST = 6
 """Actions."""
 
+BROKEN = 2.0
+"""Of the loss before: with more, an addition is not gone on with."""
+
 NEARLY = 1.5
 """Residual up to which the worst clause is made to count more."""
 
@@ -59,24 +62,28 @@ def pursue(
     count: int,
     descend: Callable[[Evaluator, ForceField, float], Descent],
     cost: Callable[[ForceField], float],
+    retime: Callable[[Evaluator, ForceField, float], Descent],
     hop: Callable[[Evaluator], ForceField],
 ) -> None:
     """Searches until there is a success, or the budget is spent.
 
     From the ``count`` likeliest starts; then from the best with an action more, or where none promises enough with the
-    worst clause counting more; then from what was begun and left, from the next ``count`` starts, and beside the best.
+    worst clause counting more and with windows sought too; then from what was begun and left, from the next ``count``
+    starts, and beside the best.
 
     Args:
         evaluator: Charged.
         count: Starts at a time.
         descend: As for `compare`.
         cost: As for `compare`.
+        retime: As ``descend``, with windows sought too.
         hop: Gives a start beside the best.
     """
     ranking = Ranking(evaluator)
     stored = any(isinstance(clause, Path) for clause in evaluator.task.target.clauses)
     good = FOLLOWED if stored else GOOD
     opened: list[Descent] = []
+    stuck: list[Descent] = []
     looked_at = np.inf
 
     def begin(starts: list[ForceField]) -> None:
@@ -91,22 +98,32 @@ def pursue(
         if best is not None and least < WORTH * looked_at:
             looked_at = least
             x = evaluator.watch(best, "what is left")
-            more = [] if x is None else extend(evaluator, ranking, best, x)
-            if not (more or x is None or stored) and find_worst(evaluator, x) <= NEARLY:
+            tried = [] if x is None else try_more(evaluator, extend(evaluator, ranking, best, x), least)
+            if not (tried or x is None or stored) and find_worst(evaluator, x) <= NEARLY:
                 with evaluator.sharpened(POWER):
                     go_on(evaluator, descend(evaluator, best, PART * evaluator.remaining), good)
-            tried = sorted(((evaluator.score(each, "an action more").loss, i) for i, each in enumerate(more)))
-            opened[:0] = [descend(evaluator, more[i], PART * evaluator.remaining) for _, i in tried]
+            if not tried:
+                opened.insert(0, retime(evaluator, best, PART * evaluator.remaining))
+            opened[:0] = [descend(evaluator, field, PART * evaluator.remaining) for field in tried]
         elif opened:
             search = opened.pop(0)
             if go_on(evaluator, search, good):
-                opened.append(search)
-        elif ranking.fields:
-            begin(ranking.take(count))
+                stuck.append(search)
+        elif ranking.fields or stuck:
+            opened, stuck = stuck, []
+            if ranking.fields:
+                begin(ranking.take(count))
         else:
             exhaust(descend(evaluator, hop(evaluator), evaluator.remaining))
-    for search in opened[:1]:
+    for search in (*opened, *reversed(stuck))[:1]:
         exhaust(search)
+
+
+def try_more(evaluator: Evaluator, fields: list[ForceField], least: float) -> list[ForceField]:
+    """Those that do not miss by far more than ``least``, the best first: what tears does not as it has promised."""
+    scored = [(evaluator.score(field, "an action more").loss, field) for field in fields]
+    kept = [pair for pair in scored if pair[0] <= BROKEN * least]
+    return [field for _, field in sorted(kept, key=lambda pair: pair[0])]
 
 
 def go_on(evaluator: Evaluator, search: Descent, good: float) -> bool:

@@ -10,6 +10,7 @@ from baselines.parametrisation import Parametrisation
 from baselines.protocol import Budget, BudgetSpent
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.parameters import ActionParameters, ForceFieldParameters
+from physagent_jax.metrics.task_judge import ROOM
 from tests.baselines.analytic import Linear, make_evaluator, pushes
 from tests.baselines.tiny import act
 
@@ -47,6 +48,14 @@ def test_gradient_and_jacobian_agree_with_central_differences(tiny, kind):
     same, jacobian = evaluator.jacobian(field)
     np.testing.assert_allclose(same.residuals, score.residuals, atol=1e-4)
     np.testing.assert_allclose(jacobian, central, atol=0.03 * np.abs(central).max())
+    with evaluator.sharpened(2):  # r |r| / ROOM, of which the derivative is 2 |r| / ROOM
+        _, sharper = evaluator.gradient(field)
+    r = score.residuals
+    wanted = central.T @ (2 * abs(r) / ROOM * r * abs(r) / ROOM)
+    given = unknowns.pull_back(field, sharper)
+    np.testing.assert_allclose(given, wanted, atol=0.03 * np.abs(wanted).max())
+    recorded = [each.objective for each in evaluator.evaluations if each.force_field == field]
+    np.testing.assert_allclose(recorded, score.loss, rtol=1e-3)
 
 
 @pytest.mark.slow
