@@ -107,6 +107,11 @@ class Evaluator:
                 best, least = each.force_field, each.objective
         return best
 
+    def recall(self, force_field: ForceField) -> float | None:
+        """The latest objective of what has been tried; None where there is none."""
+        known = [each.objective for each in self.evaluations if each.force_field == force_field]
+        return known[-1] if known else None
+
     def score(self, force_field: ForceField, note: str = "") -> Score:
         """How far ``force_field`` misses the target, for one simulation.
 

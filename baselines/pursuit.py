@@ -92,7 +92,7 @@ def pursue(
             searches = searches[1:]
         opened[:0] = searches
 
-    begin(ranking.take(count))
+    begin(grow(evaluator, ranking, ranking.take(count), good)[:count])
     while find_least(evaluator) > good:
         best, least = evaluator.find_best(), find_least(evaluator)
         if best is not None and least < WORTH * looked_at:
@@ -117,6 +117,24 @@ def pursue(
             exhaust(descend(evaluator, hop(evaluator), evaluator.remaining))
     for search in (*opened, *reversed(stuck))[:1]:
         exhaust(search)
+
+
+def grow(evaluator: Evaluator, ranking: Ranking, starts: list[ForceField], good: float) -> list[ForceField]:
+    """The starts and what the best of them grows into before anything has descended, the best first."""
+    pool: dict[ForceField, float] = {}
+    for each in starts:
+        known = evaluator.recall(each)
+        pool[each] = evaluator.score(each, "start").loss if known is None else known
+    while pool:
+        best = min(pool, key=pool.__getitem__)
+        x = None if pool[best] <= good else evaluator.watch(best, "what is left")
+        if x is None:
+            break
+        tried = try_more(evaluator, extend(evaluator, ranking, best, x), WORTH * pool[best] / BROKEN)
+        if not tried:
+            break
+        pool |= {each: loss for each in tried if (loss := evaluator.recall(each)) is not None}
+    return sorted(pool, key=pool.__getitem__)
 
 
 def try_more(evaluator: Evaluator, fields: list[ForceField], least: float) -> list[ForceField]:
@@ -155,7 +173,9 @@ def find_worst(evaluator: Evaluator, x: np.ndarray) -> float:
 
 
 def extend(evaluator: Evaluator, ranking: Ranking, field: ForceField, x: np.ndarray) -> list[ForceField]:
-    """The force field with an action more, the likeliest first; none where none would explain enough of what is left.
+    """The force field with other numbers, and with an action more, the likeliest first, each where it promises enough.
+
+    An action has to explain what other numbers alone would leave.
 
     Args:
         evaluator: Not charged.
@@ -173,13 +193,13 @@ def extend(evaluator: Evaluator, ranking: Ranking, field: ForceField, x: np.ndar
         return []
     begun = Begun(field, structure, Base.of(x[:, :: responses.stride], responses.mass))
     more = list_additions(evaluator, ranking, structure)
-    if not more:
-        return []
-    losses, fields = ranking.fitter.fit(more, begun)
+    losses, fields = ranking.fitter.fit(more, begun) if more else ([], [])
+    (same,), (again,) = ranking.fitter.fit([()], begun)
+    enough = min(PROMISE * same, same - FAINT)
+    order = sorted((index for index in range(len(more)) if losses[index] <= enough), key=losses.__getitem__)
+    found = [fields[index] for index in order][:TRIED]
     left = ranking.fitter.miss(begun.base.x)
-    order = sorted(range(len(more)), key=losses.__getitem__)
-    enough = min(PROMISE * left, left - FAINT)
-    return [fields[index] for index in order if losses[index] <= enough][:TRIED]
+    return [*([again] if same <= min(PROMISE * left, left - FAINT) else []), *found]
 
 
 def list_additions(evaluator: Evaluator, ranking: Ranking, structure: Structure) -> list[Structure]:
