@@ -25,7 +25,7 @@ from physagent_jax.forces.schema import (
     Region,
     VelocityConstraint,
 )
-from physagent_jax.metrics.targets import Turn
+from physagent_jax.metrics.targets import Stretch, Turn
 from physagent_jax.metrics.task_judge import compute_residuals
 
 SKILLS = (ActionType.TRANSLATION, ActionType.IMPULSE, ActionType.SCALE, ActionType.TORQUE)
@@ -36,7 +36,7 @@ WRING = ConstraintType.PARTICLE_ROTATION
 do not add up, so that both ends are one response."""
 
 END_SKILLS = (ActionType.TRANSLATION, ActionType.IMPULSE, ActionType.TORQUE)
-"""Of an end."""
+"""Of an end; a stretch too where the target speaks of its length."""
 
 STRENGTH = MAGNITUDE_MIN
 """[|M|] of what is simulated: weak, to be in proportion; what is pulled hard tears, and says nothing of what holds."""
@@ -192,7 +192,12 @@ def list_places(evaluator: Evaluator) -> list[tuple[Slot, Sequence[Skill]]]:
     for clause in clauses:
         ends = (clause.part, getattr(clause, "against", None))
         regions += [make_end(each) for each in ends if each is not None]
-    places |= {Slot(0, end, region): END_SKILLS for region in regions}
+    stretched = [
+        make_end(each.part) for each in clauses if isinstance(each, Stretch) and each.part is not None
+    ]
+    for region in regions:
+        more = (ActionType.SCALE,) if region in stretched else ()
+        places[Slot(0, end, region)] = (*END_SKILLS, *more)
     return list(places.items())
 
 

@@ -74,7 +74,8 @@ def test_four_blows_are_found_one_after_the_other():
     options = dict(types="responses", numbers="responses", starts=2, hops=0)
     result = make_method("levenberg_marquardt", options).finish(evaluator)
     assert see(result.incumbent_at()).success and len(result.incumbent_at().actions) >= 4
-    assert any(each.note == "an action more" for each in result.evaluations)
+    notes = [each.note for each in result.evaluations]
+    assert notes.index("an action more") < min(notes.index("trial") if "trial" in notes else len(notes), 40)
 
 
 class Weak(Body):
@@ -106,7 +107,7 @@ def test_a_response_that_fails_is_that_of_a_shorter_time_again_and_again():
 def test_a_fall_that_helps_hardly_is_not_taken_for_what_is_asked_for():
     down = partial(Distance, window=(0, 12), along=(0, 0, -1))
     for clauses, fall in (
-        ([go(1, (0, 12), 0.8), down(target=0.02, tolerance=0.006), down(target=4.0, tolerance=1.3)], False),
+        ([go(1, (0, 12), 0.8), down(target=40.0, tolerance=13.0)], False),
         ([down(target=2.0, tolerance=0.5)], True),
     ):
         evaluator, _ = make_evaluator(*clauses)

@@ -8,7 +8,7 @@ import pytest
 from baselines.evaluation import Evaluator
 from baselines.methods import make_method
 from baselines.protocol import Budget
-from baselines.responses import BLOW_LENGTH, WRING, list_changes, make_end, measure_responses
+from baselines.responses import BLOW_LENGTH, WRING, list_changes, list_places, make_end, measure_responses
 from baselines.starts import share
 from baselines.structures import WEAKER, find_starts, list_structures, pick, weaken
 from baselines.tasks import START
@@ -121,6 +121,14 @@ def test_ends_are_turned_against_each_other_where_that_is_asked_for():
         one, other = field.constraints
         assert (one.region, other.region) == ends and one.held_until == other.held_until == FRAMES - 1
         np.testing.assert_allclose(one.vector, -np.asarray(other.vector))
+
+
+def test_an_end_is_stretched_only_where_its_length_is_spoken_of():
+    top, left = (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0)
+    taller = Stretch(window=(0, 12), part=top, along=(0, 0, 1), target=0.15, tolerance=0.05)
+    evaluator, _ = make_evaluator(taller, Distance(window=(0, 12), part=left, target=0.4, tolerance=0.1))
+    scaled = {slot.region: ActionType.SCALE in skills for slot, skills in list_places(evaluator)}
+    assert scaled == {None: True, make_end(top): True, make_end(left): False}
 
 
 def test_changes_are_apart_and_blows_short():
