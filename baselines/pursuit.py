@@ -29,8 +29,8 @@ ROUNDS = 1.0
 PROMISE = 0.7
 """Of the loss: an action that would leave more is not added."""
 
-TRIED = 2
-"""Additions that are tried at once."""
+TRIED = 3
+"""Additions that are tried at once, of different kinds, places or axes."""
 
 MOST = 6
 """Actions."""
@@ -139,7 +139,10 @@ def grow(evaluator: Evaluator, ranking: Ranking, starts: list[ForceField], good:
 
 def try_more(evaluator: Evaluator, fields: list[ForceField], least: float) -> list[ForceField]:
     """Those that do not miss by far more than ``least``, the best first: what tears does not as it has promised."""
-    scored = [(evaluator.score(field, "an action more").loss, field) for field in fields]
+    scored = []
+    for field in fields:
+        known = evaluator.recall(field)
+        scored.append((evaluator.score(field, "an action more").loss if known is None else known, field))
     kept = [pair for pair in scored if pair[0] <= BROKEN * least]
     return [field for _, field in sorted(kept, key=lambda pair: pair[0])]
 
@@ -197,9 +200,18 @@ def extend(evaluator: Evaluator, ranking: Ranking, field: ForceField, x: np.ndar
     (same,), (again,) = ranking.fitter.fit([()], begun)
     enough = min(PROMISE * same, same - FAINT)
     order = sorted((index for index in range(len(more)) if losses[index] <= enough), key=losses.__getitem__)
-    found = [fields[index] for index in order][:TRIED]
+    unlike = {describe(fields[index]): fields[index] for index in reversed(order)}
+    found = sorted(unlike.values(), key=[fields[index] for index in order].index)[:TRIED]
     left = ranking.fitter.miss(begun.base.x)
     return [*([again] if same <= min(PROMISE * left, left - FAINT) else []), *found]
+
+
+def describe(field: ForceField) -> tuple:
+    """Kind, place and nearest axis of the last action, without its window: what pulls too hard does so at any time."""
+    if not field.actions:
+        return ()
+    last = field.actions[-1]
+    return last.action_type, last.region, int(np.abs(last.vector).argmax())
 
 
 def list_additions(evaluator: Evaluator, ranking: Ranking, structure: Structure) -> list[Structure]:
