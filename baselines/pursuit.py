@@ -14,10 +14,11 @@ from collections.abc import Callable
 import numpy as np
 
 from baselines.evaluation import Evaluator
+from baselines.fitting import Begun
 from baselines.misses import GOOD
 from baselines.responses import Slot, Structure, fit_slot
 from baselines.starts import Descent, compare, exhaust
-from baselines.structures import FAINT, Begun, Ranking, round_window
+from baselines.structures import FAINT, Ranking, round_window
 from baselines.superposition import Base
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.targets import Path
