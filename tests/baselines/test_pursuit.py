@@ -8,7 +8,7 @@ import pytest
 from baselines.evaluation import Evaluator
 from baselines.methods import make_method
 from baselines.misses import GOOD, Score, sharpen
-from baselines.pursuit import extend
+from baselines.pursuit import describe, extend, try_more
 from baselines.responses import measure_responses
 from baselines.structures import Ranking
 from physagent_jax.core.errors import UserError
@@ -39,6 +39,17 @@ def test_what_explains_the_rest_is_added_and_costs_nothing(begun):
     first, second = found[0].actions
     assert first.action_type is ActionType.TRANSLATION and second.action_type is ActionType.SCALE
     assert abs(second.vector[1]) == 1 and not see(field).success and see(found[0]).success
+
+
+def test_additions_are_of_different_kinds_and_none_is_simulated_twice_or_kept_that_tears(begun):
+    evaluator, _, ranking, field, x = begun
+    found = extend(evaluator, ranking, field, x)
+    assert len({describe(each) for each in found}) == len(found)
+    spent, good = evaluator.spent, found[0]
+    tears = field.model_copy(update=dict(actions=(PUSH.model_copy(update=dict(magnitude=1.6)),) * 3))
+    loss = evaluator.score(good).loss + 0.1
+    assert try_more(evaluator, [tears, good], loss) == [good] and evaluator.spent == spent + 2
+    assert try_more(evaluator, [tears, good], loss) == [good] and evaluator.spent == spent + 2
 
 
 def test_where_nothing_is_left_nothing_is_added(begun):
