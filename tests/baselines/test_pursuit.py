@@ -8,7 +8,7 @@ import pytest
 from baselines.evaluation import Evaluator
 from baselines.methods import make_method
 from baselines.misses import GOOD, Score, sharpen
-from baselines.pursuit import describe, extend, try_more
+from baselines.pursuit import describe, extend, grow, try_more
 from baselines.responses import measure_responses
 from baselines.structures import Ranking
 from physagent_jax.core.errors import UserError
@@ -56,6 +56,13 @@ def test_where_nothing_is_left_nothing_is_added(begun):
     evaluator, _, ranking, field, x = begun
     solved = extend(evaluator, ranking, field, x)[0]
     assert extend(evaluator, ranking, solved, evaluator.watch(solved)) == []
+
+
+def test_the_best_start_grows_before_anything_descends(begun):
+    evaluator, see, ranking, field, _ = begun
+    idle = ForceField(actions=(PUSH.model_copy(update=dict(vector=(0, 0, -1), magnitude=0.4)),))
+    grown = grow(evaluator, ranking, [idle, field], GOOD)
+    assert see(grown[0]).success and len(grown[0].actions) == 2 and grown[-2:] == [field, idle]
 
 
 class Replayed(Body):
