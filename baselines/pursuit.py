@@ -68,9 +68,9 @@ def pursue(
 ) -> None:
     """Searches until there is a success, or the budget is spent.
 
-    From the ``count`` likeliest starts; then from the best with an action more, or where none promises enough with the
-    worst clause counting more and with windows sought too; then from what was begun and left, from the next ``count``
-    starts, and beside the best.
+    From the ``count`` likeliest starts and what the best of them grows into; then from the best with an action more, or
+    where none promises enough with the worst clause counting more and with windows sought too; then from what was begun
+    and left, from the next ``count`` starts, and beside the best.
 
     Args:
         evaluator: Charged.
@@ -88,6 +88,8 @@ def pursue(
     looked_at = np.inf
 
     def begin(starts: list[ForceField]) -> None:
+        if not starts:  # nothing answers to anything
+            return
         _, searches = compare(evaluator, starts, descend, cost, ROUNDS)
         if searches and not go_on(evaluator, searches[0], good):
             searches = searches[1:]
@@ -193,7 +195,7 @@ def extend(evaluator: Evaluator, ranking: Ranking, field: ForceField, x: np.ndar
         (item.action_type, Slot(*round_window(item.active_time or (0, end)), item.region))
         for item in field.actions
     )
-    if len(structure) + len(field.constraints) >= MOST:
+    if not responses.steps or len(structure) + len(field.constraints) >= MOST:
         return []
     begun = Begun(field, structure, Base.of(x[:, :: responses.stride], responses.mass))
     more = list_additions(evaluator, ranking, structure)

@@ -122,6 +122,28 @@ def test_a_response_that_fails_is_that_of_a_shorter_time_again_and_again():
     assert not blow[0].any() and blow[1].any()
 
 
+class Deaf(Replayed):
+    """Fails under everything but what is not weak."""
+
+    def simulate(self, force_field):
+        if min((abs(action.magnitude) for action in force_field.actions), default=1.0) < 0.41:
+            raise UserError("it flew apart")
+        return super().simulate(force_field)
+
+
+def test_where_nothing_answers_a_search_begins_beside_the_task_s_own():
+    options = dict(types="responses", numbers="responses", starts=2)
+    result = make_method("levenberg_marquardt", options).finish(make_deaf())
+    assert not measure_responses(make_deaf()).steps
+    assert result.find_incumbent().objective <= GOOD
+
+
+def make_deaf():
+    """An evaluator that has spent nothing."""
+    evaluator, _ = make_evaluator(go(1, (0, 12), 0.4))
+    return Evaluator(evaluator.task, evaluator.budget, simulation=Deaf(evaluator.task.target))  # type: ignore[arg-type]
+
+
 def test_a_fall_that_helps_hardly_is_not_taken_for_what_is_asked_for():
     down = partial(Distance, window=(0, 12), along=(0, 0, -1))
     for clauses, fall in (
