@@ -43,10 +43,12 @@ def _find_facing(mentions: list[Mention], index: int, _names: frozenset[str]) ->
 
 def _find_slowing(mentions: list[Mention], index: int, _names: frozenset[str]) -> list[str]:
     """Says "spin it, then let it slow down": what it does dies out, and does not begin again more weakly."""
-    mention, before = mentions[index], mentions[:index]
-    slows = mention.kind is MentionKind.COMPARATIVE and mention.phrase.startswith("slow")
+    mention = mentions[index]
+    if mention.kind is not MentionKind.COMPARATIVE or not mention.phrase.startswith("slow"):
+        return []
+    before = mentions[:index]
     starts = max((i for i, m in enumerate(before) if m.kind is MentionKind.JOIN), default=-1)
-    if slows and has_motion(before) and not has_motion(before[starts + 1 :]):
+    if has_motion(before) and not has_motion(before[starts + 1 :]):
         return [f"How it comes to '{mention.words}' is not understood."]
     return []
 
