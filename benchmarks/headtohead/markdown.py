@@ -65,8 +65,8 @@ tasks give; *all types* and *responses* from afar, at random with every skill in
 and axis, superposed, says that it might be solved ([responses.py](../baselines/responses.py)). *Smooth* tasks are those
 in which nothing comes to touch the ground, a rule of the scene ([README](../benchmarks/tasks/README.md)).
 Where fewer tasks than the splits have (26 smooth ones each) are counted, the run was stopped. Whoever mended
-*responses* last saw of the test split how many are solved and by how much the others miss, and of one that is missed
-that it is a stretch; stretches of other objects and of ends were tried after that.
+*responses* last saw of the test split how many are solved and by how much the others miss, and took one that is missed
+for a stretch; stretches of other objects and of ends were tried after that.
 """
 _CLIPSIM = """
 ## CLIPsim
