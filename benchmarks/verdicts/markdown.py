@@ -19,7 +19,8 @@ in metres and seconds); the labels follow from how they were made, by the rules 
 comes of it, and its particles are held against them first ([`claims.py`](CLAIMS)): a clip that does not move as it is
 labelled is listed, and not judged. The offline agents then read each sentence and judge the clip twice: with the
 particles' true trajectories in place of perception (*truth*), and from its pictures and depth (*pictures*), before no
-background at all (*plain*), a painted wall and floor, or a photo, each with its depth.
+background at all (*plain*), a painted wall and floor, or a photo, each with its depth. What either reports of a clip is
+kept beside it until the sources that made it change: a run that finds it spends its seconds on judging alone.
 
 A *false SUCCESS* is a wrong motion that passes, a *false FAIL* a right one that does not. A sentence that the parser
 refuses counts as FAIL. The clips are halved by the hash of their names; thresholds may be tuned on the development half

@@ -430,7 +430,12 @@ def _lead(
         held_until=kept if kept > until else None,
     )
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
-    why = f"'{expectation.words}': {reason}, so it is led there."
+    short = (
+        ""
+        if effort <= 1.01 * MAGNITUDE_MAX * (until - first)
+        else ", as far as the fastest goes in that time"
+    )
+    why = f"'{expectation.words}': {reason}, so it is led there{short}."
     return _put(field, causes, (hand,)), why
 
 
