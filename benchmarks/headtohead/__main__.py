@@ -25,7 +25,7 @@ from benchmarks import harness
 from benchmarks.harness import Job
 from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS, list_distillers
-from benchmarks.headtohead.jobs import USUAL, list_checks, list_fits, list_neighbours, list_pictures
+from benchmarks.headtohead.jobs import USUAL, list_checks, list_fits, list_neighbours, list_similarities
 from benchmarks.headtohead.markdown import document
 from benchmarks.headtohead.plot import plot
 from physagent_jax.core.errors import UserError
@@ -97,7 +97,7 @@ def main() -> int:
         "iterations": lambda: fits(ITERATIONS, ROUNDS, ROUNDS[-1]),
         "distillation": lambda: fits(list_distillers(command.prior, command.weights), marks, budget),
         "neighbourhood": lambda: list_neighbours(specs, command.tasks, marks, budget, command.data),
-        "clipsim": lambda: list_pictures(specs, command.json, find_clip(command.clip), command.data),
+        "clipsim": lambda: list_similarities(specs, command.json, find_clip(command.clip), command.data),
         "verify": lambda: list_checks(specs, command.json, command.leaderboard, command.data),
     }
     about = {"left_out": left_out, "budget": budget}

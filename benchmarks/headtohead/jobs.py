@@ -98,7 +98,7 @@ def list_checks(specs: Sequence[TaskSpec], result: Path, board: Path | None, dat
     ]
 
 
-def list_pictures(specs: Sequence[TaskSpec], result: Path, clip: Path, data: Path | None) -> list[Job]:
+def list_similarities(specs: Sequence[TaskSpec], result: Path, clip: Path, data: Path | None) -> list[Job]:
     """CLIPsim of the last force field of every fit of the comparison, and of a clip in which nothing is done."""
     known = {spec.name: spec for spec in specs}
     content = json.loads(result.read_text()) if result.is_file() else {}
@@ -110,12 +110,12 @@ def list_pictures(specs: Sequence[TaskSpec], result: Path, clip: Path, data: Pat
         for name in dict.fromkeys(row["task"] for row in rows)
     ]
     return [
-        Job(row["job"], partial(look, row, known[row["task"]], clip, data), row["task"])
+        Job(row["job"], partial(measure_similarity, row, known[row["task"]], clip, data), row["task"])
         for row in (*rows, *still)
     ]
 
 
-def look(row: Row, spec: TaskSpec, clip: Path, data: Path | None) -> list[Row]:
+def measure_similarity(row: Row, spec: TaskSpec, clip: Path, data: Path | None) -> list[Row]:
     """CLIPsim of a stored force field with its task's sentence, in the pictures that methods see."""
     last = row["marks"][-1] if row["marks"] else None
     field = ForceField() if last is None else ForceField.model_validate(last["force_field"])

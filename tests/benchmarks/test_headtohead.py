@@ -12,7 +12,7 @@ from baselines.tasks import load_tasks
 from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.__main__ import TASKS, main
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS
-from benchmarks.headtohead.jobs import NOTHING, list_pictures, verify
+from benchmarks.headtohead.jobs import NOTHING, list_similarities, verify
 from benchmarks.headtohead.markdown import choose_ablation, document
 from benchmarks.headtohead.measuring import judge_marks
 from benchmarks.headtohead.neighbourhood import STRONGER, TURNED, perturb
@@ -101,7 +101,7 @@ def test_pictures_of_stored_fields_and_of_nothing_are_compared_with_the_sentence
     row["marks"] = [{"mark": 10.0, "force_field": ForceField(actions=(stretch,)).model_dump(mode="json")}]
     path = tmp_path / "rows.json"
     path.write_text(json.dumps({"methods": {"rows": [row, row | {"job": "k", "marks": []}]}}))
-    made = [job.measure() for job in list_pictures((spec,), path, tmp_path, None)]
+    made = [job.measure() for job in list_similarities((spec,), path, tmp_path, None)]
     (moved,), (still,) = made
     assert (moved["label"], moved["mark"], moved["model"]) == ("adam", 10.0, "reddish")
     assert abs(moved["mean"] - moved["still"]) > 1e-3 and moved["still"] == pytest.approx(still["still"])
