@@ -138,6 +138,16 @@ TASKS = (
         ({"kind": "move", "direction": "right"},), (("translation", "right", 1.4, 0, 40),),
         ("sign", "90 degrees", "minimum", "maximum", "type"), world="ground",
     ),
+    Task(
+        "push towards us", "jelly", "push the jelly towards us",
+        ({"kind": "move", "direction": "toward"},), (("translation", "toward", 1.0, 0, 40),),
+        ("sign", "90 degrees", "60 degrees", "type", "missing"),
+    ),
+    Task(
+        "clockwise", "robot", "spin the robot clockwise, seen from above",
+        ({"kind": "rotate", "direction": "down"},), (("torque", "down", 1.0, 0, 45),),
+        ("sign", "90 degrees", "type", "missing"),
+    ),
 )  # fmt: skip
 
 Fault = Callable[[ForceField, SceneBrief], ForceField]
