@@ -38,7 +38,7 @@ def provenance(
         stopped = "" if section["complete"] else " (stopped before its end)"
         figures = [count(section["rows"]) for count in counts.values()]
         seconds = round(sum(run["seconds"] for run in used), 1)  # 0: not known
-        origin = "; then ".join(_describe_origin(run) for run in used)
+        origin = "; then ".join(_describe_origins(used))
         lines.append([part + quick + stopped, len(section["rows"]), *figures, seconds or "", origin])
     absent = [part for part in parts if part not in result]
     return table(["part", "rows", *counts, *_PROVENANCE], lines) + (
@@ -46,9 +46,17 @@ def provenance(
     )
 
 
-def _describe_origin(run: Mapping[str, Any]) -> str:
-    remark = f". {run['remark']}" if "remark" in run else ""
-    return f"`{run['command']}`; {run['machine']}; {run['load_average'][0]}; {run['git_revision']}{remark}"
+def _describe_origins(runs: Sequence[Mapping[str, Any]]) -> list[str]:
+    """A text per command and machine: what was begun again is named once, with all of its loads and revisions."""
+    same: dict[tuple, list[Mapping[str, Any]]] = {}
+    for run in runs:
+        same.setdefault((run["command"], run["machine"], run.get("remark")), []).append(run)
+    texts = []
+    for (command, machine, remark), mine in same.items():
+        loads = ", ".join(str(run["load_average"][0]) for run in mine)
+        revisions = ", ".join(dict.fromkeys(str(run["git_revision"]) for run in mine))
+        texts.append(f"`{command}`; {machine}; {loads}; {revisions}" + (f". {remark}" if remark else ""))
+    return texts
 
 
 def link(path: Path, target: Path) -> str:

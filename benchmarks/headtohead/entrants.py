@@ -31,6 +31,9 @@ class Entrant:
         return make_method(self.method, self.options)
 
 
+LOCAL = ("levenberg_marquardt", "lbfgs", "adam")
+"""Methods that descend from a start."""
+
 ENUMERATED = dict(types="enumerated", numbers="random")
 RESPONSES = dict(types="responses", numbers="responses", starts=4)
 _AGENT = dict(types="agent", numbers="agent")

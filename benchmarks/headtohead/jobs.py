@@ -16,7 +16,7 @@ from benchmarks.harness import Job, Row
 from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.entrants import Entrant
 from benchmarks.headtohead.measuring import judge_field, measure
-from benchmarks.headtohead.neighbourhood import Begin, list_begins, list_entrants, move
+from benchmarks.headtohead.neighbourhood import list_begins, list_entrants, move
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.clip_similarity import TransformersClip, measure_clip_similarity
@@ -36,12 +36,13 @@ def list_fits(
     data: Path | None,
 ) -> list[Job]:
     """Every entrant on every task, those that draw anything with every seed; each budget is a fit of its own."""
-    jobs, given = [], "" if budget == USUAL else f" / {budget:g}"
+    jobs = []
     for spec in specs:
         for entrant in entrants:
             for seed in range(seeds if entrant.make().stochastic else 1):
                 work = partial(fit, entrant, spec, data, marks, seed, budget)
-                jobs.append(Job(f"{spec.name} / {entrant.label} / {seed}{given}", work, spec.name))
+                name = f"{spec.name} / {entrant.label} / {seed}{_name_budget(budget)}"
+                jobs.append(Job(name, work, spec.name))
     return jobs
 
 
@@ -55,19 +56,19 @@ def fit(
 def list_neighbours(
     specs: Sequence[TaskSpec], tasks: Path, marks: Sequence[float], budget: float, data: Path | None
 ) -> list[Job]:
-    """Local methods, once each: near the witness, where the task says, and from afar."""
+    """Local methods, once each: near the witness, and where the task says."""
     witnesses, jobs = load_witnesses(tasks), []
     for spec in specs:
         for begin in list_begins(spec.begin is not None):
             for entrant in list_entrants(begin):
                 witness = witnesses[spec.name] if begin == "near" else None
-                work = partial(fit_from, begin, witness, entrant, spec, data, marks, budget)
-                jobs.append(Job(f"{spec.name} / {entrant.label}", work, spec.name))
+                work = partial(fit_from, witness, entrant, spec, data, marks, budget)
+                name = f"{spec.name} / {entrant.label}{_name_budget(budget)}"
+                jobs.append(Job(name, work, spec.name))
     return jobs
 
 
 def fit_from(
-    begin: Begin,
     witness: ForceField | None,
     entrant: Entrant,
     spec: TaskSpec,
@@ -79,8 +80,7 @@ def fit_from(
     task = _make(spec, data)
     if witness is not None:
         task = move(task, witness, seed=0)
-    rows = measure(entrant, task, marks, 0, budget)
-    return [row | {"begin": begin, "smooth": spec.smooth} for row in rows]
+    return measure(entrant, task, marks, 0, budget)
 
 
 def list_checks(specs: Sequence[TaskSpec], result: Path, board: Path | None, data: Path | None) -> list[Job]:
@@ -146,6 +146,10 @@ def verify(row: Row, task: Task) -> list[Row]:
     if not good:
         harness.say(f"{row['job']}: error {stored['error']:.6g} then, {again['error']:.6g} now")
     return [{"good": good, "stored": stored["error"], "again": again["error"], "same_target": same_target}]
+
+
+def _name_budget(budget: float) -> str:
+    return "" if budget == USUAL else f" / {budget:g}"
 
 
 @cache

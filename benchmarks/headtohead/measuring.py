@@ -30,6 +30,7 @@ def measure(entrant: Entrant, task: Task, marks: Sequence[float], seed: int, bud
         "task": task.spec.name,
         "family": task.spec.family,
         "split": task.spec.split,
+        "smooth": task.spec.smooth,
         "seed": seed,
         "oracle": method.oracle,
         "target_hash": task.spec.target_hash,

@@ -1,8 +1,9 @@
-"""Whether a local method solves a task from where it is nearly solved, and from where nothing is known.
+"""Whether a local method solves a task from where it is nearly solved.
 
-A method that misses from the neighbourhood of a force field which is a success is broken; one that misses from afar may
-only have been too far away. The neighbourhood is around the task's witness: each |M| of it `STRONGER` or weaker, each
-direction turned by `TURNED` about an axis drawn at random, types, windows and regions as they are.
+A method that misses from the neighbourhood of a force field which is a success is broken; one that misses from afar, as
+in the comparison of all methods, may only have been too far away. The neighbourhood is around the task's witness: each
+|M| of it `STRONGER` or weaker, each direction turned by `TURNED` about an axis drawn at random, types, windows and
+regions as they are.
 """
 
 from __future__ import annotations
@@ -14,13 +15,12 @@ from typing import Literal
 import numpy as np
 
 from baselines.tasks import Task
-from benchmarks.headtohead.entrants import ENUMERATED, RESPONSES, Entrant
+from benchmarks.headtohead.entrants import LOCAL, Entrant
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ForceField
 
-Begin = Literal["near", "begin", "all types", "responses"]
-"""Near the witness; at the first force field that the task itself gives (recovery); from afar, at random with all
-types, or where the object's responses say (`baselines.responses`)."""
+Begin = Literal["near", "begin"]
+"""Near the witness, or at the first force field that the task itself gives (recovery)."""
 
 STRONGER = 0.3
 """Part of |M| that is added or taken away, whichever the library allows; by chance where both are."""
@@ -28,18 +28,15 @@ STRONGER = 0.3
 TURNED = 20.0
 """[degrees]."""
 
-LOCAL = ("levenberg_marquardt", "lbfgs", "adam")
-
 
 def list_entrants(begin: Begin) -> tuple[Entrant, ...]:
     """The local methods that begin there."""
-    options = {"all types": ENUMERATED, "responses": RESPONSES}.get(begin, dict(types="task", numbers="task"))
-    return tuple(Entrant(f"{name}, {begin}", name, options) for name in LOCAL)
+    return tuple(Entrant(f"{name}, {begin}", name, dict(types="task", numbers="task")) for name in LOCAL)
 
 
 def list_begins(task_gives_one: bool) -> tuple[Begin, ...]:
     """From where a task's searches begin."""
-    return ("near", *(("begin",) if task_gives_one else ()), "all types", "responses")
+    return ("near", "begin") if task_gives_one else ("near",)
 
 
 def move(task: Task, witness: ForceField, seed: int) -> Task:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.harness import import_pyplot
-from benchmarks.headtohead.markdown import group
+from benchmarks.headtohead.markdown import choose_split, group
 from benchmarks.headtohead.statistics import estimate, is_measured
 
 
@@ -18,7 +18,7 @@ def plot(result: dict[str, Any], folder: Path) -> None:
     """
     plt = import_pyplot()
 
-    rows = result["methods"]["rows"]
+    rows = choose_split(result["methods"]["rows"])
     marks = sorted({mark["mark"] for row in rows for mark in row["marks"]})
     figure, axis = plt.subplots(figsize=(8, 5))
     for index, (label, mine) in enumerate(group(rows).items()):

@@ -165,18 +165,30 @@ def test_the_ablation_takes_what_the_comparison_has_and_only_tasks_that_all_have
 
 
 def test_the_page_names_missed_tasks_of_development_only():
-    def make_row(split, smooth, success):
-        mark = {"mark": 10.0, "success": success, "error": 0.5}
-        row = dict(label="adam, near", task=f"{split}-a", split=split, smooth=smooth, spent=9.0, marks=[mark])
+    """By every budget that was given; from afar, those of the comparison."""
+
+    def make_row(split, smooth, success, label="adam, near", budget=30.0):
+        mark = {"mark": budget, "success": success, "error": 0.5}
+        row = dict(label=label, task=f"{split}-{smooth}", split=split, smooth=smooth, spent=9.0, marks=[mark])
+        row |= dict(seconds=1.0, memory_gb=None, evaluations=9)
         return row | dict(run=0, oracle=True, family="drop", seed=0)
 
     rows = [make_row("development", True, False), make_row("development", False, True)]
     rows.append(make_row("test", True, False))
+    afar = [make_row("test", True, budget > 30.0, "adam, responses", budget) for budget in (30.0, 100.0)]
+    afar.append(make_row("test", True, True, "cma"))
     run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
-    section = {"neighbourhood": {"runs": [run], "complete": True, "rows": rows}}
-    page = document(section, Path("a.json"), Path("b.md"))
-    assert "| adam, near | development | 0 of 1 | 1 of 1 | 9 | development-a |" in page
-    assert "| adam, near | test | 0 of 1 |  | 9 | not told" in page and "test-a" not in page
+    parts = {"neighbourhood": rows, "methods": afar}
+    page = document(
+        {part: {"runs": [run], "complete": True, "rows": mine} for part, mine in parts.items()},
+        Path("a.json"),
+        Path("b.md"),
+    )
+    page = page[page.index("Are the local methods broken?") :]
+    assert "| method, start | split | smooth, 30 | smooth, 100 | others, 30 | others, 100 | missed |" in page
+    assert "| adam, near | development | 0 of 1 |  | 1 of 1 |  | development-True |" in page
+    assert "| adam, near | test | 0 of 1 |  |  |  | not told" in page and "test-True" not in page
+    assert "| adam, responses | test | 0 of 1 | 1 of 1 |  |  | none |" in page and "cma" not in page
 
 
 @pytest.mark.parametrize("size", [0.45, 1.0, 1.5])
@@ -242,7 +254,7 @@ def test_the_page_says_in_words_what_its_rows_say():
         same = dict(
             run=0, label=label, split="test", seed=0, oracle=label != "physagent", spent=9.0, seconds=2.0
         )
-        same |= dict(memory_gb=None, evaluations=9, family="drop")
+        same |= dict(memory_gb=None, evaluations=9, family="drop", smooth=True)
         return [
             same | dict(task=task, marks=[*marks, {"mark": 10.0, "success": task in solved, "error": 0.5}])
             for task in "abcd"
