@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from benchmarks.harness import link, number, provenance, table
+from benchmarks.headtohead import texts
 from benchmarks.headtohead.entrants import ABLATION_ROWS, LOCAL
 from benchmarks.headtohead.statistics import (
-    CAP,
     average_tasks,
     choose_fits,
     compare,
@@ -26,116 +27,24 @@ from benchmarks.headtohead.statistics import (
 
 PARTS = ("methods", "ablation", "iterations", "distillation", "neighbourhood", "clipsim", "verify")
 REFERENCE = "physagent"
-_MEANING = f"""Made by `python -m benchmarks.headtohead`. Every method has the same tasks, the same simulator and the
-same budget in forward-equivalents (one plain simulation is 1; a value with its gradient is charged 4.3, failures, line
-searches and the choice of starts are charged too). A method is judged by the force field that it itself holds for its
-best when the budget is spent; the judge reads true particles. *Oracle* methods minimise the distance to the target,
-which nothing but a simulator with the answer at hand can know: they are bounds, not competitors. Those called
-*responses* read more: from the windows and the parts of the target's clauses and one simulation per skill and axis,
-superposed, they take which actions, when and where ([responses.py](../baselines/responses.py)). They were mended on
-development tasks, on these with other objects, and on further ones like them whose targets are what a force field that
-was written first shows; one, the robot made taller, is like a task of the test split. *Error* is the largest
-miss of a task's clauses in tolerances (1 = just a success), cut at {CAP:g}; its median over tasks. Brackets are 95 %
-intervals of the bootstrap over tasks, stratified by family; seeds are averaged first. Score distillation
-(`dreamphysics_f`, `omniphysgs_f`) has a table of its own: what leads it here is a toy. `bo_leap` is left out for its
-time. CLIPsim (`--parts clipsim --clip DIR`) needs the weights of a CLIP model, which do not come with this repository.
-"""
-
-_MARKS = """
-### Success against budget
-
-Where a method stood when so much was spent, by the fit with the least budget that reaches so far: what shares its
-budget out (successive halving over skills) does other things with a larger one. Empty where not all tasks were given
-as much.
-"""
-_DISTILLED = """
-## Score distillation
-
-The published methods with forces in place of materials, on the same tasks within the same budget. The *toy prior* knows
-twelve motions of five simulated objects at 32 x 32 pixels ([score-priors.md](score-priors.md)): what its rows show is
-that the machinery works and what a weak score is worth, and nothing about video models. Whether its gradients lead to
-the targets is in [distillation.md](distillation.md).
-"""
-_NEIGHBOURS = """
-## Are the local methods broken?
-
-A method that misses a task from where it is nearly solved is broken, not weak. *Near* begins at a force field that
-solves the task, with every strength 30 % off and every direction 20 degrees; *begin* at the force field that recovery
-tasks give; *all types* and *responses*, the fits of the first table, from afar: at random with every skill in turn, or
-where one simulation per skill and axis, superposed, says that it might be solved
-([responses.py](../baselines/responses.py)). Figures are after so many forward-equivalents. *Smooth* tasks are those in
-which nothing comes to touch the ground, a rule of the scene ([README](../benchmarks/tasks/README.md)); each split has
-26. Whoever mended *responses* last saw of the test split how many are solved and by how much the others miss, and took
-one that is missed for a stretch; stretches of other objects and of ends were tried after that.
-"""
-_DEVELOPMENT = """
-### On the tasks that methods were mended on
-
-Success after so many forward-equivalents, as above: these flatter.
-"""
-_CLIPSIM = """
-## CLIPsim
-
-The mean over the frames of the cosine between picture and sentence, by a CLIP model: the figure of the paper's table 1.
-It does not know the order of the frames. *Still* is that of the first frame alone, the same for all methods of a task:
-what a method adds is the difference.
-"""
-_STOPS = """
-## What `physagent` goes by
-
-Its planner judges by the sentence, the tables by the task's clauses. Read on the development split, on which it was
-mended:
-
-- The sentences of all tasks with clauses as targets name the amounts that the judge measures; those of recovery name
-  none, and stored paths within 0.015 body lengths cannot be known from their words.
-- A quantity that is read has 20 % to either side, at least 0.03 body lengths, 5 degrees or a strain of 0.04. What lies
-  inside has no failed check, the executor mends nothing else, and the run ends. Where a quantity is not understood, the
-  run says so, and the planner goes by its range for a word without a number, as 0.25 to 1.3 body lengths for a push.
-- The amounts are perceived: what deforms quickly one way and then the other is seen to do less than it does.
-
-No task and no tolerance of the judge was changed for it.
-"""
-_ELSEWHERE = """
-## What others report on their own scenes
-
-Not measured here, and not comparable with the tables above or with each other: other objects, clips, machines and
-judges. CLIPsim of the same method differs by a quarter between two papers (0.279 and 0.229 for DreamPhysics).
-"""
-_A6000 = "FastPhysGS, table 2 (A6000)"
-_REPORTS = (
-    (
-        "Seeing the Wind from a Falling Leaf (NeurIPS 2025)",
-        "a force field, by gradients through MPM, from 3D tracks",
-        "off by 14 to 33 % and 7 to 23 degrees (six objects); from pixels alone 87 % and 50 degrees",
-        "its tables 1 to 3",
-    ),
-    ("DreamPhysics", "materials, by score distillation", "90 min, 35 GB", _A6000),
-    ("OmniPhysGS (ICLR 2025)", "materials and laws, by score distillation", "120 min, 40 GB", _A6000),
-    ("PhysGaussian (CVPR 2024)", "nothing: forces are written by hand", "2 min, 12 GB", _A6000),
-    (
-        "SGA (ICML 2024), VisionLaw (ICLR 2026)",
-        "laws by a language model outside, numbers by gradients inside",
-        "the order of `hybrid`, for laws in place of forces",
-        "their papers",
-    ),
-    ("FluidLab (2023)", "actions", "gradients through 36,000 substeps of fluids, on a GPU", "its code"),
-)
 
 
 def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
     """The tables as Markdown."""
-    text = f"# Head to head\n\n{_MEANING}\nEvery row is in [{json_path.name}]({link(json_path, target)}).\n"
+    text = (
+        f"# Head to head\n\n{texts.MEANING}\nEvery row is in [{json_path.name}]({link(json_path, target)}).\n"
+    )
     text += provenance(result, PARTS)
     if "methods" in result:
         rows = choose_split(result["methods"]["rows"])
         text += "\n## Methods\n\n" + _tell_splits(rows) + _write_families(rows) + _write_costs(rows)
-        text += _MARKS + _write_marks(rows)
+        text += texts.MARKS + _write_marks(rows)
         picture = target.parent / "images" / "headtohead-success.png"
         if picture.exists():
             text += f"\n![Success against budget]({link(picture, target)})\n"
         text += _write_pairs(rows) + _state_findings(rows)
         if mended := [row for row in result["methods"]["rows"] if row["split"] != rows[0]["split"]]:
-            text += _DEVELOPMENT + _write_marks(mended)
+            text += texts.DEVELOPMENT + _write_marks(mended)
     if "ablation" in result:
         rows = choose_ablation(result)
         text += "\n## What skills, feedback and numbers are worth\n\n" + _tell_splits(rows)
@@ -149,20 +58,20 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
         text += _write_marks(rows)
     if "distillation" in result:
         rows = result["distillation"]["rows"]
-        text += _DISTILLED + _write_families(rows) + _write_costs(rows)
+        text += texts.DISTILLED + _write_families(rows) + _write_costs(rows)
     if neighbours := choose_neighbours(result):
-        text += _NEIGHBOURS + _write_neighbours(neighbours)
+        text += texts.NEIGHBOURS + _write_neighbours(neighbours)
     if "clipsim" in result:
-        text += _CLIPSIM + _write_similarities(result["clipsim"]["rows"])
+        text += texts.CLIPSIM + _write_similarities(result["clipsim"]["rows"])
     if "verify" in result:
         rows = result["verify"]["rows"]
         good = sum(row["good"] for row in rows)
         text += f"\n## Verified\n\n{good} of {len(rows)} stored force fields, simulated again, are judged as before.\n"
     return (
         text
-        + _STOPS
-        + _ELSEWHERE
-        + table(["work", "what it optimises", "what it reports", "source"], _REPORTS)
+        + texts.STOPS
+        + texts.ELSEWHERE
+        + table(["work", "what it optimises", "what it reports", "source"], texts.REPORTS)
     )
 
 
@@ -296,6 +205,7 @@ def _write_costs(rows: list[dict]) -> str:
         lines.append(
             [
                 _name(label, mine),
+                _count_seeds(choose_fits(mine, last)),
                 *(_find_median(costs, name) for name in ("spent", "seconds", "evaluations")),
                 _find_median(done, "memory_gb"),
                 number(float(np.median(efforts))) if efforts else "",
@@ -304,6 +214,7 @@ def _write_costs(rows: list[dict]) -> str:
         )  # fmt: skip
     head = [
         "method",
+        "seeds",
         "forward-equivalents",
         "seconds",
         "evaluations",
@@ -316,6 +227,13 @@ def _write_costs(rows: list[dict]) -> str:
         "first of a task's methods, on one core where fits ran side by side."
     )
     return f"\n{said}\n" + table(head, lines)
+
+
+def _count_seeds(rows: list[dict]) -> str:
+    """Of each task, the fewest and the most."""
+    counts = Counter(row["task"] for row in rows).values()
+    few, many = min(counts, default=0), max(counts, default=0)
+    return f"{few}" if few == many else f"{few} to {many}"
 
 
 def _write_neighbours(rows: list[dict]) -> str:
