@@ -12,6 +12,7 @@ from typing import Any
 import tyro
 
 import physagent_jax as pa
+from baselines.materials import OWN
 from baselines.methods import METHODS, make_method
 from baselines.protocol import Budget, Evaluation, FitResult, Method
 from baselines.tasks import Task, TaskSpec, load_tasks, make_task
@@ -50,6 +51,9 @@ class Command:
     """Folder of tasks."""
     data: Path | None = None
     """Folder of captured objects, for the tasks on these."""
+    material: str = OWN
+    """What the object is made of: own, implied (by its kind), softer, stiffer, omniphysgs, a named material, a
+    constitutive model, or a JSON object of fields."""
     out: Path | None = None
     """Run folder; default: runs/<method>_<task>."""
     overwrite: bool = False
@@ -80,6 +84,7 @@ def solve(command: Command) -> RunStore:
         task=spec.model_dump(mode="json"),
         budget=dataclasses.asdict(budget),
         seed=command.seed,
+        material=command.material,
     )
     manifest = make_manifest(
         command=f"python -m baselines.run --method {command.method} --task {command.task}",
@@ -130,7 +135,7 @@ def _solve(store: RunStore, method: Method, spec: TaskSpec, budget: Budget, comm
     watch = Stopwatch()
     with tempfile.TemporaryDirectory() as folder:
         with watch("prepare"):
-            task = make_task(spec, Path(folder), command.data)
+            task = make_task(spec, Path(folder), command.data, command.material)
         print(f"{'spent':>7}  {'seconds':>7}  {'objective':>11}  what for")
         with watch("simulate"):
             result = method.fit(task, budget, command.seed, on_evaluation=_print)

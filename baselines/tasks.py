@@ -18,6 +18,7 @@ import numpy as np
 from pydantic import Field, TypeAdapter, ValidationError
 
 import physagent_jax as pa
+from baselines.materials import OWN, Material, choose_material
 from baselines.objects import OBJECTS, find_file, is_available
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error, read_json
@@ -192,11 +193,13 @@ class Task:
         spec: Its definition.
         loaded: The object, in the domain.
         camera: Of all of its clips.
+        material: Of the object.
     """
 
     spec: TaskSpec
     loaded: pa.LoadedObject
     camera: CameraConfig
+    material: Material
 
     @property
     def target(self) -> Target:
@@ -231,7 +234,7 @@ class Task:
             scene = pa.build_scene(
                 self.loaded,
                 force_field=force_field,
-                material=OBJECTS[self.spec.object].material,
+                material=self.material,
                 anchor=options.anchor,
                 camera=dict(azimuth_degrees=0.0),
                 world=options.world,
@@ -257,18 +260,20 @@ class Task:
         return measure_effort(self.build(force_field).model, x, self.frame_dt)
 
 
-def make_task(spec: TaskSpec, folder: Path, data: Path | None = None) -> Task:
+def make_task(spec: TaskSpec, folder: Path, data: Path | None = None, material: str = OWN) -> Task:
     """Makes a task's object.
 
     Args:
         spec: Which task.
         folder: Where files of objects go that are made.
         data: Folder of captured objects; None = tasks on those cannot be made.
+        material: What the object is made of, as for `choose_material`. The target stays that of the task.
 
     Raises:
-        UserError: The object needs a folder of data that is not given.
+        UserError: The object needs a folder of data that is not given, or there is no such material.
     """
     thing = OBJECTS[spec.object]
+    made_of = choose_material(material, thing)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
         loaded = pa.load_object(
@@ -278,7 +283,7 @@ def make_task(spec: TaskSpec, folder: Path, data: Path | None = None) -> Task:
             cells=thing.cells,
             max_particles=thing.particles,
         )
-    task = Task(spec, loaded, CameraConfig())
+    task = Task(spec, loaded, CameraConfig(), made_of)
     return dataclasses.replace(task, camera=_place_camera(task))
 
 

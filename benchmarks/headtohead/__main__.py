@@ -2,9 +2,9 @@
 
 Every method gets the same budget on the same tasks and the same simulator, counted in forward-equivalents; what it is
 to be judged by is read from the particles and never shown to it (oracles apart, which are named so). `methods` is the
-comparison, `ablation` takes the agents apart, `iterations` counts their rewrites, `neighbourhood` checks that local
-methods are not broken. `clipsim` is how alike their pictures and the sentence are to a CLIP model. `verify` simulates
-the force fields of the file again and judges them anew.
+comparison, `ablation` takes the agents apart, `iterations` counts their rewrites, `materials` gives objects other
+materials, `neighbourhood` checks that local methods are not broken. `clipsim` is how alike their pictures and the
+sentence are to a CLIP model. `verify` simulates the force fields of the file again and judges them anew.
 """
 
 from __future__ import annotations
@@ -24,8 +24,15 @@ from baselines.tasks import TaskSpec, load_tasks, split_available
 from benchmarks import harness
 from benchmarks.harness import Job
 from benchmarks.headtohead import leaderboard
-from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS, list_distillers
-from benchmarks.headtohead.jobs import USUAL, list_checks, list_fits, list_neighbours, list_similarities
+from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, MATERIALS, METHODS, list_distillers
+from benchmarks.headtohead.jobs import (
+    USUAL,
+    list_checks,
+    list_fits,
+    list_materials,
+    list_neighbours,
+    list_similarities,
+)
 from benchmarks.headtohead.markdown import document
 from benchmarks.headtohead.plot import plot
 from physagent_jax.core.errors import UserError
@@ -41,7 +48,16 @@ class Command(harness.Command):
     """Compare the methods, or write the tables of an earlier run."""
 
     parts: tuple[
-        Literal["methods", "ablation", "iterations", "distillation", "neighbourhood", "clipsim", "verify"],
+        Literal[
+            "methods",
+            "ablation",
+            "iterations",
+            "distillation",
+            "materials",
+            "neighbourhood",
+            "clipsim",
+            "verify",
+        ],
         ...,
     ] = (
         "methods",
@@ -67,6 +83,8 @@ class Command(harness.Command):
     """Of what is random; the rest is done once."""
     workers: int = 1
     """Fits side by side, each on its share of the cores: for what is counted, not for seconds to quote."""
+    settings: tuple[str, ...] = ("softer", "stiffer")
+    """For `materials`: as `--material` of `baselines.run`."""
     prior: Literal["wan", "modelscope", "cogvideox", "toy"] = "toy"
     """Who leads the methods of score distillation."""
     weights: str = "runs/toy_prior/prior"
@@ -96,6 +114,9 @@ def main() -> int:
         "ablation": lambda: fits(ABLATION, marks, budget),
         "iterations": lambda: fits(ITERATIONS, ROUNDS, ROUNDS[-1]),
         "distillation": lambda: fits(list_distillers(command.prior, command.weights), marks, budget),
+        "materials": lambda: list_materials(
+            specs, MATERIALS, command.settings, command.json, marks, budget, command.data
+        ),
         "neighbourhood": lambda: list_neighbours(specs, command.tasks, marks, budget, command.data),
         "clipsim": lambda: list_similarities(specs, command.json, find_clip(command.clip), command.data),
         "verify": lambda: list_checks(specs, command.json, command.leaderboard, command.data),

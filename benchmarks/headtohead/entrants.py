@@ -60,6 +60,9 @@ METHODS = (
 )
 """Table 1: oracles, which read the true distance to the target, among those that see pictures only."""
 
+MATERIALS = tuple(each for each in METHODS if each.label in ("physagent", "hybrid"))
+"""With other materials: of the rest, what they found with the own one is tried."""
+
 ABLATION = (
     Entrant(
         "privileged", "physagent", dict(privileged=True), "true particles and the judge in place of pictures"

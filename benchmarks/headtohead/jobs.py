@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from functools import cache, partial
 from pathlib import Path
 
+from baselines.materials import OWN
 from baselines.simulation import Simulation
 from baselines.tasks import Task, TaskSpec, load_witnesses, make_task
 from benchmarks import harness
@@ -81,6 +82,56 @@ def fit_from(
     if witness is not None:
         task = move(task, witness, seed=0)
     return measure(entrant, task, marks, 0, budget)
+
+
+def list_materials(
+    specs: Sequence[TaskSpec],
+    entrants: Sequence[Entrant],
+    settings: Sequence[str],
+    result: Path,
+    marks: Sequence[float],
+    budget: float,
+    data: Path | None,
+) -> list[Job]:
+    """With each material: the entrants' fits, and what the fits of the comparison found with the own one."""
+    known, jobs = {spec.name: spec for spec in specs}, []
+    content = json.loads(result.read_text()) if result.is_file() else {}
+    found = [
+        row
+        for row in content.get("methods", {}).get("rows", [])
+        if row["task"] in known and row["marks"] and row["marks"][-1]["mark"] == budget and row["seed"] == 0
+    ]
+    for spec in specs:
+        for setting in settings:
+            for entrant in entrants:
+                work = partial(fit_material, setting, entrant, spec, data, marks, budget)
+                name = f"{spec.name} / {entrant.label} / {setting}{_name_budget(budget)}"
+                jobs.append(Job(name, work, spec.name))
+            for row in (row for row in found if row["task"] == spec.name):
+                work = partial(transfer, setting, row, spec, data)
+                jobs.append(Job(f"{row['job']} / brought to {setting}", work, spec.name))
+    return jobs
+
+
+def fit_material(
+    setting: str,
+    entrant: Entrant,
+    spec: TaskSpec,
+    data: Path | None,
+    marks: Sequence[float],
+    budget: float,
+) -> list[Row]:
+    """`measure` of a task with another material."""
+    rows = measure(entrant, _make(spec, data, setting), marks, 0, budget)
+    return [row | {"material": setting, "brought": False} for row in rows]
+
+
+def transfer(setting: str, row: Row, spec: TaskSpec, data: Path | None) -> list[Row]:
+    """What the force field that a fit found with the own material does with another."""
+    last = row["marks"][-1]
+    judged = judge_field(ForceField.model_validate(last["force_field"]), _make(spec, data, setting))
+    told = {name: row[name] for name in ("label", "task", "family", "split", "seed", "oracle")}
+    return [told | {"material": setting, "brought": True, "marks": [{"mark": last["mark"], **judged}]}]
 
 
 def list_checks(specs: Sequence[TaskSpec], result: Path, board: Path | None, data: Path | None) -> list[Job]:
@@ -158,5 +209,5 @@ def _load_clip(folder: Path) -> TransformersClip:
 
 
 @cache
-def _make(spec: TaskSpec, data: Path | None) -> Task:
-    return make_task(spec, Path(_KEPT.name), data)
+def _make(spec: TaskSpec, data: Path | None, material: str = OWN) -> Task:
+    return make_task(spec, Path(_KEPT.name), data, material)

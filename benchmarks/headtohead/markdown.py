@@ -25,7 +25,16 @@ from benchmarks.headtohead.statistics import (
     read_cost,
 )
 
-PARTS = ("methods", "ablation", "iterations", "distillation", "neighbourhood", "clipsim", "verify")
+PARTS = (
+    "methods",
+    "ablation",
+    "iterations",
+    "distillation",
+    "materials",
+    "neighbourhood",
+    "clipsim",
+    "verify",
+)
 REFERENCE = "physagent"
 
 
@@ -59,6 +68,8 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
     if "distillation" in result:
         rows = result["distillation"]["rows"]
         text += texts.DISTILLED + _write_families(rows) + _write_costs(rows)
+    if "materials" in result:
+        text += texts.MATERIALS + _write_materials(result["materials"]["rows"], result)
     if neighbours := choose_neighbours(result):
         text += texts.NEIGHBOURS + _write_neighbours(neighbours)
     if "clipsim" in result:
@@ -227,6 +238,22 @@ def _write_costs(rows: list[dict]) -> str:
         "first of a task's methods, on one core where fits ran side by side."
     )
     return f"\n{said}\n" + table(head, lines)
+
+
+def _write_materials(rows: list[dict], result: dict[str, Any]) -> str:
+    """Success with the own material, found with each other one, and brought to it."""
+    settings = list(dict.fromkeys(row["material"] for row in rows))
+    mark = max(read_budget(row) for row in rows if row["marks"])
+    own, lines = group(choose_split(result.get("methods", {}).get("rows", []))), []
+    for label, mine in group(rows).items():
+        with_own = own.get(label, [])
+        cells = [format_share(estimate(with_own, mark, 1)) if with_own else ""]
+        for setting, brought in itertools.product(settings, (False, True)):
+            some = [row for row in mine if (row["material"], row["brought"]) == (setting, brought)]
+            cells.append(format_share(estimate(some, mark, 1)) if some else "")
+        lines.append([_name(label, mine), *cells])
+    heads = [f"{setting}, {how} there" for setting in settings for how in ("found", "brought")]
+    return table(["method", "own", *heads], lines)
 
 
 def _count_seeds(rows: list[dict]) -> str:

@@ -32,6 +32,13 @@ twelve motions of five simulated objects at 32 x 32 pixels ([score-priors.md](sc
 that the machinery works and what a weak score is worth, and nothing about video models. Whether its gradients lead to
 the targets is in [distillation.md](distillation.md).
 """
+MATERIALS = """
+## Other materials
+
+The tasks with objects of another material (`baselines/materials.py`; softer and stiffer by 3), and the same targets.
+*Found there*: the method ran with that material. *Brought there*: what it had found with the task's own material,
+simulated and judged with the other.
+"""
 NEIGHBOURS = """
 ## Are the local methods broken?
 

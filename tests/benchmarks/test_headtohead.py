@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from baselines.protocol import Evaluation, FitResult
-from baselines.tasks import load_tasks
+from baselines.tasks import load_tasks, load_witnesses
 from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.__main__ import TASKS, main
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS
-from benchmarks.headtohead.jobs import NOTHING, list_similarities, verify
+from benchmarks.headtohead.jobs import NOTHING, list_materials, list_similarities, verify
 from benchmarks.headtohead.markdown import choose_ablation, document
 from benchmarks.headtohead.measuring import judge_marks
 from benchmarks.headtohead.neighbourhood import STRONGER, TURNED, perturb
@@ -112,6 +112,26 @@ def test_pictures_of_stored_fields_and_of_nothing_are_compared_with_the_sentence
         {"clipsim": {"runs": [run], "complete": True, "rows": rows}}, Path("a.json"), Path("b.md")
     )
     assert f"| adam (oracle) | 1 | {moved['mean']:.4f} | {moved['still']:.4f} |" in page
+
+
+def test_what_was_found_with_one_material_is_judged_with_another(tmp_path):
+    """The witness of a stretch is a success with its own material; of ten times the stiffness it is judged anew."""
+    (spec,) = [spec for spec in load_tasks(TASKS) if spec.name == "stretch-jelly-wide"]
+    field = load_witnesses(TASKS)[spec.name].model_dump(mode="json")
+    mark = {"mark": 30.0, "success": True, "error": 0.5, "force_field": field}
+    row = dict(run=0, job="j", label="adam", task=spec.name, family="stretch", split="development", seed=0)
+    row |= dict(oracle=True, marks=[mark])
+    path = tmp_path / "rows.json"
+    path.write_text(json.dumps({"methods": {"rows": [row, row | {"seed": 1}, row | {"marks": []}]}}))
+    hard = '{"youngs_modulus": 2e5}'
+    jobs = list_materials((spec,), (), ("own", hard), path, (30.0,), 30.0, None)
+    (same,), (harder,) = (job.measure() for job in jobs)
+    assert same["marks"][0]["success"] and same["brought"] and harder["material"] == hard
+    assert harder["marks"][0]["error"] > same["marks"][0]["error"]
+    run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
+    section = {"runs": [run], "complete": True, "rows": [each | {"run": 0} for each in (same, harder)]}
+    page = document({"materials": section}, Path("a.json"), Path("b.md"))
+    assert "| adam (oracle) |  |  | 100 % (100–100) |  |" in page
 
 
 def test_clipsim_without_a_model_is_refused(tmp_path, capsys, monkeypatch):
@@ -241,7 +261,8 @@ def test_the_page_has_success_cost_and_pairs():
     assert "| adam (oracle) | 0% of 1 | 0 % (0–0) |" in page
     assert "| physagent | 0 % (0–0) | 100 % (100–100) |" in page
     assert (
-        "Not measured yet: ablation, iterations, distillation, neighbourhood, clipsim, verify" in page
+        "Not measured yet: ablation, iterations, distillation, materials, neighbourhood, clipsim, verify"
+        in page
         and "Against physagent" in page
     )
 
