@@ -52,10 +52,8 @@ def call_all(
                 yield place, future.result()
                 start(worker)
     finally:
-        for pool in pools:
-            pool.shutdown(wait=False, cancel_futures=True)
-        for pool in pools:
-            pool.shutdown()
+        for pool in pools:  # once each: a second call may find its pipe closed
+            pool.shutdown(cancel_futures=True)
 
 
 def _gather(groups: Sequence[str]) -> deque[deque[int]]:
