@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import enum
-import math
 from collections.abc import Sequence
 
 import jax.numpy as jnp
@@ -14,7 +13,6 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.health import Health
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import body_acceleration, map_materials
-from physagent_jax.mpm.timestep import stable_dt
 
 MAX_RETRIES = 6  # halvings of the step before a frame is given up
 MAX_CRUSHES = 3  # attempts that crush matter to nothing before it is given up: no step helps against that
@@ -37,20 +35,19 @@ class Breach:
     words: str
 
 
-def find_breach(model: Model, after: State, health: Health, fixed: bool) -> Breach | None:
+def find_breach(model: Model, health: Health, bound: float) -> Breach | None:
     """Why a frame cannot be trusted, or None.
 
     Args:
         model: With the attempt's step and window.
-        after: Where it led.
         health: Of its substeps.
-        fixed: Whether the substep is forced, whatever the stable bound.
+        bound: The stable step where it led [s]; infinite where the substep is forced, whatever it is.
     """
-    fault, reason = _find_fault(model, after, health, fixed)
+    fault, reason = _find_fault(model, health, bound)
     return None if fault is None else Breach(fault, f"{reason} at dt = {float(model.dt):.3g} s")
 
 
-def _find_fault(model: Model, after: State, health: Health, fixed: bool) -> tuple[Fault | None, str]:
+def _find_fault(model: Model, health: Health, bound: float) -> tuple[Fault | None, str]:
     min_J = float(health.min_J)
     if not bool(health.finite):
         return Fault.STEP, f"a value is not finite (the least det F is {min_J:.3g})"
@@ -66,7 +63,6 @@ def _find_fault(model: Model, after: State, health: Health, fixed: bool) -> tupl
     cells = float(health.max_speed) * float(model.dt) / model.grid.dx
     if cells >= 1:
         return Fault.STEP, f"a particle crosses {cells:.2g} cells in one substep"
-    bound = math.inf if fixed else float(stable_dt(model, after))
     if float(model.dt) > bound:
         return Fault.STEP, f"deformation lowered the stable bound to {bound:.3g} s"
     return None, ""

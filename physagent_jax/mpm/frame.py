@@ -72,25 +72,38 @@ class Pace:
     fixed: bool
 
 
-def next_frame(model: Model, before: Frame, pace: Pace, ledger: bool) -> Frame:
+def next_frame(
+    model: Model, before: Frame, pace: Pace, ledger: bool, bound: float | None = None
+) -> tuple[Frame, float | None]:
     """The frame after ``before``, redone with shorter steps or a wider window until it can be trusted.
+
+    Args:
+        model: What is simulated.
+        before: Where from.
+        pace: As asked for.
+        ledger: As for `advance`.
+        bound: The stable step there [s]; None = not known.
+
+    Returns:
+        The frame, and the stable step at its end [s], None where nobody looked: what the next one begins with.
 
     Raises:
         UserError: It cannot be.
     """
     begun = time.perf_counter()
-    plan = plan_frame(model, before, pace)
+    plan = plan_frame(model, before, pace, bound)
     breaches: list[Breach] = []
     while True:
         after, health, total = attempt_frame(plan, before.state, ledger)
-        breach = find_breach(plan.model, after, health, pace.fixed)
+        bound = math.inf if pace.fixed else float(stable_dt(plan.model, after))
+        breach = find_breach(plan.model, health, bound)
         if breach is None:
             break
         breaches.append(breach)
         if is_hopeless(breaches, plan.substeps, pace.fixed):
             raise explain_failure(before.index + 1, breaches, pace.fixed, plan.model, before.state)
         plan = plan_again(plan, breach, before.state)
-    return Frame(
+    frame = Frame(
         before.index + 1,
         after,
         plan.substeps,
@@ -103,6 +116,7 @@ def next_frame(model: Model, before: Frame, pace: Pace, ledger: bool) -> Frame:
         total,
         plan.order,
     )
+    return frame, None if pace.fixed else bound
 
 
 # Plan
@@ -132,14 +146,14 @@ class FramePlan:
         return self.frame_dt / self.substeps
 
 
-def plan_frame(model: Model, before: Frame, pace: Pace) -> FramePlan:
-    """The first attempt at the frame after ``before``.
+def plan_frame(model: Model, before: Frame, pace: Pace, bound: float | None = None) -> FramePlan:
+    """The first attempt at the frame after ``before``, where the stable step is ``bound`` [s], if that is known.
 
     Raises:
         UserError: It would take more than MAX_SUBSTEPS.
     """
     model = model.replace(grid=before.grid)
-    substeps = count_substeps(model, before.state, pace)
+    substeps = count_substeps(model, before.state, pace, bound)
     order = update_order(before.order, model, before.state)
     return _fit(FramePlan(model, pace.frame_dt, substeps, 1.0, order), before.state)
 
@@ -151,8 +165,14 @@ def plan_again(plan: FramePlan, breach: Breach, state: State) -> FramePlan:
     return _fit(dataclasses.replace(plan, substeps=2 * plan.substeps), state)
 
 
-def count_substeps(model: Model, state: State, pace: Pace) -> int:
+def count_substeps(model: Model, state: State, pace: Pace, bound: float | None = None) -> int:
     """Substeps for the coming frame.
+
+    Args:
+        model: What is simulated.
+        state: At the frame's beginning.
+        pace: As asked for.
+        bound: The stable step there [s]; None = not known yet.
 
     Raises:
         UserError: They would be more than MAX_SUBSTEPS.
@@ -160,7 +180,10 @@ def count_substeps(model: Model, state: State, pace: Pace) -> int:
     frame_dt = pace.frame_dt
     if pace.fixed and pace.substep_dt is not None:
         return divide_frame(frame_dt, pace.substep_dt)
-    elastic = pace.substep_dt or pace.safety * float(stable_dt(model, state))
+    if pace.substep_dt is not None:
+        elastic = pace.substep_dt
+    else:
+        elastic = pace.safety * (float(stable_dt(model, state)) if bound is None else bound)
     horizon = to_device(frame_dt, state.x.dtype)
     # With the frame as the step, forces give their mean over it: blows within the frame are foreseen.
     kinematic = float(kinematic_dt(model.replace(dt=horizon), state, horizon))

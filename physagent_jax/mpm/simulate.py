@@ -61,7 +61,8 @@ def simulate(
         nothing = Exchange.zeros(state.x.dtype) if ledger else None
         frame = Frame(0, state, 0, 0.0, 1.0, 1.0, (), model.grid, 0.0, nothing)
         yield frame
+    bound = None
     for _ in range(frame.index + 1, frame_count):
         with kernels.use_device_of(frame.state.x):
-            frame = next_frame(model, frame, pace, ledger)
+            frame, bound = next_frame(model, frame, pace, ledger, bound)
         yield frame
