@@ -42,8 +42,7 @@ def list_fits(
         for entrant in entrants:
             for seed in range(seeds if entrant.make().stochastic else 1):
                 work = partial(fit, entrant, spec, data, marks, seed, budget)
-                name = f"{spec.name} / {entrant.label} / {seed}{_name_budget(budget)}"
-                jobs.append(Job(name, work, spec.name))
+                jobs.append(Job(_name_fit(spec.name, entrant.label, seed, budget), work, spec.name))
     return jobs
 
 
@@ -99,7 +98,7 @@ def list_materials(
     found = [
         row
         for row in content.get("methods", {}).get("rows", [])
-        if row["task"] in known and row["marks"] and row["marks"][-1]["mark"] == budget and row["seed"] == 0
+        if row["task"] in known and row["job"] == _name_fit(row["task"], row["label"], 0, budget)
     ]
     for spec in specs:
         for setting in settings:
@@ -127,11 +126,13 @@ def fit_material(
 
 
 def transfer(setting: str, row: Row, spec: TaskSpec, data: Path | None) -> list[Row]:
-    """What the force field that a fit found with the own material does with another."""
-    last = row["marks"][-1]
-    judged = judge_field(ForceField.model_validate(last["force_field"]), _make(spec, data, setting))
+    """What the force field that a fit found with the own material does with another; a refusal stays one."""
+    marks = []
+    for last in row["marks"][-1:]:
+        judged = judge_field(ForceField.model_validate(last["force_field"]), _make(spec, data, setting))
+        marks = [{"mark": last["mark"], **judged}]
     told = {name: row[name] for name in ("label", "task", "family", "split", "seed", "oracle")}
-    return [told | {"material": setting, "brought": True, "marks": [{"mark": last["mark"], **judged}]}]
+    return [told | {"material": setting, "brought": True, "marks": marks}]
 
 
 def list_checks(specs: Sequence[TaskSpec], result: Path, board: Path | None, data: Path | None) -> list[Job]:
@@ -197,6 +198,10 @@ def verify(row: Row, task: Task) -> list[Row]:
     if not good:
         harness.say(f"{row['job']}: error {stored['error']:.6g} then, {again['error']:.6g} now")
     return [{"good": good, "stored": stored["error"], "again": again["error"], "same_target": same_target}]
+
+
+def _name_fit(task: str, label: str, seed: int, budget: float) -> str:
+    return f"{task} / {label} / {seed}{_name_budget(budget)}"
 
 
 def _name_budget(budget: float) -> str:

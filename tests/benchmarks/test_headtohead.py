@@ -119,15 +119,18 @@ def test_what_was_found_with_one_material_is_judged_with_another(tmp_path):
     (spec,) = [spec for spec in load_tasks(TASKS) if spec.name == "stretch-jelly-wide"]
     field = load_witnesses(TASKS)[spec.name].model_dump(mode="json")
     mark = {"mark": 30.0, "success": True, "error": 0.5, "force_field": field}
-    row = dict(run=0, job="j", label="adam", task=spec.name, family="stretch", split="development", seed=0)
-    row |= dict(oracle=True, marks=[mark])
-    path = tmp_path / "rows.json"
-    path.write_text(json.dumps({"methods": {"rows": [row, row | {"seed": 1}, row | {"marks": []}]}}))
+    row = dict(run=0, label="adam", task=spec.name, family="stretch", split="development", seed=0)
+    row |= dict(oracle=True, marks=[mark], job=f"{spec.name} / adam / 0")
+    path, others = tmp_path / "rows.json", [row | {"job": row["job"][:-1] + end} for end in ("1", "0 / 100")]
+    path.write_text(json.dumps({"methods": {"rows": [row, *others]}}))
     hard = '{"youngs_modulus": 2e5}'
     jobs = list_materials((spec,), (), ("own", hard), path, (30.0,), 30.0, None)
     (same,), (harder,) = (job.measure() for job in jobs)
     assert same["marks"][0]["success"] and same["brought"] and harder["material"] == hard
     assert harder["marks"][0]["error"] > same["marks"][0]["error"]
+    path.write_text(json.dumps({"methods": {"rows": [row | {"marks": []}]}}))
+    (refused,) = list_materials((spec,), (), (hard,), path, (30.0,), 30.0, None)[0].measure()
+    assert refused["brought"] and refused["marks"] == []
     run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
     section = {"runs": [run], "complete": True, "rows": [each | {"run": 0} for each in (same, harder)]}
     page = document({"materials": section}, Path("a.json"), Path("b.md"))
