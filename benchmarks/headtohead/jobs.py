@@ -130,7 +130,7 @@ def transfer(setting: str, row: Row, spec: TaskSpec, data: Path | None) -> list[
     marks = []
     for last in row["marks"][-1:]:
         judged = judge_field(ForceField.model_validate(last["force_field"]), _make(spec, data, setting))
-        marks = [{"mark": last["mark"], **judged}]
+        marks = [{"mark": last["mark"], "success": judged["success"], "error": judged["error"]}]
     told = {name: row[name] for name in ("label", "task", "family", "split", "seed", "oracle")}
     return [told | {"material": setting, "brought": True, "marks": marks}]
 
