@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 import tempfile
 from collections.abc import Sequence
 from functools import cache, partial
@@ -24,7 +25,7 @@ from physagent_jax.metrics.clip_similarity import TransformersClip, measure_clip
 
 USUAL = 30.0  # forward-equivalents; fits with others say so in their names
 NOTHING = "nothing is done"
-_TOLERANCE = 4e-6  # of an error above 1: it is in single precision, and its sums depend on the number of threads
+_TOLERANCE = 4e-6  # of an error, at least of 1: it is in single precision, and its sums depend on the threads
 _KEPT = tempfile.TemporaryDirectory()
 
 
@@ -193,8 +194,7 @@ def verify(row: Row, task: Task) -> list[Row]:
     stored = row["marks"][-1]
     again = judge_field(ForceField.model_validate(stored["force_field"]), task)
     same_target = row["target_hash"] == task.spec.target_hash
-    room = _TOLERANCE * max(1.0, stored["error"])
-    near = again["error"] == stored["error"] or abs(again["error"] - stored["error"]) <= room
+    near = math.isclose(again["error"], stored["error"], rel_tol=_TOLERANCE, abs_tol=_TOLERANCE)
     good = same_target and again["success"] == stored["success"] and near
     if not good:
         harness.say(f"{row['job']}: error {stored['error']:.6g} then, {again['error']:.6g} now")

@@ -80,6 +80,9 @@ def test_a_stored_field_is_verified_against_target_and_simulation():
     assert not verify(row | {"target_hash": "abd"}, task)[0]["good"]
     assert not verify(row | {"marks": [mark | {"error": 0.5}]}, task)[0]["good"]
     assert not verify(row | {"marks": [mark | {"success": False}]}, task)[0]["good"]
+    missed, *_ = judge_marks(fitted((0.7, 1.0, 0.0)), task, (10.0,))
+    for error, good in ((missed["error"] * (1 + 1e-6), True), (3.001, False), (float("inf"), False)):
+        assert verify(row | {"marks": [missed | {"error": error}]}, task)[0]["good"] == good
 
 
 class Reddish:
