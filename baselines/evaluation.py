@@ -234,9 +234,9 @@ class Evaluator:
         force_field: ForceField,
         pixels: np.ndarray,
         truncation: Truncation = WHOLE,
-        silent: tuple[Action, ...] = (),
-    ) -> ForceFieldParameters:
-        """The gradient by a force field's numbers from one by the colours of its pictures.
+        others: tuple[ForceField, ...] = (),
+    ) -> tuple[ForceFieldParameters, np.ndarray]:
+        """The gradients by a force field's numbers, and by the weights of others, from one by its pictures' colours.
 
         Charged `GRADIENT_COST`, less where it does not go back all the way (`Truncation.count_cost`), and one
         simulation more unless ``force_field`` was played last.
@@ -246,7 +246,7 @@ class Evaluator:
             pixels: d loss / d colour, colours in [0, 1], shape (T, height, width, 3). Frames of zeros cost nothing to
                 draw.
             truncation: How far it goes back.
-            silent: Actions that do not act: the gradient has them behind its own, at magnitude 0.
+            others: Force fields that could act in its place (`alternatives`).
 
         Raises:
             BudgetSpent: There is nothing left.
@@ -259,14 +259,8 @@ class Evaluator:
         if np.shape(pixels) != (wanted := (count, camera.height, camera.width, 3)):
             raise UserError(f"`pixels` must have the pictures' shape {wanted}", got=np.shape(pixels))
         self._charge(truncation.count_cost(count, GRADIENT_COST))
-        parameters = self._numbers(force_field)
-        if silent:
-            rollout = self._simulation.add_silent(rollout, force_field, silent)
-            none = self._numbers(ForceField(actions=silent)).actions
-            none = tuple(dataclasses.replace(each, magnitude=np.zeros(())) for each in none)
-            parameters = dataclasses.replace(parameters, actions=(*parameters.actions, *none))
         pixels = np.asarray(pixels, np.float32)
-        return self._simulation.pull_back(rollout, parameters, pixels, truncation)
+        return self._simulation.pull_back(rollout, self._numbers(force_field), pixels, truncation, others)
 
     def rate(self, objective: float, note: str | None = None) -> None:
         """Gives the latest evaluation the method's own objective, less is better.

@@ -16,11 +16,12 @@ import jax.numpy as jnp
 import numpy as np
 
 import physagent_jax as pa
+from baselines.alternatives import compile_alternatives
 from baselines.misses import sharpen
 from baselines.tasks import Task
 from baselines.truncation import WHOLE, Truncation, fit_schedule, replay_truncated
 from physagent_jax.forces.parameters import ForceFieldParameters
-from physagent_jax.forces.schema import Action, ForceField
+from physagent_jax.forces.schema import ForceField
 from physagent_jax.gaussians.binding import deform
 from physagent_jax.metrics.task_judge import compute_residuals
 from physagent_jax.mpm import Schedule
@@ -126,28 +127,30 @@ class Simulation:
         parameters: ForceFieldParameters,
         pixels: np.ndarray,
         truncation: Truncation = WHOLE,
-    ) -> ForceFieldParameters:
-        """The gradient by the parameters from one by the pictures' colours in [0, 1], shape (T, height, width, 3)."""
-        parameters, scene = _to_device(parameters, rollout), rollout.scene
-        (x, F), pull = jax.vjp(lambda p: replay_truncated(scene, p, rollout.schedule, truncation), parameters)
+        others: tuple[ForceField, ...] = (),
+    ) -> tuple[ForceFieldParameters, np.ndarray]:
+        """The gradients from one by the pictures' colours in [0, 1], shape (T, height, width, 3).
+
+        That by the parameters, and that by the weights of ``others``, force fields that do not act (`alternatives`),
+        shape (others,).
+        """
+        parameters, scene, schedule = _to_device(parameters, rollout), rollout.scene, rollout.schedule
+        idle = (compile_alternatives(scene, others),) if others else ()
+        if idle:
+            schedule = fit_schedule(schedule, scene.model.replace(forces=(*scene.model.forces, *idle)))
+
+        def play(parameters, weights):
+            model = scene.with_parameters(parameters).model
+            beside = tuple(dataclasses.replace(each, weights=weights) for each in idle)
+            model = model.replace(forces=(*model.forces, *beside))
+            return replay_truncated(model, scene.state, schedule, truncation)
+
+        (x, F), pull = jax.vjp(play, parameters, jnp.zeros(len(others), scene.state.x.dtype))
         slope_x, slope_F = np.zeros(x.shape, np.float32), np.zeros(F.shape, np.float32)
         for index, by_pixel in enumerate(pixels):
             if np.any(by_pixel):
                 slope_x[index], slope_F[index] = _pull_frame(scene, x[index], F[index], by_pixel)
-        (gradient,) = pull((jnp.asarray(slope_x), jnp.asarray(slope_F)))
-        return jax.tree.map(np.asarray, gradient)
-
-    def add_silent(self, rollout: Rollout, force_field: ForceField, silent: tuple[Action, ...]) -> Rollout:
-        """The same simulation of a scene with further actions, for derivatives by their strength at zero.
-
-        Args:
-            rollout: Of ``force_field``.
-            force_field: What acts.
-            silent: What could act as well.
-        """
-        extended = force_field.model_copy(update=dict(actions=(*force_field.actions, *silent)))
-        scene = dataclasses.replace(self.task.build(extended), camera=rollout.scene.camera)
-        return Rollout(scene, rollout.x, fit_schedule(rollout.schedule, scene))
+        return jax.tree.map(np.asarray, pull((jnp.asarray(slope_x), jnp.asarray(slope_F))))
 
 
 def _play_particles(rollout: Rollout, parameters: ForceFieldParameters) -> jax.Array:

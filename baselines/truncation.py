@@ -7,16 +7,13 @@ before is taken as given. The values are those of the whole simulation. (`pa.tra
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.parameters import ForceFieldParameters
-from physagent_jax.mpm import Schedule, replay
+from physagent_jax.mpm import Model, Schedule, State, replay
 from physagent_jax.mpm.plan import find_acting
-from physagent_jax.scene.compile import CompiledScene
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,13 +49,13 @@ WHOLE = Truncation()
 
 
 def replay_truncated(
-    scene: CompiledScene, parameters: ForceFieldParameters, schedule: Schedule, truncation: Truncation
+    model: Model, state: State, schedule: Schedule, truncation: Truncation
 ) -> tuple[jax.Array, jax.Array]:
     """Positions [m], shape (T, n, 3), and deformation gradients, shape (T, n, 3, 3), of all frames.
 
     Args:
-        scene: What to simulate.
-        parameters: Numbers of its force field; may be traced.
+        model: What to simulate; its numbers may be traced.
+        state: At the start.
         schedule: Of a simulation of it.
         truncation: How far derivatives go back.
 
@@ -67,18 +64,16 @@ def replay_truncated(
     """
     if truncation.first >= len(schedule.frames):
         raise UserError("nothing of the clip has a derivative", got=truncation)
-    model = scene.with_parameters(parameters).model
     if truncation.substeps is None:
-        states = _replay_from(model, scene, schedule, truncation.first)
+        states = _replay_from(model, state, schedule, truncation.first)
     else:
-        states = _replay_ends(model, scene, schedule, truncation)
-    states = (jax.lax.stop_gradient(scene.state), *states)
+        states = _replay_ends(model, state, schedule, truncation)
+    states = (jax.lax.stop_gradient(state), *states)
     return jnp.stack([each.x for each in states]), jnp.stack([each.F for each in states])
 
 
-def _replay_from(model, scene: CompiledScene, schedule: Schedule, first: int) -> tuple[Any, ...]:
+def _replay_from(model: Model, state: State, schedule: Schedule, first: int) -> tuple[State, ...]:
     given: tuple = ()
-    state = scene.state
     if first:
         given = jax.lax.stop_gradient(
             replay(jax.lax.stop_gradient(model), state, Schedule(schedule.frames[:first]))
@@ -87,7 +82,7 @@ def _replay_from(model, scene: CompiledScene, schedule: Schedule, first: int) ->
     return (*given, *replay(model, state, Schedule(schedule.frames[first:])))
 
 
-def _replay_ends(model, scene: CompiledScene, schedule: Schedule, truncation: Truncation) -> tuple[Any, ...]:
+def _replay_ends(model: Model, state: State, schedule: Schedule, truncation: Truncation) -> tuple[State, ...]:
     """Everything as given, then the last substeps of every frame again, each from its own state."""
     parts, ends = [], []
     for frame in schedule.frames:
@@ -97,7 +92,7 @@ def _replay_ends(model, scene: CompiledScene, schedule: Schedule, truncation: Tr
         ends.append((len(parts), dataclasses.replace(frame, substeps=last)))
         parts.append(ends[-1][1])
     fixed = jax.lax.stop_gradient(model)
-    states = (scene.state, *replay(fixed, scene.state, Schedule(tuple(parts))))
+    states = (state, *replay(fixed, state, Schedule(tuple(parts))))
     made = []
     for index, (place, frame) in enumerate(ends):
         if index < truncation.first:
@@ -107,11 +102,11 @@ def _replay_ends(model, scene: CompiledScene, schedule: Schedule, truncation: Tr
     return tuple(made)
 
 
-def fit_schedule(schedule: Schedule, scene: CompiledScene) -> Schedule:
-    """The same steps for a scene in which other forces act."""
+def fit_schedule(schedule: Schedule, model: Model) -> Schedule:
+    """The same steps for a model in which other forces act."""
     made, time = [], 0.0
     for frame in schedule.frames:
         length = frame.substeps * frame.dt
-        made.append(dataclasses.replace(frame, acting=find_acting(scene.model, time, time + length)))
+        made.append(dataclasses.replace(frame, acting=find_acting(model, time, time + length)))
         time += length
     return Schedule(tuple(made))

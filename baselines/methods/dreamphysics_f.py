@@ -75,7 +75,7 @@ class DreamPhysicsF(SdsMethod):
                 continue
             safe = u
             pixels = glance.look(pictures, slice(iteration % stride, None, stride))
-            gradient = glance.pull_back(field, pixels, truncation)
+            gradient, _ = glance.pull_back(field, pixels, truncation)
             slope = unknowns.pull_back(field, gradient)
             if not np.isfinite(slope).all():
                 raise UserError("the gradient of score distillation is not finite", got=field)

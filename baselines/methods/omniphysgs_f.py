@@ -20,6 +20,7 @@ from baselines.scores.method import Glance, SdsMethod
 from baselines.starts import KINDS, turn_into
 from baselines.truncation import Truncation
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.schema import Action, ForceField
 
 
@@ -100,9 +101,10 @@ class OmniPhysGSF(SdsMethod):
             return None
         pixels = glance.look(pictures, slice(first, last + 1))
         pixels[first] = 0  # it is taken as given
-        silent = state.list_silent()
-        slope = glance.pull_back(field, pixels, Truncation(first=first), silent)
-        by_vectors, by_weights = state.split(field, slope, frame_count)
+        others = state.list_others(frame_count)
+        slope, by_others = glance.pull_back(field, pixels, Truncation(first=first), others)
+        by_vectors = state.pull_vectors(field, slope, frame_count)
+        by_weights = state.place_weights(by_others)
         if not (np.isfinite(by_vectors).all() and np.isfinite(by_weights).all()):
             raise UserError("the gradient of score distillation is not finite", got=field)
         return by_vectors, state.pull_weights(by_weights)
@@ -145,42 +147,46 @@ class Choice:
 
     def decode(self, frame_count: int) -> ForceField:
         """The force field with the likeliest skills alone."""
-        template = ForceField(actions=self._make(self.chosen))
-        made = Parametrisation(template, frame_count).decode(self.vectors.ravel())
-        return self.start.model_copy(update=dict(actions=made.actions))
+        return self._decode(self.chosen, frame_count)
 
-    def list_silent(self) -> tuple[Action, ...]:
-        """Every other skill of every action, action by action."""
-        return tuple(
-            self._make_one(index, kind)
-            for index, best in enumerate(self.chosen)
-            for kind in range(len(KINDS))
-            if kind != best
-        )
+    def list_others(self, frame_count: int) -> tuple[ForceField, ...]:
+        """That with another skill in one action's place, for every action and skill."""
+        made = []
+        for index, kind in zip(*np.nonzero(self._find_idle())):
+            kinds = self.chosen.copy()
+            kinds[index] = kind
+            made.append(self._decode(kinds, frame_count))
+        return tuple(made)
 
-    def split(self, field: ForceField, slope, frame_count: int) -> tuple[np.ndarray, np.ndarray]:
-        """Gradients by the vectors, shape (actions, 3), and by each skill's weight in the mixture, (actions, kinds).
-
-        A weight w makes a skill act with strength w M: its derivative is M dL/dM, at M for the skill that acts and at
-        zero, where there is only dL/dM, for the others.
-        """
-        count = len(field.actions)
-        own = dataclasses.replace(slope, actions=slope.actions[:count], constraints=())
+    def pull_vectors(self, field: ForceField, slope: ForceFieldParameters, frame_count: int) -> np.ndarray:
+        """The gradient by the vectors, shape (actions, 3), from one by the numbers of what acts."""
         bare = field.model_copy(update=dict(constraints=()))
-        by_vectors = Parametrisation(bare, frame_count).pull_back(bare, own).reshape(-1, 3)
-        others = iter(zip(self.list_silent(), slope.actions[count:]))
+        own = dataclasses.replace(slope, constraints=())
+        return Parametrisation(bare, frame_count).pull_back(bare, own).reshape(-1, 3)
+
+    def place_weights(self, by_others: np.ndarray) -> np.ndarray:
+        """The gradient by each skill's weight, shape (actions, kinds), from those of `list_others`.
+
+        Up to the same number for all skills of an action, which a softmax does not feel: 0 for the one that acts.
+        """
         by_weights = np.zeros_like(self.logits)
-        for index, best in enumerate(self.chosen):
-            for kind in range(len(KINDS)):
-                action, by = (field.actions[index], slope.actions[index]) if kind == best else next(others)
-                by_weights[index, kind] = action.magnitude * float(by.magnitude)
-        return by_vectors, by_weights
+        by_weights[self._find_idle()] = by_others
+        return by_weights
 
     def pull_weights(self, by_weights: np.ndarray) -> np.ndarray:
         """The gradient by the logits: that of a softmax, though the mixture is hard (straight-through)."""
         weights = np.exp(self.logits - self.logits.max(1, keepdims=True))
         weights /= weights.sum(1, keepdims=True)
         return weights * (by_weights - (weights * by_weights).sum(1, keepdims=True))
+
+    def _find_idle(self) -> np.ndarray:
+        """Which skills do not act, shape (actions, kinds)."""
+        return np.arange(len(KINDS)) != self.chosen[:, None]
+
+    def _decode(self, kinds: np.ndarray, frame_count: int) -> ForceField:
+        template = ForceField(actions=self._make(kinds))
+        made = Parametrisation(template, frame_count).decode(self.vectors.ravel())
+        return self.start.model_copy(update=dict(actions=made.actions))
 
     def _make(self, kinds: np.ndarray) -> tuple[Action, ...]:
         return tuple(self._make_one(index, kind) for index, kind in enumerate(kinds))

@@ -79,7 +79,7 @@ def compare_with_truth(
     made = []
     for index in range(draws):
         pixels = prior.gradient(video, task.spec.sentence, seed * 100_003 + index)
-        pulled = simulation.pull_back(rollout, parameters, pixels, truncation)
+        pulled, _ = simulation.pull_back(rollout, parameters, pixels, truncation)
         made.append(unknowns.pull_back(force_field, pulled))
     return summarise(prior, np.array(made), true)
 

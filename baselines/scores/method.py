@@ -22,7 +22,7 @@ from baselines.starts import Numbers, Types, choose_numbers, choose_templates, d
 from baselines.truncation import WHOLE, Truncation
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.parameters import ForceFieldParameters
-from physagent_jax.forces.schema import Action, ForceField
+from physagent_jax.forces.schema import ForceField
 
 
 @dataclasses.dataclass(frozen=True)
@@ -124,7 +124,7 @@ class Glance:
         force_field: ForceField,
         pixels: np.ndarray,
         truncation: Truncation = WHOLE,
-        silent: tuple[Action, ...] = (),
-    ) -> ForceFieldParameters:
+        others: tuple[ForceField, ...] = (),
+    ) -> tuple[ForceFieldParameters, np.ndarray]:
         """As `Evaluator.pull_back`."""
-        return self._evaluator.pull_back(force_field, pixels, truncation, silent)
+        return self._evaluator.pull_back(force_field, pixels, truncation, others)

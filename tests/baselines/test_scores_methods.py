@@ -19,7 +19,6 @@ from baselines.starts import KINDS
 from baselines.truncation import Truncation
 from benchmarks import distillation
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.parameters import ActionParameters, ForceFieldParameters
 from physagent_jax.forces.schema import ForceField
 from tests.baselines.tiny import act
 
@@ -125,19 +124,27 @@ def test_the_straight_through_gradient_is_that_of_a_softmax():
     assert np.allclose(choice.pull_weights(by_weights), wanted, atol=1e-6)
 
 
-def test_weights_are_by_strength_and_in_their_own_places():
-    """dL/dw = M dL/dM: at M for the skill that acts, which has its own slope, and behind it the silent ones'."""
+def test_each_other_skill_takes_one_place_and_has_its_own_weight():
+    """Of two actions, at one of which another skill acts, all else being the same."""
     start = act("impulse", (0, 0, 2), 1.2)
+    start = start.model_copy(update=dict(actions=(*start.actions, *act("scale", (1, 0, 0), -0.9).actions)))
     choice = Choice.of(start, 0.5)
-    field = choice.decode(8)
-    assert field.actions[0].action_type == "impulse" and field.actions[0].magnitude == pytest.approx(1.2)
-    acting = [kind for kind, (skill, _) in enumerate(KINDS) if skill == "impulse"]
-    slopes = [10.0 + kind for kind in range(len(KINDS))]
-    order = [*acting, *(kind for kind in range(len(KINDS)) if kind not in acting)]
-    entries = [ActionParameters(np.zeros(3), np.asarray(slopes[kind]), np.zeros(2)) for kind in order]
-    _, by_weights = choice.split(field, ForceFieldParameters(tuple(entries)), 8)
-    signs = [sign for _, sign in KINDS]
-    assert np.allclose(by_weights[0], 1.2 * np.array(signs) * slopes)
+    field, others = choice.decode(8), choice.list_others(8)
+    assert [each.action_type for each in field.actions] == ["impulse", "scale"]
+    by_weights = choice.place_weights(1.0 + np.arange(len(others)))
+    assert len(others) == 2 * (len(KINDS) - 1)
+    for weight, other in enumerate(others, 1):
+        ((index, kind),) = np.argwhere(by_weights == weight)
+        skill, sign = KINDS[kind]
+        changed = other.actions[index]
+        assert changed.action_type is skill and np.sign(changed.magnitude) == sign
+        assert (
+            changed.action_type != field.actions[index].action_type
+            or sign > 0 > field.actions[index].magnitude
+        )
+        assert abs(changed.magnitude) == pytest.approx(abs(field.actions[index].magnitude))
+        assert other.actions[1 - index] == field.actions[1 - index]
+    assert (by_weights[np.arange(2), choice.chosen] == 0).all()
 
 
 def test_a_pull_begins_as_the_push_that_it_is():
