@@ -17,16 +17,10 @@ from physagent_jax.agents.rules.language.coherence import find_incoherences
 from physagent_jax.agents.rules.language.compilation import compile_slots
 from physagent_jax.agents.rules.language.cross_check import Outcome, find_disagreements
 from physagent_jax.agents.rules.language.doubts import find_doubts
-from physagent_jax.agents.rules.language.events import (
-    TOLD,
-    Event,
-    ValueSource,
-    interpret,
-    lands_aside,
-    resolve_obstacles,
-)
+from physagent_jax.agents.rules.language.events import TOLD, Event, ValueSource
 from physagent_jax.agents.rules.language.explanations import merge_explanations
 from physagent_jax.agents.rules.language.grammar import read_clauses
+from physagent_jax.agents.rules.language.interpretation import interpret, lands_aside, resolve_obstacles
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import GROUND_WORDS, OPPOSITE_GRAVITY, Join
 from physagent_jax.agents.rules.language.naming import collect_object_words

@@ -20,7 +20,8 @@ from physagent_jax.agents.rules.language.amounts import (
     find_word_effort,
 )
 from physagent_jax.agents.rules.language.builder import MAX_ACTIONS, ForceFieldBuilder
-from physagent_jax.agents.rules.language.events import Event, find_lean_axis
+from physagent_jax.agents.rules.language.directions import find_lean_axis
+from physagent_jax.agents.rules.language.events import Event
 from physagent_jax.agents.rules.language.regions import make_end_region
 from physagent_jax.agents.rules.language.schedule import Slot, Window, divide, divide_swings, has_to_stop
 from physagent_jax.agents.rules.language.verbs import Effect
