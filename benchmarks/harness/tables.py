@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 _PROVENANCE = ("seconds", "command, machine, load at the start, revision")
+_FEW = 2  # commands that a cell may name; more of them are listed behind the table
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
@@ -28,7 +29,7 @@ def provenance(
         parts: All parts there are.
         counts: More columns, made of a part's rows.
     """
-    counts, lines = counts or {}, []
+    counts, lines, lists = counts or {}, [], ""
     for part in (part for part in parts if part in result):
         section = result[part]
         used = [
@@ -38,12 +39,15 @@ def provenance(
         stopped = "" if section["complete"] else " (stopped before its end)"
         figures = [count(section["rows"]) for count in counts.values()]
         seconds = round(sum(run["seconds"] for run in used), 1)  # 0: not known
-        origin = "; then ".join(_describe_origins(used))
+        origins = _describe_origins(used)
+        origin = "; then ".join(origins)
+        if len(origins) > _FEW:
+            origin = f"{len(origins)} commands, below"
+            lists += f"\nThe commands of {part}:\n\n" + "".join(f"- {each}\n" for each in origins)
         lines.append([part + quick + stopped, len(section["rows"]), *figures, seconds or "", origin])
     absent = [part for part in parts if part not in result]
-    return table(["part", "rows", *counts, *_PROVENANCE], lines) + (
-        f"\nNot measured yet: {', '.join(absent)}.\n" if absent else ""
-    )
+    missing = f"\nNot measured yet: {', '.join(absent)}.\n" if absent else ""
+    return table(["part", "rows", *counts, *_PROVENANCE], lines) + lists + missing
 
 
 def _describe_origins(runs: Sequence[Mapping[str, Any]]) -> list[str]:

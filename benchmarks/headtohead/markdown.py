@@ -41,9 +41,9 @@ REFERENCE = "physagent"
 def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
     """The tables as Markdown."""
     text = (
-        f"# Head to head\n\n{texts.MEANING}\nEvery row is in [{json_path.name}]({link(json_path, target)}).\n"
+        f"# Head to head\n\n{texts.MEANING}\nEvery row is in [{json_path.name}]({link(json_path, target)}); what made "
+        "them stands at the end.\n"
     )
-    text += provenance(result, PARTS)
     if "methods" in result:
         rows = choose_split(result["methods"]["rows"])
         text += "\n## Methods\n\n" + _tell_splits(rows) + _write_families(rows) + _write_costs(rows)
@@ -83,6 +83,8 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
         + texts.STOPS
         + texts.ELSEWHERE
         + table(["work", "what it optimises", "what it reports", "source"], texts.REPORTS)
+        + "\n## Runs\n"
+        + provenance(result, PARTS)
     )
 
 

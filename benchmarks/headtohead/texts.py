@@ -30,9 +30,9 @@ DISTILLED = """
 The published methods with forces in place of materials, on the same tasks within the same budget. The *toy prior* knows
 twelve motions of five simulated objects at 32 x 32 pixels ([score-priors.md](score-priors.md)): what its rows show is
 that the machinery works and what a weak score is worth, and nothing about video models. Whether its gradients lead to
-the targets is in [distillation.md](distillation.md). Refused are sentences without a word that the toy knows, and
-`omniphysgs_f` where an object stands on the ground: a skill that does not act has no finite derivative by its strength
-there, for what overcomes friction begins with a jump.
+the targets is in [distillation.md](distillation.md). Refused are sentences without a word that the toy knows. For
+`omniphysgs_f`, what a skill that does not act would change is that of the whole force field with it in place
+([alternatives.py](../baselines/alternatives.py)).
 """
 MATERIALS = """
 ## Other materials

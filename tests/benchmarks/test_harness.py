@@ -131,6 +131,17 @@ def test_a_part_that_was_stopped_says_so_and_rows_of_two_runs_name_both():
     )
 
 
+def test_many_commands_of_a_part_are_listed_behind_the_table():
+    run = dict(machine="m", load_average=[1.5], git_revision="r", quick=False, seconds=2.0)
+    runs = [run | {"command": name} for name in "abc"]
+    section = {"runs": runs, "complete": True, "rows": [{"run": index} for index in range(3)]}
+    text = provenance({"part": section}, ("part",))
+    assert "| part | 3 | 6.0 | 3 commands, below |" in text
+    assert text.endswith(
+        "\n\nThe commands of part:\n\n" + "".join(f"- `{name}`; m; 1.5; r\n" for name in "abc")
+    )
+
+
 def test_tables_are_as_wide_as_their_columns():
     assert table(("a", "b"), [(1, "x")]) == "\n| a | b |\n|---|---|\n| 1 | x |\n"
 
