@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import Any
 
 import jax
+import numpy as np
 
 PER_PARTICLE: Mapping[str, Any] = dict(per="particle")
 """One entry per particle of the simulation, along the first axis."""
@@ -65,19 +67,30 @@ def find_owner(part: Any, path: tuple) -> str | None:
     return None
 
 
-def find_fields(part: Any, **mark: Any) -> list[str]:
+def find_fields(part: Any, **mark: Any) -> tuple[str, ...]:
     """The names of a dataclass's own fields whose metadata has all of ``mark``."""
-    return [field.name for field in _list_fields(part) if mark.items() <= dict(field.metadata).items()]
+    return _find_marked(type(part), frozenset(mark.items())) if dataclasses.is_dataclass(part) else ()
 
 
-def iterate_windows(part: Any) -> Iterator[tuple[Any, Any]]:
-    """Start and end [s] of every window of ``part`` and of the dataclasses in its fields, edges included."""
-    half = [0.5 * edge for name in find_fields(part, **EDGE) if (edge := getattr(part, name)) is not None]
-    room = max(half, default=0.0)
+def iterate_windows(part: Any) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Start and end [s] of every window of ``part`` and of the dataclasses in its fields, edges included.
+
+    On the host: this is asked for every frame, and operations of a device would take longer than all else.
+    """
+    edges = [
+        np.asarray(edge) for name in find_fields(part, **EDGE) if (edge := getattr(part, name)) is not None
+    ]
+    room = 0.5 * max(edges, default=0.0)
     for start, end in zip(find_fields(part, **START), find_fields(part, **END)):
-        yield getattr(part, start) - room, getattr(part, end) + room
+        yield np.asarray(getattr(part, start)) - room, np.asarray(getattr(part, end)) + room
     for field in _list_fields(part):
         yield from iterate_windows(getattr(part, field.name))
+
+
+@cache
+def _find_marked(kind: type, mark: frozenset[tuple[str, Any]]) -> tuple[str, ...]:
+    """As `find_fields`; looked up for every frame of a simulation."""
+    return tuple(field.name for field in dataclasses.fields(kind) if mark <= field.metadata.items())
 
 
 def _list_fields(part: Any) -> tuple[dataclasses.Field, ...]:

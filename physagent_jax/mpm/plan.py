@@ -58,6 +58,4 @@ def find_acting(model: Model, begin: float, end: float) -> Acting:
 def _may_act(part: Any, begin: float, end: float) -> bool:
     """Whether a part has no window, or one of them meets [begin, end]."""
     own = list(iterate_windows(part))
-    return not own or any(
-        np.any((np.asarray(start) <= end) & (np.asarray(stop) >= begin)) for start, stop in own
-    )
+    return not own or any(np.any((start <= end) & (stop >= begin)) for start, stop in own)
