@@ -19,7 +19,7 @@ import physagent_jax as pa
 from baselines.alternatives import compile_alternatives
 from baselines.misses import sharpen
 from baselines.tasks import Task
-from baselines.truncation import WHOLE, Truncation, fit_schedule, replay_truncated
+from baselines.truncation import WHOLE, Truncation, replay_truncated
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.gaussians.binding import deform
@@ -38,7 +38,7 @@ class Rollout:
     Attributes:
         scene: What was simulated.
         x: The model's particles per frame [m], shape (T, n, 3).
-        schedule: By which steps.
+        schedule: By which steps; all that acts takes part in every frame, so that one program will do.
     """
 
     scene: CompiledScene
@@ -89,7 +89,7 @@ class Simulation:
         scene = self.task.build(force_field)
         frames = list(simulate_frames(scene))
         x = np.stack([np.asarray(frame.state.x) for frame in frames])
-        return Rollout(scene, x, Schedule.of(scene.model, frames))
+        return Rollout(scene, x, Schedule.of(scene.model, frames).joined())
 
     def play(self, force_field: ForceField) -> tuple[Pictures, Rollout]:
         """Simulates and renders.
@@ -137,7 +137,7 @@ class Simulation:
         parameters, scene, schedule = _to_device(parameters, rollout), rollout.scene, rollout.schedule
         idle = (compile_alternatives(scene, others),) if others else ()
         if idle:
-            schedule = fit_schedule(schedule, scene.model.replace(forces=(*scene.model.forces, *idle)))
+            schedule = schedule.covering(scene.model.replace(forces=(*scene.model.forces, *idle)))
 
         def play(parameters, weights):
             model = scene.with_parameters(parameters).model
@@ -163,7 +163,7 @@ def _to_device(parameters: ForceFieldParameters, rollout: Rollout) -> ForceField
 
 
 def _keep(recording: Recording) -> Rollout:
-    return Rollout(recording.scene, recording.x, recording.schedule)
+    return Rollout(recording.scene, recording.x, recording.schedule.joined())
 
 
 def _show(recording: Recording) -> Pictures:

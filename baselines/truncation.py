@@ -13,7 +13,6 @@ import jax.numpy as jnp
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import Model, Schedule, State, replay
-from physagent_jax.mpm.plan import find_acting
 
 
 @dataclasses.dataclass(frozen=True)
@@ -100,13 +99,3 @@ def _replay_ends(model: Model, state: State, schedule: Schedule, truncation: Tru
         else:
             made += replay(model, jax.lax.stop_gradient(states[place]), Schedule((frame,)))
     return tuple(made)
-
-
-def fit_schedule(schedule: Schedule, model: Model) -> Schedule:
-    """The same steps for a model in which other forces act."""
-    made, time = [], 0.0
-    for frame in schedule.frames:
-        length = frame.substeps * frame.dt
-        made.append(dataclasses.replace(frame, acting=find_acting(model, time, time + length)))
-        time += length
-    return Schedule(tuple(made))

@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterable
-from functools import partial
+from functools import partial, reduce
 
 import jax
 import jax.numpy as jnp
@@ -89,6 +89,14 @@ class Schedule:
     def substeps(self) -> int:
         """Of all frames."""
         return sum(frame.substeps for frame in self.frames)
+
+    def joined(self) -> Schedule:
+        """The same, with what acts in any frame taking part in all: fewer programs to compile, more to compute.
+
+        For small models of which many clips are differentiated, and windows that move across the borders of frames.
+        """
+        acting = reduce(Acting.join, (frame.acting for frame in self.frames))
+        return Schedule(tuple(dataclasses.replace(frame, acting=acting) for frame in self.frames))
 
     def covering(self, model: Model, start: float = 0.0) -> Schedule:
         """The same, with what acts in ``model`` taking part too: for windows that are wider, or lie elsewhere.
@@ -220,17 +228,15 @@ def _replay_frame(model: Model, state: State, frame: FrameSchedule, checkpoints:
     present = frame.acting.select(model)
     present = present.replace(grid=frame.grid, dt=to_device(frame.dt, state.x.dtype))
     present, state = permute_particles(frame.order, present, state)
-    whole, rest = divmod(frame.substeps, checkpoints.length)
-    for _ in range(whole):
-        state = _advance(present, state, None, checkpoints)
-    if rest:  # however many, by one program
-        state = _advance(present, state, to_device(rest, np.int32), checkpoints)
+    for done in range(0, frame.substeps, checkpoints.length):
+        count = min(checkpoints.length, frame.substeps - done)
+        state = _advance(present, state, to_device(count, np.int32), checkpoints)
     return unpermute_particles(frame.order, model, state)
 
 
 @partial(jax.jit, static_argnames="checkpoints")
-def _advance(model: Model, state: State, count: jax.Array | None, checkpoints: _Checkpoints) -> State:
-    """As many substeps as there are between checkpoints, or only ``count`` of them."""
+def _advance(model: Model, state: State, count: jax.Array, checkpoints: _Checkpoints) -> State:
+    """``count`` substeps, of as many as there may be between checkpoints: one program for any number."""
 
     @partial(jax.checkpoint, policy=jax.checkpoint_policies.save_only_these_names(NODES, STOPPED))
     def step(carry):
@@ -239,8 +245,6 @@ def _advance(model: Model, state: State, count: jax.Array | None, checkpoints: _
         return state, tau, outside + trace.health.outside
 
     def body(carry, index):
-        if count is None:
-            return step(carry), None
         return jax.lax.cond(index < count, step, lambda same: same, carry), None
 
     def run(state: State) -> State:

@@ -10,7 +10,7 @@ import pytest
 import physagent_jax as pa
 from baselines.alternatives import compile_alternatives
 from baselines.simulation import Simulation
-from baselines.truncation import WHOLE, fit_schedule, replay_truncated
+from baselines.truncation import WHOLE, replay_truncated
 from physagent_jax.gaussians.formats.ply import write_ply
 from physagent_jax.scene.procedural import make_jelly
 from tests.baselines.tiny import act
@@ -43,7 +43,7 @@ class Mixture:
     def play(self, weights):
         idle = dataclasses.replace(self.idle, weights=weights)
         model = self.scene.model.replace(forces=(*self.scene.model.forces, idle))
-        schedule = fit_schedule(self.rollout.schedule, model)
+        schedule = self.rollout.schedule.covering(model)
         return replay_truncated(model, self.scene.state, schedule, WHOLE)[0]
 
 

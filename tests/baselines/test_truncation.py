@@ -11,7 +11,7 @@ import pytest
 
 import physagent_jax as pa
 from baselines.simulation import Simulation
-from baselines.truncation import WHOLE, Truncation, fit_schedule, replay_truncated
+from baselines.truncation import WHOLE, Truncation, replay_truncated
 from physagent_jax.core.errors import UserError
 
 
@@ -66,14 +66,6 @@ def test_what_is_left_of_a_derivative_is_that_of_the_steps_that_are_left(pushed)
         assert end / whole == pytest.approx(last * (last + 1) / (all_steps * (all_steps + 1)), rel=1e-3)
     assert differentiate(pushed, Truncation(first=5), frame)[0] == 0
     assert differentiate(pushed, Truncation(first=5, substeps=1), frame)[0] == 0
-
-
-def test_a_schedule_for_another_scene_has_the_same_steps(pushed):
-    rollout, _ = pushed
-    again = fit_schedule(rollout.schedule, rollout.scene.model)
-    assert [(f.substeps, f.dt, f.acting) for f in again.frames] == [
-        (f.substeps, f.dt, f.acting) for f in rollout.schedule.frames
-    ]
 
 
 def test_costs_and_refusals(pushed):

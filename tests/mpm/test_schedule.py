@@ -57,6 +57,15 @@ def test_it_is_the_motion_that_was_simulated(thrown, x64):
     assert float(frames[-1].state.v[:, 2].mean()) > -1.0  # it has met the floor
 
 
+def test_joined_it_is_the_same_motion_with_one_set_of_what_acts(thrown, x64):
+    """A force that does not act yet adds nothing."""
+    model, state, _, schedule = thrown
+    joined = schedule.joined()
+    assert [frame.acting.forces for frame in joined.frames] == [(0,), (0,)]
+    for one, other in zip(replay(model, state, joined), replay(model, state, schedule), strict=True):
+        np.testing.assert_allclose(one.x, other.x, rtol=1e-12)
+
+
 def test_gradients_agree_with_central_differences_however_little_is_kept(thrown, x64):
     """By gravity, stiffness, a force's magnitude, mass and the initial velocity."""
     model, state, _, schedule = thrown
