@@ -11,13 +11,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import reductions
 from physagent_jax.mpm.diagnosis import MAX_SUBSTEPS, Breach, Fault, explain_failure, find_breach, is_hopeless
 from physagent_jax.mpm.health import Health
 from physagent_jax.mpm.ledger import Exchange, balance, measure_exchange
-from physagent_jax.mpm.plan import find_acting
+from physagent_jax.mpm.plan import Timetable
 from physagent_jax.mpm.sorting import permute_particles, unpermute_particles, update_order
 from physagent_jax.mpm.state import Grid, Model, State
 from physagent_jax.mpm.step import kirchhoff_stress, substep
@@ -73,12 +72,18 @@ class Pace:
 
 
 def next_frame(
-    model: Model, before: Frame, pace: Pace, ledger: bool, bound: float | None = None
+    model: Model,
+    timetable: Timetable,
+    before: Frame,
+    pace: Pace,
+    ledger: bool,
+    bound: float | None = None,
 ) -> tuple[Frame, float | None]:
     """The frame after ``before``, redone with shorter steps or a wider window until it can be trusted.
 
     Args:
         model: What is simulated.
+        timetable: Of its parts.
         before: Where from.
         pace: As asked for.
         ledger: As for `advance`.
@@ -94,7 +99,7 @@ def next_frame(
     plan = plan_frame(model, before, pace, bound)
     breaches: list[Breach] = []
     while True:
-        after, health, total = attempt_frame(plan, before.state, ledger)
+        after, health, total = attempt_frame(plan, timetable, before.state, ledger)
         bound = math.inf if pace.fixed else float(stable_dt(plan.model, after))
         breach = find_breach(plan.model, health, bound)
         if breach is None:
@@ -184,7 +189,7 @@ def count_substeps(model: Model, state: State, pace: Pace, bound: float | None =
         elastic = pace.substep_dt
     else:
         elastic = pace.safety * (float(stable_dt(model, state)) if bound is None else bound)
-    horizon = to_device(frame_dt, state.x.dtype)
+    horizon = np.asarray(frame_dt, state.x.dtype)
     # With the frame as the step, forces give their mean over it: blows within the frame are foreseen.
     kinematic = float(kinematic_dt(model.replace(dt=horizon), state, horizon))
     dt = elastic if math.isnan(kinematic) else min(elastic, kinematic)
@@ -204,24 +209,26 @@ def _fit(plan: FramePlan, state: State) -> FramePlan:
     speed = float(np.linalg.norm(np.asarray(state.v), axis=-1).max())
     reach = plan.margin * (speed * plan.frame_dt + 2 * model.grid.dx)
     grid = fit_window(model.grid, x.min(0), x.max(0), reach)
-    return dataclasses.replace(plan, model=model.replace(grid=grid, dt=to_device(plan.dt, state.x.dtype)))
+    return dataclasses.replace(plan, model=model.replace(grid=grid, dt=np.asarray(plan.dt, state.x.dtype)))
 
 
 # Attempt
 
 
-def attempt_frame(plan: FramePlan, state: State, ledger: bool) -> tuple[State, Health, Exchange | None]:
+def attempt_frame(
+    plan: FramePlan, timetable: Timetable, state: State, ledger: bool
+) -> tuple[State, Health, Exchange | None]:
     """`advance` from ``state`` with what acts during the frame, the particles sorted meanwhile."""
     begin = float(state.time)
-    present = find_acting(plan.model, begin, begin + plan.frame_dt).select(plan.model)
-    substeps = to_device(plan.substeps, np.int32)
-    after, health, total = advance(*permute_particles(plan.order, present, state), substeps, ledger)
+    present = timetable.find_acting(begin, begin + plan.frame_dt).select(plan.model)
+    moved = permute_particles(plan.order, present, state)
+    after, health, total = advance(*moved, np.asarray(plan.substeps, np.int32), ledger)
     return unpermute_particles(plan.order, plan.model, after), health, total
 
 
 @partial(jax.jit, static_argnames="ledger")
 def advance(
-    model: Model, state: State, substeps: jax.Array, ledger: bool = False
+    model: Model, state: State, substeps: jax.Array | np.ndarray, ledger: bool = False
 ) -> tuple[State, Health, Exchange | None]:
     """``substeps`` steps in a row (a traced count: no recompilation when it changes), watched.
 

@@ -8,7 +8,6 @@ of them is another compiled program; sets recur, so that few are compiled.
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
 
 import numpy as np
 
@@ -42,20 +41,46 @@ class Acting:
         )
 
 
+Windows = tuple[tuple[np.ndarray, np.ndarray], ...]
+"""Starts and ends [s] of a part's windows; none = it always acts."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Timetable:
+    """When the parts of a model may act: looked up once, asked for every frame.
+
+    Attributes:
+        forces, boundaries, constraints: The windows of each, in the model's order.
+    """
+
+    forces: tuple[Windows, ...]
+    boundaries: tuple[Windows, ...]
+    constraints: tuple[Windows, ...]
+
+    @classmethod
+    def of(cls, model: Model) -> Timetable:
+        """Of a model's parts."""
+        groups = (model.forces, model.boundaries, model.constraints)
+        return cls(*(tuple(tuple(iterate_windows(part)) for part in parts) for parts in groups))
+
+    def find_acting(self, begin: float, end: float) -> Acting:
+        """As `find_acting`."""
+        slack = _SLACK * (end - begin)
+
+        def find(parts: tuple[Windows, ...]) -> tuple[int, ...]:
+            return tuple(i for i, own in enumerate(parts) if _meet(own, begin - slack, end + slack))
+
+        return Acting(find(self.forces), find(self.boundaries), find(self.constraints))
+
+
 def find_acting(model: Model, begin: float, end: float) -> Acting:
     """The forces, boundaries and constraints that may act between ``begin`` and ``end`` [s].
 
     What has no window (`fields.START`) always acts. Without the others, the results are those of the whole model.
     """
-    slack = _SLACK * (end - begin)
-
-    def find(parts: tuple[Any, ...]) -> tuple[int, ...]:
-        return tuple(i for i, part in enumerate(parts) if _may_act(part, begin - slack, end + slack))
-
-    return Acting(find(model.forces), find(model.boundaries), find(model.constraints))
+    return Timetable.of(model).find_acting(begin, end)
 
 
-def _may_act(part: Any, begin: float, end: float) -> bool:
-    """Whether a part has no window, or one of them meets [begin, end]."""
-    own = list(iterate_windows(part))
-    return not own or any(np.any((start <= end) & (stop >= begin)) for start, stop in own)
+def _meet(windows: Windows, begin: float, end: float) -> bool:
+    """Whether there are no windows, or one of them meets [begin, end]."""
+    return not windows or any(np.any((start <= end) & (stop >= begin)) for start, stop in windows)

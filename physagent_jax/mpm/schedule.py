@@ -17,13 +17,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.kernels import programs
 from physagent_jax.mpm import kernels
 from physagent_jax.mpm.conform import conform
 from physagent_jax.mpm.frame import Frame
-from physagent_jax.mpm.plan import Acting, find_acting
+from physagent_jax.mpm.plan import Acting, Timetable
 from physagent_jax.mpm.sorting import permute_particles, unpermute_particles
 from physagent_jax.mpm.state import Grid, Model, State
 from physagent_jax.mpm.step import NODES, STOPPED, kirchhoff_stress, substep
@@ -70,7 +69,7 @@ class Schedule:
         Raises:
             UserError: Frames are missing.
         """
-        made, time = [], start
+        made, time, timetable = [], start, Timetable.of(model)
         for frame in frames:
             if frame.index == 0:
                 continue
@@ -80,7 +79,7 @@ class Schedule:
                     got=f"frame {frame.index} after {len(made)}",
                 )
             length = frame.substeps * frame.dt
-            acting = find_acting(model, time, time + length)
+            acting = timetable.find_acting(time, time + length)
             made.append(FrameSchedule(frame.grid, frame.substeps, frame.dt, frame.order, acting))
             time += length
         return Schedule(tuple(made))
@@ -105,10 +104,10 @@ class Schedule:
             model: Whose windows are known.
             start: Time of the initial state [s].
         """
-        made, time = [], start
+        made, time, timetable = [], start, Timetable.of(model)
         for frame in self.frames:
             length = frame.substeps * frame.dt
-            acting = frame.acting.join(find_acting(model, time, time + length))
+            acting = frame.acting.join(timetable.find_acting(time, time + length))
             made.append(dataclasses.replace(frame, acting=acting))
             time += length
         return Schedule(tuple(made))
@@ -154,12 +153,13 @@ def replay(
     with kernels.use_device_of(state.x):
         model, state = conform(model, state)
         advance = _choose_checkpoints(state, schedule, memory)
-        states = []
+        state, states = _instantiate_zeros(model, state), []
         for index, frame in enumerate(schedule.frames):
             if truncate and index and index % truncate == 0:
-                state = jax.lax.stop_gradient(state)
+                state = _instantiate_zeros(model, jax.lax.stop_gradient(state))
             state = _replay_frame(model, state, frame, advance)
             states.append(state)
+        states[-1] = _instantiate_zeros(model, states[-1])
     return tuple(states)
 
 
@@ -224,27 +224,54 @@ def _fit_length(schedule: Schedule, length: int) -> int:
     return min(range(max(1, (2 * length) // 3), (3 * length) // 2 + 1), key=waste)
 
 
+def _instantiate_zeros(model: Model, state: State) -> State:
+    """``state``, whose zero tangents and cotangents become arrays where ``model`` is differentiated.
+
+    JAX leaves zeros out, and compiles a program for each set of them: the first frame, whose state has no tangents, and
+    the last one, of whose state the loss sees a part, would be compiled apart from those between.
+    """
+
+    def is_real(leaf) -> bool:
+        return jnp.issubdtype(jnp.result_type(leaf), jnp.inexact)
+
+    leaves, tree = jax.tree.flatten(state)
+    others = [leaf for leaf in jax.tree.leaves(model) if is_real(leaf)]
+    real = [leaf for leaf in leaves if is_real(leaf)]
+    tied = iter(jax.lax.optimization_barrier((*real, *others))[: len(real)])
+    return tree.unflatten([next(tied) if is_real(leaf) else leaf for leaf in leaves])
+
+
 def _replay_frame(model: Model, state: State, frame: FrameSchedule, checkpoints: _Checkpoints) -> State:
     present = frame.acting.select(model)
-    present = present.replace(grid=frame.grid, dt=to_device(frame.dt, state.x.dtype))
+    present = present.replace(grid=frame.grid, dt=np.asarray(frame.dt, state.x.dtype))
     present, state = permute_particles(frame.order, present, state)
-    for done in range(0, frame.substeps, checkpoints.length):
-        count = min(checkpoints.length, frame.substeps - done)
-        state = _advance(present, state, to_device(count, np.int32), checkpoints)
+    length = checkpoints.length
+    for done in range(0, frame.substeps, length):
+        count = min(length, frame.substeps - done)
+        all_of_them = count == length < frame.substeps  # where frames are short, one program is enough
+        state = _advance(present, state, None if all_of_them else np.asarray(count, np.int32), checkpoints)
     return unpermute_particles(frame.order, model, state)
 
 
 @partial(jax.jit, static_argnames="checkpoints")
-def _advance(model: Model, state: State, count: jax.Array, checkpoints: _Checkpoints) -> State:
-    """``count`` substeps, of as many as there may be between checkpoints: one program for any number."""
+def _advance(
+    model: Model, state: State, count: jax.Array | np.ndarray | None, checkpoints: _Checkpoints
+) -> State:
+    """``count`` substeps, of as many as there may be between checkpoints: one program for any number; None = all.
 
-    @partial(jax.checkpoint, policy=jax.checkpoint_policies.save_only_these_names(NODES, STOPPED))
+    To choose for each substep whether it is taken costs a gradient of many particles a tenth: hence one for all.
+    """
+
     def step(carry):
         state, tau, outside = carry
         state, tau, trace = substep(model, state, tau)
         return state, tau, outside + trace.health.outside
 
+    # Around the choice, not within it: what does not change from step to step is then kept once, not by each of them.
+    @partial(jax.checkpoint, policy=jax.checkpoint_policies.save_only_these_names(NODES, STOPPED))
     def body(carry, index):
+        if count is None:
+            return step(carry), None
         return jax.lax.cond(index < count, step, lambda same: same, carry), None
 
     def run(state: State) -> State:

@@ -14,6 +14,7 @@ from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.conform import conform
 from physagent_jax.mpm.frame import Frame, Pace, next_frame
 from physagent_jax.mpm.ledger import Exchange
+from physagent_jax.mpm.plan import Timetable
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.timestep import SAFETY, check_explicit_dt, stable_dt
 
@@ -56,7 +57,7 @@ def simulate(
     if substep_dt is not None and not force_substep:
         check_explicit_dt(substep_dt, float(stable_dt(model, state)))
     pace = Pace(frame_dt, substep_dt, safety, fixed=substep_dt is not None and force_substep)
-    frame = begin
+    timetable, frame = Timetable.of(model), begin
     if frame is None:
         nothing = Exchange.zeros(state.x.dtype) if ledger else None
         frame = Frame(0, state, 0, 0.0, 1.0, 1.0, (), model.grid, 0.0, nothing)
@@ -64,5 +65,5 @@ def simulate(
     bound = None
     for _ in range(frame.index + 1, frame_count):
         with kernels.use_device_of(frame.state.x):
-            frame, bound = next_frame(model, frame, pace, ledger, bound)
+            frame, bound = next_frame(model, timetable, frame, pace, ledger, bound)
         yield frame

@@ -26,6 +26,7 @@ import math
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.reductions import max_devices, min_devices
@@ -54,7 +55,7 @@ def _compute_stable_dt(model: Model, state: State) -> jax.Array:
     return min_devices(bound.min(), model.axis) * (1.0 if model.stress_form == "mls" else CLASSICAL_SHARE)
 
 
-def kinematic_dt(model: Model, state: State, horizon: jax.Array) -> jax.Array:
+def kinematic_dt(model: Model, state: State, horizon: jax.Array | np.ndarray) -> jax.Array:
     """The advection and velocity-gradient limits [s], with the speed that forces can add within ``horizon`` [s]."""
     return _compute_kinematic_dt(_drop_window_shape(model), state, horizon)
 

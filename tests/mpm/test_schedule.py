@@ -165,3 +165,22 @@ def test_a_truncated_gradient_takes_the_state_at_each_cut_as_given(thrown, x64):
     assert np.abs(cut - full).max() > 0.1 * np.abs(full).max()
     with pytest.raises(UserError, match="`truncate` must be at least 1"):
         replay(model, state, schedule, truncate=0)
+
+
+def test_all_frames_share_two_programs_of_a_gradient(caplog):
+    """One there and one back; the first, whose state has no tangents, and the last, of whose state the loss sees positions alone, as well."""
+    model, state = block((3, 3, 3), low=(0.4, 0.4, 0.4), gravity=jnp.array([0, 0, -1.0]), boundaries=())
+    frames = list(simulate(model, state, frame_count=5, frame_dt=0.004))
+    schedule = Schedule.of(model, frames)
+    assert len({frame.grid.shape for frame in schedule.frames}) == 1
+
+    def respond(gravity):
+        return replay(model.replace(gravity=gravity), state, schedule)[-1].x.sum()
+
+    with jax.log_compiles(), caplog.at_level("WARNING"):
+        slope = jax.grad(respond)(model.gravity)
+    compiled = [m for m in caplog.messages if "Finished XLA compilation of jit(_advance)" in m]
+    assert len(compiled) == 2, compiled
+    (dt,), count = {frame.dt for frame in schedule.frames}, schedule.substeps
+    fall = dt**2 * count * (count + 1) / 2  # free, velocities first: sum of k dt^2
+    np.testing.assert_allclose(slope, len(state.x) * fall, rtol=1e-4)
