@@ -19,6 +19,8 @@ from physagent_jax.forces.schema import ForceField
 SHORTEST = 1.0
 """[frames] of a window, at least."""
 
+_EDGE = 1e-6  # within which an unknown is at its range's end
+
 
 @dataclasses.dataclass(frozen=True)
 class Parametrisation:
@@ -84,6 +86,42 @@ class Parametrisation:
                 row[-2] = min(max(row[-2], 0.0), 1.0 - least)
                 row[-1] = min(max(row[-1], least), 1.0 - row[-2])
         return rows.reshape(-1)
+
+    def list_blocked(self, u: np.ndarray, way: np.ndarray) -> np.ndarray:
+        """Directions in which the library's range ends at ``u`` and ``way`` leads out of it.
+
+        Args:
+            u: Unknowns within the range.
+            way: Where one would go, shape (size,).
+
+        Returns:
+            Orthonormal rows, shape (k, size).
+        """
+        blocked, clip = [], self.frame_count - 1
+        for place in range(0, self.size, self.stride):
+            strength = np.zeros(self.size)
+            numbers = u[place : place + self.width]
+            size = float(np.linalg.norm(numbers))
+            strength[place : place + self.width] = numbers / size
+            outwards = float(strength @ way)
+            if (size >= MAGNITUDE_MAX - _EDGE and outwards > 0) or (
+                size <= MAGNITUDE_MIN + _EDGE and outwards < 0
+            ):
+                blocked.append(strength)
+            if self.windows:
+                first, length = place + self.width, place + self.width + 1
+                ends = (first, u[first] <= _EDGE, -1.0), (length, u[length] <= SHORTEST / clip + _EDGE, -1.0)
+                blocked += [
+                    np.eye(self.size)[index] for index, there, side in ends if there and side * way[index] > 0
+                ]
+                whole = np.zeros(self.size)
+                whole[[first, length]] = np.sqrt(0.5)
+                if u[first] + u[length] >= 1.0 - _EDGE and whole @ way > 0:
+                    blocked.append(whole)
+        if not blocked:
+            return np.zeros((0, self.size))
+        basis, r = np.linalg.qr(np.stack(blocked, axis=1))
+        return basis[:, np.abs(np.diag(r)) > _EDGE].T
 
     def decode(self, u: np.ndarray) -> ForceField:
         """The force field nearest to ``u``."""

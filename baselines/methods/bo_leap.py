@@ -17,7 +17,7 @@ from baselines.methods.cma import WORST, import_cmaes
 from baselines.methods.lbfgs import LBFGS
 from baselines.parametrisation import Parametrisation
 from baselines.starts import SOLVED, Types, choose_templates
-from physagent_jax.core.errors import UserError
+from physagent_jax.core.errors import MissingPackageError, UserError
 from physagent_jax.forces.schema import ForceField
 
 CANDIDATES = 256
@@ -153,16 +153,14 @@ def predict(x: np.ndarray, y: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, n
         at: Where to predict, shape (m, p).
 
     Raises:
-        UserError: scikit-learn is not installed.
+        MissingPackageError: scikit-learn is not installed.
     """
     try:
         from sklearn.exceptions import ConvergenceWarning  # pyright: ignore[reportMissingImports]
         from sklearn.gaussian_process import GaussianProcessRegressor  # pyright: ignore[reportMissingImports]
         from sklearn.gaussian_process.kernels import Matern, WhiteKernel  # pyright: ignore[reportMissingImports]
     except ImportError:
-        raise UserError(
-            "this method needs the package `scikit-learn`", do="pip install 'physagent-jax[baselines]'"
-        ) from None
+        raise MissingPackageError("this method needs the package `scikit-learn`", "baselines") from None
     kernel = Matern(1.0, (0.2, 5.0), nu=2.5) + WhiteKernel(1e-3, (1e-5, 1e-1))
     with warnings.catch_warnings():
         warnings.simplefilter(

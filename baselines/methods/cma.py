@@ -11,7 +11,7 @@ from baselines.evaluation import Evaluator
 from baselines.local import LocalMethod
 from baselines.parametrisation import Parametrisation
 from baselines.starts import SOLVED, Descent, Types
-from physagent_jax.core.errors import UserError
+from physagent_jax.core.errors import MissingPackageError
 from physagent_jax.forces.calibration import MAGNITUDE_MAX
 from physagent_jax.forces.schema import ForceField
 
@@ -79,12 +79,10 @@ def import_cmaes():
     """The package.
 
     Raises:
-        UserError: It is not installed.
+        MissingPackageError: It is not installed.
     """
     try:
         import cmaes  # pyright: ignore[reportMissingImports]
     except ImportError:
-        raise UserError(
-            "this method needs the package `cmaes`", do="pip install 'physagent-jax[baselines]'"
-        ) from None
+        raise MissingPackageError("this method needs the package `cmaes`", "baselines") from None
     return cmaes

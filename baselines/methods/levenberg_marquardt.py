@@ -1,7 +1,9 @@
 """Levenberg-Marquardt on the target's residuals: few unknowns, so that a Jacobian costs as many simulations.
 
 Damping is Levenberg's, with Nielsen's update (Madsen, Nielsen & Tingleff 2004, "Methods for non-linear least
-squares problems", 3.2). Steps are projected to what the skill library allows, and their gain is judged after that.
+squares problems", 3.2). Directions in which the skill library's range ends take no part in a step (active set); what
+is left of it is projected to the range, and its gain is judged after that. While steps gain what they promise, the
+Jacobian is updated by Broyden's formula (there, 3.5), which costs no simulation; else it is made anew.
 """
 
 from __future__ import annotations
@@ -17,6 +19,9 @@ from baselines.parametrisation import Parametrisation
 from baselines.starts import SOLVED, Descent
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
+
+TRUSTED = 0.5
+"""Gain of a step, in shares of what was promised, from which the Jacobian is updated only."""
 
 COARSE = 0.03
 """[|M| v] of a step at which what is sought first has settled well enough for the rest to be sought too."""
@@ -77,35 +82,59 @@ class LevenbergMarquardt(LocalMethod):
     ) -> Generator[float, None, ForceField]:
         """Steps until they are ``shortest``, those that gain followed by a Jacobian; where it ends."""
         u, damping, growth, best = unknowns.encode(start), self.damping, 2.0, start
-        longest = np.inf
+        longest, fresh = np.inf, True
         score, jacobian = evaluator.jacobian(start, unknowns, "start")
         if score.failed:
             return best
         yield score.loss
         while score.loss > SOLVED:
-            normal, slope = jacobian.T @ jacobian, jacobian.T @ score.residuals
-            ridge = (np.diag(normal).max() + 1e-12) * np.eye(len(u))
-            step = unknowns.project(u - np.linalg.solve(normal + damping * ridge, slope)) - u
+            normal, slope = restrict(jacobian, score.residuals, unknowns, u)
+            step = _step(unknowns, u, normal, slope, damping)
             while np.linalg.norm(step) > longest:
                 damping *= growth
-                step = unknowns.project(u - np.linalg.solve(normal + damping * ridge, slope)) - u
-            if np.linalg.norm(step) < shortest:
+                step = _step(unknowns, u, normal, slope, damping)
+            if np.linalg.norm(step) < shortest and fresh:
                 break
-            field = unknowns.decode(u + step)
-            trial = evaluator.score(field, "trial")
-            expected = -(slope @ step + 0.5 * step @ normal @ step)
-            gain = (score.loss - trial.loss) / expected if expected > 0 else -1.0
-            if gain > 1e-3:
-                u, growth, best, longest = unknowns.encode(field), 2.0, field, np.inf
-                damping *= max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0) ** 3)
-                score = trial
+            trial, gain = None, -1.0
+            if np.linalg.norm(step) >= shortest:
+                field = unknowns.decode(u + step)
+                trial = evaluator.score(field, "trial")
+                expected = -(slope @ step + 0.5 * step @ normal @ step)
+                gain = (score.loss - trial.loss) / expected if expected > 0 else -1.0
+            if trial is not None and gain > 1e-3:
+                step, growth, best, longest = unknowns.encode(field) - u, 2.0, field, np.inf
+                u = u + step
+                damping *= max(1.0 / 3.0, 1.0 - float(2.0 * gain - 1.0) ** 3)
+                jacobian = update(jacobian, step, trial.residuals - score.residuals)
+                score, fresh = trial, False
                 yield score.loss
-                if score.loss > SOLVED:
-                    score, jacobian = evaluator.jacobian(field, unknowns)
-            else:
+                if score.loss > SOLVED and gain < TRUSTED:
+                    (score, jacobian), fresh = evaluator.jacobian(field, unknowns), True
+                continue
+            if trial is not None:  # by the damping alone it comes back slowly from what tore
+                longest = 0.5 * float(np.linalg.norm(step))
+            if fresh:
                 damping, growth = damping * growth, 2.0 * growth
-                longest = 0.5 * np.linalg.norm(
-                    step
-                )  # by the damping alone it comes back slowly from what tore
-                yield score.loss
+            else:
+                (score, jacobian), fresh = evaluator.jacobian(best, unknowns), True
+            yield score.loss
         return best
+
+
+def restrict(
+    jacobian: np.ndarray, residuals: np.ndarray, unknowns: Parametrisation, u: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """J^T J and J^T r without the directions in which descent would leave the library's range."""
+    blocked = unknowns.list_blocked(u, -jacobian.T @ residuals)
+    free = jacobian - (jacobian @ blocked.T) @ blocked
+    return free.T @ free, free.T @ residuals
+
+
+def update(jacobian: np.ndarray, step: np.ndarray, change: np.ndarray) -> np.ndarray:
+    """The Jacobian nearest to ``jacobian`` that gives the ``change`` of the residuals over ``step`` (Broyden 1965)."""
+    return jacobian + np.outer(change - jacobian @ step, step) / (step @ step)
+
+
+def _step(unknowns: Parametrisation, u: np.ndarray, normal, slope, damping: float) -> np.ndarray:
+    ridge = (np.diag(normal).max() + 1e-12) * np.eye(len(u))
+    return unknowns.project(u - np.linalg.solve(normal + damping * ridge, slope)) - u

@@ -16,21 +16,20 @@ import numpy as np
 
 from baselines.scores import sds
 from baselines.scores.protocol import Cost, Key
-from physagent_jax.core.errors import UserError
-
-_EXTRA = "Install the extra: pip install 'physagent-jax[sds]'"
+from physagent_jax.core.errors import MissingPackageError, UserError
 
 
 def import_optional(name: str) -> Any:
     """A module of the extra `sds`.
 
     Raises:
-        UserError: It is not installed.
+        MissingPackageError: It is not installed.
     """
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        raise UserError(f"real score priors need `{name.split('.')[0]}` ({error})", do=_EXTRA) from None
+        what = f"real score priors need `{name.split('.')[0]}` ({error})"
+        raise MissingPackageError(what, "sds") from None
 
 
 class DiffusersPrior(abc.ABC):

@@ -14,7 +14,7 @@ from benchmarks import harness
 from benchmarks.harness import Row
 from benchmarks.headtohead.entrants import Entrant
 from benchmarks.peers.gradient import read_memory, reset_peak
-from physagent_jax.core.errors import UserError
+from physagent_jax.core.errors import MissingPackageError, UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.effort import measure_effort
 
@@ -37,6 +37,8 @@ def measure(entrant: Entrant, task: Task, marks: Sequence[float], seed: int, bud
     }
     try:
         result = method.fit(task, Budget(budget), seed)
+    except MissingPackageError:  # says nothing of the method
+        raise
     except UserError as error:  # a sentence that the agents refuse, a task without an expert: not solved
         return [row | {"refused": " ".join(str(error).split())[:300], "marks": [], "spent": 0.0}]
     peak = read_memory("VmHWM")

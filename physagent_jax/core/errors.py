@@ -1,4 +1,4 @@
-"""The one exception for input that a person can mend."""
+"""The exception for what a person can mend: bad input, and a package that is not installed."""
 
 from __future__ import annotations
 
@@ -22,3 +22,15 @@ class UserError(ValueError):
         if do:
             message += f" {do}" if do.endswith("?") else f" {do.rstrip('.')}."
         super().__init__(" ".join(message.split()))
+
+
+class MissingPackageError(UserError):
+    """What was asked for needs a package that is not installed, whatever the input.
+
+    Args:
+        what: What needs it, and the package.
+        extra: Of this project, with which it comes.
+    """
+
+    def __init__(self, what: str, extra: str = ""):
+        super().__init__(what, do=f"Install the extra: pip install 'physagent-jax[{extra}]'" if extra else "")

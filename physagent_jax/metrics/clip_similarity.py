@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from physagent_jax.core.errors import UserError
+from physagent_jax.core.errors import MissingPackageError, UserError
 
 _BATCH = 16  # pictures at a time: a gigabyte with the largest of the published models
 
@@ -120,7 +120,4 @@ def _import(name: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        raise UserError(
-            f"CLIPsim needs `{name}` ({error})",
-            do="Install the extra: pip install 'physagent-jax[clip]'",
-        ) from None
+        raise MissingPackageError(f"CLIPsim needs `{name}` ({error})", "clip") from None

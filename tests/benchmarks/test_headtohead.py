@@ -3,6 +3,7 @@
 import json
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,9 +15,9 @@ from benchmarks.headtohead.__main__ import TASKS, main
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS
 from benchmarks.headtohead.jobs import NOTHING, list_materials, list_similarities, verify
 from benchmarks.headtohead.markdown import choose_ablation, document
-from benchmarks.headtohead.measuring import judge_marks
+from benchmarks.headtohead.measuring import judge_marks, measure
 from benchmarks.headtohead.neighbourhood import STRONGER, TURNED, perturb
-from physagent_jax.core.errors import UserError
+from physagent_jax.core.errors import MissingPackageError, UserError
 from physagent_jax.forces.schema import Action, ActionType, BoxRegion, ForceField
 from physagent_jax.metrics.clip_similarity import TransformersClip
 from physagent_jax.metrics.task_judge import ClauseJudgement, TaskJudgement
@@ -47,8 +48,6 @@ class World:
         return np.full((2, 1, 3), field.actions[0].magnitude)
 
     def build(self, field):
-        from types import SimpleNamespace
-
         return SimpleNamespace(model=SimpleNamespace(forces=(), constraints=(), mass=np.ones(1)))
 
     def judge(self, x):
@@ -138,6 +137,26 @@ def test_what_was_found_with_one_material_is_judged_with_another(tmp_path):
     section = {"runs": [run], "complete": True, "rows": [each | {"run": 0} for each in (same, harder)]}
     page = document({"materials": section}, Path("a.json"), Path("b.md"))
     assert "| adam (oracle) |  |  | 100 % (100–100) |  |" in page
+
+
+def test_a_refusal_is_a_row_and_a_missing_package_is_none():
+    """A row would say that the method does not solve the task."""
+
+    def enter(error):
+        def fit(*_):
+            raise error
+
+        method = SimpleNamespace(oracle=True, fit=fit)
+        return SimpleNamespace(make=lambda: method, label="cma", method="cma", options={})
+
+    spec = SimpleNamespace(name="push", family="impulse", split="test", smooth=True, target_hash="abc")
+    task = SimpleNamespace(spec=spec)
+    (row,) = measure(enter(UserError("no expert")), task, (1.0,), 0, 1.0)  # type: ignore[arg-type]
+    assert row["refused"].startswith("no expert") and row["marks"] == []
+    with pytest.raises(
+        MissingPackageError, match=r"Install the extra: pip install 'physagent-jax\[baselines\]'"
+    ):
+        measure(enter(MissingPackageError("no cmaes", "baselines")), task, (1.0,), 0, 1.0)  # type: ignore[arg-type]
 
 
 def test_clipsim_without_a_model_is_refused(tmp_path, capsys, monkeypatch):

@@ -168,7 +168,7 @@ def test_a_truncated_gradient_takes_the_state_at_each_cut_as_given(thrown, x64):
 
 
 def test_all_frames_share_two_programs_of_a_gradient(caplog):
-    """One there and one back; the first, whose state has no tangents, and the last, of whose state the loss sees positions alone, as well."""
+    """One there, one back: also the first, whose state has no tangents, and the last, of which positions are seen."""
     model, state = block((3, 3, 3), low=(0.4, 0.4, 0.4), gravity=jnp.array([0, 0, -1.0]), boundaries=())
     frames = list(simulate(model, state, frame_count=5, frame_dt=0.004))
     schedule = Schedule.of(model, frames)

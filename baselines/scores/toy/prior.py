@@ -15,7 +15,7 @@ from baselines.scores import sds
 from baselines.scores.protocol import Cost, Key
 from baselines.scores.toy.motions import read_prompt
 from baselines.scores.toy.validation import LEAST_ACCURACY, Validation
-from physagent_jax.core.errors import UserError
+from physagent_jax.core.errors import MissingPackageError, UserError
 
 try:
     import orbax.checkpoint as ocp  # pyright: ignore[reportMissingImports]
@@ -23,10 +23,7 @@ try:
 
     from baselines.scores.toy.model import ModelConfig, ToyVideoModel
 except ImportError as error:
-    raise UserError(
-        f"the toy prior needs flax and orbax ({error})",
-        do="Install the extra: pip install 'physagent-jax[toy]'",
-    ) from None
+    raise MissingPackageError(f"the toy prior needs flax and orbax ({error})", "toy") from None
 
 _RECORD, _WEIGHTS = "toy_prior.json", "weights"
 SETTINGS = sds.SdsSettings(
