@@ -166,12 +166,18 @@ def _state_findings(rows: list[dict]) -> str:
         return f"{low} %" if low == high else f"{low} to {high} %"
 
     marks = sorted({mark["mark"] for row in rows for mark in row["marks"] if mark["mark"] > last})
-    reached = {label: [mark for mark in marks if is_measured(groups[label], mark)][-1:] for label in told}
-    longer = "".join(
-        f"\n  With {mark:g} simulations `{label}` solves {share([label], mark)}."
-        for label, mine in reached.items()
-        for mark in mine
-    )
+
+    def tell_longer(labels):
+        reached = {
+            label: [mark for mark in marks if is_measured(groups[label], mark)][-1:] for label in labels
+        }
+        return "".join(
+            f"\n  With {mark:g} simulations `{label}` solves {share([label], mark)}."
+            for label, mine in reached.items()
+            for mark in mine
+        )
+
+    longer, longer_blind = tell_longer(told), tell_longer(blind)
     tasks = {row["task"] for row in rows}
     solved = set().union(*(find_solved(mine, last) for mine in groups.values()))
     ours = find_solved(groups[REFERENCE], last)
@@ -184,8 +190,8 @@ def _state_findings(rows: list[dict]) -> str:
 - With {last:g} simulations, optimisers that are told by the target and by the object's responses what acts, when and
   where solve {share(told)}. Of the tasks that all of these miss, `{REFERENCE}` solves {len(ours - theirs) or "none"}.
   They know the answer that they are measured by: it is what the simulator allows, and what agents could reach.{longer}
-- Gradients alone do not find out what acts: begun at random with every skill in turn they solve {share(blind)}, where
-  evolution over skills (`catcma`) solves {share(["catcma"])} and chance {share(["random"])}.
+- Gradients begun at random with every skill in turn solve {share(blind)}, where evolution over skills (`catcma`)
+  solves {share(["catcma"])} and chance {share(["random"])}: most do not find out what acts so soon.{longer_blind}
 - Least squares on the agents' first guess (`hybrid`) solves {share(["hybrid"])}: of what the agents miss, a part is
   numbers, which gradients mend, and the rest is what acts and when, which they do not.
 - {len(tasks - solved)} of {len(tasks)} tasks are solved by nobody.

@@ -32,14 +32,15 @@ twelve motions of five simulated objects at 32 x 32 pixels ([score-priors.md](sc
 that the machinery works and what a weak score is worth, and nothing about video models. Whether its gradients lead to
 the targets is in [distillation.md](distillation.md). Refused are sentences without a word that the toy knows. For
 `omniphysgs_f`, what a skill that does not act would change is that of the whole force field with it in place
-([alternatives.py](../baselines/alternatives.py)).
+([alternatives.py](../baselines/alternatives.py)); its rows are of the code before that, which refused nine tasks on the
+ground, where a skill of strength 0 has no finite derivative.
 """
 MATERIALS = """
 ## Other materials
 
 The tasks with objects of another material (`baselines/materials.py`; softer and stiffer by 3), and the same targets.
 *Found there*: the method ran with that material. *Brought there*: what it had found with the task's own material,
-simulated and judged with the other.
+simulated and judged with the other. Levenberg-Marquardt and `hybrid` are left out: they have other steps since.
 """
 NEIGHBOURS = """
 ## Are the local methods broken?
