@@ -80,7 +80,7 @@ class LevenbergMarquardt(LocalMethod):
     def _settle(
         self, evaluator: Evaluator, unknowns: Parametrisation, start: ForceField, shortest: float
     ) -> Generator[float, None, ForceField]:
-        """Steps until they are ``shortest``, those that gain followed by a Jacobian; where it ends."""
+        """Steps until they are ``shortest`` by a Jacobian that was made there; where it ends."""
         u, damping, growth, best = unknowns.encode(start), self.damping, 2.0, start
         longest, fresh = np.inf, True
         score, jacobian = evaluator.jacobian(start, unknowns, "start")

@@ -248,8 +248,8 @@ def _replay_frame(model: Model, state: State, frame: FrameSchedule, checkpoints:
     length = checkpoints.length
     for done in range(0, frame.substeps, length):
         count = min(length, frame.substeps - done)
-        all_of_them = count == length < frame.substeps  # where frames are short, one program is enough
-        state = _advance(present, state, None if all_of_them else np.asarray(count, np.int32), checkpoints)
+        is_full = count == length < frame.substeps  # where frames are short, one program is enough
+        state = _advance(present, state, None if is_full else np.asarray(count, np.int32), checkpoints)
     return unpermute_particles(frame.order, model, state)
 
 
@@ -259,7 +259,7 @@ def _advance(
 ) -> State:
     """``count`` substeps, of as many as there may be between checkpoints: one program for any number; None = all.
 
-    To choose for each substep whether it is taken costs a gradient of many particles a tenth: hence one for all.
+    To choose for each substep whether it is taken costs a gradient of many particles a twentieth: hence one for all.
     """
 
     def step(carry):
