@@ -93,6 +93,7 @@ class Responses:
     Attributes:
         base: Motion without actions.
         drop: Whether it is let fall.
+        rest: Motion without the fall either, where actions may do better without it: nothing is there to fall onto.
         mass: [kg], shape (n,).
         stride: Of all particles, each so-many-th is there.
         steps: By skill and place, what one along each axis adds at |M| = 1 when it acts from frame 0 on, a blow at
@@ -105,6 +106,7 @@ class Responses:
     mass: np.ndarray
     stride: int
     steps: dict[tuple[Skill, tuple[Region | None, Region | None]], np.ndarray]
+    rest: Base | None = None
 
     def superpose(self, skill: Skill, slot: Slot) -> np.ndarray:
         """What a skill in a slot adds, shape (3, T, 2 + n, 3)."""
@@ -117,6 +119,8 @@ class Responses:
 
 def measure_responses(evaluator: Evaluator) -> Responses:
     """Simulates each skill along each axis, and the fall; the fall is what is added to where it misses clearly less.
+
+    In a smooth task rest is kept beside it: a fall that does better than nothing says little about what a push does.
 
     What fails is simulated once more, for a shorter time. An axis along which a skill fails then too adds nothing, as
     its record says, and a skill that fails along all is left out in that place.
@@ -150,7 +154,7 @@ def measure_responses(evaluator: Evaluator) -> Responses:
         losses = [find_loss(evaluator, x, mass) for x in (fallen, still.x)]
     drop = losses[0] < CLEARLY * losses[-1]
     base = Base.of(fallen, mass) if drop and fallen is not None else still
-    return Responses(base, drop, mass, stride, steps)
+    return Responses(base, drop, mass, stride, steps, still if drop and evaluator.task.spec.smooth else None)
 
 
 def _respond(evaluator: Evaluator, skill: Skill, slot: Slot, axis: np.ndarray) -> tuple[Any, int]:

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from baselines.evaluation import Evaluator
-from baselines.fitting import MOST, Fitter
+from baselines.fitting import MOST, Begun, Fitter
 from baselines.responses import (
     END_SKILLS,
     SKILLS,
@@ -56,11 +56,13 @@ class Ranking:
             for each in dict.fromkeys(list_structures(evaluator))
             if all((skill, slot.place) in responses.steps for skill, slot in each)
         ]
+        rest = None if responses.rest is None else Begun(ForceField(), (), responses.rest)
         ranked: list[tuple[float, ForceField]] = []
         for size in range(1, MOST + 1):
             enough = min((loss for loss, _ in ranked), default=np.inf) <= FAINT
             mine = [each for each in self.structures if len(each) == size]
-            ranked += zip(*self.fitter.fit(mine)) if mine else ()
+            for begun in (None, rest) if rest is not None else (None,):
+                ranked += zip(*self.fitter.fit(mine, begun)) if mine else ()
             if enough:
                 break
         if responses.drop:

@@ -154,6 +154,27 @@ def test_a_fall_that_helps_hardly_is_not_taken_for_what_is_asked_for():
         assert measure_responses(evaluator).drop is fall
 
 
+def test_what_sinks_evenly_is_found_beside_a_fall_that_is_nearer_than_nothing():
+    """The fall ends where it is asked for, but is late; a blow down does better without it, and both are looked at.
+
+    Not above the ground, where superposition from rest would pass through it.
+    """
+    sink = partial(Distance, along=(0, 0, -1))
+    clauses = (
+        sink(window=(0, 6), target=0.9, tolerance=0.3),
+        sink(window=(0, 12), target=1.8, tolerance=0.2),
+    )
+    for smooth in (True, False):
+        evaluator, see = make_evaluator(*clauses, smooth=smooth)
+        found = measure_responses(evaluator)
+        assert found.drop and (found.rest is not None) is smooth
+        falls = {field.default_drop for field in Ranking(evaluator).fields}
+        assert falls == ({True, False} if smooth else {True})
+        assert not see(ForceField(default_drop=True)).success
+    best = Ranking(make_evaluator(*clauses, smooth=True)[0]).take(4)
+    assert any(not field.default_drop and see(field).success for field in best)
+
+
 def test_the_worst_counts_more_and_what_the_judge_is_content_with_does_not_get_worse():
     r = np.array([-0.25, 0.5, 2.0])
     np.testing.assert_allclose(sharpen(r, 3), [-0.0625, 0.5, 32.0])

@@ -52,10 +52,10 @@ class Body:
         return np.asarray(compute_residuals(self.target, rollout.x, MASS, 0.04))
 
 
-def make_evaluator(*clauses, budget=60.0, start=START):
+def make_evaluator(*clauses, budget=60.0, start=START, smooth=False):
     target = Target(clauses=clauses)
     task = SimpleNamespace(
-        spec=SimpleNamespace(name="body", expert=None),
+        spec=SimpleNamespace(name="body", expert=None, smooth=smooth),
         target=target,
         start=start,
         frame_count=FRAMES,
