@@ -56,12 +56,12 @@ class Ranking:
             for each in dict.fromkeys(list_structures(evaluator))
             if all((skill, slot.place) in responses.steps for skill, slot in each)
         ]
-        rest = None if responses.rest is None else Begun(ForceField(), (), responses.rest)
+        rest = [] if responses.rest is None else [Begun(ForceField(), (), responses.rest)]
         ranked: list[tuple[float, ForceField]] = []
         for size in range(1, MOST + 1):
             enough = min((loss for loss, _ in ranked), default=np.inf) <= FAINT
             mine = [each for each in self.structures if len(each) == size]
-            for begun in (None, rest) if rest is not None else (None,):
+            for begun in (None, *rest):
                 ranked += zip(*self.fitter.fit(mine, begun)) if mine else ()
             if enough:
                 break
