@@ -179,7 +179,7 @@ def _state_findings(rows: list[dict]) -> str:
 
     longer, longer_blind = tell_longer(told), tell_longer(blind)
     tasks = {row["task"] for row in rows}
-    solved = set().union(*(find_solved(mine, last) for mine in groups.values()))
+    missed = len(tasks - set().union(*(find_solved(mine, last) for mine in groups.values())))
     ours = find_solved(groups[REFERENCE], last)
     theirs = set().union(*(find_solved(groups[label], last) for label in told))
     return f"""
@@ -194,7 +194,7 @@ def _state_findings(rows: list[dict]) -> str:
   solves {share(["catcma"])} and chance {share(["random"])}: most do not find out what acts so soon.{longer_blind}
 - Least squares on the agents' first guess (`hybrid`) solves {share(["hybrid"])}: of what the agents miss, a part is
   numbers, which gradients mend, and the rest is what acts and when, which they do not.
-- {len(tasks - solved)} of {len(tasks)} tasks are solved by nobody.
+- {f"{missed} of {len(tasks)} tasks are solved by nobody." if missed else "Every task is solved by some method."}
 """
 
 
