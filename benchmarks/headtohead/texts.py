@@ -40,7 +40,7 @@ MATERIALS = """
 
 The tasks with objects of another material (`baselines/materials.py`; softer and stiffer by 3), and the same targets.
 *Found there*: the method ran with that material. *Brought there*: what it had found with the task's own material,
-simulated and judged with the other. Levenberg-Marquardt and `hybrid` are left out: they have other steps since.
+simulated and judged with the other.
 """
 NEIGHBOURS = """
 ## Are the local methods broken?
