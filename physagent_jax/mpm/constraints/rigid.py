@@ -17,6 +17,7 @@ from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, scatter_mass
 
 CONTACT_ITERATIONS = 8
+_RESOLVED = 64  # [round-off of a velocity] by which a node that an earlier step has stopped may still move into a solid
 _LEAST_INERTIA = 1e-3  # determinant, over the mass and dx^2; a lone particle's nodes have 1/8
 
 
@@ -197,7 +198,7 @@ def _project_on_boundaries(
         along_v = _average(share, change)
         along_w = motion.apply_inverse_inertia(_average(share, cross(motion.r, change)) / motion.dx**2)
         along = motion.field(along_v, along_w)
-        touched = (change != 0).any(-1)
+        touched = jnp.abs(change).max(-1) > _RESOLVED * jnp.finfo(field.dtype).eps * jnp.abs(field).max(-1)
         gain, cost = (share * (change * along).sum(-1)).sum(), (share * touched * (along**2).sum(-1)).sum()
         step = jnp.where(cost > 0, gain / jnp.where(cost > 0, cost, 1), 0)
         return (v + step * along_v, w + step * along_w), None
