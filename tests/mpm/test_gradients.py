@@ -308,11 +308,15 @@ def draw_direction(tree, seed):
     return jax.tree.map(draw, tree)
 
 
-STEPS = (1e-6, 1e-5)  # round-off spoils short ones where a group hardly matters, contact long ones
+STEPS = (1e-7, 1e-6, 1e-5)  # round-off spoils short ones where a group hardly matters, contact long ones
 
 
 def check_case(case: Case) -> dict[str, tuple[float, list[float]]]:
-    """Slope and differences of each group along a random direction."""
+    """Slope and differences of each group along a random direction: central ones, and one to either side.
+
+    A node that is about to slip or to leave makes a corner, which may lie nearer than the shortest step. The slope is
+    then that of the side on which the case lies.
+    """
     model, state = make_case(*case)
     weight = np.random.default_rng(1).normal(size=(3, *state.F.shape))
 
@@ -324,7 +328,7 @@ def check_case(case: Case) -> dict[str, tuple[float, list[float]]]:
 
     at = list_groups(model, state)
     respond, slopes = quick_jit(evaluate), quick_jit(jax.grad(evaluate))(at)
-    found = {}
+    found, here = {}, float(respond(at))
     for seed, name in enumerate(at):
         direction = draw_direction(at[name], seed)
         pairs = zip(jax.tree.leaves(slopes[name]), jax.tree.leaves(direction))
@@ -333,7 +337,8 @@ def check_case(case: Case) -> dict[str, tuple[float, list[float]]]:
         def respond_at(step, name=name, direction=direction):
             return float(respond({**at, name: jax.tree.map(lambda a, b: a + step * b, at[name], direction)}))
 
-        found[name] = slope, [(respond_at(h) - respond_at(-h)) / (2 * h) for h in STEPS]
+        sides = [[(respond_at(h) - here) / h for h in (step, -step)] for step in STEPS]
+        found[name] = slope, [*(sum(each) / 2 for each in sides), *sides[0]]
     return found
 
 
