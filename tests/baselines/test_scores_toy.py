@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import physagent_jax as pa
-from baselines.scores.toy.clips import SIZE, Clips, play
+from baselines.scores.toy import clips as clips_module
+from baselines.scores.toy.clips import SIZE, Clips, Command, draw_options, make_clips, play
 from baselines.scores.toy.motions import FRAMES, MOTIONS, WORDS, draw_force_field, read_prompt
 from baselines.scores.toy.objects import OBJECTS, write_object
 from baselines.scores.toy.validation import classify, summarise
@@ -57,7 +58,7 @@ def test_clips_show_what_their_prompts_say(tmp_path):
     with pytest.warns(UserWarning, match="particles per grid cell"):
         drum = pa.load_object(path, up="+z", kind="jelly", extent=0.8, cells=32, max_particles=400)
     shifts = {
-        prompt: measure_shift(play(drum, prompt, np.random.default_rng(0)))
+        prompt: measure_shift(play(drum, draw_options(prompt, np.random.default_rng(0))))
         for prompt in ("move left", "move right", "move up", "move down", "still")
     }
     assert shifts["move left"][0] < -0.05 and shifts["move right"][0] > 0.05
@@ -82,6 +83,37 @@ def test_clips_are_kept(tmp_path):
     assert again.select(again.motions == 1).instances.tolist() == [7]
     with pytest.raises(UserError, match="toy.clips"):
         Clips.load(tmp_path / "none.npz")
+
+
+@pytest.mark.filterwarnings("ignore:only:UserWarning")
+def test_clips_that_were_cut_off_go_on_as_if_they_had_not_been(tmp_path, monkeypatch, capsys):
+    """Which objects, motions and videos there are; the simulation is stood in for."""
+
+    def write_down(loaded, options):
+        return np.full((1, 1, 1, 3), hash(str(options)) % 251, np.uint8)
+
+    def fail(loaded, options):
+        played.append(0)
+        if len(played) == 4:
+            raise KeyboardInterrupt
+        return write_down(loaded, options)
+
+    played = []
+    monkeypatch.setattr(clips_module, "_KEPT_EVERY", 2)
+    monkeypatch.setattr(clips_module, "play", write_down)
+    settings = dict(count=5, instances=2, particles=100)
+    whole = make_clips(Command(out=tmp_path / "whole" / "clips.npz", **settings))
+    cut = Command(out=tmp_path / "cut" / "clips.npz", **settings)
+    monkeypatch.setattr(clips_module, "play", fail)
+    with pytest.raises(KeyboardInterrupt):
+        make_clips(cut)
+    monkeypatch.setattr(clips_module, "play", write_down)
+    with pytest.raises(UserError, match="other settings"):
+        make_clips(Command(out=cut.out, count=6))
+    again = make_clips(cut)
+    assert "goes on after 2 clips" in capsys.readouterr().out
+    for name in ("videos", "motions", "objects", "instances"):
+        assert np.array_equal(getattr(whole, name), getattr(again, name)), name
 
 
 def test_accuracy_counts_the_clips_whose_own_prompt_fits_best():
@@ -269,3 +301,37 @@ def test_mirrored_clips_have_mirrored_prompts(nnx):
     for clip, motion in zip(drawn, motions):
         shift = measure_shift(np.round(127.5 * (clip + 1)))
         assert (shift[0] < 0) == (motion == left) and abs(shift[1]) < 0.02
+
+
+def test_a_training_that_was_cut_off_goes_on_as_if_it_had_not_been(nnx, tmp_path, monkeypatch, capsys):
+    import dataclasses
+
+    import jax
+
+    from baselines.scores.toy import train as training
+
+    small = training.ModelConfig(width=16, depth=1, heads=2)
+    monkeypatch.setattr(training, "ModelConfig", lambda words: dataclasses.replace(small, words=words))
+    monkeypatch.setattr(training, "_KEPT_EVERY", 2)
+    rng = np.random.default_rng(0)
+    clips = Clips(rng.integers(0, 255, (4, FRAMES, SIZE, SIZE, 3), np.uint8), *np.zeros((3, 4), int))
+    command = training.Command(steps=5, batch=2, out=tmp_path / "whole")
+    whole = jax.tree.leaves(nnx.state(training.train(command, clips), nnx.Param))
+
+    cut, draw_batch, drawn = dataclasses.replace(command, out=tmp_path / "cut"), training.draw_batch, []
+
+    def cut_off(*arguments):
+        drawn.append(0)
+        if len(drawn) == 4:
+            raise KeyboardInterrupt
+        return draw_batch(*arguments)
+
+    monkeypatch.setattr(training, "draw_batch", cut_off)
+    with pytest.raises(KeyboardInterrupt):
+        training.train(cut, clips)
+    monkeypatch.setattr(training, "draw_batch", draw_batch)
+    with pytest.raises(UserError, match="other settings"):
+        training.train(dataclasses.replace(cut, seed=1), clips)
+    again = jax.tree.leaves(nnx.state(training.train(cut, clips), nnx.Param))
+    assert "goes on after step 2" in capsys.readouterr().out
+    assert all(np.array_equal(one, other) for one, other in zip(whole, again))

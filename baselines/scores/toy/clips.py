@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import sys
 import time
 import warnings
+from functools import cache, partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import tyro
@@ -17,6 +20,7 @@ from baselines.scores.toy.objects import OBJECTS, write_object
 from physagent_jax.core.errors import UserError
 
 SIZE = 32  # [px] of a clip; pictures are rendered twice as large and averaged
+_KEPT_EVERY = 24  # clips
 UNSEEN = "vase"  # its clips are kept for validation
 
 
@@ -74,51 +78,102 @@ class Command:
     seed: int = 0
     """Of everything drawn."""
 
+    @property
+    def kept(self) -> Path:
+        """Where clips are kept until there are all."""
+        return self.out.with_name(f"{self.out.stem}.part.npz")
+
+    def list_settings(self) -> dict[str, int]:
+        """What two calls must share for one to go on where the other was cut off."""
+        return {name: getattr(self, name) for name in ("count", "instances", "particles", "seed")}
+
 
 def make_clips(command: Command) -> Clips:
-    """Simulates and renders."""
+    """Simulates and renders; goes on where an earlier call with these settings was cut off.
+
+    Raises:
+        UserError: What was kept is of other settings.
+    """
     rng = np.random.default_rng(command.seed)
-    rows, begun = [], time.perf_counter()
     command.out.parent.mkdir(parents=True, exist_ok=True)
     names, prompts = list(OBJECTS), list(MOTIONS)
-    loaded = {}
-    for index in range(command.count):
+    loaded, takes = {}, []
+    for index in range(command.count):  # what is drawn does not depend on what was made before
         motion = index % len(prompts)
         kind, instance = int(rng.integers(len(names))), int(rng.integers(command.instances))
         if (kind, instance) not in loaded:
             path = write_object(names[kind], command.seed + instance, command.out.parent)
             extent = float(rng.uniform(0.7, 0.9))
-            loaded[kind, instance] = pa.load_object(
-                path, up="+z", kind="jelly", extent=extent, cells=32, max_particles=command.particles
+            loaded[kind, instance] = partial(
+                pa.load_object,
+                path,
+                up="+z",
+                kind="jelly",
+                extent=extent,
+                cells=32,
+                max_particles=command.particles,
             )
-        video = play(loaded[kind, instance], prompts[motion], rng)
-        rows.append((video, motion, kind, instance))
-        if (index + 1) % 24 == 0:
+        takes.append((motion, kind, instance, draw_options(prompts[motion], rng)))
+    load = cache(lambda kind, instance: loaded[kind, instance]())
+    columns = [np.array(column) for column in zip(*(take[:3] for take in takes))]
+    videos, begun = _load_kept(command), time.perf_counter()
+    if videos:
+        print(f"goes on after {len(videos)} clips, kept in {command.kept}", flush=True)
+    for index in range(len(videos), command.count):
+        _, kind, instance, options = takes[index]
+        videos.append(play(load(kind, instance), options))
+        if (index + 1) % _KEPT_EVERY == 0:
+            _keep(command, videos)
             print(f"{index + 1} of {command.count} clips, {time.perf_counter() - begun:.0f} s", flush=True)
-    videos, motions, kinds, instances = (np.array(column) for column in zip(*rows))
-    return Clips(videos, motions, kinds, instances)
+    return Clips(np.array(videos), *columns)
 
 
-def play(loaded: pa.LoadedObject, prompt: str, rng: np.random.Generator) -> np.ndarray:
+def draw_options(prompt: str, rng: np.random.Generator) -> dict[str, Any]:
+    """What `play` shows a motion with: force field, material and camera."""
+    return dict(
+        force_field=draw_force_field(prompt, rng),
+        material=dict(youngs_modulus=float(10 ** rng.uniform(4.3, 5)), poissons_ratio=0.3, density=300.0),
+        camera=dict(azimuth_degrees=float(rng.uniform(-12, 12)), elevation_degrees=float(rng.uniform(0, 15))),
+    )
+
+
+def play(loaded: pa.LoadedObject, options: dict[str, Any]) -> np.ndarray:
     """One clip of a motion, uint8, shape (FRAMES, SIZE, SIZE, 3): free of the ground, seen almost from the front."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of coarse filling: these are toys
         scene = pa.build_scene(
             loaded,
-            force_field=draw_force_field(prompt, rng),
-            material=dict(youngs_modulus=float(10 ** rng.uniform(4.3, 5)), poissons_ratio=0.3, density=300.0),
             anchor="none",
             world="free",
-            camera=dict(
-                azimuth_degrees=float(rng.uniform(-12, 12)), elevation_degrees=float(rng.uniform(0, 15))
-            ),
             frame_count=FRAMES,
             width=2 * SIZE,
             height=2 * SIZE,
+            **options,
         )
     pictures = pa.simulate_scene(scene).rgb.astype(np.float32)
     halved = pictures.reshape(FRAMES, SIZE, 2, SIZE, 2, 3).mean((2, 4))
     return (halved + 0.5).astype(np.uint8)
+
+
+def _keep(command: Command, videos: list[np.ndarray]) -> None:
+    """Whole or not at all."""
+    beside = command.kept.with_name(f"{command.kept.stem}.new.npz")
+    np.savez_compressed(beside, videos=np.array(videos), settings=json.dumps(command.list_settings()))
+    beside.replace(command.kept)
+
+
+def _load_kept(command: Command) -> list[np.ndarray]:
+    if not command.kept.exists():
+        return []
+    with np.load(command.kept) as file:
+        found = json.loads(str(file["settings"]))
+        if found != command.list_settings():
+            raise UserError(
+                f"clips with other settings were cut off in {command.kept}",
+                got=f"{command.list_settings()}, there {found}",
+                do="Give those settings to go on, or delete the file",
+            )
+        return list(file["videos"])
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -133,6 +188,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"clips: {error}", file=sys.stderr)
         return 2
     clips.save(command.out)
+    command.kept.unlink(missing_ok=True)
     print(f"{len(clips.videos)} clips in {command.out}")
     return 0
 

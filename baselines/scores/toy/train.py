@@ -1,11 +1,13 @@
 """`python -m baselines.scores.toy.train`: trains the toy prior on the clips of `toy.clips`, and validates it.
 
 The loss is that of flow matching (Lipman et al. 2023), by optax; weights are averaged over steps, and kept by orbax.
+What was cut off goes on from its last checkpoint.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import shutil
 import sys
 import time
 from pathlib import Path
@@ -14,6 +16,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import optax
+import orbax.checkpoint as ocp  # pyright: ignore[reportMissingImports]
 import tyro
 from flax import nnx  # pyright: ignore[reportMissingImports]
 
@@ -30,6 +33,7 @@ PROMPTS = tuple(MOTIONS)
 _OTHER_SIDE = {"left": "right", "right": "left"}
 _MIRRORED = [PROMPTS.index(" ".join(_OTHER_SIDE.get(w, w) for w in prompt.split())) for prompt in PROMPTS]
 _SHIFT = 4  # [px] at most by which a clip is moved
+_KEPT_EVERY = 200  # steps
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,6 +56,16 @@ class Command:
     """Noises per held-out clip."""
     seed: int = 0
     """Of everything random."""
+
+    @property
+    def checkpoints(self) -> Path:
+        """Where the training is kept until it is done."""
+        return self.out.with_name(f"{self.out.name}.training")
+
+    def list_settings(self) -> dict[str, float]:
+        """What two trainings must share for one to go on where the other was cut off."""
+        names = ("steps", "batch", "learning_rate", "drop_prompt", "seed")
+        return {name: getattr(self, name) for name in names}
 
 
 def split(clips: Clips) -> tuple[Clips, Clips]:
@@ -96,7 +110,11 @@ def compute_loss(model: ToyVideoModel, clean: jax.Array, words: jax.Array, key: 
 
 
 def train(command: Command, clips: Clips) -> ToyVideoModel:
-    """The trained model, with averaged weights."""
+    """The trained model, with averaged weights; goes on where an earlier call with these settings was cut off.
+
+    Raises:
+        UserError: The checkpoints are of other settings, or of other clips.
+    """
     model = ToyVideoModel(ModelConfig(words=len(WORDS)), rngs=nnx.Rngs(command.seed))
     count = sum(leaf.size for leaf in jax.tree.leaves(nnx.state(model, nnx.Param)))
     print(f"{count} parameters, {len(clips.videos)} clips")
@@ -105,35 +123,61 @@ def train(command: Command, clips: Clips) -> ToyVideoModel:
     )
     tx = optax.chain(optax.clip_by_global_norm(1.0), optax.adamw(schedule, weight_decay=1e-3))
     graph, weights = nnx.split(model)
-    moments, average = tx.init(weights), weights
+    state = {"weights": weights, "moments": tx.init(weights), "average": weights}
 
     @jax.jit
-    def update(weights, average, moments, clean, words, key, step):
+    def update(state, clean, words, key, step):
+        weights = state["weights"]
         loss, slope = jax.value_and_grad(lambda w: compute_loss(nnx.merge(graph, w), clean, words, key))(
             weights
         )
-        change, moments = tx.update(slope, moments, weights)
+        change, moments = tx.update(slope, state["moments"], weights)
         weights = optax.apply_updates(weights, change)
         keep = jnp.minimum(0.998, (step + 1) / (step + 10))
-        average = jax.tree.map(lambda a, w: keep * a + (1 - keep) * w, average, weights)
-        return weights, average, moments, loss
+        average = jax.tree.map(lambda a, w: keep * a + (1 - keep) * w, state["average"], weights)
+        return {"weights": weights, "moments": moments, "average": average}, loss
 
+    settings = command.list_settings() | {"clips": len(clips.videos), "shown": int(clips.videos.sum())}
     table = np.stack([read_prompt(prompt) for prompt in PROMPTS])
-    rng, key = np.random.default_rng(command.seed), jax.random.key(command.seed)
-    begun, losses = time.perf_counter(), []
-    for step in range(command.steps):
-        clean, motions = draw_batch(clips, rng, command.batch)
-        words = table[motions] * (rng.random((command.batch, 1)) >= command.drop_prompt)
-        weights, average, moments, loss = update(
-            weights, average, moments, clean, words.astype(np.float32), jax.random.fold_in(key, step), step
+    key, losses = jax.random.key(command.seed), []
+    with _open_checkpoints(command.checkpoints, settings) as kept:
+        done = kept.latest_step() or 0
+        if done:
+            state = kept.restore(done, args=ocp.args.StandardRestore(state))
+            print(f"goes on after step {done}, kept in {command.checkpoints}", flush=True)
+        begun = time.perf_counter()
+        for step in range(done, command.steps):
+            rng = np.random.default_rng((command.seed, step))
+            clean, motions = draw_batch(clips, rng, command.batch)
+            words = table[motions] * (rng.random((command.batch, 1)) >= command.drop_prompt)
+            state, loss = update(state, clean, words.astype(np.float32), jax.random.fold_in(key, step), step)
+            losses.append(float(loss))
+            if (step + 1) % 100 == 0:
+                print(
+                    f"step {step + 1}: loss {np.mean(losses[-100:]):.4f}, {time.perf_counter() - begun:.0f} s",
+                    flush=True,
+                )
+            kept.save(step + 1, args=ocp.args.StandardSave(state))  # when it is due
+    return nnx.merge(graph, state["average"])
+
+
+def _open_checkpoints(folder: Path, settings: dict[str, float]) -> ocp.CheckpointManager:
+    """Those of a training with ``settings``: one is kept, a new one comes every `_KEPT_EVERY` steps.
+
+    Raises:
+        UserError: Those in ``folder`` are of other settings.
+    """
+    options = ocp.CheckpointManagerOptions(save_interval_steps=_KEPT_EVERY, max_to_keep=1)
+    kept = ocp.CheckpointManager(folder.resolve(), options=options, metadata=settings)
+    found = kept.metadata().custom_metadata
+    if kept.latest_step() and found != settings:
+        kept.close()
+        raise UserError(
+            f"a training with other settings was cut off in {folder}",
+            got=f"{settings}, there {found}",
+            do="Give those settings and clips to go on, or delete the folder",
         )
-        losses.append(float(loss))
-        if (step + 1) % 100 == 0:
-            print(
-                f"step {step + 1}: loss {np.mean(losses[-100:]):.4f}, {time.perf_counter() - begun:.0f} s",
-                flush=True,
-            )
-    return nnx.merge(graph, average)
+    return kept
 
 
 def validate(model: ToyVideoModel, held_out: Clips, *, draws: int, seed: int = 0) -> Validation:
@@ -177,6 +221,7 @@ def main(arguments: list[str] | None = None) -> int:
         seconds=round(time.perf_counter() - begun), learnt=len(known.videos)
     )
     save(command.out, model, validation, {name: str(value) for name, value in trained.items()})
+    shutil.rmtree(command.checkpoints)
     print(
         f"toy prior in {command.out}: finds {validation.accuracy:.0%} of {validation.clips} held-out motions "
         f"(known kinds {validation.known_kinds:.0%}, unknown kind {validation.unknown_kind:.0%}, "
