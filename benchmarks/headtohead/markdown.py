@@ -18,6 +18,7 @@ from benchmarks.headtohead.statistics import (
     choose_fits,
     compare,
     correct,
+    count_by_seed,
     estimate,
     find_solved,
     is_measured,
@@ -51,6 +52,7 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
         picture = target.parent / "images" / "headtohead-success.png"
         if picture.exists():
             text += f"\n![Success against budget]({link(picture, target)})\n"
+        text += _write_seeds(rows)
         text += _write_pairs(rows) + _state_findings(rows)
         if mended := [row for row in result["methods"]["rows"] if row["split"] != rows[0]["split"]]:
             text += texts.DEVELOPMENT + _write_marks(mended)
@@ -208,6 +210,31 @@ def _state_findings(rows: list[dict]) -> str:
   numbers, which gradients mend, and the rest is what acts and when, which they do not.
 - {f"{missed} of {len(tasks)} tasks are solved by nobody." if missed else "Every task is solved by some method."}
 """
+
+
+def _write_seeds(rows: list[dict]) -> str:
+    """Of what draws, how far the seeds are apart; empty where nothing was done with several on every task."""
+    groups, lines = group(rows), []
+    budgets = sorted({given for row in rows if math.isfinite(given := read_budget(row))})
+    many = [mark for mark in budgets if any(len(count_by_seed(mine, mark)) > 1 for mine in groups.values())]
+    for label, mine in groups.items():
+        if many and len(counts := count_by_seed(mine, many[-1])) > 1:
+            shares = [success for _, success, _ in average_tasks(mine, many[-1]).values()]
+            always, never = sum(s == 1 for s in shares), sum(s == 0 for s in shares)
+            lines.append(
+                [
+                    _name(label, mine),
+                    len(counts),
+                    f"{np.mean(list(counts.values())):.1f}",
+                    f"{min(counts.values())} to {max(counts.values())}",
+                    always,
+                    len(shares) - always - never,
+                ]
+            )  # fmt: skip
+    if not lines:
+        return ""
+    head = ["method", "seeds", "tasks solved", "by seed", "by every seed", "by some"]
+    return texts.SEEDS.format(mark=many[-1], tasks=len({row["task"] for row in rows})) + table(head, lines)
 
 
 def _write_families(rows: list[dict]) -> str:

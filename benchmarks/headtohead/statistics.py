@@ -66,6 +66,15 @@ def find_solved(rows: Rows, mark: float) -> set[str]:
     return {name for name, (_, success, _) in average_tasks(rows, mark).items() if success >= 0.5}
 
 
+def count_by_seed(rows: Rows, mark: float) -> dict[int, int]:
+    """Of one method, how many tasks each seed solves; of the seeds that had the budget on every task."""
+    fits, tasks = choose_fits(rows, mark), {row["task"] for row in rows}
+    seeds: dict[int, dict[str, float]] = {}
+    for row in fits:
+        seeds.setdefault(row["seed"], {})[row["task"]] = read_mark(row, mark)[0]
+    return {seed: int(sum(found.values())) for seed, found in sorted(seeds.items()) if found.keys() == tasks}
+
+
 def read_cost(row: Mapping[str, Any], mark: float) -> dict[str, float]:
     """What a fit had spent, how long it had taken [s] and what it had tried by a mark."""
     if read_budget(row) <= mark or row["spent"] <= mark:

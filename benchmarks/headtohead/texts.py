@@ -24,6 +24,12 @@ Where a method stood when so much was spent, by the fit with the least budget th
 budget out (successive halving over skills) does other things with a larger one. Empty where not all tasks were given
 as much.
 """
+SEEDS = """
+### How much is chance
+
+Methods that draw, with {mark:g} simulations and several seeds: of {tasks} tasks how many one seed solves (mean, fewest
+and most), how many every seed solves, and how many some seeds solve and others do not.
+"""
 DISTILLED = """
 ## Score distillation
 

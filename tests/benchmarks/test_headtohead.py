@@ -290,6 +290,12 @@ def test_the_page_has_success_cost_and_pairs():
         in page
         and "Against physagent" in page
     )
+    assert "How much is chance" not in page
+    rows += [make_row("adam", True, True) | {"seed": 1}]
+    page = document(
+        {"methods": {"runs": [run], "complete": True, "rows": rows}}, Path("a.json"), Path("b.md")
+    )
+    assert "| adam (oracle) | 2 | 0.5 | 0 to 1 | 0 | 1 |" in page and "| physagent | 2" not in page
 
 
 def test_the_page_says_in_words_what_its_rows_say():

@@ -79,6 +79,15 @@ def test_a_mark_is_read_off_the_fit_with_the_least_budget_that_reaches_it():
         assert errors == [2.0, 0.3, 1.0]
 
 
+def test_seeds_are_counted_that_did_every_task():
+    rows = make_rows([(True, 0.5), (False, 3.0), (True, 0.2)], seeds=3)
+    rows[1]["marks"][0]["success"] = False  # the first task with seed 1
+    del rows[-1]  # the last task with seed 2
+    rows += make_rows([(True, 0.5)] * 3, mark=100.0)  # a larger budget says nothing of a smaller one
+    assert statistics.count_by_seed(rows, 10.0) == {0: 2, 1: 1}
+    assert statistics.count_by_seed(rows, 100.0) == {0: 3}
+
+
 def test_cost_at_a_mark_is_that_of_what_was_tried_by_then():
     row = {"spent": 31.0, "seconds": 9.0, "evaluations": 3, "marks": [{"mark": 10.0}, {"mark": 30.0}]}
     row["trace"] = [[4.0, 1.5, 1.0], [9.0, 3.0, 0.5], [31.0, 9.0, 0.4]]
