@@ -157,7 +157,7 @@ def _write_checks(rows: list[dict]) -> str:
     if others:
         turned = sum((row["again"] <= 1) != (row["stored"] <= 1) for row in others) or "none"
         most = max(abs(row["again"] - row["stored"]) for row in others)
-        text += f"The other {len(others)} differ by at most {most:.1g}; {turned} is a success in one only.\n"
+        text += f"The other {len(others)} differ by up to {most:.2g}; {turned} is a success in one only.\n"
         text += "Sums in single precision depend on how many threads there are, and fits had one or two.\n"
     return text
 
@@ -300,7 +300,10 @@ def _write_materials(rows: list[dict], result: dict[str, Any]) -> str:
     """Success with the own material, found with each other one, and brought to it."""
     settings = list(dict.fromkeys(row["material"] for row in rows))
     mark = max(read_budget(row) for row in rows if row["marks"])
-    own, lines = group(choose_split(result.get("methods", {}).get("rows", []))), []
+    with_one_seed = [
+        row for row in result.get("methods", {}).get("rows", []) if row["seed"] == 0
+    ]  # as brought
+    own, lines = group(choose_split(with_one_seed)), []
     for label, mine in group(rows).items():
         with_own = own.get(label, [])
         cells = [format_share(estimate(with_own, mark, 1)) if with_own else ""]
