@@ -14,7 +14,9 @@ from rich.console import Console
 
 from benchmarks.harness.machine import circumstances
 from benchmarks.harness.workers import call_all
+from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
+from physagent_jax.run.lock import FolderLock
 
 Row = dict[str, Any]
 Rows = list[Row]
@@ -74,8 +76,35 @@ def main(
         prepare: As for `call_all`.
 
     Returns:
-        The exit code: 1 if a row that was measured says ``"good": False``, 2 if there is no such part or job.
+        The exit code: 1 if a row that was measured says ``"good": False``, 2 if there is no such part or job, or
+        another command writes the same file.
     """
+    try:  # the file itself is replaced after every job
+        lock = FolderLock(command.json.with_name(f"{command.json.name}.lock"))
+    except UserError as error:
+        say(f"rows cannot be kept in {command.json}: {error.what}. Wait, or choose another --json")
+        return 2
+    try:
+        noted = {**(about or {}), **({"workers": workers} if workers > 1 else {})}
+        call = partial(call_all, workers=workers, prepare=prepare)
+        return _measure(command, parts, document, noted, call)
+    finally:
+        lock.release()
+
+
+def say(text: str) -> None:
+    """Tells a person what goes on; what goes to standard output is for programs."""
+    console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+
+def _measure(
+    command: Command,
+    parts: Mapping[str, Callable[[], Iterable[Job]]],
+    document: Callable[[Result, Path, Path], str],
+    about: Mapping[str, Any],
+    call: Callable,
+) -> int:
+    """`main`, of a file that no other command writes."""
     content = json.loads(command.json.read_text()) if command.json.is_file() else {}
     result = {part: section for part, section in content.items() if part in parts}
     missing = [part for part in command.parts if part not in parts]
@@ -89,20 +118,13 @@ def main(
         say(f"no job has {', '.join(map(repr, unknown))} in its name; there are: {', '.join(names)}")
         return 2
     wanted = {part: jobs for part, jobs in plan.items() if any(_is_wanted(job, command) for job in jobs)}
-    measure = partial(call_all, workers=workers, prepare=prepare)
-    noted = {**(about or {}), **({"workers": workers} if workers > 1 else {})}
-    bad = sum(_do_jobs(command, part, jobs, result, noted, measure) for part, jobs in wanted.items())
+    bad = sum(_do_jobs(command, part, jobs, result, about, call) for part, jobs in wanted.items())
     if command.markdown is not None:
         write_text(command.markdown, document(result, command.json, command.markdown))
     if plan:
         say(f"{bad} row(s) fail" if bad else "no row fails")
     print(command.json)
     return 1 if bad else 0
-
-
-def say(text: str) -> None:
-    """Tells a person what goes on; what goes to standard output is for programs."""
-    console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
 def _do_jobs(

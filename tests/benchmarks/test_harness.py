@@ -74,6 +74,25 @@ def test_a_run_that_was_stopped_is_gone_on_with(bench):
     assert bench.done == [] and len(bench.result["slow"]["runs"]) == 2
 
 
+def test_two_commands_never_write_the_same_rows(bench, capsys):
+    """The one that starts while another is at work is refused; different files do not hinder each other."""
+    seen = []
+
+    def measure(part, i):
+        if (part, i) == ("slow", 1):
+            seen.append((Bench(bench.path).run(resume=True), Bench(bench.path.with_name("other.json")).run()))
+        return [{"value": 1}]
+
+    bench.measure = measure
+    assert bench.run() == 0 and seen == [(2, 1)]
+    said = " ".join(capsys.readouterr().err.split())
+    assert "another process is writing" in said and "or choose another --json" in said
+    assert len(bench.result["slow"]["rows"]) == 3
+    assert sorted(path.name for path in bench.path.parent.iterdir()) == [
+        f"{name}.{end}" for name in ("other", "out") for end in ("json", "md")
+    ]
+
+
 def test_single_jobs_are_done_anew_beside_the_others(bench):
     bench.run()
     assert bench.run(only=("slow 1",)) == 0
