@@ -219,7 +219,8 @@ def _write_seeds(rows: list[dict]) -> str:
     many = [mark for mark in budgets if any(len(count_by_seed(mine, mark)) > 1 for mine in groups.values())]
     for label, mine in groups.items():
         if many and len(counts := count_by_seed(mine, many[-1])) > 1:
-            shares = [success for _, success, _ in average_tasks(mine, many[-1]).values()]
+            counted = [row for row in mine if row["seed"] in counts]
+            shares = [success for _, success, _ in average_tasks(counted, many[-1]).values()]
             always, never = sum(s == 1 for s in shares), sum(s == 0 for s in shares)
             lines.append(
                 [
@@ -300,10 +301,11 @@ def _write_materials(rows: list[dict], result: dict[str, Any]) -> str:
     """Success with the own material, found with each other one, and brought to it."""
     settings = list(dict.fromkeys(row["material"] for row in rows))
     mark = max(read_budget(row) for row in rows if row["marks"])
-    with_one_seed = [
-        row for row in result.get("methods", {}).get("rows", []) if row["seed"] == 0
-    ]  # as brought
-    own, lines = group(choose_split(with_one_seed)), []
+    fits = result.get("methods", {}).get("rows", [])
+    own, lines = (
+        group(choose_split([row for row in fits if row["seed"] == 0])),
+        [],
+    )  # the seed that is brought
     for label, mine in group(rows).items():
         with_own = own.get(label, [])
         cells = [format_share(estimate(with_own, mark, 1)) if with_own else ""]

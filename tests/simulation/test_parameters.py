@@ -82,18 +82,17 @@ def test_every_number_has_the_derivative_of_differences(parts, folder, body, x64
     assert len(names) == len(values) > 50
     for index, (name, slope) in enumerate(zip(names, slopes)):
 
-        def move(step, index=index):
-            return float(respond(rebuild(values.at[index].add(step * max(abs(float(values[index])), 1.0)))))
-
-        def differ(step, index=index):
-            return (move(step) - move(-step)) / (2 * step * max(abs(float(values[index])), 1.0))
+        def move(change, index=index):
+            return float(respond(rebuild(values.at[index].add(change))))
 
         if (
             name.endswith(".start") and values[index] == 0
         ):  # nothing is before the clip: it can only begin later
             assert slope == pytest.approx((move(1e-6) - begun) / 1e-6, rel=1e-3) and slope != 0, name
             continue
-        agrees = (slope == pytest.approx(differ(step), rel=1e-5, abs=1e-9) for step in LENGTHS)
+        changes = (length * max(abs(float(values[index])), 1.0) for length in LENGTHS)
+        differences = ((move(h) - move(-h)) / (2 * h) for h in changes)
+        agrees = (slope == pytest.approx(each, rel=1e-5, abs=1e-9) for each in differences)
         assert any(agrees), (name, float(slope))
         assert (slope == 0) == name.endswith(STEPS), name
 

@@ -97,14 +97,14 @@ def make_clips(command: Command) -> Clips:
     rng = np.random.default_rng(command.seed)
     command.out.parent.mkdir(parents=True, exist_ok=True)
     names, prompts = list(OBJECTS), list(MOTIONS)
-    loaded, takes = {}, []
+    loaders, takes = {}, []
     for index in range(command.count):  # what is drawn does not depend on what was made before
         motion = index % len(prompts)
         kind, instance = int(rng.integers(len(names))), int(rng.integers(command.instances))
-        if (kind, instance) not in loaded:
+        if (kind, instance) not in loaders:
             path = write_object(names[kind], command.seed + instance, command.out.parent)
             extent = float(rng.uniform(0.7, 0.9))
-            loaded[kind, instance] = partial(
+            loaders[kind, instance] = partial(
                 pa.load_object,
                 path,
                 up="+z",
@@ -114,7 +114,7 @@ def make_clips(command: Command) -> Clips:
                 max_particles=command.particles,
             )
         takes.append((motion, kind, instance, draw_options(prompts[motion], rng)))
-    load = cache(lambda kind, instance: loaded[kind, instance]())
+    load = cache(lambda kind, instance: loaders[kind, instance]())
     columns = [np.array(column) for column in zip(*(take[:3] for take in takes))]
     videos, begun = _load_kept(command), time.perf_counter()
     if videos:
