@@ -14,8 +14,9 @@ was written first shows; one, the robot made taller, is like a task of the test 
 miss of a task's clauses in tolerances (1 = just a success), cut at {CAP:g}; its median over tasks. Brackets are 95 %
 intervals of the bootstrap over tasks, stratified by family; seeds are averaged first. Score distillation
 (`dreamphysics_f`, `omniphysgs_f`) has a table of its own: what leads it here is a toy. `bo_leap` is left out for its
-time. The charge for gradients is up to a tenth too low: 4.1 to 4.7 are measured by now ([gradients.md](gradients.md)), so
-that what descends had up to that much more than its budget says. CLIPsim (`--parts clipsim --clip DIR`) needs the weights of a CLIP model, which do not come with this repository.
+time. The charge for gradients is up to a tenth too low: 4.1 to 4.7 are measured by now
+([gradients.md](gradients.md)), so that what descends had up to that much more than its budget says. CLIPsim
+(`--parts clipsim --clip DIR`) needs the weights of a CLIP model, which do not come with this repository.
 """
 
 MARKS = """
