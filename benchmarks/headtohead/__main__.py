@@ -3,8 +3,9 @@
 Every method gets the same budget on the same tasks and the same simulator, counted in forward-equivalents; what it is
 to be judged by is read from the particles and never shown to it (oracles apart, which are named so). `methods` is the
 comparison, `ablation` takes the agents apart, `iterations` counts their rewrites, `materials` gives objects other
-materials, `neighbourhood` checks that local methods are not broken. `clipsim` is how alike their pictures and the
-sentence are to a CLIP model. `verify` simulates the force fields of the file again and judges them anew.
+materials, `neighbourhood` checks that local methods are not broken. `gradients` times what a gradient is charged for.
+`clipsim` is how alike their pictures and the sentence are to a CLIP model. `verify` simulates the force fields of the
+file again and judges them anew.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from benchmarks.headtohead.jobs import (
     USUAL,
     list_checks,
     list_fits,
+    list_gradients,
     list_materials,
     list_neighbours,
     list_similarities,
@@ -55,6 +57,7 @@ class Command(harness.Command):
             "distillation",
             "materials",
             "neighbourhood",
+            "gradients",
             "clipsim",
             "verify",
         ],
@@ -118,6 +121,7 @@ def main() -> int:
             specs, MATERIALS, command.settings, command.json, marks, budget, command.data
         ),
         "neighbourhood": lambda: list_neighbours(specs, command.tasks, marks, budget, command.data),
+        "gradients": lambda: list_gradients(specs, command.tasks, command.data),
         "clipsim": lambda: list_similarities(specs, command.json, find_clip(command.clip), command.data),
         "verify": lambda: list_checks(specs, command.json, command.leaderboard, command.data),
     }

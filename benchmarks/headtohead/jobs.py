@@ -17,7 +17,7 @@ from benchmarks import harness
 from benchmarks.harness import Job, Row
 from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.entrants import Entrant
-from benchmarks.headtohead.measuring import judge_field, measure
+from benchmarks.headtohead.measuring import judge_field, measure, measure_gradient
 from benchmarks.headtohead.neighbourhood import list_begins, list_entrants, move
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
@@ -82,6 +82,20 @@ def fit_from(
     if witness is not None:
         task = move(task, witness, seed=0)
     return measure(entrant, task, marks, 0, budget)
+
+
+def list_gradients(specs: Sequence[TaskSpec], tasks: Path, data: Path | None, repeats: int = 5) -> list[Job]:
+    """`measure_gradient` at the witness of every task."""
+    witnesses = load_witnesses(tasks)
+    return [
+        Job(spec.name, partial(time_gradient, witnesses[spec.name], spec, data, repeats), spec.name)
+        for spec in specs
+    ]
+
+
+def time_gradient(witness: ForceField, spec: TaskSpec, data: Path | None, repeats: int) -> list[Row]:
+    """`measure_gradient` of a task that is made first."""
+    return measure_gradient(_make(spec, data), witness, repeats)
 
 
 def list_materials(

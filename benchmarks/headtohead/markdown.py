@@ -33,6 +33,7 @@ PARTS = (
     "distillation",
     "materials",
     "neighbourhood",
+    "gradients",
     "clipsim",
     "verify",
 )
@@ -74,6 +75,8 @@ def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
         text += texts.MATERIALS + _write_materials(result["materials"]["rows"], result)
     if neighbours := choose_neighbours(result):
         text += texts.NEIGHBOURS + _write_neighbours(neighbours)
+    if "gradients" in result:
+        text += texts.GRADIENTS + _write_gradients(result["gradients"]["rows"])
     if "clipsim" in result:
         text += texts.CLIPSIM + _write_similarities(result["clipsim"]["rows"])
     if "verify" in result:
@@ -343,6 +346,29 @@ def _write_neighbours(rows: list[dict]) -> str:
             lines.append([label, split, *cells, names if missed else "none"])
     counted = [f"{kind}, {budget:g}" for kind, budget in itertools.product(kinds, budgets)]
     return table(["method, start", "split", *counted, "missed"], lines)
+
+
+def _write_gradients(rows: list[dict]) -> str:
+    """Seconds of a simulation and of a gradient by family, and how many of the first are one of the second."""
+    families = {family: [row for row in rows if row["family"] == family] for family in
+                dict.fromkeys(row["family"] for row in rows)}  # fmt: skip
+    lines = []
+    for family, mine in {**families, "all": rows}.items():
+        plain, gradient, ratios = (
+            np.array([row[name] for row in mine]) for name in ("plain_seconds", "gradient_seconds", "ratio")
+        )
+        lines.append(
+            [
+                family,
+                len(mine),
+                number(float(np.median(plain))),
+                number(float(np.median(gradient))),
+                f"{np.median(ratios):.2f} ({ratios.min():.2f} to {ratios.max():.2f})",
+                f"{gradient.sum() / plain.sum():.2f}",
+            ]
+        )
+    head = ["family", "tasks", "simulation [s]", "value and gradient [s]", "ratio", "of the sums"]
+    return table(head, lines)
 
 
 def _write_similarities(rows: list[dict]) -> str:

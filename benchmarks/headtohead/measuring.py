@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 
 from baselines.protocol import Budget, FitResult
+from baselines.simulation import Simulation
 from baselines.tasks import Task
 from benchmarks import harness
 from benchmarks.harness import Row
 from benchmarks.headtohead.entrants import Entrant
 from benchmarks.peers.gradient import read_memory, reset_peak
 from physagent_jax.core.errors import MissingPackageError, UserError
+from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.effort import measure_effort
 
@@ -84,3 +86,33 @@ def judge_field(field: ForceField, task: Task) -> dict[str, Any]:
     margins = {clause.name: float(clause.margin) for clause in found.clauses}
     effort = measure_effort(task.build(field).model, x, task.frame_dt) if np.isfinite(x).all() else None
     return said | {"success": found.success, "error": found.error, "margins": margins, "effort": effort}
+
+
+def measure_gradient(task: Task, witness: ForceField, repeats: int) -> list[Row]:
+    """Seconds of a simulation with its residuals, and of a value with its gradient along it, warm and in turn."""
+    simulation = Simulation(task)
+    parameters = ForceFieldParameters.of(witness, task.frame_count)
+
+    def measure_pair() -> tuple[float, float]:
+        begun = time.perf_counter()
+        rollout = simulation.simulate(witness)
+        simulation.compute_residuals(rollout)
+        simulated = time.perf_counter()
+        simulation.differentiate(rollout, parameters)
+        return simulated - begun, time.perf_counter() - simulated
+
+    measure_pair()  # compiles
+    pairs = [measure_pair() for _ in range(repeats)]
+    ratios = sorted(gradient / plain for plain, gradient in pairs)
+    plain, gradient = np.median(pairs, axis=0).tolist()
+    row = {
+        "task": task.spec.name,
+        "family": task.spec.family,
+        "split": task.spec.split,
+        "plain_seconds": plain,
+        "gradient_seconds": gradient,
+        "ratio": float(np.median(ratios)),
+        "ratio_range": [ratios[0], ratios[-1]],
+    }
+    harness.say(f"{task.spec.name:32s} {plain:.3f} s, with its gradient {gradient:.3f} s: {row['ratio']:.2f}")
+    return [row]

@@ -10,7 +10,7 @@ import pytest
 
 from baselines.protocol import Evaluation, FitResult
 from baselines.tasks import load_tasks, load_witnesses
-from benchmarks.headtohead import leaderboard
+from benchmarks.headtohead import leaderboard, measuring
 from benchmarks.headtohead.__main__ import TASKS, main
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS
 from benchmarks.headtohead.jobs import NOTHING, list_materials, list_similarities, verify
@@ -286,7 +286,7 @@ def test_the_page_has_success_cost_and_pairs():
     assert "| adam (oracle) | 0% of 1 | 0 % (0–0) |" in page
     assert "| physagent | 0 % (0–0) | 100 % (100–100) |" in page
     assert (
-        "Not measured yet: ablation, iterations, distillation, materials, neighbourhood, clipsim, verify"
+        "Not measured yet: ablation, iterations, distillation, materials, neighbourhood, gradients, clipsim, verify"
         in page
         and "Against physagent" in page
     )
@@ -296,6 +296,39 @@ def test_the_page_has_success_cost_and_pairs():
         {"methods": {"runs": [run], "complete": True, "rows": rows}}, Path("a.json"), Path("b.md")
     )
     assert "| adam (oracle) | 2 | 0.5 | 0 to 1 | 0 | 1 |" in page and "| physagent | 2" not in page
+
+
+def test_a_gradient_is_timed_beside_a_simulation_with_its_residuals(monkeypatch):
+    """By a clock that a simulation moves by 1.5 s, residuals by 0.5 s, a gradient by 8 s; first calls take longer."""
+    now = [0.0]
+
+    class Clockwork:
+        def __init__(self, task):
+            self.first = 30.0
+
+        def simulate(self, field):
+            now[0] += 1.5 + self.first
+
+        def compute_residuals(self, rollout):
+            now[0] += 0.5
+
+        def differentiate(self, rollout, parameters):
+            now[0] += 8.0 + self.first
+            self.first = 0.0
+
+    monkeypatch.setattr(measuring, "Simulation", Clockwork)
+    monkeypatch.setattr(measuring.time, "perf_counter", lambda: now[0])
+    spec = SimpleNamespace(name="t", family="drop", split="test")
+    (row,) = measuring.measure_gradient(SimpleNamespace(spec=spec, frame_count=5), push(1.0), 3)  # type: ignore[arg-type]
+    assert (row["plain_seconds"], row["gradient_seconds"], row["ratio"]) == (2.0, 8.0, 4.0)
+    run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
+    longer = row | dict(run=0, plain_seconds=8.0, gradient_seconds=16.0, ratio=2.0)
+    rows = [row | {"run": 0}, longer, longer | {"family": "sway"}]
+    page = document(
+        {"gradients": {"runs": [run], "complete": True, "rows": rows}}, Path("a.json"), Path("b.md")
+    )
+    assert "| drop | 2 | 5 | 12 | 3.00 (2.00 to 4.00) | 2.40 |" in page
+    assert "| all | 3 | 8 | 16 | 2.00 (2.00 to 4.00) | 2.22 |" in page
 
 
 def test_the_page_says_in_words_what_its_rows_say():
