@@ -26,9 +26,8 @@ from physagent_jax.forces.schema import Action, ActionType, ForceField
 
 GRADIENT_COST = 4.3
 """[forward-equivalents] of a value with its gradient, for clips whose states fit into memory, as the tasks' do.
-It was measured as 4.0 to 4.3 when it was set; `benchmarks/results/gradients.json` now has 4.1 (200,000 particles) to
-4.7 (20,000): what descends is charged up to a tenth too little. The simulation whose schedule it replays is charged as
-a simulation."""
+Measured: 2.7 to 5.2, median 4.0, on the tasks (`benchmarks.headtohead --parts gradients`), 4.1 to 4.7 on a cube of
+200,000 and 20,000 particles (`benchmarks.gradients`). The simulation whose schedule it replays is charged as one."""
 
 NEAR = 0.25
 """[1] by which |M| v may differ from that of a simulation whose steps and windows a gradient replays. The steps are as

@@ -13,13 +13,17 @@ initial velocity and stiffness. Both in turn, warm; median and range of the rati
 more at its peak; *allowed* is what `replay` was given. *Precision*: the gradient by the kernels in single precision
 against that of the reference path in double precision, of 1,000 particles, and that one against central differences.
 *Peers*: the same scene, loss and unknowns by the automatic differentiation of Warp (kernels of the classical substep,
-every substep's arrays on the tape) and of Taichi (as in DiffTaichi: nodes are filled again in reverse), each in
-a process of its own with as many cores; Warp has one thread on a CPU. *Cosine* is between the gradients: the classical
-stress form and MLS-MPM differ at this resolution. *Materials* and *growth* are cost and precision for the other laws:
-the impact makes metal and sand yield, so that their gradients go through the return mapping. *Profile*: each stage of
-a substep, and its derivative, jitted alone, with the floor: the larger of the bytes that must go in and out over the
-bandwidth of a copy of as many, and the operations that XLA counts in the reference path over those of a matrix product.
-The reverse of the whole is its value and gradient less its forward; stages alone pay for a call each.
+every substep's arrays on the tape) and of Taichi (as in DiffTaichi: nodes are filled again in reverse), each in a
+process of its own with as many cores; Warp has one thread on a CPU. An earlier run of the same code, on a machine that
+gives itself the same name, was kinder to them: Warp 6.9 and 7.1 s, Taichi 6.7 and 9.5 s, ours 1.3 and 1.9 s (2 cores
+and 1), so that Warp took 5.4 and 3.7 times ours, Taichi 5.0 and 5.0. Why Warp's reverse, 12 of its 14 s, takes longer
+now is not known: its own flags for the CPU, unrolling and fast mathematics change nothing. *Cosine* is between the
+gradients: the classical stress form and MLS-MPM differ at this resolution. *Materials* and *growth* are cost and
+precision for the other laws: the impact makes metal and sand yield, so that their gradients go through the return
+mapping. *Profile*: each stage of a substep, and its derivative, jitted alone, with the floor: the larger of the bytes
+that must go in and out over the bandwidth of a copy of as many, and the operations that XLA counts in the reference
+path over those of a matrix product. The reverse of the whole is its value and gradient less its forward; stages alone
+pay for a call each.
 """
 COLUMNS = {
     "particles": lambda row: f"{row['particles']:,}",

@@ -85,11 +85,12 @@ def fit_from(
 
 
 def list_gradients(specs: Sequence[TaskSpec], tasks: Path, data: Path | None, repeats: int = 5) -> list[Job]:
-    """`measure_gradient` at the witness of every task."""
+    """`measure_gradient` at the witness of every task that has numbers: a fall alone has no gradient."""
     witnesses = load_witnesses(tasks)
     return [
-        Job(spec.name, partial(time_gradient, witnesses[spec.name], spec, data, repeats), spec.name)
+        Job(spec.name, partial(time_gradient, witness, spec, data, repeats), spec.name)
         for spec in specs
+        if (witness := witnesses[spec.name]).actions or witness.constraints
     ]
 
 

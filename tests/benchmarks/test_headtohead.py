@@ -13,7 +13,7 @@ from baselines.tasks import load_tasks, load_witnesses
 from benchmarks.headtohead import leaderboard, measuring
 from benchmarks.headtohead.__main__ import TASKS, main
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS
-from benchmarks.headtohead.jobs import NOTHING, list_materials, list_similarities, verify
+from benchmarks.headtohead.jobs import NOTHING, list_gradients, list_materials, list_similarities, verify
 from benchmarks.headtohead.markdown import choose_ablation, document
 from benchmarks.headtohead.measuring import judge_marks, measure
 from benchmarks.headtohead.neighbourhood import STRONGER, TURNED, perturb
@@ -329,6 +329,16 @@ def test_a_gradient_is_timed_beside_a_simulation_with_its_residuals(monkeypatch)
     )
     assert "| drop | 2 | 5 | 12 | 3.00 (2.00 to 4.00) | 2.40 |" in page
     assert "| all | 3 | 8 | 16 | 2.00 (2.00 to 4.00) | 2.22 |" in page
+
+
+def test_a_fall_alone_has_no_gradient_to_be_timed():
+    witnesses = load_witnesses(TASKS)
+    specs = [spec for spec in load_tasks(TASKS) if spec.family == "drop"]
+    idle = {
+        spec.name for spec in specs if not (witnesses[spec.name].actions or witnesses[spec.name].constraints)
+    }
+    named = {job.name for job in list_gradients(specs, TASKS, None)}
+    assert idle and named == {spec.name for spec in specs} - idle
 
 
 def test_the_page_says_in_words_what_its_rows_say():
