@@ -38,8 +38,7 @@ twelve motions of five simulated objects at 32 x 32 pixels ([score-priors.md](sc
 that the machinery works and what a weak score is worth, and nothing about video models. Whether its gradients lead to
 the targets is in [distillation.md](distillation.md). Refused are sentences without a word that the toy knows. For
 `omniphysgs_f`, what a skill that does not act would change is that of the whole force field with it in place
-([alternatives.py](../baselines/alternatives.py)); its rows are of the code before that, which refused nine tasks on the
-ground, where a skill of strength 0 has no finite derivative.
+([alternatives.py](../baselines/alternatives.py)).
 """
 MATERIALS = """
 ## Other materials
