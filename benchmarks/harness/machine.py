@@ -18,7 +18,7 @@ def circumstances() -> dict[str, object]:
         "load_average": [round(load, 2) for load in os.getloadavg()],
         "versions": read_versions(),
         "git_revision": _read_revision(),
-        "command": "python -m " + shlex.join([_find_module(), *sys.argv[1:]]),
+        "command": "python -m " + shlex.join([_find_module(), *map(_name_argument, sys.argv[1:])]),
     }
 
 
@@ -38,6 +38,13 @@ def _read_revision() -> str | None:
 def _find_module() -> str:
     spec = sys.modules["__main__"].__spec__
     return spec.name.removesuffix(".__main__") if spec else sys.argv[0]
+
+
+def _name_argument(argument: str) -> str:
+    """As it was given; DIR for a folder elsewhere: where a reader keeps the like is their own affair."""
+    folder = Path(argument)
+    elsewhere = folder.is_dir() and not folder.resolve().is_relative_to(Path.cwd())
+    return "DIR" if elsewhere else argument
 
 
 def _read_processor() -> str:

@@ -10,6 +10,7 @@ import pytest
 
 from benchmarks import harness
 from benchmarks.harness import Job, provenance, table
+from benchmarks.harness.machine import circumstances
 from benchmarks.harness.workers import call_all
 
 
@@ -58,6 +59,29 @@ def test_all_jobs_of_all_parts_are_done_and_failing_rows_are_told(bench):
     assert section["complete"] and [row["job"] for row in section["rows"]] == ["slow 0", "slow 1", "slow 2"]
     (run,) = section["runs"]
     assert {"machine", "load_average", "versions", "git_revision", "command", "seconds", "quick"} <= set(run)
+
+
+def test_a_command_is_recorded_without_where_folders_lie_on_this_machine(tmp_path, monkeypatch):
+    """Paths within the repository are part of it, as are files that are not there."""
+    home, elsewhere = tmp_path / "repository", tmp_path / "data"
+    (home / "runs").mkdir(parents=True)
+    elsewhere.mkdir()
+    monkeypatch.chdir(home)
+    words = [
+        "--data",
+        str(elsewhere),
+        "--also",
+        "../data",
+        "--weights",
+        "runs",
+        "--only",
+        "a b",
+        "--json",
+        "x.json",
+    ]
+    monkeypatch.setattr("sys.argv", ["bench", *words])
+    command = str(circumstances()["command"])
+    assert command.endswith("--data DIR --also DIR --weights runs --only 'a b' --json x.json")
 
 
 def test_a_run_that_was_stopped_is_gone_on_with(bench):
