@@ -194,7 +194,7 @@ def _state_findings(rows: list[dict]) -> str:
             for mark in mine
         )
 
-    longer, longer_blind = tell_longer(told), tell_longer(blind)
+    longer, longer_blind, longer_hybrid = (tell_longer(labels) for labels in (told, blind, ["hybrid"]))
     tasks = {row["task"] for row in rows}
     missed = len(tasks - set().union(*(find_solved(mine, last) for mine in groups.values())))
     ours = find_solved(groups[REFERENCE], last)
@@ -210,7 +210,7 @@ def _state_findings(rows: list[dict]) -> str:
 - Gradients begun at random with every skill in turn solve {share(blind)}, where evolution over skills (`catcma`)
   solves {share(["catcma"])} and chance {share(["random"])}: most do not find out what acts so soon.{longer_blind}
 - Least squares on the agents' first guess (`hybrid`) solves {share(["hybrid"])}: of what the agents miss, a part is
-  numbers, which gradients mend, and the rest is what acts and when, which they do not.
+  numbers, which gradients mend, and the rest is what acts and when, which they do not.{longer_hybrid}
 - {f"{missed} of {len(tasks)} tasks are solved by nobody." if missed else "Every task is solved by some method."}
 """
 
