@@ -42,8 +42,7 @@ def _find_module() -> str:
 
 def _name_argument(argument: str) -> str:
     """As it was given; DIR for a folder elsewhere: where a reader keeps the like is their own affair."""
-    folder = Path(argument)
-    elsewhere = folder.is_dir() and not folder.resolve().is_relative_to(Path.cwd())
+    elsewhere = os.path.isdir(argument) and not Path(argument).resolve().is_relative_to(Path.cwd())
     return "DIR" if elsewhere else argument
 
 

@@ -304,11 +304,8 @@ def _write_materials(rows: list[dict], result: dict[str, Any]) -> str:
     """Success with the own material, found with each other one, and brought to it."""
     settings = list(dict.fromkeys(row["material"] for row in rows))
     mark = max(read_budget(row) for row in rows if row["marks"])
-    fits = result.get("methods", {}).get("rows", [])
-    own, lines = (
-        group(choose_split([row for row in fits if row["seed"] == 0])),
-        [],
-    )  # the seed that is brought
+    fits, lines = result.get("methods", {}).get("rows", []), []
+    own = group(choose_split([row for row in fits if row["seed"] == 0]))  # the seed that is brought
     for label, mine in group(rows).items():
         with_own = own.get(label, [])
         cells = [format_share(estimate(with_own, mark, 1)) if with_own else ""]
@@ -350,10 +347,9 @@ def _write_neighbours(rows: list[dict]) -> str:
 
 def _write_gradients(rows: list[dict]) -> str:
     """Seconds of a simulation and of a gradient by family, and how many of the first are one of the second."""
-    families = {family: [row for row in rows if row["family"] == family] for family in
-                dict.fromkeys(row["family"] for row in rows)}  # fmt: skip
-    lines = []
-    for family, mine in {**families, "all": rows}.items():
+    families, lines = list(dict.fromkeys(row["family"] for row in rows)), []
+    for family in (*families, "all"):
+        mine = [row for row in rows if family in (row["family"], "all")]
         plain, gradient, ratios = (
             np.array([row[name] for row in mine]) for name in ("plain_seconds", "gradient_seconds", "ratio")
         )

@@ -1,10 +1,11 @@
 """What the page of the head-to-head says of itself, and what others report."""
 
+from baselines.evaluation import GRADIENT_COST
 from benchmarks.headtohead.statistics import CAP
 
 MEANING = f"""Made by `python -m benchmarks.headtohead`. Every method has the same tasks, the same simulator and the
-same budget in forward-equivalents (one plain simulation is 1; a value with its gradient is charged 4.3, failures, line
-searches and the choice of starts are charged too). A method is judged by the force field that it itself holds for its
+same budget in forward-equivalents (one plain simulation is 1; a value with its gradient is charged
+{GRADIENT_COST:g}, failures, line searches and the choice of starts are charged too). A method is judged by the force field that it itself holds for its
 best when the budget is spent; the judge reads true particles. *Oracle* methods minimise the distance to the target,
 which nothing but a simulator with the answer at hand can know: they are bounds, not competitors. Those called
 *responses* read more: from the windows and the parts of the target's clauses and one simulation per skill and axis,
@@ -74,13 +75,13 @@ DEVELOPMENT = """
 
 Success after so many forward-equivalents, as above: these flatter.
 """
-GRADIENTS = """
+GRADIENTS = f"""
 ## What a gradient is charged for
 
 On the tasks themselves, at a force field that solves each: seconds of a simulation with its residuals, and of their
 gradient by the numbers of all actions along the steps that it took, in turn and warm, on an idle machine. Medians over
-tasks; the least and the greatest ratio of a task in brackets. A value with its gradient is charged 4.3 simulations:
-between what it costs here and what it costs on a cube of 20,000 particles ([gradients.md](gradients.md)).
+tasks; the least and the greatest ratio of a task in brackets. A value with its gradient is charged {GRADIENT_COST:g}
+simulations; what it costs on larger scenes is in [gradients.md](gradients.md).
 """
 CLIPSIM = """
 ## CLIPsim
