@@ -5,7 +5,8 @@ from benchmarks.headtohead.statistics import CAP
 
 MEANING = f"""Made by `python -m benchmarks.headtohead`. Every method has the same tasks, the same simulator and the
 same budget in forward-equivalents (one plain simulation is 1; a value with its gradient is charged
-{GRADIENT_COST:g}, failures, line searches and the choice of starts are charged too). A method is judged by the force field that it itself holds for its
+{GRADIENT_COST:g}, failures, line searches and the choice of starts are charged too). A method is judged by the
+force field that it itself holds for its
 best when the budget is spent; the judge reads true particles. *Oracle* methods minimise the distance to the target,
 which nothing but a simulator with the answer at hand can know: they are bounds, not competitors. Those called
 *responses* read more: from the windows and the parts of the target's clauses and one simulation per skill and axis,

@@ -319,8 +319,9 @@ def test_a_gradient_is_timed_beside_a_simulation_with_its_residuals(monkeypatch)
     monkeypatch.setattr(measuring, "Simulation", Clockwork)
     monkeypatch.setattr(measuring.time, "perf_counter", lambda: now[0])
     spec = SimpleNamespace(name="t", family="drop", split="test")
-    (row,) = measuring.measure_gradient(SimpleNamespace(spec=spec, frame_count=5), push(1.0), 3)  # type: ignore[arg-type]
+    (row,) = measuring.measure_gradient(SimpleNamespace(spec=spec, frame_count=5), push(1.0), 2)  # type: ignore[arg-type]
     assert (row["plain_seconds"], row["gradient_seconds"], row["ratio"]) == (2.0, 8.0, 4.0)
+    assert row["ratio_range"] == [4.0, 4.0]
     run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
     longer = row | dict(run=0, plain_seconds=8.0, gradient_seconds=16.0, ratio=2.0)
     rows = [row | {"run": 0}, longer, longer | {"family": "sway"}]
