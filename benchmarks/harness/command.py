@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import difflib
 import json
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -22,6 +23,7 @@ Row = dict[str, Any]
 Rows = list[Row]
 Result = dict[str, Any]
 console = Console(stderr=True)
+_NAMES_TOLD = 5  # of jobs, to who names none of them
 
 
 @dataclasses.dataclass(frozen=True)
@@ -114,8 +116,10 @@ def _measure(
     plan = {part: list(parts[part]()) for part in command.parts}
     names = [job.name for jobs in plan.values() for job in jobs]
     unknown = [word for word in command.only if not any(word in name for name in names)]
+    for word in unknown:
+        nearest = difflib.get_close_matches(word, names, n=_NAMES_TOLD, cutoff=0.0)
+        say(f"none of {len(names)} jobs has {word!r} in its name; the nearest are: {'; '.join(nearest)}")
     if unknown:
-        say(f"no job has {', '.join(map(repr, unknown))} in its name; there are: {', '.join(names)}")
         return 2
     wanted = {part: jobs for part, jobs in plan.items() if any(_is_wanted(job, command) for job in jobs)}
     bad = sum(_do_jobs(command, part, jobs, result, about, call) for part, jobs in wanted.items())

@@ -152,8 +152,11 @@ def test_no_parts_only_write_the_tables(bench):
 
 def test_what_there_is_not_is_refused_before_anything_is_done(bench, capsys):
     assert bench.run(parts=("fast", "none")) == 2
-    assert bench.run(only=("slow 1", "none")) == 2
+    assert bench.run(only=("slow 1", "slow9")) == 2
     assert bench.done == [] and not bench.path.exists()
+    told = " ".join(capsys.readouterr().err.split())
+    assert "none of 6 jobs has 'slow9' in its name; the nearest are: slow" in told
+    assert told.count("fast") == 2 + 1  # five names of six, and the parts there are
 
 
 def test_the_document_says_where_its_rows_come_from(bench):
