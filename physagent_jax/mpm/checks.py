@@ -70,7 +70,8 @@ def _check_particles(model: Model, state: State) -> None:
     if extreme.any():
         warnings.warn(
             f"{extreme.sum()} of {len(J)} particles start with a volume changed by more than {EXTREME:g} times "
-            f"(det F from {J.min():.3g} to {J.max():.3g}): is `state.F` meant so?",
+            f"(det F from {J.min():.3g} to {J.max():.3g}): the material is too soft for what they bear from the start "
+            "(a stiffer or lighter one holds it), or `state.F` is not meant so",
             UserWarning,
             stacklevel=4,
         )
