@@ -62,7 +62,7 @@ def load_object(
 
     Args:
         path: 3DGS PLY or mesh (.obj, .glb, .stl, .ply).
-        up: The file's own up axis ("-y"); None = its card's, else "+z".
+        up: The file's own up axis ("-y"); None = its card's, else "+y" for glTF, "+z" for others.
         kind: Class with a physical prior ("plant", "food", ...); None = its card's, else from the file's name.
         opacity_threshold: Gaussians with a lower opacity are dropped.
         extent: Its longest side in the domain [m].

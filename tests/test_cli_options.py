@@ -40,4 +40,16 @@ def test_the_terminal_tells_what_was_assumed_and_not_understood(capsys):
     )
     ConsoleObserver().understood(reply)
     told = capsys.readouterr().err
-    assert "assumed: left is [the viewer's]." in told and "not understood: purple" in told
+    assert "assumed: left is [the viewer's]." in told and "not understood: purple\n" in told
+
+
+def test_a_doubt_about_what_may_be_the_object_says_how_to_name_it(capsys):
+    """A word that only decorates is not doubted, and gets no hint."""
+    reply = SemanticReply(
+        force_field=ForceField(),
+        expectations=(),
+        not_understood=("purple", "cow"),
+        unsure=("'cow' is not understood.",),
+    )
+    ConsoleObserver().understood(reply)
+    assert "not understood: purple, cow (if 'cow' is the object, pass --kind cow)" in capsys.readouterr().err

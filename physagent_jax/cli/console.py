@@ -7,7 +7,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from physagent_jax.agents.schema import Judgement, SemanticReply, Verdict
 from physagent_jax.cli import stopping
-from physagent_jax.cli.options import name_options
+from physagent_jax.cli.options import describe_unknown, name_options
 from physagent_jax.run.observer import Observer
 
 stderr = Console(stderr=True, highlight=False, soft_wrap=True)
@@ -79,7 +79,7 @@ class ConsoleObserver(Observer):
         for note in reply.notes:
             stderr.print(f"  assumed: {_escape(note)}")
         if reply.not_understood:
-            stderr.print(f"  [yellow]not understood:[/] {_escape(', '.join(reply.not_understood))}")
+            stderr.print(f"  [yellow]not understood:[/] {_escape(describe_unknown(reply))}")
         for doubt in reply.unsure:
             stderr.print(f"  [yellow]unsure:[/] {_escape(doubt)}")
 

@@ -13,6 +13,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error
 
 if TYPE_CHECKING:
+    from physagent_jax.agents.schema import SemanticReply
     from physagent_jax.run.spec import RunSpec
 
 OPTIONS = {
@@ -138,6 +139,14 @@ def name_options(text: str) -> str:
         if "." in field:  # a single word may mean something else
             text = text.replace(f"`{field}`", f"`{option}`")
     return text
+
+
+def describe_unknown(reply: SemanticReply) -> str:
+    """The words that led to nothing, and what to do if one of them is the object's name."""
+    doubted = (word for word in reply.not_understood if any(f"'{word}'" in doubt for doubt in reply.unsure))
+    name = next(doubted, None)
+    hint = "" if name is None else f" (if '{name}' is the object, pass --kind {name})"
+    return ", ".join(reply.not_understood) + hint
 
 
 def _check_pairs(options: Mapping[str, Any]) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-from physagent_jax.cli.options import name_options, report_as_options, to_spec
+from physagent_jax.cli.options import describe_unknown, name_options, report_as_options, to_spec
 from physagent_jax.cli.run import Run
 from physagent_jax.scene.config import SignedAxis
 from physagent_jax.scene.presets import PresetName
@@ -34,7 +34,7 @@ class Plan:
     preset: PresetName = PresetName.FAST
     """As for `physagent run`."""
     up: SignedAxis | None = None
-    """The file's up axis; default: its card, else +z."""
+    """The file's up axis; default: its card, else +y for glTF (.glb, .gltf), +z for others."""
     kind: str | None = None
     """plant, food, robot, ... (decides what is held); default: its card, else from the file's name."""
     azimuth: float | None = None
@@ -131,7 +131,7 @@ def describe_plan(reply: SemanticReply, brief: SceneBrief) -> list[str]:
     lines.append(f"clip: {brief.frame_count} frames, {(brief.frame_count - 1) * frame_dt:.3g} s")
     lines += [f"assumed: {note}" for note in reply.notes]
     if reply.not_understood:
-        lines.append(f"not understood: {', '.join(reply.not_understood)}")
+        lines.append(f"not understood: {describe_unknown(reply)}")
     return lines + [f"unsure, so that nothing is called a success: {doubt}" for doubt in reply.unsure]
 
 

@@ -40,7 +40,8 @@ class Run:
     preset: PresetName = PresetName.FAST
     """fast: a laptop's processor; paper: the paper's resolution."""
     up: SignedAxis | None = None
-    """The file's up axis; default: its card, else +z. 3DGS captures are often -y."""
+    """The file's up axis; default: its card, else +y for glTF (.glb, .gltf), +z for others. 3DGS captures are
+    often -y."""
     kind: str | None = None
     """plant, food, robot, ... (decides material and anchor); default: its card, else from the file's name."""
     azimuth: float | None = None

@@ -23,7 +23,7 @@ class ObjectChoice(Strict):
 
     Attributes:
         path: 3DGS PLY or mesh (.obj, .glb, .stl, .ply), absolute or relative to the spec's folder.
-        up: The file's own up axis; None = its card's, else +z.
+        up: The file's own up axis; None = its card's, else +y for glTF (.glb, .gltf), +z for others.
         kind: Class with a physical prior (`scene.priors`); None = its card's, else from the file's name.
         opacity_threshold: Gaussians with a lower opacity are dropped.
         extent: Longest side in the domain [m].

@@ -624,8 +624,10 @@ def test_turned_only_means_that_it_stays():
 
 def test_doubts_about_the_sentence_forbid_success():
     """Whatever is seen, and the suggestion says why."""
-    judgement = verdict_of(expected(), show(along(LEFT, 0.6)), unsure=("What 'flurb' asks for is not known",))
-    assert judgement.verdict is Verdict.FAIL and "flurb" in judgement.suggestion and judgement.score < 1
+    doubts = ("'flurb' is not understood.", "How often is not known.")
+    judgement = verdict_of(expected(), show(along(LEFT, 0.6)), unsure=doubts)
+    assert judgement.verdict is Verdict.FAIL and judgement.score < 1
+    assert judgement.suggestion.endswith(": 'flurb' is not understood; How often is not known.")
     assert all(check.passed for check in judgement.checks)
 
 

@@ -62,10 +62,9 @@ def _suggest(
         return f"Nothing is expected of the sentence '{prompt.strip()[:120]}', so nothing can be judged."
     failed = sorted((check for check in checks if check.passed is False), key=lambda check: check.score)
     unseen = [check for check in checks if check.passed is None]
+    doubts = "; ".join(doubt.removesuffix(".") for doubt in unsure)
     parts = (
-        [f"Not understood for certain, so no motion can be called a success: {'; '.join(unsure)}."]
-        if unsure
-        else []
+        [f"Not understood for certain, so no motion can be called a success: {doubts}."] if unsure else []
     )
     parts += [_describe_failure(check, expectations[check.expectation].words) for check in failed]
     if unseen:
