@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.agents.scenes import read
+from tests.agents.scenes import brief, read
 from tests.agents.tellings import ground, order, tell
 
 
@@ -107,6 +107,11 @@ from tests.agents.tellings import ground, order, tell
         ("drag it left, tilting it right", "move left & rotate away"),
         ("the robot jumps, shaking", "hit up & sway left x4; fall"),
         ("it bends left, stretching", "rotate toward & stretch right"),
+        ("it tips over to the right and falls", "rotate away & fall"),
+        ("it topples over and then falls to the floor", "rotate toward & fall"),
+        ("knock it over so that it falls to the right", "rotate away & fall"),
+        ("it tips over to the left and crashes to the ground", "rotate toward & fall"),
+        ("it falls and tips over to the right", "fall & rotate away"),
         ("it leans left, then falls, rolling away", "rotate toward; fall & move away & rotate left"),
         ("push it left for a second, rest for a second, push it right", "move left; still; move right"),
         ("the breeze makes the robot turn slowly", "rotate up"),
@@ -119,6 +124,14 @@ from tests.agents.tellings import ground, order, tell
 def test_what_a_construction_says(prompt, expected):
     """Order, way and part as a person reads them; the readings were written by hand."""
     assert order(prompt) == expected
+
+
+def test_what_stands_and_tips_over_is_not_lifted_first():
+    """Its fall is the end of the toppling; before, "and falls" let it drop from above the ground."""
+    for prompt in ("it tips over to the right and falls", "it topples over and falls to the ground"):
+        assert read(prompt, ground()).force_field.default_drop is False
+        assert read(prompt, brief(world="free")).force_field.default_drop is True
+    assert read("it falls and tips over", ground()).force_field.default_drop is True
 
 
 def test_each_way_has_its_own_time():

@@ -62,13 +62,14 @@ def _list_lost_verbs(mentions: Sequence[Mention], clauses: Sequence[Clause]) -> 
     heads = [head for clause in clauses for head in (clause.verb, clause.cause) if head is not None]
     used = {head.first for head in heads}
     phrases = {head.phrase for head in heads}
-    shapes = any(isinstance(head.value, Verb) and head.value.effect in _SHAPING for head in heads)
+    effects = {head.value.effect for head in heads if isinstance(head.value, Verb)}
     return [
         m
         for before, m in zip([None, *mentions], mentions)
         if m.kind is MentionKind.VERB and isinstance(m.value, Verb) and m.first not in used
         if not m.value.generic and m.value.effect not in _ADDING and m.phrase not in phrases
-        if not (shapes and m.value.effect in _SHAPING)  # "it grows taller"
+        if m.value.effect not in _SHAPING or not effects.intersection(_SHAPING)  # "it grows taller"
+        if m.value.effect is not Effect.FALL or Effect.TOPPLE not in effects  # "it tips over and falls"
         if before is None or before.kind is not MentionKind.CAUSE  # "the wind turns"
     ]
 

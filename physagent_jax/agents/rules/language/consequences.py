@@ -10,6 +10,7 @@ from physagent_jax.agents.rules.language.modifiers import Join
 from physagent_jax.agents.rules.language.tokens import is_participle
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 
+_DOWN = ("down",)
 _PARTED = (MentionKind.PLACE, MentionKind.EXCLUDED)
 _LEAVING = ("exit",)
 _SHAPING = (Effect.TURN, Effect.SCALE, Effect.SWAY)
@@ -85,6 +86,10 @@ def merge_results(clauses: list[Clause]) -> list[Clause]:
             _set_apart(merged[-1], clause)
         if merged and (_is_restating(merged[-1], clause) or _is_reshaping(merged[-1], clause)):
             merged[-1].modifiers += clause.modifiers
+            merged[-1].mentions += clause.mentions
+            continue
+        if merged and _is_falling_over(merged[-1], clause):
+            merged[-1].modifiers += [m for m in clause.modifiers if m.value != _DOWN]
             merged[-1].mentions += clause.mentions
             continue
         mergeable = (
@@ -227,6 +232,17 @@ def _is_reshaping(first: Clause, clause: Clause) -> bool:
     one, other = get_verb(first.verb), get_verb(clause.verb)
     alike = one.effect is other.effect is Effect.SWELL and one.sign == other.sign
     return alike and clause.join in (Join.AND, Join.COMMA) and not first.modifiers
+
+
+def _is_falling_over(topple: Clause, clause: Clause) -> bool:
+    """Whether a fall is how a toppling ends: "it tips over to the right and falls", "knock it over, so it falls left"."""
+    if topple.verb is None or clause.verb is None or topple.negated or clause.negated:
+        return False
+    if get_verb(topple.verb).effect is not Effect.TOPPLE or get_verb(clause.verb).effect is not Effect.FALL:
+        return False
+    ways = [m for m in clause.modifiers if m.value != _DOWN]
+    told = topple.select(*WHERE)
+    return not ways or (not told and all(m.kind is MentionKind.DIRECTION for m in ways))
 
 
 def _is_holding(clause: Clause | None) -> bool:
