@@ -612,6 +612,26 @@ def test_gravity_does_not_spoil_a_throw():
     assert not passes(thrown, show(lambda t: (-0.012 * t, 0, -0.015 * t)), brief())
 
 
+def test_what_tips_over_goes_to_its_side_as_it_falls():
+    """A board a hundred high that turns by 90 degrees about its lower edge, as rigid bodies do."""
+    asked_for = (expected(KINDS.ROTATE, AWAY), expected(KINDS.FALL, None))
+    ground = brief(world="ground")
+
+    def turned(t):
+        angle = math.radians(90 * ramp(t, 0, LAST))
+        return 0.5 * math.sin(angle), 0.0, 0.5 * math.cos(angle) - 0.5
+
+    turn = along(AWAY, 90)
+    assert passes(asked_for, show(turned, turn), ground)
+    assert not passes(asked_for, show(lambda t: np.multiply(turned(t), (-1, 1, 1)), turn), ground)
+    flung = along(RIGHT, 1.2)
+    assert not passes(asked_for, show(lambda t: np.add(turned(t), flung(t)), turn), ground)
+    assert not passes(asked_for, show(along(RIGHT, 0.5), turn), ground)  # it never comes down
+    # What is let fall comes straight down.
+    dropped = SemanticReply(force_field=ForceField(default_drop=True), expectations=asked_for)
+    assert judge("", dropped, show(turned, turn), ground).judgement.verdict is Verdict.FAIL
+
+
 def test_turned_only_means_that_it_stays():
     """A turn on the spot, not on the way to somewhere."""
     turn = expected(KINDS.ROTATE, UP)

@@ -63,9 +63,7 @@ def _suggest(
     failed = sorted((check for check in checks if check.passed is False), key=lambda check: check.score)
     unseen = [check for check in checks if check.passed is None]
     doubts = "; ".join(doubt.removesuffix(".") for doubt in unsure)
-    parts = (
-        [f"Not understood for certain, so no motion can be called a success: {doubts}."] if unsure else []
-    )
+    parts = [f"Not understood for certain, so no motion can be called a success: {doubts}."] if unsure else []
     parts += [_describe_failure(check, expectations[check.expectation].words) for check in failed]
     if unseen:
         what = "; ".join(dict.fromkeys(f"{check.question} {check.observed}" for check in unseen))

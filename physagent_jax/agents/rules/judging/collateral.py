@@ -14,7 +14,7 @@ from physagent_jax.agents.rules import tolerances
 from physagent_jax.agents.rules.judging.comparing import make_limit_check
 from physagent_jax.agents.rules.judging.seen import View
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind
-from physagent_jax.agents.vectors import add, cross, dot, norm, normalise, scale
+from physagent_jax.agents.vectors import add, clamp, cross, dot, norm, normalise, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.perception.schema import Box, Matrix
 
@@ -39,6 +39,9 @@ _VIOLENT = 1.3  # strength from which leaving the picture at the end is part of 
 _LATE = 0.75  # share of the clip
 
 _ASIDE = 0.22  # [body lengths] that a thing may wander while it is only turned or deformed
+_TOPPLED = (
+    0.7  # [body lengths] that the centre of what tips over goes along: half its height and half its breadth
+)
 _TURN_PUSHED = (
     30.0  # [degrees] that a pushed or deformed thing may turn; a little more than is told as a turn
 )
@@ -94,6 +97,8 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         limit += 0.3 * max(strains)  # held at one end, or standing: the centre follows
     if view.grounded and any(e.kind is MotionKind.ROTATE for e in asked):
         limit += 0.35  # it rolls on what it touches
+    for way in view.find_topples():  # the centre goes along with the top
+        course = [(t, add([p, scale(way, -clamp(dot(p, way), 0.0, _TOPPLED))])) for t, p in course]
     if vertical:  # falls, lands and tips: up and down is judged with half the weight
         course = [(t, add([p, scale(up, -0.5 * dot(p, up))])) for t, p in course]
         if any(e.kind is MotionKind.FALL for e in asked) or view.force_field.default_drop:

@@ -198,10 +198,9 @@ def check_fall(index: int, expectation: ExpectedMotion, view: View) -> list[Chec
     bottom = min(range(top, len(heights)), key=lambda i: heights[i][1])
     fallen = heights[top][1] - heights[bottom][1]
     way = add([course[bottom][1], scale(course[top][1], -1.0)])
-    for other in view.expectations:
-        if other is not expectation and other.kind is MotionKind.MOVE and other.direction:
-            if abs(dot(other.direction, down)) < 0.5:
-                way = add([way, scale(other.direction, -max(dot(way, other.direction), 0.0))])
+    moves = [e.direction for e in view.expectations if e.kind is MotionKind.MOVE and e.direction is not None]
+    for other in (*(each for each in moves if abs(dot(each, down)) < 0.5), *view.find_topples()):
+        way = add([way, scale(other, -max(dot(way, other), 0.0))])
     tolerance = tolerances.expect_fall(expectation, view.seconds(first, last))
     checks = []
     if norm(way) >= view.visible:

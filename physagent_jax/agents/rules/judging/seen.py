@@ -87,6 +87,18 @@ class View:
         """The motions that are asked for at the same time."""
         return [e for e in self.expectations if e is not expectation and share_time(e, expectation)]
 
+    def find_topples(self) -> list[Vector]:
+        """Ways that the top of what stands goes as it tips over: a turn about a level axis whose end is a fall."""
+        up = self.brief.directions.up
+        if not self.grounded or self.anchored or self.force_field.default_drop:
+            return []
+        falls = [e for e in self.expectations if e.kind is MotionKind.FALL]
+        turns = [e for e in self.expectations if e.kind is MotionKind.ROTATE and e.direction is not None]
+        ways = [
+            cross(e.direction, up) for e in turns if any(share_time(e, fall) for fall in falls) if e.direction
+        ]
+        return [normalise(way) or way for way in ways if norm(way) > _BOTH]
+
     def uncertainty(self, name: str) -> float:
         """Half width of the report's interval for a figure; a cautious one where the report says none."""
         told = getattr(self.report.uncertainty, name)

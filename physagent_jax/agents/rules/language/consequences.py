@@ -235,7 +235,7 @@ def _is_reshaping(first: Clause, clause: Clause) -> bool:
 
 
 def _is_falling_over(topple: Clause, clause: Clause) -> bool:
-    """Whether a fall is how a toppling ends: "it tips over to the right and falls", "knock it over, so it falls left"."""
+    """Whether a fall is how a toppling ends: "it tips over to the right and falls", "knock it over, so it falls"."""
     if topple.verb is None or clause.verb is None or topple.negated or clause.negated:
         return False
     if get_verb(topple.verb).effect is not Effect.TOPPLE or get_verb(clause.verb).effect is not Effect.FALL:

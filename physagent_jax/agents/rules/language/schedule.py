@@ -229,15 +229,21 @@ def _weight(slot: Slot, free: list[Slot]) -> float:
     return _STILL_SHARE if all(e.effect is Effect.STILL for e in slot.events) else 1.0
 
 
+_MANY = 4  # swings in one window: half a second or less each, in a clip of the usual length
+
+
 def divide_swings(window: Window, count: int, held: bool) -> list[Window]:
     """Pushes that swing an object to and fro ``count`` times, each against the one before.
 
     What is held is pushed for half a period each. What is free is pushed half as long first and last, so that it comes
-    back to its place and stops there; in whole frames where there is room, or it would drift.
+    back to its place and stops there; in whole frames where there is room, or it would drift. What is held and shakes
+    faster than it would swing by itself is as good as free: a whole first push would throw it farther than all others.
     """
-    if held:
+    if held and count < _MANY:
         return divide(window, [1.0] * (2 * count))
     shares = [0.5, *[1.0] * (2 * count - 1), 0.5]
+    if held:
+        return divide(window, shares)
     whole = 2 * int((window[1] - window[0]) / (4 * count))  # frames of half a period
     if whole < 2:
         return divide(window, shares)
