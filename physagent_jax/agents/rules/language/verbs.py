@@ -182,6 +182,8 @@ _VERB_ROWS: tuple[tuple[str, Verb], ...] = (
         "turn upside down, turn ~ upside down, flip upside down, flip ~ upside down, flip over, flip ~ over",
         Verb(_D.TURN, direction="toward"),
     ),
+    ("backflip, back flip", Verb(_D.TURN, direction="left")),
+    ("front flip, frontflip", Verb(_D.TURN, direction="right")),
     ("roll", Verb(_D.ROLL)),
     # gravity
     (
@@ -376,6 +378,7 @@ LANDINGS = frozenset(
 """How a fall ends: told after a fall, they tell of the same one."""
 TUMBLES = frozenset(
     {"flip", "tumble", "somersault", "cartwheel", "turn over", "turn ~ over", "roll over", "roll ~ over"}
+    | {"backflip", "back flip", "front flip", "frontflip"}
 )
 # They turn by half a turn unless the sentence says otherwise.
 TURNED_OVER = frozenset(
