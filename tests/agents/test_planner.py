@@ -437,6 +437,15 @@ def test_a_small_angle_is_not_any_small_angle(value, seen, passed):
     assert passes(asked, show(turn=along(UP, seen))) == passed
 
 
+@pytest.mark.parametrize(
+    ("value", "seen", "passed"), [(360, 330, True), (360, 292, False), (360, 428, False)]
+)
+def test_a_whole_turn_ends_as_it_began(value, seen, passed):
+    """292 degrees are a fifth less, which a viewer would not notice on the way, but would at the end."""
+    asked = expected(KINDS.ROTATE, UP, amount=Amount(value=value, unit="degrees"))
+    assert passes(asked, show(turn=along(UP, seen))) == passed
+
+
 @pytest.mark.parametrize(("seen", "passed"), [(0.12, True), (0.15, False), (0.05, False)])
 def test_a_small_way_is_not_any_small_way(seen, passed):
     asked = expected(amount=Amount(value=0.1, unit="lengths"))

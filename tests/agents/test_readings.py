@@ -137,6 +137,17 @@ def test_what_stands_and_tips_over_is_not_lifted_first():
     assert read("it falls and tips over", ground()).force_field.default_drop is True
 
 
+@pytest.mark.parametrize(
+    "prompt", ["it does a somersault", "it does a backflip", "it cartwheels to the left"]
+)
+def test_a_somersault_is_a_whole_turn(prompt):
+    """A tumble or a flip need not be."""
+    (turn,) = read(prompt, ground()).expectations
+    assert turn.amount is not None and (turn.amount.value, turn.amount.unit) == (360.0, "degrees")
+    (tumble,) = read("it tumbles to the left", ground()).expectations
+    assert tumble.amount is None
+
+
 def test_each_way_has_its_own_time():
     """Two ways with a time each are two steps."""
     first, second = read(

@@ -43,6 +43,7 @@ _SETTLE = 1 / 3  # of a later stillness that may still show what came before it
 _PART = 0.3  # how much less the whole shows if only a part is acted on
 REACHED = 0.8  # of the way to an obstacle, from where on it counts as met
 _TOLD_STRAIN = 0.04  # [1] within which perception tells nine strains of ten
+_TOLD_TURN = 60.0  # [degrees] off an angle that the sentence names, however large
 _UNHURRIED = 1.0  # [s] what lasts for less time may do less
 _STRENGTHS = (0.4, 1.0, 1.6)
 
@@ -224,6 +225,7 @@ def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tole
 
     A viewer has no ruler: 20 % off a distance, a length or an angle is not noticed without comparison, nor what is less
     than `LEAST` of a way, `STILL_DEGREES` of a turn or 0.04 of a length, as perception tells (`docs/perception.md`).
+    However far something turns, the pose in which it ends shows a sixth of a turn.
     How long a cause lasts is read from speeds, which a viewer judges to about 40 %.
 
     Returns:
@@ -237,7 +239,7 @@ def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tole
     if unit == "metres":
         value, unit = value / brief.size, "lengths"
     if unit == "degrees":
-        width = max(0.2 * value, STILL_DEGREES)
+        width = max(min(0.2 * value, _TOLD_TURN), STILL_DEGREES)
         return Tolerance(max(value - width, 0.2 * value), value, value + width, "degrees")
     axial = kind in (MotionKind.STRETCH, MotionKind.SQUEEZE)
     if unit == "factor":

@@ -27,7 +27,14 @@ from physagent_jax.agents.rules.language.quantities import Quantity
 from physagent_jax.agents.rules.language.regions import make_end_region, make_region, sum_directions
 from physagent_jax.agents.rules.language.solids import Solid
 from physagent_jax.agents.rules.language.timing import TimeSpan
-from physagent_jax.agents.rules.language.verbs import LANDINGS, TURNED_OVER, VERBS, Effect, Verb
+from physagent_jax.agents.rules.language.verbs import (
+    LANDINGS,
+    TURNED_OVER,
+    VERBS,
+    WHOLE_TURNS,
+    Effect,
+    Verb,
+)
 from physagent_jax.agents.schema import Amount, ObstacleRequest, SceneBrief
 from physagent_jax.agents.vectors import clamp, normalise, scale
 from physagent_jax.core.strict import Vector
@@ -101,6 +108,8 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         repeat = replace(repeat, count=None)
     if phrase in TURNED_OVER and target.amount is None:
         target = Target(Amount(value=180.0, unit="degrees"))
+    if phrase in WHOLE_TURNS and target.amount is None:
+        target = Target(Amount(value=360.0, unit="degrees"))
     if target.everywhere:
         verb, direction = replace(verb, effect=Effect.SWELL), None
     elif target.names and not clause.select(MentionKind.DIRECTION, MentionKind.FROM):

@@ -380,6 +380,8 @@ TUMBLES = frozenset(
     {"flip", "tumble", "somersault", "cartwheel", "turn over", "turn ~ over", "roll over", "roll ~ over"}
     | {"backflip", "back flip", "front flip", "frontflip"}
 )
+WHOLE_TURNS = frozenset({"somersault", "cartwheel", "backflip", "back flip", "front flip", "frontflip"})
+"""They turn all the way round unless the sentence says otherwise."""
 # They turn by half a turn unless the sentence says otherwise.
 TURNED_OVER = frozenset(
     {f"{verb} {way}" for verb in ("turn", "turn ~", "flip", "flip ~") for way in ("upside down", "over")}
