@@ -346,11 +346,14 @@ def paired_translation(entries: Entries, context: Context) -> tuple[Entries, lis
     """A stretch or squeeze by constraints is exactly two, symmetrically opposed.
 
     A single `enforce_particle_translation` gets its mirror image; of several that are no such pair, the
-    first and its mirror image stay. What is squeezed and then stretched has such a pair for each.
+    first and its mirror image stay. What is squeezed and then stretched has such a pair for each. A part is pressed
+    from one side: what lies behind it holds it.
     """
     reasons: list[str] = []
     for expectation in context.expectations:
         if expectation.kind not in (MotionKind.STRETCH, MotionKind.SQUEEZE) or expectation.direction is None:
+            continue
+        if expectation.kind is MotionKind.SQUEEZE and (expectation.partial or expectation.part is not None):
             continue
         field = ForceField.model_validate(entries)
         slabs = [

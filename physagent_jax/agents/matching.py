@@ -11,9 +11,11 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import (
     Action,
     ActionType,
+    BoxRegion,
     ConstraintType,
     ForceField,
     HalfSpaceRegion,
+    Region,
     VelocityConstraint,
 )
 
@@ -157,12 +159,25 @@ def _moves_ends(cause: Cause) -> MotionKind | None:
     if cause.type is ConstraintType.MOVING_PLATE:
         return MotionKind.SQUEEZE
     region = cause.item.region
-    if cause.type is not ConstraintType.PARTICLE_TRANSLATION or not isinstance(region, HalfSpaceRegion):
+    if cause.type is not ConstraintType.PARTICLE_TRANSLATION or region is None:
         return None
-    along = cosine(cause.direction, region.normal)
+    along = max((cosine(cause.direction, side) for side in _list_ends(region)), key=abs, default=0.0)
     if abs(along) < _ALIGNED:
         return None
     return MotionKind.STRETCH if along > 0 else MotionKind.SQUEEZE
+
+
+def _list_ends(region: Region) -> list[Vector]:
+    """Outward directions in which a region reaches an end of the object and not the other one."""
+    if isinstance(region, HalfSpaceRegion):
+        return [region.normal]
+    if not isinstance(region, BoxRegion):
+        return []
+    ends: list[Vector] = []
+    for low, high, axis in zip(region.low, region.high, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
+        if (low <= 0) != (high >= 1):
+            ends.append(axis if high >= 1 else scale(axis, -1.0))
+    return ends
 
 
 def find_strays(expectations: Sequence[ExpectedMotion], force_field: ForceField) -> list[Cause]:

@@ -151,6 +151,13 @@ def test_paired_translation():
     assert rules == []
 
 
+def test_a_part_that_is_pressed_has_no_partner():
+    """Its mirror image would lift the ground's side."""
+    pressed = ExpectedMotion(kind=MotionKind.SQUEEZE, direction=UP, window=(0, 48), partial=True)
+    field, rules = mended(constraints=[slab((0.0, 0.0, -1.0), UP)], expectations=[pressed])
+    assert rules == [] and len(field.constraints) == 1
+
+
 def test_each_of_two_changes_of_length_has_its_own_pair():
     """Squeezed first, then stretched along the same line: neither pair is the other's surplus."""
     squeeze = ExpectedMotion(kind=MotionKind.SQUEEZE, direction=RIGHT, window=(0, 24))

@@ -3,6 +3,7 @@
 import pytest
 
 from physagent_jax.agents.hard_rules import apply_hard_rules
+from physagent_jax.agents.matching import find_causes
 from physagent_jax.agents.rules.kinds import choose_kinds
 from physagent_jax.agents.rules.semantic import RuleSemanticAgent
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind
@@ -103,9 +104,42 @@ def test_what_has_moved_before_is_squeezed_by_its_ends():
         assert end.vector[0] * end.region.normal[0] < 0 and end.active_time[0] == 24
 
 
+BAND = {"kind": "box", "low": [0, 0, 1 / 3], "high": [1, 1, 2 / 3]}
+LEFT_END = {"kind": "half_space", "point": [0.4, 0.5, 0.5], "normal": [-1, 0, 0]}
+
+
+@pytest.mark.parametrize(
+    ("region", "long_axis", "low", "high"),
+    [
+        (BAND, RIGHT, (1 / 3, 0, 0.75), (2 / 3, 1, 1)),  # "the middle": of its length, not half-way up
+        (BAND, None, (1 / 3, 1 / 3, 0.75), (2 / 3, 2 / 3, 1)),
+        (LEFT_END, RIGHT, (0, 0, 0.75), (0.4, 1, 1)),
+        (TOP, RIGHT, (0, 0, 0.75), (1, 1, 1)),
+    ],
+)
+def test_a_part_of_what_stands_is_pressed_from_above(region, long_axis, low, high):
+    """And goes as deep as a plate on all of it would; a force on that part would bend nothing that is stiff."""
+    scene = brief(world="ground", long_axis=long_axis)
+    pressed = squeezed(DOWN, partial=True, released=True)
+    field = chosen(scaled(DOWN, -1.0, region=region), pressed, scene)
+    (hand,) = field.constraints
+    (plate,) = chosen(scaled(DOWN, -1.0), squeezed(DOWN, released=True), scene).constraints
+    assert field.actions == () and hand.constraint_type is TRANSLATION and hand.vector == DOWN
+    assert hand.region.low == pytest.approx(low) and hand.region.high == pytest.approx(high)
+    assert (hand.magnitude, hand.active_time, hand.held_until) == (
+        plate.magnitude,
+        plate.active_time,
+        plate.held_until,
+    )
+    (cause,) = find_causes(ExpectedMotion(words="so", window=(0, 48), **pressed), field)
+    assert cause.name == "constraints[0]"
+
+
 @pytest.mark.parametrize(
     ("action", "expectation", "scene"),
     [
+        (scaled(DOWN, -1.0, region=TOP), squeezed(DOWN, partial=True), {}),  # it floats: nothing holds it below
+        (scaled(RIGHT, -1.0, region=BAND), squeezed(RIGHT, partial=True), {"world": "ground"}),
         ({"action_type": "translation", "vector": LEFT}, {"kind": "move", "direction": LEFT}, {}),
         ({"action_type": "torque", "vector": UP}, {"kind": "rotate", "direction": UP}, {}),
         ({"action_type": "impulse", "vector": LEFT}, {"kind": "move", "direction": LEFT, "sudden": True}, {}),

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from physagent_jax.agents.matching import Cause, agrees, find_own_causes, share_time
 from physagent_jax.agents.rules.edits import AXIAL, replace_items
 from physagent_jax.agents.rules.language.amounts import find_magnitude
-from physagent_jax.agents.rules.language.regions import make_end_region
+from physagent_jax.agents.rules.language.regions import make_box, make_end_region
 from physagent_jax.agents.rules.tolerances import (
     expect_move,
     expect_quantity,
@@ -31,7 +31,13 @@ from physagent_jax.forces.calibration import (
     TURN,
     find_reference_time,
 )
-from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, VelocityConstraint
+from physagent_jax.forces.schema import (
+    ActionType,
+    BoxRegion,
+    ConstraintType,
+    ForceField,
+    VelocityConstraint,
+)
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
 MOVING = 0.6  # share of its window in which an end or a plate moves; in the rest it is held
@@ -67,7 +73,7 @@ def choose_kinds(
     """
     reasons: list[str] = []
     for expectation in expectations:
-        for make in (_part_ends, _press, _turn_ends, _strike, _carry, _lead):
+        for make in (_part_ends, _press, _press_part, _turn_ends, _strike, _carry, _lead):
             replaced = make(force_field, expectation, expectations, brief)
             if replaced is not None:
                 force_field, why = replaced
@@ -256,6 +262,40 @@ def _press(
     where = "as they are moved apart in turn" if pulled else "wherever it is by then"
     why = f"'{expectation.words}': the two ends are moved together, {where}."
     return move_ends(field, causes, expectation, brief, everything), why
+
+
+def _press_part(
+    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
+) -> _Replaced:
+    """A part of what stands is pressed down: the upper end of that part is moved, as a hand would."""
+    axis, down = expectation.direction, brief.directions.down
+    if expectation.kind is not MotionKind.SQUEEZE or axis is None or abs(cosine(axis, down)) < _VERTICAL:
+        return None
+    if brief.world != "ground" or "top" in (brief.anchored or "") or field.default_drop:
+        return None
+    causes = find_own_causes(expectation, everything, field)
+    causes = [c for c in causes if c.type is ActionType.SCALE and agrees(c, expectation)]
+    place = make_box(causes[0].item.region) if causes else None
+    if place is None:
+        return None
+    low, high = list(place.low), list(place.high)
+    if 0 < low[2] < high[2] < 1:  # of what is pressed from above, the middle is not half-way up
+        sides = [0] if brief.long_axis == (1, 0, 0) else [1] if brief.long_axis == (0, 1, 0) else [0, 1]
+        for side in sides:
+            low[side], high[side] = place.low[2], place.high[2]
+    low[2], high[2] = SLAB, 1.0
+    there = expectation.model_copy(update={"partial": False, "part": None})  # as deep as if all were pressed
+    magnitude, window, hold_end = find_travel(causes, there, brief, everything, movers=1)
+    hand = VelocityConstraint(
+        constraint_type=ConstraintType.PARTICLE_TRANSLATION,
+        vector=down,
+        magnitude=magnitude,
+        active_time=window,
+        held_until=hold_end,
+        region=BoxRegion(low=(low[0], low[1], low[2]), high=(high[0], high[1], high[2])),
+    )
+    why = f"'{expectation.words}': the upper end of that part is pressed down, whatever the stiffness."
+    return _put(field, causes, (hand,)), why
 
 
 def _turn_ends(
