@@ -80,6 +80,21 @@ def test_what_is_lifted_and_held_is_carried_to_where_it_should_be():
     assert chosen(push | {"action_type": "impulse"}, moved | thrown, ground).actions
 
 
+def test_what_is_lifted_and_rests_is_let_go_when_the_next_motion_begins():
+    """Not when the rest begins: "lift it, hold it for a moment, then drop it"."""
+    reply = (
+        RuleSemanticAgent()
+        .compile(
+            asked("lift it up, hold it for a moment, then drop it", brief(world="ground", frames_fixed=False))
+        )
+        .value
+    )
+    rest, fall = reply.expectations[1:]
+    (hand,) = reply.force_field.constraints
+    assert (rest.kind, fall.kind) == (MotionKind.STILL, MotionKind.FALL)
+    assert hand.active_time[1] <= rest.window[0] < rest.window[1] <= hand.held_until == fall.window[0]
+
+
 def test_what_is_lifted_before_something_else_is_carried_until_then():
     """Upright, and let go when the next motion begins."""
     reply = RuleSemanticAgent().compile(asked("lift it, then drop it", brief(world="ground"))).value

@@ -399,9 +399,10 @@ def _carry(
         return None
     if brief.world != "ground" or brief.anchored is not None or expectation.sudden or expectation.partial:
         return None
-    later = [e.window[0] for e in everything if e.window[0] >= expectation.window[1] - 0.5]
-    if not (later or expectation.stays):
+    after = [e for e in everything if e.window[0] >= expectation.window[1] - 0.5]
+    if not (after or expectation.stays):
         return None
+    rests = any(e.kind is MotionKind.STILL and e.window[0] < expectation.window[1] + 1.5 for e in after)
     causes = [c for c in find_own_causes(expectation, everything, field) if c.type is ActionType.TRANSLATION]
     if not any(agrees(c, expectation) for c in causes) or any(c.item.region is not None for c in causes):
         return None
@@ -412,7 +413,8 @@ def _carry(
     effort *= find_reference_time(False, last * brief.frame_dt) / brief.frame_dt
     magnitude = clamp(effort / (MOVING * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
     until = clamp(float(round(first + effort / magnitude)), first + 1.0, end)
-    kept = min([*later, last]) if expectation.stays else end
+    moves = [e.window[0] for e in after if e.kind is not MotionKind.STILL]
+    kept = min([*moves, last]) if expectation.stays or rests else end
     hand = VelocityConstraint(
         constraint_type=ConstraintType.PARTICLE_TRANSLATION,
         vector=way,
