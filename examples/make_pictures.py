@@ -1,4 +1,4 @@
-"""The README's pictures: three sentences, each run through the closed loop, as a GIF and as a strip of frames.
+"""The README's pictures: four sentences, each run through the closed loop, as a GIF and as a strip of frames.
 
 Run: python examples/make_pictures.py               # small and coarse, into ./pictures: a minute
      python examples/make_pictures.py docs/images   # the README's own, with the default settings: some minutes
@@ -20,7 +20,8 @@ ROBOT = Path(__file__).parent / "assets" / "robot.ply"
 SENTENCES = {
     "plant": "a strong wind bends the plant to the left, then lets go",
     "jelly": "drop the jelly",
-    "robot": "a strong wind pushes the robot to the left",
+    "loaf": "someone presses down on the middle of the loaf and lets go",
+    "robot": "the robot does a backflip",
 }
 SMALL = dict(
     rounds=1,
@@ -29,6 +30,7 @@ SMALL = dict(
 )
 GIF_WIDTH, STRIP_WIDTH = 320, 240  # [px], of a frame
 MOST_BYTES = 1_500_000
+LONG = 100  # frames from which every other one is shown, for twice as long
 
 
 def film(name, prompt, folder, settings):
@@ -57,12 +59,13 @@ def main(out, settings):
         with tempfile.TemporaryDirectory() as folder:
             frames, verdict = film(name, prompt, Path(folder), settings)
         path = out / f"{name}.gif"
-        iio.imwrite(path, resize(frames, GIF_WIDTH), plugin="pillow", duration=40, loop=0)
+        step = 1 + len(frames) // LONG
+        iio.imwrite(path, resize(frames[::step], GIF_WIDTH), plugin="pillow", duration=40 * step, loop=0)
         chosen = np.linspace(0, len(frames) - 1, 5).round().astype(int)
         strips.append(np.concatenate(list(resize(frames[chosen], STRIP_WIDTH)), axis=1))
         print(f"{path}: {prompt!r}, {verdict}, {path.stat().st_size / 1e3:.0f} kB")
         assert np.ptp(frames.astype(int), axis=0).max() > 100 and path.stat().st_size < MOST_BYTES
-        assert iio.immeta(path)["duration"] == 40 and len(iio.imread(path)) == len(frames)
+        assert iio.immeta(path)["duration"] == 40 * step and len(iio.imread(path)) == len(frames[::step])
     iio.imwrite(out / "frames.png", np.concatenate(strips))
     print(out / "frames.png")
 

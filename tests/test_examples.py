@@ -35,7 +35,13 @@ def test_the_readme_shows_pictures_that_the_example_makes():
     readme = (REPOSITORY / "README.md").read_text()
     source = (REPOSITORY / "examples" / "make_pictures.py").read_text()
     shown = re.findall(r"!\[.+?\]\((docs/images/.+?)\)", readme)
-    assert {Path(place).name for place in shown} == {"plant.gif", "jelly.gif", "robot.gif", "frames.png"}
+    assert {Path(place).name for place in shown} == {
+        "plant.gif",
+        "jelly.gif",
+        "loaf.gif",
+        "robot.gif",
+        "frames.png",
+    }
     for place in shown:
         assert (REPOSITORY / place).stat().st_size < 1_500_000
         if place.endswith(".gif"):
@@ -45,5 +51,5 @@ def test_the_readme_shows_pictures_that_the_example_makes():
                 320,
                 3,
             )  # longer where the sentence asks for it
-    sentences = re.findall(r'^    "(?:plant|jelly|robot)": "(.+)",$', source, re.MULTILINE)
-    assert len(sentences) == 3 and all(f"`{sentence}`" in readme for sentence in sentences)
+    sentences = re.findall(r'^    "(?:plant|jelly|loaf|robot)": "(.+)",$', source, re.MULTILINE)
+    assert len(sentences) == 4 and all(f"`{sentence}`" in readme for sentence in sentences)

@@ -153,8 +153,27 @@ def _do_jobs(
         kept = [row for row in section["rows"] if row["job"] != name]
         section["rows"] = sorted(kept + rows, key=lambda row: order.get(row["job"], -1))
         section["complete"] = order.keys() <= {row["job"] for row in section["rows"]}
-        write_text(command.json, json.dumps(result, indent=1) + "\n")
+        write_text(command.json, format_result(result) + "\n")
     return bad
+
+
+def format_result(result: Mapping[str, Mapping[str, Any]]) -> str:
+    """JSON with a line for each run and each row, so that a change of one is a change of one line."""
+    return _join(
+        (f"{json.dumps(part)}: {_format_section(section)}" for part, section in result.items()), "{}"
+    )
+
+
+def _format_section(section: Mapping[str, Any]) -> str:
+    fields = (
+        (key, _join(map(json.dumps, value), "[]") if isinstance(value, list) else json.dumps(value))
+        for key, value in section.items()
+    )
+    return _join((f"{json.dumps(key)}: {value}" for key, value in fields), "{}")
+
+
+def _join(items: Iterable[str], brackets: str) -> str:
+    return f"{brackets[0]}\n" + ",\n".join(items) + f"\n{brackets[1]}"
 
 
 def _is_wanted(job: Job, command: Command) -> bool:

@@ -98,6 +98,17 @@ def test_a_run_that_was_stopped_is_gone_on_with(bench):
     assert bench.done == [] and len(bench.result["slow"]["runs"]) == 2
 
 
+def test_a_row_is_a_line_of_the_file(bench):
+    bench.run()
+    lines = [line.rstrip(",") for line in bench.path.read_text().splitlines()]
+    for section in bench.result.values():
+        for item in (*section["runs"], *section["rows"]):
+            assert json.dumps(item) in lines
+    bench.run(parts=("fast",), only=("fast 1",))
+    after = [line.rstrip(",") for line in bench.path.read_text().splitlines()]
+    assert len(set(lines) - set(after)) <= 2 and len(after) == len(lines) + 1  # a run more, and its row
+
+
 def test_two_commands_never_write_the_same_rows(bench, capsys):
     """The one that starts while another is at work is refused; different files do not hinder each other."""
     seen = []
