@@ -95,6 +95,27 @@ def test_what_is_lifted_and_rests_is_let_go_when_the_next_motion_begins():
     assert hand.active_time[1] <= rest.window[0] < rest.window[1] <= hand.held_until == fall.window[0]
 
 
+@pytest.mark.parametrize(
+    "prompt",
+    ["pick it up and put it down again", "it is lifted and gently set down", "lift it, wait a second, then lower it"],
+)
+def test_what_is_put_down_again_is_carried_as_far_as_it_was_raised(prompt):
+    """It is held until then; pushed down by a force it would be dropped."""
+    reply = RuleSemanticAgent().compile(asked(prompt, brief(world="ground", frames_fixed=False))).value
+    raised, lowered = reply.force_field.constraints
+    ways = [hand.magnitude * (hand.active_time[1] - hand.active_time[0]) for hand in (raised, lowered)]
+    assert (raised.vector, lowered.vector) == (UP, DOWN) and ways[0] == pytest.approx(ways[1], rel=1e-3)
+    assert raised.held_until == lowered.active_time[0] and reply.force_field.actions == ()
+
+
+def test_what_moves_otherwise_in_between_is_let_go():
+    prompt = "it moves up, then to the left, then down"
+    reply = RuleSemanticAgent().compile(asked(prompt, brief(world="ground", frames_fixed=False))).value
+    (raised,) = reply.force_field.constraints
+    left = next(e for e in reply.expectations if e.direction == LEFT)
+    assert (raised.held_until or raised.active_time[1]) <= left.window[0]
+
+
 def test_what_is_lifted_before_something_else_is_carried_until_then():
     """Upright, and let go when the next motion begins."""
     reply = RuleSemanticAgent().compile(asked("lift it, then drop it", brief(world="ground"))).value

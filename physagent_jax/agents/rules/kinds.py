@@ -73,7 +73,7 @@ def choose_kinds(
     """
     reasons: list[str] = []
     for expectation in expectations:
-        for make in (_part_ends, _press, _press_part, _turn_ends, _strike, _carry, _lead):
+        for make in (_part_ends, _press, _press_part, _turn_ends, _strike, _carry, _set_down, _lead):
             replaced = make(force_field, expectation, expectations, brief)
             if replaced is not None:
                 force_field, why = replaced
@@ -423,6 +423,51 @@ def _carry(
         held_until=kept if kept > until else None,
     )
     return _put(field, causes, (hand,)), f"'{expectation.words}': it is carried up, and kept there."
+
+
+def _set_down(
+    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
+) -> _Replaced:
+    """What was carried up and goes down again without falling: it is carried down, as far as it was up."""
+    down = brief.directions.down
+    if (
+        expectation.kind is not MotionKind.MOVE
+        or cosine(expectation.direction or (0.0, 0.0, 0.0), down) < _VERTICAL
+    ):
+        return None
+    if expectation.sudden or expectation.partial or expectation.amount is not None:
+        return None
+    carrying = [
+        index
+        for index, hand in enumerate(field.constraints)
+        if hand.constraint_type is ConstraintType.PARTICLE_TRANSLATION
+        and hand.region is None
+        and hand.active_time is not None
+        and cosine(hand.vector, down) < -_VERTICAL
+    ]
+    causes = [c for c in find_own_causes(expectation, everything, field) if c.type is ActionType.TRANSLATION]
+    if not carrying or not any(agrees(c, expectation) for c in causes):
+        return None
+    last = float(brief.frame_count - 1)
+    first, end = causes[0].item.active_time or (0.0, last)
+    lift = field.constraints[carrying[-1]]
+    begun, stopped = lift.active_time or (0.0, last)
+    moves = [e.window[0] for e in everything if e.kind is not MotionKind.STILL and e is not expectation]
+    if stopped > first + 0.5 or any(stopped - 0.5 < begin < first + 0.5 for begin in moves):
+        return None  # what moves it meanwhile needs it free
+    effort = lift.magnitude * (stopped - begun)
+    magnitude = clamp(effort / (MOVING * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
+    until = clamp(float(round(first + effort / magnitude)), first + 1.0, end)
+    hands = list(field.constraints)
+    hands[carrying[-1]] = lift.model_copy(update={"held_until": first if first > stopped else None})
+    lowering = VelocityConstraint(
+        constraint_type=ConstraintType.PARTICLE_TRANSLATION,
+        vector=down,
+        magnitude=round(clamp(effort / (until - first), MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
+        active_time=(first, until),
+    )
+    field = field.model_copy(update={"constraints": tuple(hands)})
+    return _put(field, causes, (lowering,)), f"'{expectation.words}': it is carried down again."
 
 
 def _lead(
