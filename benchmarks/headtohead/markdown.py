@@ -161,7 +161,7 @@ def _write_checks(rows: list[dict]) -> str:
         turned = sum((row["again"] <= 1) != (row["stored"] <= 1) for row in others) or "none"
         most = max(abs(row["again"] - row["stored"]) for row in others)
         text += f"The other {len(others)} differ by up to {most:.2g}; {turned} is a success in one only.\n"
-        text += "Sums in single precision depend on how many threads there are, and fits had one or two.\n"
+        text += "Sums in single precision depend on how many threads there are, and on the processor.\n"
     return text
 
 
