@@ -185,16 +185,19 @@ def _state_findings(rows: list[dict]) -> str:
     marks = sorted({mark["mark"] for row in rows for mark in row["marks"] if mark["mark"] > last})
 
     def tell_longer(labels):
-        reached = {
-            label: [mark for mark in marks if is_measured(groups[label], mark)][-1:] for label in labels
-        }
+        known = [label for label in labels if label in groups]
+        reached = {mark: [label for label in known if is_measured(groups[label], mark)] for mark in marks}
         return "".join(
-            f"\n  With {mark:g} simulations `{label}` solves {share([label], mark)}."
-            for label, mine in reached.items()
-            for mark in mine
+            f"\n  With {mark:g} simulations: "
+            + ", ".join(f"`{label}` {share([label], mark)}" for label in mine)
+            + "."
+            for mark, mine in reached.items()
+            if mine
         )
 
-    longer, longer_blind, longer_hybrid = (tell_longer(labels) for labels in (told, blind, ["hybrid"]))
+    longer = [
+        tell_longer(labels) for labels in ([REFERENCE, "random"], told, [*blind, "catcma", "cma"], ["hybrid"])
+    ]
     tasks = {row["task"] for row in rows}
     missed = len(tasks - set().union(*(find_solved(mine, last) for mine in groups.values())))
     ours = find_solved(groups[REFERENCE], last)
@@ -203,14 +206,15 @@ def _state_findings(rows: list[dict]) -> str:
 ### What was found
 
 - After one simulation `{REFERENCE}` solves {share([REFERENCE], 1.0)} of the tasks, chance {share(["random"], 1.0)};
-  after {last:g}, {share([REFERENCE])} and {share(["random"])}.
+  after {last:g}, {share([REFERENCE])} and {share(["random"])}.{longer[0]}
 - With {last:g} simulations, optimisers that are told by the target and by the object's responses what acts, when and
   where solve {share(told)}. Of the tasks that all of these miss, `{REFERENCE}` solves {len(ours - theirs) or "none"}.
-  They know the answer that they are measured by: it is what the simulator allows, and what agents could reach.{longer}
+  They know the answer that they are measured by: it is what the simulator allows, and what agents could
+  reach.{longer[1]}
 - Gradients begun at random with every skill in turn solve {share(blind)}, where evolution over skills (`catcma`)
-  solves {share(["catcma"])} and chance {share(["random"])}: most do not find out what acts so soon.{longer_blind}
+  solves {share(["catcma"])} and chance {share(["random"])}: most do not find out what acts so soon.{longer[2]}
 - Least squares on the agents' first guess (`hybrid`) solves {share(["hybrid"])}: of what the agents miss, a part is
-  numbers, which gradients mend, and the rest is what acts and when, which they do not.{longer_hybrid}
+  numbers, which gradients mend, and the rest is what acts and when, which they do not.{longer[3]}
 - {f"{missed} of {len(tasks)} tasks are solved by nobody." if missed else "Every task is solved by some method."}
 """
 

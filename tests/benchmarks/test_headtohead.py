@@ -369,7 +369,7 @@ def test_the_page_says_in_words_what_its_rows_say():
     more = [row | {"marks": [{"mark": 100.0, "success": True, "error": 0.5}]} for row in rows]
     rows += [row for row in more if row["label"] == "adam, responses"]
     page = " ".join(write(rows).split())
-    assert "With 100 simulations `adam, responses` solves 100 %. - Gradients" in page
+    assert "With 100 simulations: `adam, responses` 100 %. - Gradients" in page
     assert (
         "what acts, when and where solve 25 to 50 %. Of the tasks that all of these miss, `physagent` solves 1."
         in page
