@@ -143,9 +143,8 @@ def name_options(text: str) -> str:
 
 def describe_unknown(reply: SemanticReply) -> str:
     """The words that led to nothing, and what to do if one of them is the object's name."""
-    doubted = (word for word in reply.not_understood if any(f"'{word}'" in doubt for doubt in reply.unsure))
-    name = next(doubted, None)
-    hint = "" if name is None else f" (if '{name}' is the object, pass --kind {name})"
+    doubted = any(f"'{word}'" in doubt for word in reply.not_understood for doubt in reply.unsure)
+    hint = " (what is the object's name can be given as --kind)" if doubted else ""
     return ", ".join(reply.not_understood) + hint
 
 

@@ -97,7 +97,11 @@ def test_what_is_lifted_and_rests_is_let_go_when_the_next_motion_begins():
 
 @pytest.mark.parametrize(
     "prompt",
-    ["pick it up and put it down again", "it is lifted and gently set down", "lift it, wait a second, then lower it"],
+    [
+        "pick it up and put it down again",
+        "it is lifted and gently set down",
+        "lift it, wait a second, then lower it",
+    ],
 )
 def test_what_is_put_down_again_is_carried_as_far_as_it_was_raised(prompt):
     """It is held until then; pushed down by a force it would be dropped."""
