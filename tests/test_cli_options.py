@@ -52,7 +52,4 @@ def test_a_doubt_about_what_may_be_the_object_says_how_to_name_it(capsys):
         unsure=("'cow' is not understood.",),
     )
     ConsoleObserver().understood(reply)
-    assert (
-        "not understood: purple, cow (what is the object's name can be given as --kind)"
-        in capsys.readouterr().err
-    )
+    assert "not understood: purple, cow (the object is called by its file's name" in capsys.readouterr().err

@@ -142,9 +142,9 @@ def name_options(text: str) -> str:
 
 
 def describe_unknown(reply: SemanticReply) -> str:
-    """The words that led to nothing, and what to do if one of them is the object's name."""
+    """The words that led to nothing, and how the object is called, which one of them may be meant for."""
     doubted = any(f"'{word}'" in doubt for word in reply.not_understood for doubt in reply.unsure)
-    hint = " (what is the object's name can be given as --kind)" if doubted else ""
+    hint = " (the object is called by its file's name, its kind, or its card's `name`)" if doubted else ""
     return ", ".join(reply.not_understood) + hint
 
 
