@@ -273,6 +273,8 @@ def _press_part(
         return None
     if brief.world != "ground" or "top" in (brief.anchored or "") or field.default_drop:
         return None
+    if expectation.excludes_part:
+        return None  # all but that part
     causes = find_own_causes(expectation, everything, field)
     causes = [c for c in causes if c.type is ActionType.SCALE and agrees(c, expectation)]
     place = make_box(causes[0].item.region) if causes else None

@@ -39,9 +39,7 @@ _VIOLENT = 1.3  # strength from which leaving the picture at the end is part of 
 _LATE = 0.75  # share of the clip
 
 _ASIDE = 0.22  # [body lengths] that a thing may wander while it is only turned or deformed
-_TOPPLED = (
-    0.7  # [body lengths] that the centre of what tips over goes along: half its height and half its breadth
-)
+_TOPPLED = 0.7  # [body lengths] that the centre of what tips over goes: half its height and half its breadth
 _TURN_PUSHED = (
     30.0  # [degrees] that a pushed or deformed thing may turn; a little more than is told as a turn
 )

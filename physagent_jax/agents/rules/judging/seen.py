@@ -93,9 +93,12 @@ class View:
         if not self.grounded or self.anchored or self.force_field.default_drop:
             return []
         falls = [e for e in self.expectations if e.kind is MotionKind.FALL]
-        turns = [e for e in self.expectations if e.kind is MotionKind.ROTATE and e.direction is not None]
         ways = [
-            cross(e.direction, up) for e in turns if any(share_time(e, fall) for fall in falls) if e.direction
+            cross(e.direction, up)
+            for e in self.expectations
+            if e.kind is MotionKind.ROTATE
+            and e.direction is not None
+            and any(share_time(e, f) for f in falls)
         ]
         return [normalise(way) or way for way in ways if norm(way) > _BOTH]
 
