@@ -180,6 +180,11 @@ def test_a_part_of_what_stands_is_pressed_from_above(region, long_axis, low, hig
     [
         (scaled(DOWN, -1.0, region=TOP), squeezed(DOWN, partial=True), {}),  # it floats: nothing holds it below
         (scaled(RIGHT, -1.0, region=BAND), squeezed(RIGHT, partial=True), {"world": "ground"}),
+        (
+            scaled(DOWN, -1.0, region=TOP),
+            squeezed(DOWN, part=UP, partial=True, excludes_part=True),
+            {"world": "ground"},
+        ),
         ({"action_type": "translation", "vector": LEFT}, {"kind": "move", "direction": LEFT}, {}),
         ({"action_type": "torque", "vector": UP}, {"kind": "rotate", "direction": UP}, {}),
         ({"action_type": "impulse", "vector": LEFT}, {"kind": "move", "direction": LEFT, "sudden": True}, {}),

@@ -205,11 +205,19 @@ def find_travel(
     )
     reference = find_reference_time(brief.anchored is not None, last * brief.frame_dt) / brief.frame_dt
     effort = target * reference / (movers * PRESCRIBED_TRAVEL)  # magnitude times frames
+    magnitude, until = _spread_effort(effort, first, end)
+    kept = find_hold_end(expectation, everything, end, last)
+    return magnitude, (first, until), (kept if kept > until else None)
+
+
+def _spread_effort(effort: float, first: float, end: float) -> tuple[float, float]:
+    """Magnitude with which an effort [magnitude times frames] takes `MOVING` of a window, and its last frame.
+
+    In whole frames, and as long as the largest magnitude needs.
+    """
     magnitude = clamp(effort / (MOVING * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
     until = clamp(float(round(first + effort / magnitude)), first + 1.0, max(end, first + 1.0))
-    magnitude = clamp(effort / (until - first), MAGNITUDE_MIN, MAGNITUDE_MAX)  # in whole frames
-    kept = find_hold_end(expectation, everything, end, last)
-    return round(magnitude, 4), (first, until), (kept if kept > until else None)
+    return round(clamp(effort / (until - first), MAGNITUDE_MIN, MAGNITUDE_MAX), 4), until
 
 
 def _find_strain(expectation: ExpectedMotion, squeeze: bool, brief: SceneBrief) -> float:
@@ -457,15 +465,13 @@ def _set_down(
     moves = [e.window[0] for e in everything if e.kind is not MotionKind.STILL and e is not expectation]
     if stopped > first + 0.5 or any(stopped - 0.5 < begin < first + 0.5 for begin in moves):
         return None  # what moves it meanwhile needs it free
-    effort = lift.magnitude * (stopped - begun)
-    magnitude = clamp(effort / (MOVING * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
-    until = clamp(float(round(first + effort / magnitude)), first + 1.0, end)
+    magnitude, until = _spread_effort(lift.magnitude * (stopped - begun), first, end)
     hands = list(field.constraints)
     hands[carrying[-1]] = lift.model_copy(update={"held_until": first if first > stopped else None})
     lowering = VelocityConstraint(
         constraint_type=ConstraintType.PARTICLE_TRANSLATION,
         vector=down,
-        magnitude=round(clamp(effort / (until - first), MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
+        magnitude=magnitude,
         active_time=(first, until),
     )
     field = field.model_copy(update={"constraints": tuple(hands)})

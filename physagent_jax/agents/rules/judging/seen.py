@@ -33,7 +33,7 @@ class View:
 
     Attributes:
         report, brief, expectations: What was seen, where, and what was asked.
-        force_field: Names what to change; never a yardstick.
+        force_field: Names what to change, and whether the object was let fall from above; else no yardstick.
         gravity: Whether things that are let go fall.
         obstacles: What the sentence puts in the way.
     """
