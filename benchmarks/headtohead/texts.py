@@ -4,19 +4,19 @@ from baselines.evaluation import GRADIENT_COST
 from benchmarks.headtohead.statistics import CAP
 
 MEANING = f"""Made by `python -m benchmarks.headtohead`. Every method has the same tasks, the same simulator and the
-same budget in forward-equivalents (one plain simulation is 1; a value with its gradient is charged
-{GRADIENT_COST:g}, failures, line searches and the choice of starts are charged too). A method is judged by the
-force field that it itself holds for its
-best when the budget is spent; the judge reads true particles. *Oracle* methods minimise the distance to the target,
-which nothing but a simulator with the answer at hand can know: they are bounds, not competitors. Those called
-*responses* read more: from the windows and the parts of the target's clauses and one simulation per skill and axis,
-superposed, they take which actions, when and where ([responses.py](../baselines/responses.py)). They were mended on
-development tasks, on these with other objects, and on further ones like them whose targets are what a force field that
-was written first shows; one, the robot made taller, is like a task of the test split. *Error* is the largest
-miss of a task's clauses in tolerances (1 = just a success), cut at {CAP:g}; its median over tasks. Brackets are 95 %
-intervals of the bootstrap over tasks, stratified by family; seeds are averaged first. Score distillation
-(`dreamphysics_f`, `omniphysgs_f`) has a table of its own: what leads it here is a toy. `bo_leap` is left out for its
-time. CLIPsim (`--parts clipsim --clip DIR`) needs the weights of a CLIP model, which do not come with this repository.
+same budget in forward-equivalents (one plain simulation is 1; a value with its gradient is charged {GRADIENT_COST:g},
+failures, line searches and the choice of starts are charged too). A method is judged by the force field that it
+itself holds for its best when the budget is spent; the judge reads true particles. *Oracle* methods minimise the
+distance to the target, which nothing but a simulator with the answer at hand can know: they are bounds, not
+competitors. Those called *responses* read more: from the windows and the parts of the target's clauses and one
+simulation per skill and axis, superposed, they take which actions, when and where
+([responses.py](../baselines/responses.py)). They were mended on development tasks, on these with other objects, and
+on further ones like them whose targets are what a force field that was written first shows; one, the robot made
+taller, is like a task of the test split. *Error* is the largest miss of a task's clauses in tolerances (1 = just a
+success), cut at {CAP:g}; its median over tasks. Brackets are 95 % intervals of the bootstrap over tasks, stratified
+by family; seeds are averaged first. Score distillation (`dreamphysics_f`, `omniphysgs_f`) has a table of its own:
+what leads it here is a toy. `bo_leap` is left out for its time. CLIPsim (`--parts clipsim --clip DIR`) needs the
+weights of a CLIP model, which do not come with this repository.
 """
 
 MARKS = """

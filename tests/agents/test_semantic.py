@@ -113,6 +113,14 @@ def test_assumptions_are_noted():
     assert read("push the robot").notes == ("'push': no direction given, assumed left.",)
 
 
+def test_an_axis_that_the_verb_brings_is_told_as_an_axis():
+    """What turns about the verb's own axis names it as such; what is thrown names a direction."""
+    (spin,) = [e for e in read("spin the robot").evidence if e.field.endswith("vector")]
+    assert spin.why == "no axis given: it points up by default"
+    (throw,) = [e for e in read("throw the robot").evidence if e.field.endswith("vector")]
+    assert throw.why == "no direction given: up by default"
+
+
 def test_a_noun_is_the_object_if_its_file_or_kind_says_so():
     """A name that says nothing leaves it to the sentence; else a noun is the object's own, or one of its kind."""
     scan = read("the sand castle collapses", brief(object_name="scan_04"))

@@ -108,7 +108,8 @@ def _assume_direction(
     sides = [m for m in clause.select(MentionKind.SIDES) if "side" in m.words.lower() and not m.value]
     name = "right" if sides and verb.effect is Effect.SCALE else verb.direction or ASSUMED
     vector = normalise(sum_directions((name,), brief))
-    source = ValueSource(words, f"no direction given: {name} {BY_DEFAULT}")
+    missing = "no axis given: it points" if verb.effect is Effect.TURN else "no direction given:"
+    source = ValueSource(words, f"{missing} {name} {BY_DEFAULT}")
     if verb.direction:
         return vector, repeat, source, []
     return vector, repeat, source, [f"'{words}': no direction given, assumed {name}."]
