@@ -50,6 +50,7 @@ GROWTH = {"material": lambda row: row["material"]} | PRECISION
 PEERS = {
     "code": lambda row: f"{row['code']}: {row['version']}",
     "cores": lambda row: str(row["cores"]),
+    "order": lambda row: row["order"],
     "particles": lambda row: f"{row['particles']:,}",
     "substeps": lambda row: str(row["substeps"]),
     "value and gradient [s]": lambda row: (

@@ -16,16 +16,24 @@ from benchmarks.gradients.cube import make_scene
 from benchmarks.harness import Row
 from benchmarks.peers.base import PYTHON_VARIABLE
 from benchmarks.peers.gradient import CODES
+from physagent_jax.mpm import cell_order
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def measure_peers(particles: int, steps: int, cores: int, repeats: int) -> list[Row]:
-    """Ours and the peers' that are there, one after another."""
+ORDERS = ("sorted", "random")
+"""Of the particles that every code is given: by cell, or as they were drawn. Ours sorts them in any case."""
+
+
+def measure_peers(particles: int, steps: int, cores: int, order: str, repeats: int) -> list[Row]:
+    """Ours and the peers' that are there, one after another, given the particles in ``order``."""
     rows: list[Row] = []
+    scene = make_scene(particles)
+    if order == "sorted":
+        scene = scene.take(cell_order(scene.x, scene.dx))
     with tempfile.TemporaryDirectory() as folder:
         stored = Path(folder) / "scene.npz"
-        make_scene(particles).save(stored)
+        scene.save(stored)
         for code in CODES:
             python = sys.executable if code == "ours" else os.environ.get(PYTHON_VARIABLE, sys.executable)
             command = [
@@ -49,6 +57,7 @@ def measure_peers(particles: int, steps: int, cores: int, repeats: int) -> list[
     for row in rows:
         seconds = row.pop("seconds")
         row |= {"seconds": float(np.median(seconds)), "range": [min(seconds), max(seconds)], "cores": cores}
+        row["order"] = order
         row |= {"particles": particles, "substeps": steps, "ratio": row["seconds"] / ours["seconds"]}
         a, b = np.asarray(row["gradient"]), np.asarray(ours["gradient"])
         row["cosine"] = float(a @ b / np.sqrt((a @ a) * (b @ b)))
