@@ -79,9 +79,10 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
         forced = dataclasses.replace(state, v=v, C=affine(model, state))
         constrained = constraints.before_p2g(model, forced)
     with jax.named_scope("p2g"):
-        nodes = scatter(model, state, constrained, tau)
+        nodes, state = scatter(model, state, constrained, tau)
         nodes = reductions.sum_devices(nodes, model.axis)  # one grid, whichever device a particle is on
-        nodes = checkpoint_name(nodes, NODES)
+        # Kept one number of all nodes after the other, as the grid update wants them: else it reads in strides.
+        nodes = jnp.moveaxis(checkpoint_name(jnp.moveaxis(nodes, -1, 0), NODES), 0, -1)
     with jax.named_scope("grid_update"):
         node_mass, free = nodes[..., 3], grid_velocity(model, nodes)
         damped = damp(model, grid_velocity(model, fold_boundaries(model, nodes)))
@@ -103,10 +104,11 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
     return after, tau, StepTrace(forced, constrained, node_mass, free, velocity, gathered, moved.F, health)
 
 
-def scatter(model: Model, state: State, constrained: State, tau: jax.Array) -> jax.Array:
-    """Momentum and mass at the nodes, shape (nx, ny, nz, 4), with the stress ``tau`` and viscosity.
+def scatter(model: Model, state: State, constrained: State, tau: jax.Array) -> tuple[jax.Array, State]:
+    """Momentum and mass at the nodes, shape (nx, ny, nz, 4), with the stress ``tau`` and viscosity; and ``state``.
 
-    ``constrained`` is ``state`` after forces and constraints.
+    ``constrained`` is ``state`` after forces and constraints. The state is as it was, but G2P is to take its x and F
+    from here: a kernel's adjoint then adds up the derivatives by them.
     """
     v, dv = constrained.v, jnp.zeros(3, constrained.v.dtype)
     if not model.forces and not model.constraints:  # gravity alone need not go through memory
@@ -120,11 +122,12 @@ def scatter(model: Model, state: State, constrained: State, tau: jax.Array) -> j
         lame = (jnp.broadcast_to(parameter, model.mass.shape) for parameter in (law.mu, law.lam))
         particles = constrained.x, v, constrained.C, constrained.F, *lame
         if eta is None:
-            return cpu.p2g_neo_hookean(form, grid, *particles, *inputs)
-        return cpu.p2g_kelvin_voigt(form, grid, *particles, eta, state.C, *inputs)
+            nodes, x, F = cpu.p2g_neo_hookean(form, grid, *particles, *inputs)
+            return nodes, state if model.constraints else dataclasses.replace(state, x=x, F=F)
+        return cpu.p2g_kelvin_voigt(form, grid, *particles, eta, state.C, *inputs), state
     total = tau if eta is None else tau + viscous_stress(eta, state.C, state.F)
     p2g = kernels.load_cpu_kernels().p2g if use_cpu else transfer.p2g
-    return p2g(form, grid, constrained.x, v, constrained.C, total, *inputs)
+    return p2g(form, grid, constrained.x, v, constrained.C, total, *inputs), state
 
 
 def gather(model: Model, state: State, velocity: jax.Array) -> transfer.Moved:
@@ -221,10 +224,10 @@ def grid_velocity(model: Model, nodes: jax.Array) -> jax.Array:
     smaller still, so that its velocity would be lost in round-off; but the derivative of momentum / mass
     divides by the mass squared, which in float32 underflows.
     """
-    mass = nodes[..., 3:]
-    lightest = jax.lax.stop_gradient(_find_least_mass(model))
-    occupied = mass > jnp.finfo(mass.dtype).eps ** 1.5 * lightest
-    return jnp.where(occupied, nodes[..., :3] / jnp.where(occupied, mass, 1.0), 0.0)
+    least = jnp.finfo(nodes.dtype).eps ** 1.5 * jax.lax.stop_gradient(_find_least_mass(model))
+    use_cpu = kernels.use_cpu(model.kernels)
+    divide = kernels.load_cpu_kernels().grid_velocity if use_cpu else transfer.grid_velocity
+    return divide(nodes, least)
 
 
 def _find_least_mass(model: Model) -> jax.Array:

@@ -133,6 +133,13 @@ def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, dv, dt) -> jax.Array:
     return scatter_momentum(s, grid, mass, momentum, affine, impulse)
 
 
+def grid_velocity(nodes: jax.Array, least: jax.Array) -> jax.Array:
+    """Node velocities [m/s], shape (nx, ny, nz, 3), from momentum and mass; zero where that is not above ``least``."""
+    momentum, mass = nodes[..., :3], nodes[..., 3:]
+    occupied = mass > least
+    return jnp.where(occupied, momentum / jnp.where(occupied, mass, 1.0), 0.0)
+
+
 def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> Moved:
     """`gather_affine`, and the particles moved and deformed with the velocities gathered.
 

@@ -15,9 +15,9 @@ from physagent_jax.mpm.state import Grid
 
 # A new shape means a new compilation, which costs more than many nodes too many: sides are multiples of a granule, the
 # first window has room, a side grows by a good share at once, and those nearly full grow with it. The figures are the
-# best of those tried on the clips of ten sentences, by the time for compilation and nodes together.
-_GRANULE = 8
-_ROOM, _GROWTH = 1.1, 1.7
+# best of those tried on clips, by the number of shapes and of nodes (docs/decisions.md, "the grid is a window").
+_GRANULE = 4
+_ROOM, _GROWTH = 1.2, 1.7
 _NEARLY_FULL, _GROWTH_WITH_IT = 0.85, 1.2
 
 

@@ -106,12 +106,13 @@ def test_adjoints_equal_the_derivatives_of_the_reference(count, form, x64):
 
 @pytest.mark.parametrize("form", ["mls", "gradient"])
 def test_the_adjoint_with_a_neo_hookean_stress_equals_the_reference(form, x64):
+    """Derivatives by x and F that come from what goes on with them are added to its own."""
     c, rng = cloud(3001), np.random.default_rng(2)
     x, v, C, _, *rest = p2g_operands(c)
     mu, lam = (jnp.asarray(rng.uniform(1e3, 2e3, 3001)) for _ in range(2))
 
     def reference(x, v, C, F, mu, lam, *rest):
-        return transfer.p2g(form, GRID, x, v, C, materials.NeoHookean(mu, lam).stress(F), *rest)
+        return transfer.p2g(form, GRID, x, v, C, materials.NeoHookean(mu, lam).stress(F), *rest), x, F
 
     pulls_equal(partial(cpu.p2g_neo_hookean, form, GRID), reference, (x, v, C, c["F"], mu, lam, *rest))
 
@@ -133,6 +134,17 @@ def test_p2g_with_viscosity_and_its_adjoint_equal_the_reference(form, x64):
     for dtype, tolerance in TOLERANCE.items():
         close(jax.jit(kernel)(*(o.astype(dtype) for o in operands)), reference(*operands), tolerance)
     pulls_equal(kernel, reference, operands)
+
+
+def test_the_adjoint_of_node_velocities_equals_the_reference(x64):
+    """Of full nodes, of empty ones and of those so light that they count as empty; planes of any size."""
+    rng = np.random.default_rng(3)
+    for shape in [(12, 9, 14), (3, 3, 3), (1, 5, 7)]:
+        nodes = rng.normal(size=(*shape, 4))
+        nodes[..., 3] = rng.choice([0.0, 1e-9, 0.5, 2.0], size=shape)
+        operands = jnp.asarray(nodes), jnp.asarray(1e-6)
+        pulls_equal(cpu.grid_velocity, lambda n, least: transfer.grid_velocity(n, least), operands)
+        assert not pull(cpu.grid_velocity, operands)[0][nodes[..., 3] < 1e-6].any()
 
 
 def test_adjoints_repeat_bit_by_bit():

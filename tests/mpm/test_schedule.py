@@ -25,11 +25,13 @@ def thrown_block():
         low=(0.3, 0.4, 0.15),
         youngs_modulus=4e5,
         dtype=np.float64,
-        gravity=jnp.array([0, 0, -9.8]),
+        gravity=jnp.array(
+            [60.0, 0, -9.8]
+        ),  # so that it is faster, and its window larger, in the second frame
         forces=(push,),
     )
     shuffled = np.random.default_rng(0).permutation(len(state.x))  # so that sorting them pays
-    v = jnp.broadcast_to(jnp.array([8.0, 0, -3.0]), state.x.shape)
+    v = jnp.broadcast_to(jnp.array([4.0, 0, -3.0]), state.x.shape)
     state = dataclasses.replace(state, x=state.x[shuffled], v=v)
     return model.replace(grid=find_smallest_window(model.grid.dx * model.grid.cells, model.grid.cells)), state
 

@@ -235,4 +235,4 @@ def test_a_compiled_model_works_in_rollout_as_it_stands(source, body):
     np.testing.assert_allclose(fall, [0, 0, -9.8 * time**2 / 2], rtol=0.1, atol=1e-5)
     assert np.isfinite(path.x).all()
     assert float(made.model.dt) <= float(stable_dt(made.model, made.state))
-    assert made.windowed.grid.shape == (8, 8, 8) and made.model.grid.shape == (49, 49, 49)
+    assert made.windowed.grid.shape == (4, 4, 4) and made.model.grid.shape == (49, 49, 49)

@@ -26,10 +26,10 @@ class DomainBox(Boundary):
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Removes outward velocity components in the walls."""
         del time
-        components = []
-        for axis, index in enumerate(grid.node_indices()):
-            component = velocity[..., axis]
-            component = jnp.where(index < self.padding, jnp.maximum(component, 0), component)
-            component = jnp.where(index > grid.cells - self.padding, jnp.minimum(component, 0), component)
-            components.append(component)
-        return jnp.stack(components, axis=-1)
+        x, y, z = (index[..., None] for index in grid.node_indices())
+        axes = jnp.arange(3)
+        index = jnp.where(axes == 0, x, jnp.where(axes == 1, y, z))  # along the axis of each component
+        outward = (index < self.padding) & (velocity < 0) | (index > grid.cells - self.padding) & (
+            velocity > 0
+        )
+        return jnp.where(outward, 0, velocity)

@@ -1,10 +1,12 @@
-"""Adjoints of P2G and G2P on the CPU, for the MLS stress form (Hu et al. 2019, ChainQueen, appendix).
+"""Adjoints of P2G, node velocities and G2P on the CPU, for the MLS form (Hu et al. 2019, ChainQueen, appendix).
 
 The adjoint of a gather is a scatter and that of a scatter a gather. With bars for derivatives of a loss, w_i for the
 weight of node i and d_i = i - f for its place in cells, seen from the particle:
 
     G2P  v = sum w_i v_i,  C = 4/dx sum w_i v_i d_i^T,  x' = x + dt v,  F' = F + dt C F
          bar v_i = w_i (a + B d_i)             a = bar v + dt bar x',  B = 4/dx (bar C + dt bar F' F^T)
+    grid v_i = (m v)_i / m_i
+         bar (m v)_i = bar v_i / m_i,  bar m_i = -bar (m v)_i . v_i
     P2G  (m v)_i = w_i (q + A d_i),  m_i = w_i m;  q = m (v + dv),  A = m dx C - 4 dt V/dx tau
          bar q = sum w_i bar (m v)_i,  bar A = sum w_i bar (m v)_i d_i^T
 
@@ -48,7 +50,6 @@ from physagent_jax.kernels.numbers import (
     spline,
     spline_derivative,
     split_range,
-    store_vector,
 )
 from physagent_jax.mpm.kernels.transfer import (
     NUMBERS,
@@ -98,7 +99,7 @@ def g2p_adjoint(x, F, velocity, origin, dt, dx, bars, new_x, new_F, nodes, priva
 def scatter_bars(x, F, velocity, origin, dt, dx, bars, new_x, new_F, nodes, total, shape, first, last):
     """`g2p_adjoint` of the particles ``first`` to ``last``."""
     bar_x, bar_v, bar_C, bar_F = bars
-    old_F, flat_C, flat_F, result_F = flatten(F), flatten(bar_C), flatten(bar_F), flatten(new_F)
+    old_F, flat_C, flat_F = flatten(F), flatten(bar_C), flatten(bar_F)
     zero, by_dt = cast_like(0, dx), cast_like(0, dx)
     still = pack((zero, zero, zero))
     k, step = splat_like(cast_like(4, dx) / dx, still), splat_like(dt, still)
@@ -122,9 +123,9 @@ def scatter_bars(x, F, velocity, origin, dt, dx, bars, new_x, new_F, nodes, tota
         )
         g0, g1, g2 = k * g0, k * g1, k * g2  # columns of C
         s = pack((s0 - inner(b0, v), s1 - inner(b1, v), s2 - inner(b2, v)))
-        store_vector(new_x, p, unpack(moved + splat_like(cast_like(1, dx) / dx, s) * s))
+        store_flat(new_x, 3 * p, unpack(moved + splat_like(cast_like(1, dx) / dx, s) * s))
         e0, e1, e2 = product(g0, h0, h1, h2), product(g1, h0, h1, h2), product(g2, h0, h1, h2)  # C^T bar F'
-        store_rows(result_F, 9 * p, h0 + step * e0, h1 + step * e1, h2 + step * e2)
+        store_rows(new_F, 9 * p, h0 + step * e0, h1 + step * e1, h2 + step * e2)
         r0, r1, r2 = transpose(g0, g1, g2)
         by_dt += inner(moved, v) + (inner(d0, r0) + inner(d1, r1) + inner(d2, r2))
         along = repeat(Z)
@@ -133,13 +134,33 @@ def scatter_bars(x, F, velocity, origin, dt, dx, bars, new_x, new_F, nodes, tota
 
 
 @njit(parallel=True, **OPTIONS)
-def p2g_adjoint(particles, material, dv, origin, dt, dx, neo_hookean, bars, results, totals, padded):
+def grid_velocity_adjoint(nodes, least, bars, results):
+    """Fills ``results``, the derivatives by the nodes' momentum and mass, from ``bars``, those by their velocities.
+
+    Zero where the mass is not above ``least``. All are ordered as in `transfer.p2g`.
+    """
+    total, plane = nodes.size // NUMBERS, nodes.shape[1] * nodes.shape[2]
+    old, bar, new = flatten(nodes), flatten(bars), flatten(results)
+    one, zero = cast_like(1, least), cast_like(0, least)
+    for i in prange(nodes.shape[0]):
+        for o in range(i * plane, (i + 1) * plane):
+            mass = old[3 * total + o]
+            share = one / mass if mass > least else zero
+            a, b, c = share * bar[o], share * bar[o + total], share * bar[o + 2 * total]
+            new[o], new[o + total], new[o + 2 * total] = a, b, c
+            along = a * old[o] + b * old[o + total] + c * old[o + 2 * total]
+            new[o + 3 * total] = -share * along
+
+
+@njit(parallel=True, **OPTIONS)
+def p2g_adjoint(particles, material, dv, origin, dt, dx, neo_hookean, bars, passed, results, totals, padded):
     """Fills ``results``: the derivatives by x, v, C, tau (or F), mu, lam, mass and volume.
 
     ``particles`` are x, v, C, tau, mass and volume, where tau is F if the stress is neo-Hookean, and ``material`` is mu
     and lam, one number each if the stress is given; their derivatives are not written then. ``bars`` are those by the
-    nodes' momentum and mass, ordered as in `transfer.p2g`. ``totals`` gets a row per share of the particles, a multiple
-    of `SHARES_PER_THREAD`: the derivatives by dv and dt. ``padded`` has room for a grid and `PADDING`.
+    nodes' momentum and mass, ordered as in `transfer.p2g`; ``passed`` are those by x and F of what comes after, which
+    are added if the stress is neo-Hookean. ``totals`` gets a row per share of the particles, a multiple of
+    `SHARES_PER_THREAD`: the derivatives by dv and dt. ``padded`` has room for a grid and `PADDING`.
     """
     shape, shares, counter = bars.shape, totals.shape[0], np.empty(1, np.int64)
     numbers, count = flatten(bars), particles[0].shape[0]
@@ -160,6 +181,7 @@ def p2g_adjoint(particles, material, dv, origin, dt, dx, neo_hookean, bars, resu
                 dx,
                 neo_hookean,
                 padded,
+                passed,
                 results,
                 totals[part],
                 shape,
@@ -171,12 +193,12 @@ def p2g_adjoint(particles, material, dv, origin, dt, dx, neo_hookean, bars, resu
 
 @njit(**OPTIONS)
 def gather_bars(
-    particles, material, dv, origin, dt, dx, neo_hookean, bars, results, total, shape, first, last
+    particles, material, dv, origin, dt, dx, neo_hookean, bars, passed, results, total, shape, first, last
 ):
     """`p2g_adjoint` of the particles ``first`` to ``last``."""
     (x, v, C, tau, mass, volume), (mu, lam) = particles, material
     bar_x, bar_v, bar_C, bar_tau, bar_mu, bar_lam, bar_mass, bar_volume = results
-    flat_C, result_C, flat_tau, result_tau = flatten(C), flatten(bar_C), flatten(tau), flatten(bar_tau)
+    flat_C, flat_tau, (passed_x, passed_F) = flatten(C), flatten(tau), passed
     zero, kick, by_dt = cast_like(0, dx), (dv[0], dv[1], dv[2]), cast_like(0, dx)
     by_dv = pack((zero, zero, zero))
     for p in range(first, last):
@@ -194,14 +216,17 @@ def gather_bars(
         n = n0, n1, n2
         cells = cast_like(1, dx) / dx
         slopes = cells * (s0 - dot(a0, n)), cells * (s1 - dot(a1, n)), cells * (s2 - dot(a2, n))
-        store_vector(bar_x, p, slopes)
+        if neo_hookean:
+            others = passed_x[3 * p], passed_x[3 * p + 1], passed_x[3 * p + 2]
+            slopes = slopes[0] + others[0], slopes[1] + others[1], slopes[2] + others[2]
+        store_flat(bar_x, 3 * p, slopes)
         by_v = splat_like(m, mean) * mean
         by_dv = by_dv + by_v
-        store_vector(bar_v, p, unpack(by_v))
+        store_flat(bar_v, 3 * p, unpack(by_v))
         r0, r1, r2 = transpose(g0, g1, g2)  # rows of bar A, of which g are the columns
         c0, c1, c2 = load_rows(flat_C, 9 * p)
         spin = splat_like(m * dx, mean)
-        store_rows(result_C, 9 * p, spin * r0, spin * r1, spin * r2)
+        store_rows(bar_C, 9 * p, spin * r0, spin * r1, spin * r2)
         bar_mass[p] = by_mass + n0 * (v[p, 0] + kick[0]) + n1 * (v[p, 1] + kick[1]) + n2 * (v[p, 2] + kick[2])
         bar_mass[p] += dx * (inner(c0, r0) + inner(c1, r1) + inner(c2, r2))
         bar_volume[p] = k * (dot(t0, unpack(g0)) + dot(t1, unpack(g1)) + dot(t2, unpack(g2)))
@@ -215,20 +240,25 @@ def gather_bars(
                 (mu[p], lam[p]),
                 (s * r0, s * r1, s * r2),
                 (s * g0, s * g1, s * g2),
-                result_tau,
+                load_rows(passed_F, 9 * p),
+                bar_tau,
                 bar_mu,
                 bar_lam,
             )
         else:
-            store_rows(result_tau, 9 * p, s * r0, s * r1, s * r2)
+            store_rows(bar_tau, 9 * p, s * r0, s * r1, s * r2)
     total[0], total[1], total[2] = unpack(by_dv)
     total[3] = by_dt / dt
 
 
 @njit(**INLINE)
-def pull_neo_hookean(p, F, lame, rows, columns, bar_F, bar_mu, bar_lam):
-    """Derivatives by F, mu and lam of tau = mu (F F^T - I) + lam ln J I, those by tau given by rows and by columns."""
+def pull_neo_hookean(p, F, lame, rows, columns, others, bar_F, bar_mu, bar_lam):
+    """Derivatives by F, mu and lam of tau = mu (F F^T - I) + lam ln J I, those by tau given by rows and by columns.
+
+    ``others`` are the rows of what is added to those by F.
+    """
     (a, b, c), (mu, lam), (r0, r1, r2), (g0, g1, g2) = F, lame, rows, columns
+    o0, o1, o2 = others
     J = triple(a, b, c)
     trace = unpack(r0)[0] + unpack(r1)[1] + unpack(r2)[2]
     t0, t1, t2 = transpose(a, b, c)
@@ -240,10 +270,16 @@ def pull_neo_hookean(p, F, lame, rows, columns, bar_F, bar_mu, bar_lam):
     store_rows(
         bar_F,
         9 * p,
-        s * product(r0 + g0, a, b, c) + u * cross(b, c),
-        s * product(r1 + g1, a, b, c) + u * cross(c, a),
-        s * product(r2 + g2, a, b, c) + u * cross(a, b),
+        o0 + s * product(r0 + g0, a, b, c) + u * cross(b, c),
+        o1 + s * product(r1 + g1, a, b, c) + u * cross(c, a),
+        o2 + s * product(r2 + g2, a, b, c) + u * cross(a, b),
     )
+
+
+@njit(**INLINE)
+def store_flat(numbers, o, a):
+    """Writes a vector's numbers side by side."""
+    numbers[o], numbers[o + 1], numbers[o + 2] = a[0], a[1], a[2]
 
 
 @njit(**INLINE)

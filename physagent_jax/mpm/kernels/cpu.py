@@ -31,16 +31,21 @@ def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, dv, dt) -> jax.Array:
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
-def p2g_neo_hookean(form: str, grid: Grid, x, v, C, F, mu, lam, mass, volume, dv, dt) -> jax.Array:
-    """`p2g` with the stress of `materials.NeoHookean`, which never goes through memory."""
-    return _scatter(form, grid, x, v, C, F, mass, volume, dv, dt, lame=(mu, lam))
+def p2g_neo_hookean(
+    form: str, grid: Grid, x, v, C, F, mu, lam, mass, volume, dv, dt
+) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """`p2g` with the stress of `materials.NeoHookean`, which never goes through memory; with ``x`` and ``F``.
+
+    Who goes on with these saves a reverse pass the sum of two derivatives by each: it is made on the way as well.
+    """
+    return _scatter(form, grid, x, v, C, F, mass, volume, dv, dt, lame=(mu, lam)), x, F
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
 def p2g_kelvin_voigt(
     form: str, grid: Grid, x, v, C, F, mu, lam, viscosity, rate, mass, volume, dv, dt
 ) -> jax.Array:
-    """`p2g_neo_hookean` with `materials.viscous_stress` at the velocity gradient ``rate`` [1/s], shape (n, 3, 3)."""
+    """Also with `materials.viscous_stress` at the velocity gradient ``rate`` [1/s], shape (n, 3, 3); the nodes alone."""
     return _scatter(form, grid, x, v, C, F, mass, volume, dv, dt, lame=(mu, lam), viscous=(viscosity, rate))
 
 
@@ -72,9 +77,20 @@ def _scatter(form, grid, x, v, C, tau, mass, volume, dv, dt, *, lame=None, visco
     return call(x, v, C, tau, mu, lam, viscosity, rate, mass, volume, dv, grid.origin, scalars)[0]
 
 
+@jax.custom_vjp
+def grid_velocity(nodes: jax.Array, least: jax.Array) -> jax.Array:
+    """As `transfer.grid_velocity`, which XLA joins with what follows; only its derivative is a kernel."""
+    return transfer.grid_velocity(nodes, least)
+
+
 @partial(jax.custom_vjp, nondiff_argnums=(0, 1))
 def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.Moved:
     """As `transfer.g2p`. ``v`` and ``C`` only lend their memory."""
+    return _gather(form, wall, grid, x, v, C, F, velocity, dt, in_place=True)
+
+
+def _gather(form, wall, grid, x, v, C, F, velocity, dt, *, in_place: bool) -> transfer.Moved:
+    """Writes over ``x``, ``v``, ``C``, ``F`` if ``in_place``: where they are kept as well, XLA would copy them first."""
     count = len(x)
     _check(
         "g2p",
@@ -94,7 +110,7 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.
         results,
         vmap_method="sequential",
         input_layouts=(None, None, None, None, _BY_NUMBER, None, None),
-        input_output_aliases={k: k for k in range(4)},
+        input_output_aliases={k: k for k in range(4)} if in_place else None,
     )
     walls = (wall * grid.dx, (grid.cells - wall) * grid.dx)
     scalars = _stack_scalars(x.dtype, dt, grid.dx, form == "gradient", *walls)
@@ -128,20 +144,26 @@ def _stack_scalars(dtype, *numbers) -> jax.Array:
     return jnp.stack([jnp.asarray(number, dtype) for number in numbers])
 
 
-def _pull_p2g(form, grid, operands, cotangent, *, neo_hookean: bool):
-    """Derivatives by ``operands`` of `_scatter`, mu and lam among them."""
+def _pull_p2g(grid, operands, cotangent, passed=None):
+    """Derivatives by ``operands`` of `_scatter`, mu and lam among them.
+
+    ``passed`` are those by x and F of what takes them from a neo-Hookean P2G, and are added.
+    """
     x, v, C, tau, mu, lam, mass, volume, dv, dt = operands
     shares = thread_count() * SHARES_PER_THREAD
-    results = tuple(jax.ShapeDtypeStruct(like.shape, x.dtype) for like in operands[:8])
+    results = tuple(_describe_flat(like) for like in operands[:8])
     results += (jax.ShapeDtypeStruct((shares, TOTALS), x.dtype), _describe_padded_grid(grid, x.dtype))
     call = jax.ffi.ffi_call(
         register_handler("p2g_adjoint", x.dtype.name),
         results,
         vmap_method="sequential",
-        input_layouts=(*(None,) * 10, _BY_NUMBER, None),
+        input_layouts=(*(None,) * 10, _BY_NUMBER, *(None,) * 3),
+        input_output_aliases={} if passed is None else {11: 0, 12: 3},
     )
-    scalars = _stack_scalars(x.dtype, dt, grid.dx, neo_hookean)
-    *bars, totals, _ = call(x, v, C, tau, mu, lam, mass, volume, dv, grid.origin, cotangent, scalars)
+    scalars = _stack_scalars(x.dtype, dt, grid.dx, passed is not None)
+    passed = [each.reshape(-1) for each in passed or (mu, mu)]
+    *bars, totals, _ = call(x, v, C, tau, mu, lam, mass, volume, dv, grid.origin, cotangent, *passed, scalars)
+    bars = [bar.reshape(like.shape) for bar, like in zip(bars, operands)]
     total = totals.sum(0)
     return (*bars, total[:3], total[3])
 
@@ -157,7 +179,7 @@ def _p2g_backward(form, residuals, cotangent):
     x, v, C, tau, *others = operands
     nothing = jnp.zeros(1, x.dtype)
     operands = x, v, C, tau, nothing, nothing, *others
-    bars = _pull_p2g(form, grid, operands, cotangent, neo_hookean=False)
+    bars = _pull_p2g(grid, operands, cotangent)
     return (None, *bars[:4], *bars[6:])
 
 
@@ -165,16 +187,16 @@ def _p2g_neo_hookean_forward(form, grid, *operands):
     return p2g_neo_hookean(form, grid, *operands), (grid, operands)
 
 
-def _p2g_neo_hookean_backward(form, residuals, cotangent):
-    grid, operands = residuals
+def _p2g_neo_hookean_backward(form, residuals, cotangents):
+    (grid, operands), (cotangent, *passed) = residuals, cotangents
     if form == "mls":
-        return (None, *_pull_p2g(form, grid, operands, cotangent, neo_hookean=True))
+        return (None, *_pull_p2g(grid, operands, cotangent, passed))
 
     def reference(x, v, C, F, mu, lam, mass, volume, dv, dt):
         tau = NeoHookean(mu, lam).stress(F)
-        return transfer.p2g(form, grid, x, v, C, tau, mass, volume, dv, dt)
+        return transfer.p2g(form, grid, x, v, C, tau, mass, volume, dv, dt), x, F
 
-    return (None, *jax.vjp(reference, *operands)[1](cotangent))
+    return (None, *jax.vjp(reference, *operands)[1](tuple(cotangents)))
 
 
 def _p2g_kelvin_voigt_forward(form, grid, *operands):
@@ -193,8 +215,24 @@ def _p2g_kelvin_voigt_backward(form, residuals, cotangent):
     return (None, *jax.vjp(unfused, *operands)[1](cotangent))
 
 
+def _grid_velocity_forward(nodes, least):
+    return grid_velocity(nodes, least), (nodes, least)
+
+
+def _grid_velocity_backward(residuals, cotangent):
+    nodes, least = residuals
+    call = jax.ffi.ffi_call(
+        register_handler("grid_velocity_adjoint", nodes.dtype.name),
+        jax.ShapeDtypeStruct(nodes.shape, nodes.dtype),
+        vmap_method="sequential",
+        input_layouts=(_BY_NUMBER, None, _BY_NUMBER),
+        output_layouts=_BY_NUMBER,
+    )
+    return call(nodes, least[None], cotangent), jnp.zeros_like(least)
+
+
 def _g2p_forward(form, wall, grid, *operands):
-    return g2p(form, wall, grid, *operands), (grid, operands)
+    return _gather(form, wall, grid, *operands, in_place=False), (grid, operands)
 
 
 def _g2p_backward(form, wall, residuals, cotangent):
@@ -204,9 +242,7 @@ def _g2p_backward(form, wall, residuals, cotangent):
     x, v, C, F, velocity, dt = operands
     parts = thread_count()
     padded = _describe_padded_grid(grid, x.dtype)
-    results = tuple(
-        jax.ShapeDtypeStruct(shape, x.dtype) for shape in (x.shape, F.shape, (*grid.shape, NUMBERS))
-    )
+    results = _describe_flat(x), _describe_flat(F), jax.ShapeDtypeStruct((*grid.shape, NUMBERS), x.dtype)
     results += tuple(jax.ShapeDtypeStruct((parts, size), x.dtype) for size in (padded.size, TOTALS))
     call = jax.ffi.ffi_call(
         register_handler("g2p_adjoint", x.dtype.name),
@@ -218,7 +254,13 @@ def _g2p_backward(form, wall, residuals, cotangent):
     bars = cotangent.x, cotangent.v, cotangent.C, cotangent.F  # what `Health` holds has no derivative
     scalars = _stack_scalars(x.dtype, dt, grid.dx)
     by_x, by_F, nodes, _, totals, _ = call(x, F, velocity, grid.origin, *bars, scalars)
+    by_x, by_F = by_x.reshape(x.shape), by_F.reshape(F.shape)
     return (None, by_x, jnp.zeros_like(v), jnp.zeros_like(C), by_F, nodes[..., :3], totals[:, 3].sum())
+
+
+def _describe_flat(like: jax.Array) -> jax.ShapeDtypeStruct:
+    """A derivative by ``like`` in one dimension, so that XLA adds it to others in one loop instead of three."""
+    return jax.ShapeDtypeStruct((like.size,), like.dtype)
 
 
 def _describe_padded_grid(grid: Grid, dtype) -> jax.ShapeDtypeStruct:
@@ -229,4 +271,5 @@ def _describe_padded_grid(grid: Grid, dtype) -> jax.ShapeDtypeStruct:
 p2g.defvjp(_p2g_forward, _p2g_backward)
 p2g_neo_hookean.defvjp(_p2g_neo_hookean_forward, _p2g_neo_hookean_backward)
 p2g_kelvin_voigt.defvjp(_p2g_kelvin_voigt_forward, _p2g_kelvin_voigt_backward)
+grid_velocity.defvjp(_grid_velocity_forward, _grid_velocity_backward)
 g2p.defvjp(_g2p_forward, _g2p_backward)

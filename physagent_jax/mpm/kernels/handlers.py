@@ -12,12 +12,12 @@ from numba import njit
 
 from physagent_jax.kernels import ffi
 from physagent_jax.kernels.numbers import BODY
-from physagent_jax.mpm.kernels.adjoint import g2p_adjoint, p2g_adjoint
+from physagent_jax.mpm.kernels.adjoint import g2p_adjoint, grid_velocity_adjoint, p2g_adjoint
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
 
 
 def register_handler(kernel: str, precision: str) -> str:
-    """Name under which XLA can call "p2g", "g2p" or an "_adjoint" of theirs in "float32" or "float64"."""
+    """Name under which XLA can call a kernel, like "p2g" or "p2g_adjoint", in "float32" or "float64"."""
     return ffi.register_target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
 
 
@@ -71,7 +71,7 @@ def _g2p(frame, number):
 
 @njit(**BODY)
 def _p2g_adjoint(frame, number):
-    scalars = ffi.get_operand(frame, 11, number, 1)
+    scalars = ffi.get_operand(frame, 13, number, 1)
     p2g_adjoint(
         (
             ffi.get_operand(frame, 0, number, 2),
@@ -88,11 +88,12 @@ def _p2g_adjoint(frame, number):
         scalars[1],
         scalars[2] != 0,
         ffi.get_operand(frame, 10, number, 4),
+        (ffi.get_operand(frame, 11, number, 1), ffi.get_operand(frame, 12, number, 1)),
         (
-            ffi.get_result(frame, 0, number, 2),
-            ffi.get_result(frame, 1, number, 2),
-            ffi.get_result(frame, 2, number, 3),
-            ffi.get_result(frame, 3, number, 3),
+            ffi.get_result(frame, 0, number, 1),
+            ffi.get_result(frame, 1, number, 1),
+            ffi.get_result(frame, 2, number, 1),
+            ffi.get_result(frame, 3, number, 1),
             ffi.get_result(frame, 4, number, 1),
             ffi.get_result(frame, 5, number, 1),
             ffi.get_result(frame, 6, number, 1),
@@ -119,12 +120,22 @@ def _g2p_adjoint(frame, number):
             ffi.get_operand(frame, 6, number, 3),
             ffi.get_operand(frame, 7, number, 3),
         ),
-        ffi.get_result(frame, 0, number, 2),
-        ffi.get_result(frame, 1, number, 3),
+        ffi.get_result(frame, 0, number, 1),
+        ffi.get_result(frame, 1, number, 1),
         ffi.get_result(frame, 2, number, 4),
         ffi.get_result(frame, 3, number, 2),
         ffi.get_result(frame, 4, number, 2),
         ffi.get_result(frame, 5, number, 1),
+    )
+
+
+@njit(**BODY)
+def _grid_velocity_adjoint(frame, number):
+    grid_velocity_adjoint(
+        ffi.get_operand(frame, 0, number, 4),
+        ffi.get_operand(frame, 1, number, 1)[0],
+        ffi.get_operand(frame, 2, number, 4),
+        ffi.get_result(frame, 0, number, 4),
     )
 
 
@@ -179,6 +190,18 @@ def _g2p_adjoint_float64(frame):
     return 0
 
 
+def _grid_velocity_adjoint_float32(frame):
+    if not ffi.answer_query(frame):
+        _grid_velocity_adjoint(frame, np.float32)
+    return 0
+
+
+def _grid_velocity_adjoint_float64(frame):
+    if not ffi.answer_query(frame):
+        _grid_velocity_adjoint(frame, np.float64)
+    return 0
+
+
 _HANDLERS = {
     ("p2g", "float32"): _p2g_float32,
     ("p2g", "float64"): _p2g_float64,
@@ -188,4 +211,6 @@ _HANDLERS = {
     ("p2g_adjoint", "float64"): _p2g_adjoint_float64,
     ("g2p_adjoint", "float32"): _g2p_adjoint_float32,
     ("g2p_adjoint", "float64"): _g2p_adjoint_float64,
+    ("grid_velocity_adjoint", "float32"): _grid_velocity_adjoint_float32,
+    ("grid_velocity_adjoint", "float64"): _grid_velocity_adjoint_float64,
 }
