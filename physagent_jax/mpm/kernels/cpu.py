@@ -45,7 +45,7 @@ def p2g_neo_hookean(
 def p2g_kelvin_voigt(
     form: str, grid: Grid, x, v, C, F, mu, lam, viscosity, rate, mass, volume, dv, dt
 ) -> jax.Array:
-    """Also with `materials.viscous_stress` at the velocity gradient ``rate`` [1/s], shape (n, 3, 3); the nodes alone."""
+    """Also with `materials.viscous_stress` at the velocity gradient ``rate`` [1/s], shape (n, 3, 3); only the nodes."""
     return _scatter(form, grid, x, v, C, F, mass, volume, dv, dt, lame=(mu, lam), viscous=(viscosity, rate))
 
 
@@ -90,7 +90,7 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.
 
 
 def _gather(form, wall, grid, x, v, C, F, velocity, dt, *, in_place: bool) -> transfer.Moved:
-    """Writes over ``x``, ``v``, ``C``, ``F`` if ``in_place``: where they are kept as well, XLA would copy them first."""
+    """Writes over ``x``, ``v``, ``C``, ``F`` if ``in_place``: where they are kept too, XLA would copy them first."""
     count = len(x)
     _check(
         "g2p",
