@@ -108,7 +108,7 @@ def list_stages(model: Model, state: State) -> list[tuple[str, Callable, tuple]]
     def p2g(x, v, C, F, mass):
         moved = dataclasses.replace(state, x=x, v=v, C=C, F=F)
         heavy = model.replace(mass=mass)
-        return step.scatter(heavy, moved, moved, step.kirchhoff_stress(heavy, moved))
+        return step.scatter(heavy, moved, moved, step.kirchhoff_stress(heavy, moved))[0]
 
     def update_grid(nodes):
         velocity = step.damp(model, step.grid_velocity(model, nodes))
