@@ -182,7 +182,10 @@ def _state_findings(rows: list[dict]) -> str:
         low, high = f"{min(values):.0f}", f"{max(values):.0f}"
         return f"{low} %" if low == high else f"{low} to {high} %"
 
-    marks = sorted({mark["mark"] for row in rows for mark in row["marks"] if mark["mark"] > last})
+    every = sorted({mark["mark"] for row in rows for mark in row["marks"]})
+    marks = [mark for mark in every if mark > last]
+    before = max((mark for mark in every if mark < last), default=last)
+    early = 30.0 if 30.0 in every else before
 
     def tell_longer(labels):
         known = [label for label in labels if label in groups]
@@ -206,13 +209,17 @@ def _state_findings(rows: list[dict]) -> str:
 ### What was found
 
 - After one simulation `{REFERENCE}` solves {share([REFERENCE], 1.0)} of the tasks, chance {share(["random"], 1.0)};
+  after {before:g}, {share([REFERENCE], before)} and {share(["random"], before)};
   after {last:g}, {share([REFERENCE])} and {share(["random"])}.{longer[0]}
 - With {last:g} simulations, optimisers that are told by the target and by the object's responses what acts, when and
   where solve {share(told)}. Of the tasks that all of these miss, `{REFERENCE}` solves {len(ours - theirs) or "none"}.
   They know the answer that they are measured by: it is what the simulator allows, and what agents could
   reach.{longer[1]}
-- Gradients begun at random with every skill in turn solve {share(blind)}, where evolution over skills (`catcma`)
-  solves {share(["catcma"])} and chance {share(["random"])}: most do not find out what acts so soon.{longer[2]}
+- Gradients begun at random with every skill in turn solve {share(blind, before)} with {before:g} simulations and
+  {share(blind)} with {last:g}, evolution over skills (`catcma`)
+  {share(["catcma"], before)} and {share(["catcma"])}.
+  Told what acts, when and where, as above, gradients solve {share(told, early)} with {early:g}: to find that out is most
+  of the work.{longer[2]}
 - Least squares on the agents' first guess (`hybrid`) solves {share(["hybrid"])}: of what the agents miss, a part is
   numbers, which gradients mend, and the rest is what acts and when, which they do not.{longer[3]}
 - {f"{missed} of {len(tasks)} tasks are solved by nobody." if missed else "Every task is solved by some method."}
