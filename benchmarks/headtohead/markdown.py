@@ -218,8 +218,8 @@ def _state_findings(rows: list[dict]) -> str:
 - Gradients begun at random with every skill in turn solve {share(blind, before)} with {before:g} simulations and
   {share(blind)} with {last:g}, evolution over skills (`catcma`)
   {share(["catcma"], before)} and {share(["catcma"])}.
-  Told what acts, when and where, as above, gradients solve {share(told, early)} with {early:g}: to find that out is most
-  of the work.{longer[2]}
+  Told what acts, when and where, as above, gradients solve {share(told, early)} with {early:g}: to find that out is
+  most of the work.{longer[2]}
 - Least squares on the agents' first guess (`hybrid`) solves {share(["hybrid"])}: of what the agents miss, a part is
   numbers, which gradients mend, and the rest is what acts and when, which they do not.{longer[3]}
 - {f"{missed} of {len(tasks)} tasks are solved by nobody." if missed else "Every task is solved by some method."}
