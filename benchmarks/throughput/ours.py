@@ -48,7 +48,7 @@ def stages(ours: Ours, repeats: int) -> dict[str, float]:
         return result
 
     measure("stress alone", stage.kirchhoff_stress, state)
-    nodes = measure("p2g", stage.scatter, state, state, stage.kirchhoff_stress(model, state))
+    nodes, _ = measure("p2g", stage.scatter, state, state, stage.kirchhoff_stress(model, state))
     velocity = measure("grid update", grid_update, state, nodes)
     moved = measure("g2p", stage.gather, state, velocity)
     measure("projection and stress", stage.respond, moved.F, state.history)
