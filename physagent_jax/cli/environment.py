@@ -8,9 +8,6 @@ import sys
 from typing import Any
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.names import explain_unknown_name
-
-_LAYERS = ("default", "safe", "forksafe", "threadsafe", "tbb", "omp", "workqueue")
 
 
 def prepare() -> None:
@@ -52,9 +49,6 @@ def _check_numba() -> None:
         raise UserError(
             "`NUMBA_NUM_THREADS` must be a whole number from 1", got=count, do="Unset it to use all cores"
         )
-    layer = os.environ.get("NUMBA_THREADING_LAYER")
-    if layer is not None and layer not in _LAYERS:
-        raise explain_unknown_name("`NUMBA_THREADING_LAYER`", layer, _LAYERS)
 
 
 def _check_xla_flags() -> None:

@@ -26,14 +26,19 @@ from numba.np.arrayobj import populate_array
 from physagent_jax.core.errors import UserError
 from physagent_jax.kernels import ahead, store
 from physagent_jax.kernels.numbers import NO_WRAPPERS
-from physagent_jax.kernels.threads import thread_count
 
 HANDLER = types.int64(types.int64)
 """Signature of a handler: the address of the call frame, and 0 for success."""
 
 _WORD = ir.IntType(64)
+FRAME_API, FRAME_CONTEXT = 2, 3  # XLA_FFI_CallFrame.api and .ctx
 _FRAME_EXTENSION = 1
-_FRAME_OPERANDS, _FRAME_RESULTS = 9, 14  # XLA_FFI_Args.args and XLA_FFI_Rets.rets, within XLA_FFI_CallFrame
+_FRAME_OPERANDS, _FRAME_RESULTS, _FRAME_ATTRIBUTES = (
+    9,
+    14,
+    20,
+)  # XLA_FFI_Args.args, XLA_FFI_Rets.rets, XLA_FFI_Attrs.attrs
+_SCALAR_VALUE = 1  # XLA_FFI_Scalar
 _BUFFER_DATA, _BUFFER_RANK, _BUFFER_EXTENTS = 3, 4, 5  # XLA_FFI_Buffer
 _EXTENSION_TYPE, _EXTENSION_METADATA, _METADATA = 1, 3, 1  # XLA_FFI_Metadata_Extension
 _VERSION_WORD = 3  # XLA_FFI_Api_Version.major_version and .minor_version, within XLA_FFI_Metadata
@@ -43,7 +48,6 @@ _VERSION = 0 + (1 << 32)  # 0.1, the oldest that all supported versions of jaxli
 @cache
 def register_target(name: str, function) -> str:
     """Makes ``function``, a handler, callable as ``jax.ffi.ffi_call(name, ...)`` on CPU, compiled if need be."""
-    thread_count()  # starts the threads: compiled code from the disk asks for them as it is loaded
     ahead.wait_for(name)
     handler = store.load_or_compile(name, HANDLER, function)
     new_capsule = ctypes.pythonapi.PyCapsule_New
@@ -93,15 +97,15 @@ def _build_array(frame, index, number, rank, buffers: int):
     array, size = types.Array(number.dtype, rank.literal_value, "C"), number.dtype.bitwidth // 8
 
     def generate(context, builder, signature, arguments):
-        buffer = _load(builder, _load(builder, arguments[0], buffers), index.literal_value)
+        buffer = load_word(builder, load_word(builder, arguments[0], buffers), index.literal_value)
         data = builder.inttoptr(
-            _load(builder, buffer, _BUFFER_DATA), context.get_value_type(number.dtype).as_pointer()
+            load_word(builder, buffer, _BUFFER_DATA), context.get_value_type(number.dtype).as_pointer()
         )
-        extents = _load(builder, buffer, _BUFFER_EXTENTS)
+        extents = load_word(builder, buffer, _BUFFER_EXTENTS)
         if array.ndim == 1:
-            shape = [_multiply_words(builder, extents, _load(builder, buffer, _BUFFER_RANK))]
+            shape = [_multiply_words(builder, extents, load_word(builder, buffer, _BUFFER_RANK))]
         else:
-            shape = [_load(builder, extents, axis) for axis in range(array.ndim)]
+            shape = [load_word(builder, extents, axis) for axis in range(array.ndim)]
         strides = [_WORD(size)]
         for length in reversed(shape[1:]):
             strides.insert(0, builder.mul(strides[0], length))
@@ -111,11 +115,23 @@ def _build_array(frame, index, number, rank, buffers: int):
     return array(frame, index, number, rank), generate
 
 
+@intrinsic
+def get_attribute(typing, frame, index):
+    """An attribute that is an int64; they are in the order of their names."""
+
+    def generate(context, builder, signature, arguments):
+        attributes = load_word(builder, arguments[0], _FRAME_ATTRIBUTES)
+        scalar = load_word(builder, attributes, arguments[1])
+        return load_word(builder, load_word(builder, scalar, _SCALAR_VALUE), 0)
+
+    return types.int64(types.int64, types.int64), generate
+
+
 def _multiply_words(builder, address, count):
     """Of ``count`` words from ``address`` on."""
     total = cgutils.alloca_once_value(builder, _WORD(1))
     with cgutils.for_range(builder, count) as loop:
-        builder.store(builder.mul(builder.load(total), _load(builder, address, loop.index)), total)
+        builder.store(builder.mul(builder.load(total), load_word(builder, address, loop.index)), total)
     return builder.load(total)
 
 
@@ -124,7 +140,7 @@ def read_word(typing, address, index):
     """The ``index``-th word from ``address`` on."""
 
     def generate(context, builder, signature, arguments):
-        return _load(builder, *arguments)
+        return load_word(builder, *arguments)
 
     return types.int64(types.int64, types.int64), generate
 
@@ -134,17 +150,19 @@ def write_word(typing, address, index, value):
     """Writes the ``index``-th word from ``address`` on."""
 
     def generate(context, builder, signature, arguments):
-        builder.store(arguments[2], _place(builder, *arguments[:2]))
+        builder.store(arguments[2], find_word(builder, *arguments[:2]))
         return context.get_dummy_value()
 
     return types.void(types.int64, types.int64, types.int64), generate
 
 
-def _load(builder, address, index):
-    return builder.load(_place(builder, address, index))
+def load_word(builder, address, index):
+    """In LLVM's code: the ``index``-th word from ``address`` on."""
+    return builder.load(find_word(builder, address, index))
 
 
-def _place(builder, address, index):
+def find_word(builder, address, index):
+    """In LLVM's code: a pointer to it."""
     index = _WORD(index) if isinstance(index, int) else index
     return builder.gep(builder.inttoptr(address, _WORD.as_pointer()), [index])
 

@@ -23,7 +23,6 @@ from numba import cfunc
 from numba.core.compiler_lock import global_compiler_lock
 
 from physagent_jax.kernels.folders import describe_processor, make_private_folder
-from physagent_jax.kernels.launch import without_gil
 
 log = logging.getLogger(__name__)
 _SEAL = "seal.json"
@@ -63,7 +62,7 @@ def load_or_compile(target: str, signature, function):
 
 
 def _compile_in(folder: Path | None, signature, function):
-    with global_compiler_lock, without_gil(), _keep_numba_in(folder):
+    with global_compiler_lock, _keep_numba_in(folder):
         return cfunc(signature, cache=folder is not None)(function)
 
 

@@ -101,10 +101,10 @@ def to_uint8(rgb) -> np.ndarray:
 
 
 def choose_batch_size() -> int:
-    """Frames that are best rendered at the same time: on CPU one per core, if the kernels allow it."""
+    """Frames that are best rendered at the same time: on CPU one per core."""
     if find_platform() != "cpu":
         return 1
-    return threads.caller_count() if use_cpu() else threads.core_count()
+    return threads.thread_count() if use_cpu() else threads.core_count()
 
 
 def choose_pair_capacity(splats: Splats, camera: Camera) -> int:

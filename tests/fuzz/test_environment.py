@@ -65,7 +65,6 @@ def test_a_run_on_a_terminal_of_ascii(base, tmp_path):
         {"NUMBA_NUM_THREADS": "0"},
         pytest.param({"NUMBA_NUM_THREADS": "-3"}, marks=pytest.mark.slow),
         pytest.param({"NUMBA_NUM_THREADS": "many"}, marks=pytest.mark.slow),
-        pytest.param({"NUMBA_THREADING_LAYER": "nonsense"}, marks=pytest.mark.slow),
         pytest.param({"JAX_PLATFORMS": "cuda"}, marks=pytest.mark.slow),
         pytest.param({"JAX_PLATFORMS": "nonsense"}, marks=pytest.mark.slow),
         pytest.param({"JAX_ENABLE_X64": "perhaps"}, marks=pytest.mark.slow),

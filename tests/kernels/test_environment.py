@@ -11,7 +11,6 @@ from tests.kernels.processes import begun, ended
 MAIN = "import sys; from physagent_jax.cli import main; sys.exit(main({}))"
 BAD = {
     "NUMBA_NUM_THREADS": ["0", "-1", "abc", "", "1" * 5000],
-    "NUMBA_THREADING_LAYER": ["nonsense"],
     "PHYSAGENT_COMPILE_CACHE": ["/dev/null", "/proc/nothing"],
 }
 IN_PROCESSES = [  # what JAX reads once, as it is imported
@@ -69,20 +68,6 @@ def test_help_and_schemas_come_whatever_the_environment(arguments, monkeypatch, 
     except SystemExit as end:
         assert not end.code
     assert capsys.readouterr().out
-
-
-def test_a_threading_layer_that_is_missing_is_told(monkeypatch):
-    """Known by name to Numba, but not installed."""
-    numba = pytest.importorskip("numba")
-    from physagent_jax.core.errors import UserError
-    from physagent_jax.kernels.threads import thread_count
-
-    def fails():
-        raise ValueError("No threading layer could be loaded.\nHINT: more")
-
-    monkeypatch.setattr(numba, "get_num_threads", fails)
-    with pytest.raises(UserError, match="NUMBA_THREADING_LAYER"):
-        thread_count.__wrapped__()
 
 
 TINY = """

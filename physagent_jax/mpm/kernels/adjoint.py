@@ -10,7 +10,7 @@ weight of node i and d_i = i - f for its place in cells, seen from the particle:
     P2G  (m v)_i = w_i (q + A d_i),  m_i = w_i m;  q = m (v + dv),  A = m dx C - 4 dt V/dx tau
          bar q = sum w_i bar (m v)_i,  bar A = sum w_i bar (m v)_i d_i^T
 
-What a particle adds to the grid is dealt to the threads as in `transfer.p2g`.
+What particles add to the grid is cut into shares as in `transfer.p2g`.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportPrivateImportUsage=false, reportAttributeAccessIssue=false
@@ -18,7 +18,7 @@ What a particle adds to the grid is dealt to the threads as in `transfer.p2g`.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
 from physagent_jax.kernels.lanes import (
     clear,
@@ -41,16 +41,15 @@ from physagent_jax.kernels.lanes import (
 from physagent_jax.kernels.numbers import (
     INLINE,
     OPTIONS,
-    SHARES_PER_THREAD,
     cast_like,
     dot,
     extract,
-    fetch_add,
     load_columns,
     spline,
     spline_derivative,
     split_range,
 )
+from physagent_jax.kernels.team import share_loop
 from physagent_jax.mpm.kernels.transfer import (
     NUMBERS,
     PADDING,
@@ -70,29 +69,29 @@ from physagent_jax.mpm.kernels.transfer import (
 TOTALS = 4  # per share of the particles: derivatives by dv and dt
 
 
-@njit(parallel=True, **OPTIONS)
-def g2p_adjoint(x, F, velocity, origin, dt, dx, bars, new_x, new_F, nodes, private, totals, padded):
-    """Fills the derivatives by x, F and the node velocities; ``totals`` has a row per thread, its last entry for dt.
+@njit(**OPTIONS)
+def g2p_adjoint(
+    team, x, F, velocity, origin, dt, dx, bars, new_x, new_F, nodes, private, totals, touched, padded
+):
+    """Fills the derivatives by x, F and the node velocities; ``totals`` has a row per share, its last entry for dt.
 
     ``bars`` are those by the x, v, C and F that `transfer.g2p` gave; of the four numbers per node in ``nodes`` three
     count.
     """
     shape, parts = nodes.shape, private.shape[0]
     plane, fields = NUMBERS * shape[1] * shape[2], flatten(velocity)
-    clear(padded, shape[0] * plane, padded.size)
-    for i in prange(shape[0]):
-        interleave_plane(fields, padded, np.int64(i), shape, False)
-    touched = np.empty((parts, 2), np.int64)
-    for part in prange(parts):
-        first, last = split_range(x.shape[0], np.int64(part), parts)
+    for i in share_loop(team, 0, shape[0]):
+        interleave_plane(fields, padded, i, shape, False)
+    for part in share_loop(team, 1, parts):
+        first, last = split_range(x.shape[0], part, parts)
         low, high = find_planes(x, first, last, origin[0], dx, shape[0])
         touched[part, 0], touched[part, 1] = low, high
         own = private[part]
         clear(own, low * plane, max(low, high) * plane + PADDING)
         scatter_bars(x, F, padded, origin, dt, dx, bars, new_x, new_F, own, totals[part], shape, first, last)
     numbers = flatten(nodes)
-    for i in prange(shape[0]):
-        sum_plane(private, touched, numbers, np.int64(i), shape)
+    for i in share_loop(team, 2, shape[0]):
+        sum_plane(private, touched, numbers, i, shape)
 
 
 @njit(**OPTIONS)
@@ -133,8 +132,8 @@ def scatter_bars(x, F, velocity, origin, dt, dx, bars, new_x, new_F, nodes, tota
     total[0], total[1], total[2], total[3] = zero, zero, zero, by_dt
 
 
-@njit(parallel=True, **OPTIONS)
-def grid_velocity_adjoint(nodes, least, bars, results):
+@njit(**OPTIONS)
+def grid_velocity_adjoint(team, nodes, least, bars, results):
     """Fills ``results``, the derivatives by the nodes' momentum and mass, from ``bars``, those by their velocities.
 
     Zero where the mass is not above ``least``. All are ordered as in `transfer.p2g`.
@@ -142,7 +141,7 @@ def grid_velocity_adjoint(nodes, least, bars, results):
     total, plane = nodes.size // NUMBERS, nodes.shape[1] * nodes.shape[2]
     old, bar, new = flatten(nodes), flatten(bars), flatten(results)
     one, zero = cast_like(1, least), cast_like(0, least)
-    for i in prange(nodes.shape[0]):
+    for i in share_loop(team, 0, nodes.shape[0]):
         for o in range(i * plane, (i + 1) * plane):
             mass = old[3 * total + o]
             share = one / mass if mass > least else zero
@@ -152,43 +151,39 @@ def grid_velocity_adjoint(nodes, least, bars, results):
             new[o + 3 * total] = -share * along
 
 
-@njit(parallel=True, **OPTIONS)
-def p2g_adjoint(particles, material, dv, origin, dt, dx, neo_hookean, bars, passed, results, totals, padded):
+@njit(**OPTIONS)
+def p2g_adjoint(
+    team, particles, material, dv, origin, dt, dx, neo_hookean, bars, passed, results, totals, padded
+):
     """Fills ``results``: the derivatives by x, v, C, tau (or F), mu, lam, mass and volume.
 
     ``particles`` are x, v, C, tau, mass and volume, where tau is F if the stress is neo-Hookean, and ``material`` is mu
     and lam, one number each if the stress is given; their derivatives are not written then. ``bars`` are those by the
     nodes' momentum and mass, ordered as in `transfer.p2g`; ``passed`` are those by x and F of what comes after, which
-    are added if the stress is neo-Hookean. ``totals`` gets a row per share of the particles, a multiple of
-    `SHARES_PER_THREAD`: the derivatives by dv and dt. ``padded`` has room for a grid and `PADDING`.
+    are added if the stress is neo-Hookean. ``totals`` gets a row per share of the particles: the derivatives by dv and
+    dt. ``padded`` has room for a grid and `PADDING`.
     """
-    shape, shares, counter = bars.shape, totals.shape[0], np.empty(1, np.int64)
-    numbers, count = flatten(bars), particles[0].shape[0]
-    clear(padded, shape[0] * NUMBERS * shape[1] * shape[2], padded.size)
-    for i in prange(shape[0]):
-        interleave_plane(numbers, padded, np.int64(i), shape, True)
-    counter[0] = 0
-    for _ in prange(shares // SHARES_PER_THREAD):
-        part = fetch_add(counter)
-        while part < shares:
-            first, last = split_range(count, part, shares)
-            gather_bars(
-                particles,
-                material,
-                dv,
-                origin,
-                dt,
-                dx,
-                neo_hookean,
-                padded,
-                passed,
-                results,
-                totals[part],
-                shape,
-                first,
-                last,
-            )
-            part = fetch_add(counter)
+    shape, shares, numbers, count = bars.shape, totals.shape[0], flatten(bars), particles[0].shape[0]
+    for i in share_loop(team, 0, shape[0]):
+        interleave_plane(numbers, padded, i, shape, True)
+    for share in share_loop(team, 1, shares):
+        first, last = split_range(count, share, shares)
+        gather_bars(
+            particles,
+            material,
+            dv,
+            origin,
+            dt,
+            dx,
+            neo_hookean,
+            padded,
+            passed,
+            results,
+            totals[share],
+            shape,
+            first,
+            last,
+        )
 
 
 @njit(**OPTIONS)

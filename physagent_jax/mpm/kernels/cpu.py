@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from physagent_jax.core.errors import UserError
 from physagent_jax.kernels import ffi
 from physagent_jax.kernels.numbers import SHARES_PER_THREAD
-from physagent_jax.kernels.threads import thread_count
+from physagent_jax.kernels.threads import choose_team, thread_count
 from physagent_jax.mpm import transfer
 from physagent_jax.mpm.health import Health
 from physagent_jax.mpm.kernels.adjoint import TOTALS
@@ -68,13 +68,15 @@ def _scatter(form, grid, x, v, C, tau, mass, volume, dv, dt, *, lame=None, visco
     private = jax.ShapeDtypeStruct((parts, size), x.dtype)
     call = jax.ffi.ffi_call(
         register_handler("p2g", x.dtype.name),
-        (nodes, private),
+        (nodes, private, _describe_touched(parts)),
         vmap_method="sequential",
-        output_layouts=(_BY_NUMBER, None),
+        output_layouts=(_BY_NUMBER, None, None),
     )
     options = form == "gradient", lame is not None, viscous is not None
     scalars = _stack_scalars(x.dtype, dt, grid.dx, *options)
-    return call(x, v, C, tau, mu, lam, viscosity, rate, mass, volume, dv, grid.origin, scalars)[0]
+    return call(
+        x, v, C, tau, mu, lam, viscosity, rate, mass, volume, dv, grid.origin, scalars, **choose_team()
+    )[0]
 
 
 @jax.custom_vjp
@@ -114,7 +116,7 @@ def _gather(form, wall, grid, x, v, C, F, velocity, dt, *, in_place: bool) -> tr
     )
     walls = (wall * grid.dx, (grid.cells - wall) * grid.dx)
     scalars = _stack_scalars(x.dtype, dt, grid.dx, form == "gradient", *walls)
-    x, v, C, F, health, _ = call(x, v, C, F, velocity, grid.origin, scalars)
+    x, v, C, F, health, _ = call(x, v, C, F, velocity, grid.origin, scalars, **choose_team())
     least_J, most_J, least_increment, speed, nonfinite, outside, beyond = health.T
     return transfer.Moved(
         *(x, v, C, F),
@@ -162,7 +164,8 @@ def _pull_p2g(grid, operands, cotangent, passed=None):
     )
     scalars = _stack_scalars(x.dtype, dt, grid.dx, passed is not None)
     passed = [each.reshape(-1) for each in passed or (mu, mu)]
-    *bars, totals, _ = call(x, v, C, tau, mu, lam, mass, volume, dv, grid.origin, cotangent, *passed, scalars)
+    fixed = mass, volume, dv, grid.origin, cotangent
+    *bars, totals, _ = call(x, v, C, tau, mu, lam, *fixed, *passed, scalars, **choose_team())
     bars = [bar.reshape(like.shape) for bar, like in zip(bars, operands)]
     total = totals.sum(0)
     return (*bars, total[:3], total[3])
@@ -228,7 +231,7 @@ def _grid_velocity_backward(residuals, cotangent):
         input_layouts=(_BY_NUMBER, None, _BY_NUMBER),
         output_layouts=_BY_NUMBER,
     )
-    return call(nodes, least[None], cotangent), jnp.zeros_like(least)
+    return call(nodes, least[None], cotangent, **choose_team()), jnp.zeros_like(least)
 
 
 def _g2p_forward(form, wall, grid, *operands):
@@ -246,16 +249,22 @@ def _g2p_backward(form, wall, residuals, cotangent):
     results += tuple(jax.ShapeDtypeStruct((parts, size), x.dtype) for size in (padded.size, TOTALS))
     call = jax.ffi.ffi_call(
         register_handler("g2p_adjoint", x.dtype.name),
-        (*results, padded),
+        (*results, _describe_touched(parts), padded),
         vmap_method="sequential",
         input_layouts=(None, None, _BY_NUMBER, *(None,) * 6),
-        output_layouts=(None, None, _BY_NUMBER, None, None, None),
+        output_layouts=(None, None, _BY_NUMBER, *(None,) * 4),
     )
     bars = cotangent.x, cotangent.v, cotangent.C, cotangent.F  # what `Health` holds has no derivative
     scalars = _stack_scalars(x.dtype, dt, grid.dx)
-    by_x, by_F, nodes, _, totals, _ = call(x, F, velocity, grid.origin, *bars, scalars)
+    made = call(x, F, velocity, grid.origin, *bars, scalars, **choose_team())
+    by_x, by_F, nodes, _, totals, _, _ = made
     by_x, by_F = by_x.reshape(x.shape), by_F.reshape(F.shape)
     return (None, by_x, jnp.zeros_like(v), jnp.zeros_like(C), by_F, nodes[..., :3], totals[:, 3].sum())
+
+
+def _describe_touched(parts: int) -> jax.ShapeDtypeStruct:
+    """Room for the first and last + 1 of the planes that each share of the particles touches."""
+    return jax.ShapeDtypeStruct((parts, 2), jnp.int32)
 
 
 def _describe_flat(like: jax.Array) -> jax.ShapeDtypeStruct:

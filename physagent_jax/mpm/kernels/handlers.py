@@ -11,7 +11,8 @@ import numpy as np
 from numba import njit
 
 from physagent_jax.kernels import ffi
-from physagent_jax.kernels.numbers import BODY
+from physagent_jax.kernels.numbers import NO_WRAPPERS
+from physagent_jax.kernels.team import run_in_team
 from physagent_jax.mpm.kernels.adjoint import g2p_adjoint, grid_velocity_adjoint, p2g_adjoint
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
 
@@ -21,10 +22,11 @@ def register_handler(kernel: str, precision: str) -> str:
     return ffi.register_target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
 
 
-@njit(**BODY)
-def _p2g(frame, number):
+@njit(**NO_WRAPPERS)
+def _p2g(frame, number, team):
     scalars = ffi.get_operand(frame, 12, number, 1)
     p2g(
+        team,
         ffi.get_operand(frame, 0, number, 2),
         ffi.get_operand(frame, 1, number, 2),
         ffi.get_operand(frame, 2, number, 3),
@@ -44,15 +46,16 @@ def _p2g(frame, number):
         (scalars[2] != 0, scalars[3] != 0, scalars[4] != 0),
         ffi.get_result(frame, 0, number, 4),
         ffi.get_result(frame, 1, number, 2),
+        ffi.get_result(frame, 2, np.int32, 2),
     )
 
 
-@njit(**BODY)
-def _g2p(frame, number):
+@njit(**NO_WRAPPERS)
+def _g2p(frame, number, team):
     scalars = ffi.get_operand(frame, 6, number, 1)
     g2p(
-        ffi.get_operand(frame, 0, number, 2),
-        ffi.get_operand(frame, 3, number, 3),
+        team,
+        (ffi.get_operand(frame, 0, number, 2), ffi.get_operand(frame, 3, number, 3)),
         ffi.get_operand(frame, 4, number, 4),
         ffi.get_operand(frame, 5, np.int32, 1),
         scalars[0],
@@ -60,19 +63,22 @@ def _g2p(frame, number):
         scalars[2] != 0,
         scalars[3],
         scalars[4],
-        ffi.get_result(frame, 0, number, 2),
-        ffi.get_result(frame, 1, number, 2),
-        ffi.get_result(frame, 2, number, 3),
-        ffi.get_result(frame, 3, number, 3),
+        (
+            ffi.get_result(frame, 0, number, 2),
+            ffi.get_result(frame, 1, number, 2),
+            ffi.get_result(frame, 2, number, 3),
+            ffi.get_result(frame, 3, number, 3),
+        ),
         ffi.get_result(frame, 4, number, 2),
         ffi.get_result(frame, 5, number, 1),
     )
 
 
-@njit(**BODY)
-def _p2g_adjoint(frame, number):
+@njit(**NO_WRAPPERS)
+def _p2g_adjoint(frame, number, team):
     scalars = ffi.get_operand(frame, 13, number, 1)
     p2g_adjoint(
+        team,
         (
             ffi.get_operand(frame, 0, number, 2),
             ffi.get_operand(frame, 1, number, 2),
@@ -104,10 +110,11 @@ def _p2g_adjoint(frame, number):
     )
 
 
-@njit(**BODY)
-def _g2p_adjoint(frame, number):
+@njit(**NO_WRAPPERS)
+def _g2p_adjoint(frame, number, team):
     scalars = ffi.get_operand(frame, 8, number, 1)
     g2p_adjoint(
+        team,
         ffi.get_operand(frame, 0, number, 2),
         ffi.get_operand(frame, 1, number, 3),
         ffi.get_operand(frame, 2, number, 4),
@@ -125,13 +132,15 @@ def _g2p_adjoint(frame, number):
         ffi.get_result(frame, 2, number, 4),
         ffi.get_result(frame, 3, number, 2),
         ffi.get_result(frame, 4, number, 2),
-        ffi.get_result(frame, 5, number, 1),
+        ffi.get_result(frame, 5, np.int32, 2),
+        ffi.get_result(frame, 6, number, 1),
     )
 
 
-@njit(**BODY)
-def _grid_velocity_adjoint(frame, number):
+@njit(**NO_WRAPPERS)
+def _grid_velocity_adjoint(frame, number, team):
     grid_velocity_adjoint(
+        team,
         ffi.get_operand(frame, 0, number, 4),
         ffi.get_operand(frame, 1, number, 1)[0],
         ffi.get_operand(frame, 2, number, 4),
@@ -143,63 +152,43 @@ def _grid_velocity_adjoint(frame, number):
 
 
 def _p2g_float32(frame):
-    if not ffi.answer_query(frame):
-        _p2g(frame, np.float32)
-    return 0
+    return run_in_team(frame, np.float32, _p2g)
 
 
 def _p2g_float64(frame):
-    if not ffi.answer_query(frame):
-        _p2g(frame, np.float64)
-    return 0
+    return run_in_team(frame, np.float64, _p2g)
 
 
 def _g2p_float32(frame):
-    if not ffi.answer_query(frame):
-        _g2p(frame, np.float32)
-    return 0
+    return run_in_team(frame, np.float32, _g2p)
 
 
 def _g2p_float64(frame):
-    if not ffi.answer_query(frame):
-        _g2p(frame, np.float64)
-    return 0
+    return run_in_team(frame, np.float64, _g2p)
 
 
 def _p2g_adjoint_float32(frame):
-    if not ffi.answer_query(frame):
-        _p2g_adjoint(frame, np.float32)
-    return 0
+    return run_in_team(frame, np.float32, _p2g_adjoint)
 
 
 def _p2g_adjoint_float64(frame):
-    if not ffi.answer_query(frame):
-        _p2g_adjoint(frame, np.float64)
-    return 0
+    return run_in_team(frame, np.float64, _p2g_adjoint)
 
 
 def _g2p_adjoint_float32(frame):
-    if not ffi.answer_query(frame):
-        _g2p_adjoint(frame, np.float32)
-    return 0
+    return run_in_team(frame, np.float32, _g2p_adjoint)
 
 
 def _g2p_adjoint_float64(frame):
-    if not ffi.answer_query(frame):
-        _g2p_adjoint(frame, np.float64)
-    return 0
+    return run_in_team(frame, np.float64, _g2p_adjoint)
 
 
 def _grid_velocity_adjoint_float32(frame):
-    if not ffi.answer_query(frame):
-        _grid_velocity_adjoint(frame, np.float32)
-    return 0
+    return run_in_team(frame, np.float32, _grid_velocity_adjoint)
 
 
 def _grid_velocity_adjoint_float64(frame):
-    if not ffi.answer_query(frame):
-        _grid_velocity_adjoint(frame, np.float64)
-    return 0
+    return run_in_team(frame, np.float64, _grid_velocity_adjoint)
 
 
 _HANDLERS = {

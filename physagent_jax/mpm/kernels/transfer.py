@@ -1,9 +1,9 @@
-"""P2G and G2P on the CPU: compiled by Numba, threaded, sixteen numbers at once.
+"""P2G and G2P on the CPU: compiled by Numba, run by a team of threads, sixteen numbers at once.
 
-P2G deals the particles to the threads in contiguous shares. Each thread scatters into a grid of its own, of which only
-the planes that its particles touch are cleared and added up: sorted particles touch few. The order of all sums is
-fixed by the number of threads, so that results repeat bit by bit. G2P sums nothing over particles: its shares are
-smaller, and a thread that is done takes the next one.
+P2G cuts the particles into as many contiguous shares as there are threads. Each is scattered into a grid of its own, of
+which only the planes that its particles touch are cleared and added up: sorted particles touch few. The order of all
+sums is fixed by the number of shares, so that results repeat bit by bit. G2P sums nothing over particles: its shares
+are smaller, and a thread that is done takes the next one.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportPrivateImportUsage=false, reportAttributeAccessIssue=false
@@ -11,7 +11,7 @@ smaller, and a thread that is done takes the next one.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 
 from physagent_jax.kernels.lanes import (
     BATCH,
@@ -40,12 +40,10 @@ from physagent_jax.kernels.lanes import (
 from physagent_jax.kernels.numbers import (
     INLINE,
     OPTIONS,
-    SHARES_PER_THREAD,
     cast_like,
     determinant,
     dot,
     extract,
-    fetch_add,
     load_columns,
     load_row,
     lowest_node,
@@ -55,15 +53,18 @@ from physagent_jax.kernels.numbers import (
     split_range,
     store_vector,
 )
+from physagent_jax.kernels.team import share_loop
 
 NUMBERS = 4  # per node: momentum and mass
 PADDING = 16  # numbers by which a row's unused fourth node may reach beyond a grid's end
 HEALTH_FIELDS = 7  # as `mpm.health.Health`, in its order
 
 
-@njit(parallel=True, **OPTIONS)
-def p2g(x, v, C, tau, law, mass, volume, dv, origin, dt, dx, options, nodes, private):
-    """Fills ``nodes`` with momentum and mass; ``private`` has room for a grid and `PADDING` per thread.
+@njit(**OPTIONS)
+def p2g(team, x, v, C, tau, law, mass, volume, dv, origin, dt, dx, options, nodes, private, touched):
+    """Fills ``nodes`` with momentum and mass.
+
+    ``private`` has room for a grid and `PADDING` per share of the particles, and ``touched`` for two numbers.
 
     All nodes' first numbers come first in ``nodes``, then the second ones, and so on: what XLA does with them it can
     vectorise then. Particles want them side by side.
@@ -75,16 +76,15 @@ def p2g(x, v, C, tau, law, mass, volume, dv, origin, dt, dx, options, nodes, pri
     """
     shape, parts = nodes.shape, private.shape[0]
     plane, numbers = NUMBERS * shape[1] * shape[2], flatten(nodes)
-    touched = np.empty((parts, 2), np.int64)
-    for part in prange(parts):
-        first, last = split_range(x.shape[0], np.int64(part), parts)
+    for part in share_loop(team, 0, parts):
+        first, last = split_range(x.shape[0], part, parts)
         low, high = find_planes(x, first, last, origin[0], dx, shape[0])
         touched[part, 0], touched[part, 1] = low, high
         own = private[part]
         clear(own, low * plane, max(low, high) * plane + PADDING)
         scatter(x, v, C, tau, law, mass, volume, dv, origin, dt, dx, options, own, shape, first, last)
-    for i in prange(shape[0]):
-        sum_plane(private, touched, numbers, np.int64(i), shape)
+    for i in share_loop(team, 1, shape[0]):
+        sum_plane(private, touched, numbers, i, shape)
 
 
 @njit(**OPTIONS)
@@ -103,7 +103,7 @@ def find_planes(x, first, last, origin, dx, count):
 
 @njit(**OPTIONS)
 def sum_plane(private, touched, nodes, i, shape):
-    """Plane i of the sum of the threads' grids; ``nodes`` has one number of all nodes after the other."""
+    """Plane i of the sum of the shares' grids; ``nodes`` has one number of all nodes after the other."""
     count, total = shape[1] * shape[2], shape[0] * shape[1] * shape[2]
     zero = splat_like(cast_like(0, nodes[0]), load(private[0], 0))
     for k in range(i * count, (i + 1) * count, BATCH):
@@ -180,32 +180,27 @@ def scatter_force(t0, t1, t2, impulse, X, Y, Z, dX, dY, dZ, nodes, start, shape)
             store(nodes, o, load(nodes, o) + splat(extract(Y, j)) * level + splat(extract(dY, j)) * steep)
 
 
-@njit(parallel=True, **OPTIONS)
-def g2p(x, F, velocity, origin, dt, dx, classical, low, high, new_x, new_v, new_C, new_F, health, padded):
-    """Fills the ``new_`` arrays, and a row of ``watch`` per share of the work, a multiple of `SHARES_PER_THREAD`.
+@njit(**OPTIONS)
+def g2p(team, old, velocity, origin, dt, dx, classical, low, high, new, health, padded):
+    """Fills the arrays of ``new``, and a row of ``health`` per share of the particles; see `gather`.
 
     ``velocity`` is ordered as the nodes of `p2g`; ``padded`` has room for a grid and `PADDING`.
     """
-    shape, shares, counter = velocity.shape, health.shape[0], np.empty(1, np.int64)
-    plane = NUMBERS * shape[1] * shape[2]
-    clear(padded, shape[0] * plane, padded.size)
-    numbers = flatten(velocity)
-    for i in prange(shape[0]):
-        interleave_plane(numbers, padded, np.int64(i), shape, False)
-    counter[0] = 0
-    for _ in prange(shares // SHARES_PER_THREAD):
-        part = fetch_add(counter)
-        while part < shares:
-            first, last = split_range(x.shape[0], part, shares)
-            own, old, new = health[part], (x, F), (new_x, new_v, new_C, new_F)
-            gather(old, padded, origin, dt, dx, classical, low, high, shape, new, own, first, last)
-            part = fetch_add(counter)
+    shape, shares, numbers = velocity.shape, health.shape[0], flatten(velocity)
+    for i in share_loop(team, 0, shape[0]):
+        interleave_plane(numbers, padded, i, shape, False)
+    for share in share_loop(team, 1, shares):
+        first, last = split_range(old[0].shape[0], share, shares)
+        own = health[share]
+        gather(old, padded, origin, dt, dx, classical, low, high, shape, new, own, first, last)
 
 
 @njit(**OPTIONS)
 def interleave_plane(fields, padded, i, shape, fourth):
-    """Puts the numbers of each node of plane i side by side: three and a zero, or all four."""
+    """Puts the numbers of each node of plane i side by side: three and a zero, or all four; clears the padding."""
     count, total = shape[1] * shape[2], shape[0] * shape[1] * shape[2]
+    if i == shape[0] - 1:
+        clear(padded, NUMBERS * total, padded.size)
     for k in range(i * count, (i + 1) * count, BATCH):
         o = min(k, (i + 1) * count - BATCH)  # as in `sum_plane`
         a, b, c = load_batch(fields, o), load_batch(fields, o + total), load_batch(fields, o + 2 * total)
@@ -221,7 +216,7 @@ def interleave_plane(fields, padded, i, shape, fourth):
 def gather(old, velocity, origin, dt, dx, classical, low, high, shape, new, health, first, last):
     """Moves the particles ``first`` to ``last``: (x, F) ``old`` give (x, v, C, F) ``new``.
 
-    ``velocity`` is flat, with four numbers per node; ``watch`` gets what happened.
+    ``velocity`` is flat, with four numbers per node; ``health`` gets what happened.
     """
     one, zero, inf = cast_like(1, dx), cast_like(0, dx), cast_like(np.inf, dx)
     least_J, most_J, least_increment, fastest, nonfinite = inf, -inf, inf, zero, 0

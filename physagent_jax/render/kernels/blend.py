@@ -1,14 +1,14 @@
 """`render.rasterize`'s blending and its derivative on the CPU: sixteen pixels of a tile's row at a time.
 
-Tiles are dealt to the threads in turn. Each pixel goes through the same operations in the same order as in the
-reference; only the exponential and the order of sums over pixels differ, by round-off.
+A thread of the team that is done takes the next tile. Each pixel goes through the same operations in the same order as
+in the reference; only the exponential and the order of sums over pixels differ, by round-off.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportPrivateImportUsage=false, reportAttributeAccessIssue=false
 
 from __future__ import annotations
 
-from numba import njit, prange
+from numba import njit
 
 from physagent_jax.kernels.lanes import (
     ROW,
@@ -23,6 +23,7 @@ from physagent_jax.kernels.lanes import (
     store,
 )
 from physagent_jax.kernels.numbers import INLINE, OPTIONS, cast_like
+from physagent_jax.kernels.team import share_loop
 
 PACKED = 10  # numbers of a Gaussian: centre, conic, opacity, colour, depth
 SIDE = ROW  # of a tile [px]
@@ -30,11 +31,12 @@ PIXELS = SIDE * SIDE
 _TURN = 8  # Gaussians between two checks whether pixels are finished
 
 
-@njit(parallel=True, **OPTIONS)
-def blend(packed, reach, gaussians, starts, columns, width, height, limits, features, transmittance, parts):
+@njit(**OPTIONS)
+def blend(team, packed, reach, gaussians, starts, columns, width, height, limits, features, transmittance):
     """Fills ``features`` and ``transmittance``, what passes each pixel.
 
     Args:
+        team: Who runs this.
         packed: Gaussians, shape (n, PACKED).
         reach: Square of the distance in y beyond which a Gaussian is not seen, shape (n,).
         gaussians: Of each tile, front to back, shape (capacity,).
@@ -45,27 +47,24 @@ def blend(packed, reach, gaussians, starts, columns, width, height, limits, feat
         limits: Least alpha, greatest alpha, transmittance at which blending stops.
         features: Result, shape (tiles, 4, PIXELS).
         transmittance: Result, shape (tiles, PIXELS).
-        parts: Shares of the work.
     """
-    tiles = transmittance.shape[0]
-    for part in prange(parts):
-        for tile in range(part, tiles, parts):
-            for r in range(SIDE):
-                blend_row(
-                    packed,
-                    reach,
-                    gaussians,
-                    starts[tile],
-                    starts[tile + 1],
-                    tile % columns * SIDE,
-                    tile // columns * SIDE + r,
-                    width,
-                    height,
-                    limits,
-                    flatten(features[tile]),
-                    transmittance[tile],
-                    r * SIDE,
-                )
+    for tile in share_loop(team, 0, transmittance.shape[0]):
+        for r in range(SIDE):
+            blend_row(
+                packed,
+                reach,
+                gaussians,
+                starts[tile],
+                starts[tile + 1],
+                tile % columns * SIDE,
+                tile // columns * SIDE + r,
+                width,
+                height,
+                limits,
+                flatten(features[tile]),
+                transmittance[tile],
+                r * SIDE,
+            )
 
 
 @njit(**OPTIONS)
@@ -109,8 +108,9 @@ def blend_row(
     store(transmittance, at, T)
 
 
-@njit(parallel=True, **OPTIONS)
+@njit(**OPTIONS)
 def blend_backward(
+    team,
     packed,
     reach,
     gaussians,
@@ -124,16 +124,15 @@ def blend_backward(
     inside,
     gradient,
     scratch,
-    parts,
 ):
-    """Fills ``gradient``, shape (parts, n, PACKED): each thread's share of the derivatives of the Gaussians.
+    """Fills ``gradient``, shape (parts, n, PACKED): each share's part of the derivatives of the Gaussians.
 
     The first six and the last are as in `blend`. ``g``, shape (tiles, 4, PIXELS), and ``g_transmittance``, shape
     (tiles, PIXELS), are the cotangents of `blend`'s ``features`` and ``transmittance``; ``inside``, shape (tiles,
     PIXELS), is 1 for pixels on the image, else 0; ``scratch`` has the shape (parts, 3, PIXELS).
     """
-    tiles = transmittance.shape[0]
-    for part in prange(parts):
+    tiles, parts = transmittance.shape[0], gradient.shape[0]
+    for part in share_loop(team, 0, parts):
         gradient[part] = 0
         for tile in range(part, tiles, parts):
             blend_tile_backward(

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from physagent_jax.kernels import ffi
-from physagent_jax.kernels.threads import thread_count
+from physagent_jax.kernels.threads import choose_team, thread_count
 from physagent_jax.render.kernels.blend import PACKED, PIXELS, SIDE
 from physagent_jax.render.kernels.handlers import register_handler
 from physagent_jax.render.layout import TileLayout
@@ -38,7 +38,7 @@ def blend(layout: TileLayout, limits, packed, gaussians, starts) -> tuple[jax.Ar
     reach = _find_reach(packed, limits[0])
     _check("blend", layout, dict(packed=packed, reach=reach, gaussians=gaussians, starts=starts))
     features, transmittance = call(
-        packed, reach, gaussians, starts, _pack_sizes(layout), _pack_limits(limits)
+        packed, reach, gaussians, starts, _pack_sizes(layout), _pack_limits(limits), **choose_team()
     )
     return features.swapaxes(1, 2)[:, None], transmittance[:, None]
 
@@ -62,7 +62,8 @@ def blend_backward(
         inside=layout.pixels(jnp.asarray(layout.tile_ids()[:, 0]), jnp.float32)[2].astype(jnp.float32),
     )
     _check("blend_backward", layout, lists | images)
-    gradient, _ = call(*lists.values(), _pack_sizes(layout), _pack_limits(limits), *images.values())
+    options = _pack_sizes(layout), _pack_limits(limits)
+    gradient, _ = call(*lists.values(), *options, *images.values(), **choose_team())
     return gradient.sum(0)
 
 
@@ -89,7 +90,7 @@ def _find_reach(packed: jax.Array, least_alpha: float) -> jax.Array:
 
 
 def _pack_sizes(layout: TileLayout) -> np.ndarray:
-    return np.asarray([layout.columns, layout.width, layout.height, thread_count()], np.int32)
+    return np.asarray([layout.columns, layout.width, layout.height], np.int32)
 
 
 def _pack_limits(limits) -> np.ndarray:

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 
 from physagent_jax.kernels import ffi
 from physagent_jax.kernels.lanes import BATCH
-from physagent_jax.kernels.threads import thread_count
+from physagent_jax.kernels.threads import choose_team
 from physagent_jax.mpm.linalg.kernels.handlers import register_handler
 from physagent_jax.mpm.linalg.kernels.svd import FRAME
 
@@ -40,7 +40,7 @@ def decompose(F: jax.Array, sweeps: int) -> tuple[jax.Array, jax.Array]:
         jax.ShapeDtypeStruct((-(-count // BATCH), FRAME, BATCH), F.dtype),
     )
     call = jax.ffi.ffi_call(register_handler("decompose", F.dtype.name), results, vmap_method="sequential")
-    s, basis = call(matrices, jnp.asarray([sweeps, thread_count()], jnp.int32))
+    s, basis = call(matrices, jnp.asarray([sweeps], jnp.int32), **choose_team())
     return s, basis
 
 
@@ -77,7 +77,7 @@ def compose(
         name: (3, 0 if own is None else total) for name, own in (("change", change), ("spatial", spatial))
     }
     ffi.check_operands("compose", operands, shapes, F.dtype)
-    new_F, tau = call(*operands.values(), jnp.asarray([thread_count()], jnp.int32))
+    new_F, tau = call(*operands.values(), **choose_team())
     return new_F[:count], tau[:count]
 
 

@@ -8,7 +8,8 @@ import numpy as np
 from numba import njit
 
 from physagent_jax.kernels import ffi
-from physagent_jax.kernels.numbers import BODY
+from physagent_jax.kernels.numbers import NO_WRAPPERS
+from physagent_jax.kernels.team import run_in_team
 from physagent_jax.mpm.linalg.kernels.svd import compose, decompose
 
 
@@ -17,27 +18,26 @@ def register_handler(kernel: str, precision: str) -> str:
     return ffi.register_target(f"physagent_{kernel}_{precision}", _HANDLERS[kernel, precision])
 
 
-@njit(**BODY)
-def _decompose(frame, number):
-    control = ffi.get_operand(frame, 1, np.int32, 1)
+@njit(**NO_WRAPPERS)
+def _decompose(frame, number, team):
     decompose(
+        team,
         ffi.get_operand(frame, 0, number, 1),
-        control[0],
+        ffi.get_operand(frame, 1, np.int32, 1)[0],
         ffi.get_result(frame, 0, number, 2),
         ffi.get_result(frame, 1, number, 3),
-        control[1],
     )
 
 
-@njit(**BODY)
-def _compose(frame, number):
+@njit(**NO_WRAPPERS)
+def _compose(frame, number, team):
     compose(
+        team,
         ffi.get_operand(frame, 0, number, 3),
         ffi.get_operand(frame, 2, number, 2),
         ffi.get_operand(frame, 3, number, 2),
         ffi.get_result(frame, 0, number, 1),
         ffi.get_result(frame, 1, number, 1),
-        ffi.get_operand(frame, 4, np.int32, 1)[0],
     )
 
 
@@ -45,27 +45,19 @@ def _compose(frame, number):
 
 
 def _decompose_float32(frame):
-    if not ffi.answer_query(frame):
-        _decompose(frame, np.float32)
-    return 0
+    return run_in_team(frame, np.float32, _decompose)
 
 
 def _decompose_float64(frame):
-    if not ffi.answer_query(frame):
-        _decompose(frame, np.float64)
-    return 0
+    return run_in_team(frame, np.float64, _decompose)
 
 
 def _compose_float32(frame):
-    if not ffi.answer_query(frame):
-        _compose(frame, np.float32)
-    return 0
+    return run_in_team(frame, np.float32, _compose)
 
 
 def _compose_float64(frame):
-    if not ffi.answer_query(frame):
-        _compose(frame, np.float64)
-    return 0
+    return run_in_team(frame, np.float64, _compose)
 
 
 _HANDLERS = {

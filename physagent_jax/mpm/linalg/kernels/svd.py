@@ -8,8 +8,7 @@ back costs more than the SVD itself.
 
 from __future__ import annotations
 
-import numpy as np
-from numba import njit, prange
+from numba import njit
 
 from physagent_jax.kernels.lanes import (
     BATCH,
@@ -33,38 +32,34 @@ from physagent_jax.kernels.numbers import (
     SHARES_PER_THREAD,
     cast_like,
     extract,
-    fetch_add,
     roundoff,
     smallest_normal,
     split_range,
 )
+from physagent_jax.kernels.team import share_loop, team_size
 
 FRAME = 12  # numbers of U and V: their third columns are cross products, and memory is slower than arithmetic
 _LEAST_SWEEPS = 2  # before it is asked whether more are needed; they also let what is not finite reach V
 
 
-@njit(parallel=True, **OPTIONS)
-def decompose(F, sweeps, s, basis, threads):
+@njit(**OPTIONS)
+def decompose(team, F, sweeps, s, basis):
     """Singular values and frames of F = U diag(s) V^T.
 
     Args:
+        team: Who runs this.
         F: At least `BATCH` matrices, flat.
         sweeps: Jacobi sweeps.
         s: Result, shape (3, n).
         basis: Result, shape (batches, FRAME, BATCH): the first two columns of U and of V, of one batch of particles
             after the other. The last batch overlaps the one before, and has the same values there but for round-off.
-        threads: To be used.
     """
-    pairs, shares, counter = (basis.shape[0] + 1) // 2, threads * SHARES_PER_THREAD, np.empty(1, np.int64)
-    counter[0] = 0
-    for _ in prange(threads):
-        part = fetch_add(counter)
-        while part < shares:
-            # The last pair belongs to whoever does the one before: the matrices that both have may get other sweeps in
-            # it, and which s stays must not depend on who is faster.
-            first, last = split_range(pairs - 1, part, shares)
-            decompose_pairs(F, sweeps, s, basis, first, last + (part == shares - 1))
-            part = fetch_add(counter)
+    pairs, shares = (basis.shape[0] + 1) // 2, team_size(team) * SHARES_PER_THREAD
+    for share in share_loop(team, 0, shares):
+        # The last pair belongs to whoever does the one before: the matrices that both have may get other sweeps in
+        # it, and which s stays must not depend on who is faster.
+        first, last = split_range(pairs - 1, share, shares)
+        decompose_pairs(F, sweeps, s, basis, first, last + (share == shares - 1))
 
 
 @njit(**INLINE)
@@ -87,27 +82,23 @@ def decompose_pairs(F, sweeps, s, basis, first, last):
         _put_column(frames, o, 9 * BATCH, y)
 
 
-@njit(parallel=True, **OPTIONS)
-def compose(basis, change, spatial, F, tau, threads):
+@njit(**OPTIONS)
+def compose(team, basis, change, spatial, F, tau):
     """F + U diag(change) V^T and U diag(spatial) U^T, with the frames of `decompose`.
 
     Args:
+        team: Who runs this.
         basis: As made by `decompose`.
         change: Shape (3, n), or (3, 0) = not wanted.
         spatial: Shape (3, n), or (3, 0) = not wanted.
         F: Matrices, flat, which the change is added to, if wanted.
         tau: Result, flat, if wanted.
-        threads: To be used.
     """
-    batches, shares, counter = basis.shape[0], threads * SHARES_PER_THREAD, np.empty(1, np.int64)
-    counter[0] = 0
-    for _ in prange(threads):
-        part = fetch_add(counter)
-        while part < shares:
-            # The last batch belongs to whoever does the one before, whose matrices it must not change again.
-            first, last = split_range(batches - 1, part, shares)
-            compose_batches(basis, change, spatial, F, tau, first, last + (part == shares - 1))
-            part = fetch_add(counter)
+    batches, shares = basis.shape[0], team_size(team) * SHARES_PER_THREAD
+    for share in share_loop(team, 0, shares):
+        # The last batch belongs to whoever does the one before, whose matrices it must not change again.
+        first, last = split_range(batches - 1, share, shares)
+        compose_batches(basis, change, spatial, F, tau, first, last + (share == shares - 1))
 
 
 @njit(**INLINE)

@@ -1,0 +1,223 @@
+"""Kernels run by several of XLA's own threads.
+
+The thread that XLA gives a call to asks XLA's pool for helpers, and all of them run the kernel's one function, with
+loops whose iterations they share (`share_loop`): what OpenMP calls a team, and worksharing loops with a barrier at
+the end. Threads of our own would have to be woken, for 20 to 50 us, while XLA's own are mostly still awake; and there
+would be more of them than cores.
+
+XLA promises neither when a helper begins nor that it does. So nobody waits for one that has not: an iteration is
+waited for only once somebody has taken it, and a helper that comes too late finds the team closed.
+"""
+
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportPrivateImportUsage=false, reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import os
+import platform
+
+from llvmlite import ir
+from numba import njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from physagent_jax.kernels import ffi
+from physagent_jax.kernels.numbers import BODY, INLINE, OPTIONS
+
+_WORD, _BYTE = ir.IntType(64), ir.IntType(8)
+
+# A team is a block of memory of which these are the words. What different threads write lies in lines of its own.
+_LINE = 8  # words
+_FRAME, _REFERENCES, _INSIDE = 0, 1, _LINE
+_LOOPS, _TAKEN, _DONE = 2 * _LINE, 0, _LINE  # of each loop: iterations begun, and ended
+_MOST_LOOPS = 3
+_BYTES = 8 * (_LOOPS + _MOST_LOOPS * 2 * _LINE)
+_CLOSED = 1 << 32  # added to the number of helpers inside
+_PATIENCE = 2000  # looks at a word before the core is offered to others
+
+_SCHEDULE = 17  # XLA_FFI_ThreadPool_Schedule, within XLA_FFI_Api
+_DESTROY_ERROR = 8  # XLA_FFI_Error_Destroy
+
+
+@njit(**BODY)
+def run_in_team(frame, number, kernel):
+    """Handles a call: ``kernel(frame, number, team)`` by as many threads as the call's attribute says.
+
+    Args:
+        frame: The call's frame.
+        number: Passed on: a NumPy class.
+        kernel: Compiled by Numba; decodes operands and results, and does its work in up to three `share_loop`.
+
+    Returns:
+        0, for success.
+    """
+    if ffi.answer_query(frame):
+        return 0
+    helpers = ffi.get_attribute(frame, 0) - 1
+    team = _allocate()
+    ffi.write_word(team, _FRAME, frame)
+    ffi.write_word(team, _REFERENCES, 1 + helpers)
+    for _ in range(helpers):
+        if not _schedule(frame, team, number, kernel):
+            _release(team)
+    kernel(frame, number, team)
+    _add_word(team, _INSIDE, _CLOSED)
+    _wait_until(
+        team, _INSIDE, _CLOSED, False
+    )  # they have nothing left to do, but may still look at the operands
+    _release(team)
+    return 0
+
+
+@njit(**INLINE)
+def team_size(team):
+    """How many threads the team has at most."""
+    return ffi.get_attribute(ffi.read_word(team, _FRAME), 0)
+
+
+@njit(**OPTIONS)
+def share_loop(team, loop, count):
+    """Those of 0..``count`` - 1 that fall to this thread, in order; goes on when all of them are done, by whomever.
+
+    Args:
+        team: As a kernel gets it.
+        loop: Number of the loop within the kernel, from 0.
+        count: Iterations. Each is done once; the caller must not leave the loop within one.
+    """
+    words = _LOOPS + 2 * _LINE * loop
+    i = _add_word(team, words + _TAKEN, 1)
+    while i < count:
+        yield i
+        _add_word(team, words + _DONE, 1)
+        i = _add_word(team, words + _TAKEN, 1)
+    _wait_until(team, words + _DONE, count, True)
+
+
+@njit(**OPTIONS)
+def _wait_until(team, index, value, at_least):
+    """Returns when a word is ``value``, or more if ``at_least``."""
+    looks = 0
+    word = _read_shared(team, index)
+    while word < value if at_least else word != value:
+        looks += 1
+        _pause(looks % _PATIENCE == 0)
+        word = _read_shared(team, index)
+
+
+@njit(**OPTIONS)
+def _help(team, number, kernel):
+    """What a helper does."""
+    if _add_word(team, _INSIDE, 1) < _CLOSED:
+        kernel(ffi.read_word(team, _FRAME), number, team)
+    _add_word(team, _INSIDE, -1)
+    _release(team)
+
+
+@njit(**OPTIONS)
+def _release(team):
+    """The last one who knows of a team frees it."""
+    if _add_word(team, _REFERENCES, -1) == 1:
+        _free(team)
+
+
+@intrinsic
+def _schedule(typing, frame, team, number, kernel):
+    """Asks XLA's pool for a helper; whether it has taken the task."""
+    task = typing.resolve_value_type(_help)
+    signature = task.get_call_type(typing, (types.int64, number, kernel), {})
+
+    def generate(context, builder, call, arguments):
+        made = _help.overloads[signature.args]
+        context.add_linking_libs([made.library])
+        function = ir.Function(
+            builder.module,
+            ir.FunctionType(ir.VoidType(), [_WORD]),
+            name=builder.module.get_unique_name(f"{builder.function.name}_task"),
+        )
+        function.linkage = "internal"
+        body = ir.IRBuilder(function.append_basic_block())
+        passed = [function.args[0], context.get_dummy_value(), context.get_dummy_value()]
+        context.call_internal_no_propagate(body, made.fndesc, signature, passed)
+        body.ret_void()
+
+        frame, team = arguments[:2]
+        api = ffi.load_word(builder, frame, ffi.FRAME_API)
+        words = [_WORD(40), _WORD(0), ffi.load_word(builder, frame, ffi.FRAME_CONTEXT)]
+        words += [builder.ptrtoint(function, _WORD), team]
+        error = _call_api(builder, api, _SCHEDULE, words)
+        failed = builder.icmp_unsigned("!=", error, _WORD(0))
+        with builder.if_then(failed, likely=False):
+            _call_api(builder, api, _DESTROY_ERROR, [_WORD(24), _WORD(0), error])
+        return builder.not_(failed)
+
+    return types.boolean(frame, team, number, kernel), generate
+
+
+def _call_api(builder, api, index: int, words: list):
+    """Calls a function of XLA_FFI_Api with a structure of these words."""
+    structure = cgutils.alloca_once(builder, _WORD, size=len(words))
+    for place, word in enumerate(words):
+        builder.store(word, builder.gep(structure, [_WORD(place)]))
+    kind = ir.FunctionType(_WORD, [_WORD.as_pointer()])
+    return builder.call(builder.inttoptr(ffi.load_word(builder, api, index), kind.as_pointer()), [structure])
+
+
+@intrinsic
+def _allocate(typing):
+    """A team's block, all zero."""
+
+    def generate(context, builder, signature, arguments):
+        kind = ir.FunctionType(_BYTE.as_pointer(), [_WORD, _WORD])
+        function = cgutils.get_or_insert_function(builder.module, kind, "calloc")
+        return builder.ptrtoint(builder.call(function, [_WORD(_BYTES), _WORD(1)]), _WORD)
+
+    return types.int64(), generate
+
+
+@intrinsic
+def _free(typing, team):
+    def generate(context, builder, signature, arguments):
+        kind = ir.FunctionType(ir.VoidType(), [_BYTE.as_pointer()])
+        function = cgutils.get_or_insert_function(builder.module, kind, "free")
+        builder.call(function, [builder.inttoptr(arguments[0], _BYTE.as_pointer())])
+        return context.get_dummy_value()
+
+    return types.void(types.int64), generate
+
+
+@intrinsic
+def _add_word(typing, team, index, value):
+    """Adds to a word that threads share, and returns what it was; what either did before, the next one sees."""
+
+    def generate(context, builder, signature, arguments):
+        place = ffi.find_word(builder, *arguments[:2])
+        return builder.atomic_rmw("add", place, arguments[2], "acq_rel")
+
+    return types.int64(types.int64, types.int64, types.int64), generate
+
+
+@intrinsic
+def _read_shared(typing, team, index):
+    """A word that threads share, with what was done before it was written."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.load_atomic(ffi.find_word(builder, *arguments), "acquire", 8)
+
+    return types.int64(types.int64, types.int64), generate
+
+
+@intrinsic
+def _pause(typing, long):
+    """Lets a core know that this thread waits; ``long``: and the system, which may have others to run."""
+
+    def generate(context, builder, signature, arguments):
+        if platform.machine().lower() in ("x86_64", "amd64"):
+            kind = ir.FunctionType(ir.VoidType(), [])
+            builder.call(builder.module.declare_intrinsic("llvm.x86.sse2.pause", (), kind), [])
+        if hasattr(os, "sched_yield"):
+            with builder.if_then(arguments[0], likely=False):
+                kind = ir.FunctionType(ir.IntType(32), [])
+                builder.call(cgutils.get_or_insert_function(builder.module, kind, "sched_yield"), [])
+        return context.get_dummy_value()
+
+    return types.void(types.boolean), generate
