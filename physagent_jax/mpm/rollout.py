@@ -14,7 +14,8 @@ from physagent_jax.mpm import kernels, reductions
 from physagent_jax.mpm.conform import conform
 from physagent_jax.mpm.health import count_outside
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.step import NODES, STOPPED, kirchhoff_stress, substep
+from physagent_jax.mpm.step import NODES, kirchhoff_stress, substep
+from physagent_jax.mpm.transfer import STOPPED
 
 NODE_NUMBERS, PARTICLE_NUMBERS = 4, 24  # momentum and mass; x, v, C and F
 

@@ -25,7 +25,8 @@ from physagent_jax.mpm.frame import Frame
 from physagent_jax.mpm.plan import Acting, Timetable
 from physagent_jax.mpm.sorting import permute_particles, unpermute_particles
 from physagent_jax.mpm.state import Grid, Model, State
-from physagent_jax.mpm.step import NODES, STOPPED, kirchhoff_stress, substep
+from physagent_jax.mpm.step import NODES, kirchhoff_stress, substep
+from physagent_jax.mpm.transfer import STOPPED
 
 MEMORY = 2e9
 """[bytes] that a reverse pass may take for what it keeps."""

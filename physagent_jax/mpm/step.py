@@ -22,10 +22,10 @@ from physagent_jax.mpm.linalg import transpose
 from physagent_jax.mpm.materials import NeoHookean, viscous_stress
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.transfer import stencil
+from physagent_jax.mpm.transfer import STOPPED, stencil
 
-NODES, STOPPED = "nodes", "stopped"
-"""Names for `jax.checkpoint_policies`: what costs a P2G and a G2P to compute again in a reverse pass."""
+NODES = "nodes"
+"""Name for `jax.checkpoint_policies`: what costs a P2G to compute again in a reverse pass, as `STOPPED` a G2P."""
 
 
 def step(model: Model, state: State) -> State:
@@ -98,7 +98,7 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
         )
     with jax.named_scope("constraints"):
         after = constraints.after_g2p(model, state, gathered)
-        after, health = stop_at_walls(model, after, moved.health)
+        after, health = stop_at_walls(model, state, velocity, after, moved.health)
         if model.constraints:  # F may have been turned
             tau = kirchhoff_stress(model, after)
     return after, tau, StepTrace(forced, constrained, node_mass, free, velocity, gathered, moved.F, health)
@@ -259,8 +259,12 @@ def damp(model: Model, velocity: jax.Array) -> jax.Array:
     return velocity if model.damping_rate is None else velocity * jnp.exp(-model.damping_rate * model.dt)
 
 
-def stop_at_walls(model: Model, state: State, health: Health) -> tuple[State, Health]:
+def stop_at_walls(
+    model: Model, before: State, velocity: jax.Array, state: State, health: Health
+) -> tuple[State, Health]:
     """Stops particles ``model.wall`` cells before the domain's faces, and counts them.
+
+    ``state`` is what has become of ``before`` with the node velocities ``velocity``.
 
     The walls of `boundaries.DomainBox` act before; this is the last line of defence, because a particle
     without a full stencil would deposit elsewhere. Nothing is done where G2P has seen none there.
@@ -271,31 +275,15 @@ def stop_at_walls(model: Model, state: State, health: Health) -> tuple[State, He
         health = dataclasses.replace(
             health, max_speed=seen.max_speed, outside=seen.outside, beyond=seen.beyond
         )
-    low, high = model.wall * model.grid.dx, (model.grid.cells - model.wall) * model.grid.dx
+    low, high = transfer.find_walls(model.wall, model.grid)
     if model.axis is not None:
         beyond = ((state.x < low) | (state.x > high)).any(-1) & (model.mass > 0)  # padding does not count
         health = dataclasses.replace(health, beyond=beyond.sum(dtype=jnp.int32)).reduce(model.axis)
-
-    x, v = _stop(low, high, state.x, state.v, health.beyond)
+    if kernels.use_cpu(model.kernels) and not model.constraints:
+        made_of = before.x, before.F, velocity, model.dt
+        beyond = checkpoint_name(health.beyond, STOPPED)
+        stop = partial(kernels.load_cpu_kernels().stop, model.stress_form, model.wall, model.grid, *made_of)
+    else:
+        stop, beyond = partial(transfer.stop, low, high), health.beyond
+    x, v = stop(state.x, state.v, beyond)
     return dataclasses.replace(state, x=x, v=v, stopped=state.stopped + health.beyond), health
-
-
-@partial(jax.custom_jvp, nondiff_argnums=(0, 1))
-def _stop(low: float, high: float, x: jax.Array, v: jax.Array, beyond: jax.Array):
-    """Positions within ``low``..``high``, and velocities that do not lead out, if ``beyond`` says that any do."""
-
-    def stop(x, v):
-        stopped = jnp.where(x < low, jnp.maximum(v, 0), jnp.where(x > high, jnp.minimum(v, 0), v))
-        return jnp.clip(x, low, high), stopped
-
-    return jax.lax.cond(beyond > 0, stop, lambda x, v: (x, v), x, v)
-
-
-@_stop.defjvp
-def _differentiate_stop(low, high, primals, tangents):
-    """By who was stopped, which a reverse pass may keep (`STOPPED`): to find it again it would have to repeat G2P."""
-    x, v, _ = primals
-    under, over = x < low, x > high
-    out, leading = checkpoint_name((under | over, (under & (v <= 0)) | (over & (v >= 0))), STOPPED)
-    x_dot, v_dot, _ = tangents
-    return _stop(low, high, *primals), (jnp.where(out, 0, x_dot), jnp.where(leading, 0, v_dot))

@@ -7,15 +7,20 @@ order of magnitude faster than 27 single updates per particle.
 from __future__ import annotations
 
 import dataclasses
+from functools import partial
 
 import jax
 import jax.numpy as jnp
 from jax import lax
+from jax.ad_checkpoint import checkpoint_name
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.health import Health, measure_health
 from physagent_jax.mpm.linalg import matmul
 from physagent_jax.mpm.state import Grid
+
+STOPPED = "stopped"
+"""Name for `jax.checkpoint_policies`: which particles were stopped at a wall."""
 
 
 @register_dataclass
@@ -160,6 +165,39 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> Moved:
     grad_v = C if form == "mls" else velocity_gradient(s, grid, velocity)
     trial, x = F + dt * matmul(grad_v, F), x + dt * v
     return Moved(x, v, C, trial, measure_health(wall, grid, x, v, trial, dt * grad_v))
+
+
+@partial(jax.custom_jvp, nondiff_argnums=(0, 1))
+def stop(
+    low: float, high: float, x: jax.Array, v: jax.Array, beyond: jax.Array
+) -> tuple[jax.Array, jax.Array]:
+    """Positions within ``low``..``high``, and velocities that do not lead out, if ``beyond`` says that any do."""
+
+    def clip(x, v):
+        stopped = jnp.where(x < low, jnp.maximum(v, 0), jnp.where(x > high, jnp.minimum(v, 0), v))
+        return jnp.clip(x, low, high), stopped
+
+    return jax.lax.cond(beyond > 0, clip, lambda x, v: (x, v), x, v)
+
+
+@stop.defjvp
+def _differentiate_stop(low, high, primals, tangents):
+    """By who was stopped, which a reverse pass may keep (`STOPPED`): to find it again it would have to repeat G2P."""
+    x, v, _ = primals
+    out, leading = checkpoint_name(find_stopped(low, high, x, v), STOPPED)
+    x_dot, v_dot, _ = tangents
+    return stop(low, high, *primals), (jnp.where(out, 0, x_dot), jnp.where(leading, 0, v_dot))
+
+
+def find_stopped(low: float, high: float, x: jax.Array, v: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Which coordinates `stop` sets, and which velocities."""
+    under, over = x < low, x > high
+    return under | over, (under & (v <= 0)) | (over & (v >= 0))
+
+
+def find_walls(wall: int, grid: Grid) -> tuple[float, float]:
+    """Between which coordinates [m] particles stay, ``wall`` cells from the domain's faces."""
+    return wall * grid.dx, (grid.cells - wall) * grid.dx
 
 
 def scatter_mass(s: Stencil, grid: Grid, mass: jax.Array) -> jax.Array:

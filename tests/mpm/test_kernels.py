@@ -147,6 +147,26 @@ def test_the_adjoint_of_node_velocities_equals_the_reference(x64):
         assert not pull(cpu.grid_velocity, operands)[0][nodes[..., 3] < 1e-6].any()
 
 
+@pytest.mark.parametrize("form", ["mls", "gradient"])
+@pytest.mark.parametrize("wall", [0, 6])
+def test_the_adjoint_of_a_stop_at_walls_equals_the_reference(wall, form, x64):
+    """With nobody behind the walls, and with many: who it was is found by G2P once more."""
+    c = cloud(3001)
+    operands = c["x"], c["F"], c["velocity"], jnp.asarray(1e-3)
+
+    def kernel(x, F, velocity, dt):
+        moved = cpu.g2p(form, wall, GRID, x, x, F, F, velocity, dt)
+        return cpu.stop(form, wall, GRID, x, F, velocity, dt, moved.x, moved.v, moved.health.beyond)
+
+    def reference(x, F, velocity, dt):
+        moved = transfer.g2p(form, wall, GRID, x, x, F, F, velocity, dt)
+        return transfer.stop(*transfer.find_walls(wall, GRID), moved.x, moved.v, moved.health.beyond)
+
+    beyond = transfer.g2p(form, wall, GRID, c["x"], c["v"], c["C"], *operands[1:]).health.beyond
+    assert beyond > 100 if wall else beyond == 0
+    pulls_equal(kernel, reference, operands)
+
+
 def test_adjoints_repeat_bit_by_bit():
     c = cloud(3001, "float32")
 

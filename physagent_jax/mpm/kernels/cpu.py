@@ -114,7 +114,7 @@ def _gather(form, wall, grid, x, v, C, F, velocity, dt, *, in_place: bool) -> tr
         input_layouts=(None, None, None, None, _BY_NUMBER, None, None),
         input_output_aliases={k: k for k in range(4)} if in_place else None,
     )
-    walls = (wall * grid.dx, (grid.cells - wall) * grid.dx)
+    walls = transfer.find_walls(wall, grid)
     scalars = _stack_scalars(x.dtype, dt, grid.dx, form == "gradient", *walls)
     x, v, C, F, health, _ = call(x, v, C, F, velocity, grid.origin, scalars, **choose_team())
     least_J, most_J, least_increment, speed, nonfinite, outside, beyond = health.T
@@ -130,6 +130,19 @@ def _gather(form, wall, grid, x, v, C, F, velocity, dt, *, in_place: bool) -> tr
             beyond.sum().astype(jnp.int32),
         ),
     )
+
+
+@partial(jax.custom_vjp, nondiff_argnums=(0, 1))
+def stop(
+    form: str, wall: int, grid: Grid, x, F, velocity, dt, new_x, new_v, beyond
+) -> tuple[jax.Array, jax.Array]:
+    """As `transfer.stop`, of what `g2p` made of ``x``, ``F`` and ``velocity``.
+
+    A reverse pass needs to know of ``beyond`` alone: where none was stopped, nothing else is asked for, and else G2P is
+    done again.
+    """
+    del form, x, F, velocity, dt
+    return transfer.stop(*transfer.find_walls(wall, grid), new_x, new_v, beyond)
 
 
 def _check(kernel: str, grid: Grid, operands: dict[str, jax.Array], shapes: dict[str, tuple[int, ...]]):
@@ -262,6 +275,23 @@ def _g2p_backward(form, wall, residuals, cotangent):
     return (None, by_x, jnp.zeros_like(v), jnp.zeros_like(C), by_F, nodes[..., :3], totals[:, 3].sum())
 
 
+def _stop_forward(form, wall, grid, *operands):
+    *again, _, _, beyond = operands
+    return stop(form, wall, grid, *operands), (grid, again, beyond)
+
+
+def _stop_backward(form, wall, residuals, cotangents):
+    grid, (x, F, velocity, dt), beyond = residuals
+
+    def mask(by_x, by_v):
+        moved = _gather(form, wall, grid, x, x, F, F, velocity, dt, in_place=False)
+        out, leading = transfer.find_stopped(*transfer.find_walls(wall, grid), moved.x, moved.v)
+        return jnp.where(out, 0, by_x), jnp.where(leading, 0, by_v)
+
+    by_x, by_v = jax.lax.cond(beyond > 0, mask, lambda *same: same, *cotangents)
+    return (None, None, None, None, None, by_x, by_v, None)
+
+
 def _describe_touched(parts: int) -> jax.ShapeDtypeStruct:
     """Room for the first and last + 1 of the planes that each share of the particles touches."""
     return jax.ShapeDtypeStruct((parts, 2), jnp.int32)
@@ -282,3 +312,4 @@ p2g_neo_hookean.defvjp(_p2g_neo_hookean_forward, _p2g_neo_hookean_backward)
 p2g_kelvin_voigt.defvjp(_p2g_kelvin_voigt_forward, _p2g_kelvin_voigt_backward)
 grid_velocity.defvjp(_grid_velocity_forward, _grid_velocity_backward)
 g2p.defvjp(_g2p_forward, _g2p_backward)
+stop.defvjp(_stop_forward, _stop_backward)
