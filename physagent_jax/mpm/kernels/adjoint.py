@@ -51,9 +51,11 @@ from physagent_jax.kernels.numbers import (
 )
 from physagent_jax.kernels.team import share_loop
 from physagent_jax.mpm.kernels.transfer import (
+    BLOCK,
     NUMBERS,
     PADDING,
     affine,
+    compute_log_J,
     find_planes,
     inner,
     interleave_plane,
@@ -195,59 +197,69 @@ def gather_bars(
     bar_x, bar_v, bar_C, bar_tau, bar_mu, bar_lam, bar_mass, bar_volume = results
     flat_C, flat_tau, (passed_x, passed_F) = flatten(C), flatten(tau), passed
     zero, kick, by_dt = cast_like(0, dx), (dv[0], dv[1], dv[2]), cast_like(0, dx)
-    by_dv = pack((zero, zero, zero))
-    for p in range(first, last):
-        start, f0, f1, f2 = locate_stencil(x, p, origin, dx, shape)
-        m, k = mass[p], -cast_like(4, dx) * dt / dx
-        t0, t1, t2 = neo_hookean_stress(tau, mu[p], lam[p], p) if neo_hookean else load_columns(tau, p)
-        a0, a1, a2 = affine(t0, t1, t2, k * volume[p], C, m * dx, p)
-        q = momentum(v, kick, m, a0, a1, a2, p, f0, f1, f2)
-        row, next_x, next_y = spread(q, m, a0, a1, a2)
-        X, Y, Z = spline(f0), spline(f1), spline(f2)
-        mean, g0, g1, g2, s0, s1, s2 = gather_sloped(
-            bars, start, shape, f0, f1, f2, X, Y, Z, row, next_x, next_y
-        )
-        n0, n1, n2, by_mass = unpack_node(mean)
-        n = n0, n1, n2
-        cells = cast_like(1, dx) / dx
-        slopes = cells * (s0 - dot(a0, n)), cells * (s1 - dot(a1, n)), cells * (s2 - dot(a2, n))
+    by_dv, logs = pack((zero, zero, zero)), np.empty(BLOCK, x.dtype)
+    for begin in range(first, last, BLOCK):
+        end = min(begin + BLOCK, last)
         if neo_hookean:
-            others = passed_x[3 * p], passed_x[3 * p + 1], passed_x[3 * p + 2]
-            slopes = slopes[0] + others[0], slopes[1] + others[1], slopes[2] + others[2]
-        store_flat(bar_x, 3 * p, slopes)
-        by_v = splat_like(m, mean) * mean
-        by_dv = by_dv + by_v
-        store_flat(bar_v, 3 * p, unpack(by_v))
-        r0, r1, r2 = transpose(g0, g1, g2)  # rows of bar A, of which g are the columns
-        c0, c1, c2 = load_rows(flat_C, 9 * p)
-        spin = splat_like(m * dx, mean)
-        store_rows(bar_C, 9 * p, spin * r0, spin * r1, spin * r2)
-        bar_mass[p] = by_mass + n0 * (v[p, 0] + kick[0]) + n1 * (v[p, 1] + kick[1]) + n2 * (v[p, 2] + kick[2])
-        bar_mass[p] += dx * (inner(c0, r0) + inner(c1, r1) + inner(c2, r2))
-        bar_volume[p] = k * (dot(t0, unpack(g0)) + dot(t1, unpack(g1)) + dot(t2, unpack(g2)))
-        by_dt += volume[p] * bar_volume[p]
-        s = splat_like(k * volume[p], mean)
-        if neo_hookean:
-            F0, F1, F2 = load_rows(flat_tau, 9 * p)
-            pull_neo_hookean(
-                p,
-                (F0, F1, F2),
-                (mu[p], lam[p]),
-                (s * r0, s * r1, s * r2),
-                (s * g0, s * g1, s * g2),
-                load_rows(passed_F, 9 * p),
-                bar_tau,
-                bar_mu,
-                bar_lam,
+            compute_log_J(tau, begin, end, logs)
+        for p in range(begin, end):
+            start, f0, f1, f2 = locate_stencil(x, p, origin, dx, shape)
+            m, k = mass[p], -cast_like(4, dx) * dt / dx
+            if neo_hookean:
+                t0, t1, t2 = neo_hookean_stress(tau, mu[p], lam[p], logs[p - begin], p)
+            else:
+                t0, t1, t2 = load_columns(tau, p)
+            a0, a1, a2 = affine(t0, t1, t2, k * volume[p], C, m * dx, p)
+            q = momentum(v, kick, m, a0, a1, a2, p, f0, f1, f2)
+            row, next_x, next_y = spread(q, m, a0, a1, a2)
+            X, Y, Z = spline(f0), spline(f1), spline(f2)
+            mean, g0, g1, g2, s0, s1, s2 = gather_sloped(
+                bars, start, shape, f0, f1, f2, X, Y, Z, row, next_x, next_y
             )
-        else:
-            store_rows(bar_tau, 9 * p, s * r0, s * r1, s * r2)
+            n0, n1, n2, by_mass = unpack_node(mean)
+            n = n0, n1, n2
+            cells = cast_like(1, dx) / dx
+            slopes = cells * (s0 - dot(a0, n)), cells * (s1 - dot(a1, n)), cells * (s2 - dot(a2, n))
+            if neo_hookean:
+                others = passed_x[3 * p], passed_x[3 * p + 1], passed_x[3 * p + 2]
+                slopes = slopes[0] + others[0], slopes[1] + others[1], slopes[2] + others[2]
+            store_flat(bar_x, 3 * p, slopes)
+            by_v = splat_like(m, mean) * mean
+            by_dv = by_dv + by_v
+            store_flat(bar_v, 3 * p, unpack(by_v))
+            r0, r1, r2 = transpose(g0, g1, g2)  # rows of bar A, of which g are the columns
+            c0, c1, c2 = load_rows(flat_C, 9 * p)
+            spin = splat_like(m * dx, mean)
+            store_rows(bar_C, 9 * p, spin * r0, spin * r1, spin * r2)
+            bar_mass[p] = (
+                by_mass + n0 * (v[p, 0] + kick[0]) + n1 * (v[p, 1] + kick[1]) + n2 * (v[p, 2] + kick[2])
+            )
+            bar_mass[p] += dx * (inner(c0, r0) + inner(c1, r1) + inner(c2, r2))
+            bar_volume[p] = k * (dot(t0, unpack(g0)) + dot(t1, unpack(g1)) + dot(t2, unpack(g2)))
+            by_dt += volume[p] * bar_volume[p]
+            s = splat_like(k * volume[p], mean)
+            if neo_hookean:
+                F0, F1, F2 = load_rows(flat_tau, 9 * p)
+                pull_neo_hookean(
+                    p,
+                    (F0, F1, F2),
+                    (mu[p], lam[p]),
+                    logs[p - begin],
+                    (s * r0, s * r1, s * r2),
+                    (s * g0, s * g1, s * g2),
+                    load_rows(passed_F, 9 * p),
+                    bar_tau,
+                    bar_mu,
+                    bar_lam,
+                )
+            else:
+                store_rows(bar_tau, 9 * p, s * r0, s * r1, s * r2)
     total[0], total[1], total[2] = unpack(by_dv)
     total[3] = by_dt / dt
 
 
 @njit(**INLINE)
-def pull_neo_hookean(p, F, lame, rows, columns, others, bar_F, bar_mu, bar_lam):
+def pull_neo_hookean(p, F, lame, log_J, rows, columns, others, bar_F, bar_mu, bar_lam):
     """Derivatives by F, mu and lam of tau = mu (F F^T - I) + lam ln J I, those by tau given by rows and by columns.
 
     ``others`` are the rows of what is added to those by F.
@@ -259,7 +271,7 @@ def pull_neo_hookean(p, F, lame, rows, columns, others, bar_F, bar_mu, bar_lam):
     t0, t1, t2 = transpose(a, b, c)
     square = inner(r0, product(a, t0, t1, t2)) + inner(r1, product(b, t0, t1, t2))
     square += inner(r2, product(c, t0, t1, t2))
-    bar_mu[p], bar_lam[p] = square - trace, np.log(J) * trace
+    bar_mu[p], bar_lam[p] = square - trace, log_J * trace
     # F^-T = cof F / J, whose rows are cross products of those of F.
     s, u = splat_like(mu, a), splat_like(lam * trace / J, a)
     store_rows(

@@ -46,6 +46,7 @@ from physagent_jax.kernels.numbers import (
     extract,
     load_columns,
     load_row,
+    log,
     lowest_node,
     scale,
     spline,
@@ -57,6 +58,7 @@ from physagent_jax.kernels.team import share_loop
 
 NUMBERS = 4  # per node: momentum and mass
 PADDING = 16  # numbers by which a row's unused fourth node may reach beyond a grid's end
+BLOCK = 64  # particles of which the logarithms of J are computed at a time
 HEALTH_FIELDS = 7  # as `mpm.health.Health`, in its order
 
 
@@ -125,24 +127,31 @@ def scatter(x, v, C, tau, law, mass, volume, dv, origin, dt, dx, options, nodes,
     """Adds the particles ``first`` to ``last`` to ``nodes``, a flat array with four numbers per node."""
     zero, (classical, neo_hookean, viscous) = cast_like(0, dx), options
     mu, lam, viscosity, rate = law
-    kick = dv[0], dv[1], dv[2]
-    for p in range(first, last):
-        start, f0, f1, f2 = locate_stencil(x, p, origin, dx, shape)
-        X, Y, Z = spline(f0), spline(f1), spline(f2)
-        along = repeat(Z)
-        # Node (i, j, k) of the stencil gets w_i (q + A (i, j, k)), with q the momentum at the lowest node.
-        m, impulse = mass[p], -dt * volume[p] / dx
-        k = zero if classical else cast_like(4, dx) * impulse
-        t0, t1, t2 = neo_hookean_stress(tau, mu[p], lam[p], p) if neo_hookean else load_columns(tau, p)
-        if viscous:
-            t0, t1, t2 = add_viscous_stress(t0, t1, t2, tau, rate, viscosity[p], p)
-        a0, a1, a2 = affine(t0, t1, t2, k, C, m * dx, p)
-        q = momentum(v, kick, m, a0, a1, a2, p, f0, f1, f2)
-        row = tile(q, m) * along + tile(a2, zero) * repeat((zero, Z[1], Z[2] + Z[2]))
-        scatter_rows(nodes, start, shape, X, Y, row, tile(a0, zero) * along, tile(a1, zero) * along)
-        if classical:
-            dX, dY, dZ = spline_derivative(f0), spline_derivative(f1), spline_derivative(f2)
-            scatter_force(t0, t1, t2, impulse, X, Y, Z, dX, dY, dZ, nodes, start, shape)
+    kick, logs = (dv[0], dv[1], dv[2]), np.empty(BLOCK, x.dtype)
+    for begin in range(first, last, BLOCK):
+        end = min(begin + BLOCK, last)
+        if neo_hookean:
+            compute_log_J(tau, begin, end, logs)
+        for p in range(begin, end):
+            start, f0, f1, f2 = locate_stencil(x, p, origin, dx, shape)
+            X, Y, Z = spline(f0), spline(f1), spline(f2)
+            along = repeat(Z)
+            # Node (i, j, k) of the stencil gets w_i (q + A (i, j, k)), with q the momentum at the lowest node.
+            m, impulse = mass[p], -dt * volume[p] / dx
+            k = zero if classical else cast_like(4, dx) * impulse
+            if neo_hookean:
+                t0, t1, t2 = neo_hookean_stress(tau, mu[p], lam[p], logs[p - begin], p)
+            else:
+                t0, t1, t2 = load_columns(tau, p)
+            if viscous:
+                t0, t1, t2 = add_viscous_stress(t0, t1, t2, tau, rate, viscosity[p], p)
+            a0, a1, a2 = affine(t0, t1, t2, k, C, m * dx, p)
+            q = momentum(v, kick, m, a0, a1, a2, p, f0, f1, f2)
+            row = tile(q, m) * along + tile(a2, zero) * repeat((zero, Z[1], Z[2] + Z[2]))
+            scatter_rows(nodes, start, shape, X, Y, row, tile(a0, zero) * along, tile(a1, zero) * along)
+            if classical:
+                dX, dY, dZ = spline_derivative(f0), spline_derivative(f1), spline_derivative(f2)
+                scatter_force(t0, t1, t2, impulse, X, Y, Z, dX, dY, dZ, nodes, start, shape)
 
 
 @njit(**INLINE)
@@ -356,11 +365,23 @@ def passes_walls(x, p, low, high):
     return 0
 
 
+@njit(**OPTIONS)
+def compute_log_J(F, first, last, logs):
+    """Ln det F of the particles ``first`` to ``last``, into the first places of ``logs``.
+
+    A block at a time: one logarithm takes as long as several at once, and what a particle scatters would wait for it.
+    """
+    for p in range(first, last):
+        logs[p - first] = determinant(load_row(F, p, 0), load_row(F, p, 1), load_row(F, p, 2))
+    for k in range(last - first):
+        logs[k] = log(logs[k])
+
+
 @njit(**INLINE)
-def neo_hookean_stress(F, mu, lam, p):
+def neo_hookean_stress(F, mu, lam, log_J, p):
     """Columns of the Kirchhoff stress of `materials.NeoHookean`."""
     a, b, c = load_row(F, p, 0), load_row(F, p, 1), load_row(F, p, 2)
-    pressure = lam * np.log(determinant(a, b, c)) - mu
+    pressure = lam * log_J - mu
     ab, ac, bc = mu * dot(a, b), mu * dot(a, c), mu * dot(b, c)
     return (
         (mu * dot(a, a) + pressure, ab, ac),
