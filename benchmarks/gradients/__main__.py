@@ -24,7 +24,7 @@ from benchmarks import harness
 from benchmarks.gradients.cost import CASES, measure_cost
 from benchmarks.gradients.cube import MATERIALS
 from benchmarks.gradients.markdown import PARTS, document
-from benchmarks.gradients.peers import ORDERS, measure_peers
+from benchmarks.gradients.peers import ORDERS, ROUNDS, measure_peers
 from benchmarks.gradients.precision import HORIZONS, measure_precision
 from benchmarks.gradients.profile import PROFILED, measure_profile
 from benchmarks.harness import Job
@@ -84,8 +84,8 @@ def _list_growth(command: Command) -> list[Job]:
 def _list_peers(command: Command) -> list[Job]:
     """All codes in one job, so that ratios are within a run."""
     particles, steps, cores = (500, 10, (1,)) if command.quick else (20_000, 200, (2, 1))
-    repeats = 1 if command.quick else command.repeats
-    return [Job(f"{n} core(s), {order}", partial(measure_peers, particles, steps, n, order, repeats))
+    repeats, rounds = (1, 1) if command.quick else (command.repeats, ROUNDS)
+    return [Job(f"{n} core(s), {order}", partial(measure_peers, particles, steps, n, order, repeats, rounds))
             for order in ORDERS for n in cores]  # fmt: skip
 
 

@@ -61,7 +61,7 @@ PEERS = {
     "value and gradient [s]": lambda row: (
         f"{number(row['seconds'])} ({' to '.join(map(number, row['range']))})"
     ),
-    "times ours": lambda row: number(row["ratio"]),
+    "times ours": lambda row: f"{number(row['ratio'])} ({' to '.join(map(number, row['ratio_range']))})",
     "first call [s]": lambda row: number(row["first_seconds"]),
     "memory [GB]": lambda row: number(row["memory_gb"]),
     "cosine with ours": lambda row: f"{row['cosine']:.4f}",
