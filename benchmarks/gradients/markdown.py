@@ -54,14 +54,20 @@ MATERIAL_COLUMNS = {"material": lambda row: row["material"]} | COLUMNS
 GROWTH = {"material": lambda row: row["material"]} | PRECISION
 PEERS = {
     "code": lambda row: f"{row['code']}: {row['version']}",
-    "cores": lambda row: str(row["cores"]),
+    "cores": lambda row: (
+        f"{row['cores']}, {'a cache each' if row['caches'] == 'two' else 'one cache'}"
+        if row["cores"] > 1
+        else "1"
+    ),
     "order": lambda row: row["order"],
     "particles": lambda row: f"{row['particles']:,}",
     "substeps": lambda row: str(row["substeps"]),
     "value and gradient [s]": lambda row: (
         f"{number(row['seconds'])} ({' to '.join(map(number, row['range']))})"
     ),
-    "times ours": lambda row: f"{number(row['ratio'])} ({' to '.join(map(number, row['ratio_range']))})",
+    "repeats": lambda row: str(row["repeats"]),
+    "times ours": lambda row: number(row["ratio"]),
+    "fastest by fastest": lambda row: number(row["ratio_of_fastest"]),
     "first call [s]": lambda row: number(row["first_seconds"]),
     "memory [GB]": lambda row: number(row["memory_gb"]),
     "cosine with ours": lambda row: f"{row['cosine']:.4f}",

@@ -1,10 +1,11 @@
 """Loss and gradient of a scene by one code in this process, timed: what `benchmarks.gradients` runs in others.
 
-    python -m benchmarks.peers.gradient --code NAME --scene scene.npz --dt DT --steps N --repeats R --threads T
+    python -m benchmarks.peers.gradient --code NAME --scene scene.npz --dt DT --steps N --threads T
 
 The loss is the mean over the particles of z^2 + 0.1 w . x / 3 at the end, w normal numbers (seed 1); its gradient is by
-gravity, initial velocity and stiffness, each as a factor. Prints one line of JSON. Needs only numpy and the code's
-library, so that a peer may live in an environment of its own.
+gravity, initial velocity and stiffness, each as a factor. Prints a line of JSON with the first gradient, and for each
+line that it then reads one with the seconds that another takes. Needs only numpy and the code's library, so that a peer
+may live in an environment of its own.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import importlib
 import json
 import os
 import re
+import sys
 import time
 from pathlib import Path
 from typing import Protocol
@@ -78,7 +80,6 @@ def main() -> int:
     parser.add_argument("--scene", type=Path, required=True)
     parser.add_argument("--dt", type=float, required=True, help="substep [s]")
     parser.add_argument("--steps", type=int, required=True)
-    parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--threads", type=int, required=True)
     options = parser.parse_args()
     if hasattr(os, "sched_setaffinity"):  # before any library counts the cores
@@ -88,22 +89,24 @@ def main() -> int:
     scene = PeerScene.load(options.scene)
     before = read_memory("VmRSS")
     code.load(scene, options.dt, options.steps, draw_weight(scene.particle_count))
-    seconds = []
-    for _ in range(1 + options.repeats):
-        begun = time.perf_counter()
-        loss, gradient = code.compute_gradient()
-        seconds.append(time.perf_counter() - begun)
+    begun = time.perf_counter()
+    loss, gradient = code.compute_gradient()
+    first = time.perf_counter() - begun
+    sys.stdin.readline()
     peak = read_memory("VmHWM")
     result = {
         "code": code.name,
         "version": code.version(),
-        "first_seconds": seconds[0],
-        "seconds": seconds[1:],
+        "first_seconds": first,
         "loss": loss,
         "gradient": gradient.tolist(),
         "memory_gb": None if peak is None or before is None else (peak - before) / 1e9,
     }
-    print(json.dumps(result))
+    print(json.dumps(result), flush=True)
+    while sys.stdin.readline():
+        begun = time.perf_counter()
+        code.compute_gradient()
+        print(json.dumps({"seconds": time.perf_counter() - begun}), flush=True)
     return 0
 
 

@@ -7,6 +7,9 @@ would be more of them than cores.
 
 XLA promises neither when a helper begins nor that it does. So nobody waits for one that has not: an iteration is
 waited for only once somebody has taken it, and a helper that comes too late finds the team closed.
+
+A core begins with its own part of each loop, the same one in every call, and then takes what others have left of
+theirs: what a kernel wrote is mostly still in the cache of the core that reads it in the next one.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportPrivateImportUsage=false, reportAttributeAccessIssue=false
@@ -15,6 +18,7 @@ from __future__ import annotations
 
 import os
 import platform
+import sys
 
 from llvmlite import ir
 from numba import njit, types
@@ -22,16 +26,16 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 from physagent_jax.kernels import ffi
-from physagent_jax.kernels.numbers import BODY, INLINE, OPTIONS
+from physagent_jax.kernels.numbers import BODY, INLINE, OPTIONS, split_range
 
 _WORD, _BYTE = ir.IntType(64), ir.IntType(8)
 
 # A team is a block of memory of which these are the words. What different threads write lies in lines of its own.
 _LINE = 8  # words
 _FRAME, _REFERENCES, _INSIDE = 0, 1, _LINE
-_LOOPS, _TAKEN, _DONE = 2 * _LINE, 0, _LINE  # of each loop: iterations begun, and ended
+_DONE = 2 * _LINE  # a line for each loop: iterations that are done
 _MOST_LOOPS = 3
-_BYTES = 8 * (_LOOPS + _MOST_LOOPS * 2 * _LINE)
+_TAKEN = _DONE + _MOST_LOOPS * _LINE  # a line for each part of each loop: iterations that somebody has begun
 _CLOSED = 1 << 32  # added to the number of helpers inside
 _PATIENCE = 2000  # looks at a word before the core is offered to others
 
@@ -53,15 +57,15 @@ def run_in_team(frame, number, kernel):
     """
     if ffi.answer_query(frame):
         return 0
-    helpers = ffi.get_attribute(frame, 0) - 1
-    team = _allocate()
+    size = ffi.get_attribute(frame, 0)
+    helpers, team = size - 1, _allocate(_TAKEN + _MOST_LOOPS * size * _LINE)
     ffi.write_word(team, _FRAME, frame)
     ffi.write_word(team, _REFERENCES, 1 + helpers)
     for _ in range(helpers):
         if not _schedule(frame, team, number, kernel):
             _release(team)
     kernel(frame, number, team)
-    _add_word(team, _INSIDE, _CLOSED)
+    add_word(team, _INSIDE, _CLOSED)
     _wait_until(
         team, _INSIDE, _CLOSED, False
     )  # they have nothing left to do, but may still look at the operands
@@ -77,46 +81,50 @@ def team_size(team):
 
 @njit(**OPTIONS)
 def share_loop(team, loop, count):
-    """Those of 0..``count`` - 1 that fall to this thread, in order; goes on when all of them are done, by whomever.
+    """Those of 0..``count`` - 1 that fall to this thread; goes on when all of them are done, by whomever.
 
     Args:
         team: As a kernel gets it.
         loop: Number of the loop within the kernel, from 0.
         count: Iterations. Each is done once; the caller must not leave the loop within one.
     """
-    words = _LOOPS + 2 * _LINE * loop
-    i = _add_word(team, words + _TAKEN, 1)
-    while i < count:
-        yield i
-        _add_word(team, words + _DONE, 1)
-        i = _add_word(team, words + _TAKEN, 1)
-    _wait_until(team, words + _DONE, count, True)
+    parts, core, done = team_size(team), _find_core(), _DONE + loop * _LINE
+    for turn in range(parts):
+        part = (core + turn) % parts
+        taken = _TAKEN + (loop * parts + part) * _LINE
+        first, last = split_range(count, part, parts)
+        i = first + add_word(team, taken, 1)
+        while i < last:
+            yield i
+            add_word(team, done, 1)
+            i = first + add_word(team, taken, 1)
+    _wait_until(team, done, count, True)
 
 
 @njit(**OPTIONS)
 def _wait_until(team, index, value, at_least):
     """Returns when a word is ``value``, or more if ``at_least``."""
     looks = 0
-    word = _read_shared(team, index)
+    word = read_shared(team, index)
     while word < value if at_least else word != value:
         looks += 1
         _pause(looks % _PATIENCE == 0)
-        word = _read_shared(team, index)
+        word = read_shared(team, index)
 
 
 @njit(**OPTIONS)
 def _help(team, number, kernel):
     """What a helper does."""
-    if _add_word(team, _INSIDE, 1) < _CLOSED:
+    if add_word(team, _INSIDE, 1) < _CLOSED:
         kernel(ffi.read_word(team, _FRAME), number, team)
-    _add_word(team, _INSIDE, -1)
+    add_word(team, _INSIDE, -1)
     _release(team)
 
 
 @njit(**OPTIONS)
 def _release(team):
     """The last one who knows of a team frees it."""
-    if _add_word(team, _REFERENCES, -1) == 1:
+    if add_word(team, _REFERENCES, -1) == 1:
         _free(team)
 
 
@@ -163,15 +171,15 @@ def _call_api(builder, api, index: int, words: list):
 
 
 @intrinsic
-def _allocate(typing):
+def _allocate(typing, words):
     """A team's block, all zero."""
 
     def generate(context, builder, signature, arguments):
         kind = ir.FunctionType(_BYTE.as_pointer(), [_WORD, _WORD])
         function = cgutils.get_or_insert_function(builder.module, kind, "calloc")
-        return builder.ptrtoint(builder.call(function, [_WORD(_BYTES), _WORD(1)]), _WORD)
+        return builder.ptrtoint(builder.call(function, [arguments[0], _WORD(8)]), _WORD)
 
-    return types.int64(), generate
+    return types.int64(types.int64), generate
 
 
 @intrinsic
@@ -186,7 +194,22 @@ def _free(typing, team):
 
 
 @intrinsic
-def _add_word(typing, team, index, value):
+def _find_core(typing):
+    """The number of the core on which this thread is; 0 where the system does not tell."""
+
+    def generate(context, builder, signature, arguments):
+        if not sys.platform.startswith("linux"):
+            return _WORD(0)
+        kind = ir.FunctionType(ir.IntType(32), [])
+        function = cgutils.get_or_insert_function(builder.module, kind, "sched_getcpu")
+        core = builder.zext(builder.call(function, []), _WORD)
+        return builder.select(builder.icmp_signed("<", core, _WORD(1 << 31)), core, _WORD(0))
+
+    return types.int64(), generate
+
+
+@intrinsic
+def add_word(typing, team, index, value):
     """Adds to a word that threads share, and returns what it was; what either did before, the next one sees."""
 
     def generate(context, builder, signature, arguments):
@@ -197,7 +220,7 @@ def _add_word(typing, team, index, value):
 
 
 @intrinsic
-def _read_shared(typing, team, index):
+def read_shared(typing, team, index):
     """A word that threads share, with what was done before it was written."""
 
     def generate(context, builder, signature, arguments):
