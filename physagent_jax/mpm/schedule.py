@@ -31,6 +31,9 @@ from physagent_jax.mpm.transfer import STOPPED
 MEMORY = 2e9
 """[bytes] that a reverse pass may take for what it keeps."""
 _CHUNK, _SHORTEST_CHUNK = 32, 8  # substeps of a program where all states are kept, and where few are
+_UNROLLED = (
+    10  # in place of the former where frames are longer: its substeps stand one after another, without a loop
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -203,7 +206,8 @@ def _choose_checkpoints(state: State, schedule: Schedule, memory: float) -> _Che
     each = size + nodes * state.x.dtype.itemsize
     count = schedule.substeps
     if count * each <= memory:
-        return _Checkpoints(_fit_length(schedule, _CHUNK), every=True)
+        longest = max((frame.substeps for frame in schedule.frames), default=0)
+        return _Checkpoints(_fit_length(schedule, _CHUNK if longest <= _CHUNK else _UNROLLED), every=True)
     length = _fit_length(schedule, max(_SHORTEST_CHUNK, math.isqrt(int(count * size / each))))
     needed = count * size / length + length * each
     if needed > memory:
@@ -260,7 +264,8 @@ def _advance(
 ) -> State:
     """``count`` substeps, of as many as there may be between checkpoints: one program for any number; None = all.
 
-    To choose for each substep whether it is taken costs a gradient of many particles a twentieth: hence one for all.
+    To choose for each substep whether it is taken costs a gradient of many particles a twentieth: hence one for all. In
+    that one, no loop puts the states that are kept into stacks and takes them out again: a further sixth.
     """
 
     def step(carry):
@@ -277,7 +282,11 @@ def _advance(
 
     def run(state: State) -> State:
         start = state, kirchhoff_stress(model, state), jnp.zeros((), jnp.int32)
-        (state, _, outside), _ = jax.lax.scan(body, start, jnp.arange(checkpoints.length))
+        if checkpoints.every and count is None:
+            end = reduce(lambda carry, index: body(carry, index)[0], range(checkpoints.length), start)
+        else:
+            end, _ = jax.lax.scan(body, start, jnp.arange(checkpoints.length))
+        state, _, outside = end
         poison = jnp.where(outside > 0, jnp.nan, 0.0).astype(state.x.dtype)
         return dataclasses.replace(state, x=state.x + poison)
 
