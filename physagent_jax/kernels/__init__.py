@@ -5,7 +5,8 @@ knows which do. "auto" takes them where the arrays lie on a CPU, or JAX puts the
 "reference" the pure JAX path, "cpu" insists. Both give the same numbers to round-off; forward-mode derivatives exist
 for the reference only.
 
-Here: SIMD values (`lanes`), XLA's calling convention (`ffi`), threads and the store of compiled code.
+Here: SIMD values (`lanes`), XLA's calling convention (`ffi`), the threads that run a kernel together (`team`) and the
+store of compiled code.
 """
 
 from __future__ import annotations
