@@ -38,6 +38,7 @@ _FRAME_OPERANDS, _FRAME_RESULTS, _FRAME_ATTRIBUTES = (
     14,
     20,
 )  # XLA_FFI_Args.args, XLA_FFI_Rets.rets, XLA_FFI_Attrs.attrs
+SCHEDULE_TASK, DESTROY_ERROR = 17, 8  # XLA_FFI_ThreadPool_Schedule, XLA_FFI_Error_Destroy, within XLA_FFI_Api
 _SCALAR_VALUE = 1  # XLA_FFI_Scalar
 _BUFFER_DATA, _BUFFER_RANK, _BUFFER_EXTENTS = 3, 4, 5  # XLA_FFI_Buffer
 _EXTENSION_TYPE, _EXTENSION_METADATA, _METADATA = 1, 3, 1  # XLA_FFI_Metadata_Extension

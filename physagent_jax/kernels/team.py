@@ -39,9 +39,6 @@ _TAKEN = _DONE + _MOST_LOOPS * _LINE  # a line for each part of each loop: itera
 _CLOSED = 1 << 32  # added to the number of helpers inside
 _PATIENCE = 2000  # looks at a word before the core is offered to others
 
-_SCHEDULE = 17  # XLA_FFI_ThreadPool_Schedule, within XLA_FFI_Api
-_DESTROY_ERROR = 8  # XLA_FFI_Error_Destroy
-
 
 @njit(**BODY)
 def run_in_team(frame, number, kernel):
@@ -152,10 +149,10 @@ def _schedule(typing, frame, team, number, kernel):
         api = ffi.load_word(builder, frame, ffi.FRAME_API)
         words = [_WORD(40), _WORD(0), ffi.load_word(builder, frame, ffi.FRAME_CONTEXT)]
         words += [builder.ptrtoint(function, _WORD), team]
-        error = _call_api(builder, api, _SCHEDULE, words)
+        error = _call_api(builder, api, ffi.SCHEDULE_TASK, words)
         failed = builder.icmp_unsigned("!=", error, _WORD(0))
         with builder.if_then(failed, likely=False):
-            _call_api(builder, api, _DESTROY_ERROR, [_WORD(24), _WORD(0), error])
+            _call_api(builder, api, ffi.DESTROY_ERROR, [_WORD(24), _WORD(0), error])
         return builder.not_(failed)
 
     return types.boolean(frame, team, number, kernel), generate

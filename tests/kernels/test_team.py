@@ -89,8 +89,8 @@ def test_xla_has_its_functions_where_they_are_called():
     header = (Path(jaxlib.__file__).parent / "include/xla/ffi/api/c_api.h").read_text()
     functions = re.findall(r"_XLA_FFI_API_STRUCT_FIELD\(XLA_FFI_(\w+)\);", header)
     first = 6  # after the structure's size, its extension, three words of version, and XLA's own
-    assert functions.index("ThreadPool_Schedule") + first == team._SCHEDULE
-    assert functions.index("Error_Destroy") + first == team._DESTROY_ERROR
+    assert functions.index("ThreadPool_Schedule") + first == ffi.SCHEDULE_TASK
+    assert functions.index("Error_Destroy") + first == ffi.DESTROY_ERROR
     assert re.search(
         r"struct XLA_FFI_CallFrame \{[^}]*? api;[^}]*? ctx;[^}]*? stage;[^}]*? args;[^}]*? rets;[^}]*? attrs;",
         header,
