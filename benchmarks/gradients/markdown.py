@@ -16,19 +16,21 @@ central differences. *Peers*: the same scene, loss and unknowns by the automatic
 the classical substep, every substep's arrays on the tape) and of Taichi (as in DiffTaichi: nodes are filled again in
 reverse), each in a process of its own with as many cores; Warp has one thread on a CPU. Ours sorts the particles by
 cell as it loads them; the peers are given them sorted, which is the strict comparison, and in random order, as their
-users have them. The aim, five times as fast as either peer on two cores, is missed against Taichi with sorted
-particles and met otherwise. What is left to ours on two cores, in a trace: the kernels take 2.6 of 3.8 ms per substep
-and halve with a second core; XLA's own loops (states that are kept and read again, the grid update) take 1.2 ms and
-hardly do. Before their adjoints and the grid update were taken out of XLA's loops (docs/decisions.md, 2026-11-25),
-ours took 1.05 and 1.43 s here (two cores, one). On Intel Xeon machines with two cores, particles in random order and
-that earlier code, Warp took 10.1 and 7.1 times ours in one run, 5.4 and 3.7 in another, Taichi 5.5 and 6.4, and 5.0
-and 5.0; why Warp's times differ is not known. Taichi finds its compiled kernels again from an earlier run; without
-them its first call takes 150 to 190 s. *Cosine* is between the gradients: the classical stress form and MLS-MPM
-differ at this resolution. *Materials* and *growth* are cost and precision for the other laws: the impact makes metal
-and sand yield, so that their gradients go through the return mapping. *Profile*: each stage of a substep, and its
-derivative, jitted alone, with the floor: the larger of the bytes that must go in and out over the bandwidth of a copy
-of as many, and the operations that XLA counts in the reference path over those of a matrix product. The reverse of
-the whole is its value and gradient less its forward; stages alone pay for a call each.
+users have them. Codes take turns, in three rounds; a gradient is timed after three that are not. At one moment the two
+cores of this virtual machine have a cache in common and at the next they have not, which the time tells that a word
+takes from one to the other (some 50 or 180 ns, `benchmarks.latency`), asked before and after each repeat: rows are
+apart by it. *Fastest by fastest* is the ratio of the least times. The aim, five times as fast as either peer on two
+cores, is met where the cores share a cache, and just met by the medians where they do not (4.8 by the fastest). Before
+2026-11-25 ours took 1.05 and 1.43 s here (two cores, one); what changed is in docs/decisions.md. On Intel Xeon machines
+with two cores, particles in random order and that earlier code, Warp took 10.1 and 7.1 times ours in one run, 5.4 and
+3.7 in another, Taichi 5.5 and 6.4, and 5.0 and 5.0; why Warp's times differ is not known. Taichi finds its compiled
+kernels again from an earlier run; without them its first call takes 150 to 190 s. *Cosine* is between the gradients:
+the classical stress form and MLS-MPM differ at this resolution. *Materials* and *growth* are cost and precision for
+the other laws: the impact makes metal and sand yield, so that their gradients go through the return mapping.
+*Profile*: each stage of a substep, and its derivative, jitted alone, with the floor: the larger of the bytes that
+must go in and out over the bandwidth of a copy of as many, and the operations that XLA counts in the reference path
+over those of a matrix product. The reverse of the whole is its value and gradient less its forward; stages alone pay
+for a call each.
 """
 COLUMNS = {
     "particles": lambda row: f"{row['particles']:,}",
