@@ -16,13 +16,15 @@ def prepare() -> None:
     Raises:
         UserError: A variable makes no sense, or asks for what this machine does not have.
     """
-    _check_numba()
     try:
         import jax
     except (ValueError, RuntimeError) as error:  # a JAX_... variable of the wrong type
         raise UserError(
             f"JAX does not accept the environment: {error}", do="Mend or unset the variable"
         ) from error
+    from physagent_jax.kernels.threads import read_limit
+
+    read_limit()
     _check_xla_flags()
     config: Any = jax.config  # its flags are not typed
     if config.jax_disable_jit:
@@ -41,14 +43,6 @@ def prepare() -> None:
             got=f"JAX_PLATFORMS={os.environ.get('JAX_PLATFORMS', '')}: {error}".strip(": ").splitlines()[0],
             do="Unset `JAX_PLATFORMS`, or set it to cpu",
         ) from error
-
-
-def _check_numba() -> None:
-    count = os.environ.get("NUMBA_NUM_THREADS")
-    if count is not None and not (count.isascii() and count.isdigit() and 0 < int(count[:5]) < 10_000):
-        raise UserError(
-            "`NUMBA_NUM_THREADS` must be a whole number from 1", got=count, do="Unset it to use all cores"
-        )
 
 
 def _check_xla_flags() -> None:

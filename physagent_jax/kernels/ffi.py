@@ -33,11 +33,8 @@ HANDLER = types.int64(types.int64)
 _WORD = ir.IntType(64)
 FRAME_API, FRAME_CONTEXT = 2, 3  # XLA_FFI_CallFrame.api and .ctx
 _FRAME_EXTENSION = 1
-_FRAME_OPERANDS, _FRAME_RESULTS, _FRAME_ATTRIBUTES = (
-    9,
-    14,
-    20,
-)  # XLA_FFI_Args.args, XLA_FFI_Rets.rets, XLA_FFI_Attrs.attrs
+_FRAME_OPERANDS, _FRAME_RESULTS = 9, 14  # XLA_FFI_Args.args and XLA_FFI_Rets.rets, within XLA_FFI_CallFrame
+_FRAME_ATTRIBUTES = 20  # XLA_FFI_Attrs.attrs, likewise
 SCHEDULE_TASK, DESTROY_ERROR = 17, 8  # XLA_FFI_ThreadPool_Schedule, XLA_FFI_Error_Destroy, within XLA_FFI_Api
 _SCALAR_VALUE = 1  # XLA_FFI_Scalar
 _BUFFER_DATA, _BUFFER_RANK, _BUFFER_EXTENTS = 3, 4, 5  # XLA_FFI_Buffer

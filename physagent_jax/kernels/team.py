@@ -63,9 +63,8 @@ def run_in_team(frame, number, kernel):
             _release(team)
     kernel(frame, number, team)
     add_word(team, _INSIDE, _CLOSED)
-    _wait_until(
-        team, _INSIDE, _CLOSED, False
-    )  # they have nothing left to do, but may still look at the operands
+    # Helpers have nothing left to do, but may still look at the operands.
+    _wait_until(team, _INSIDE, _CLOSED, False)
     _release(team)
     return 0
 

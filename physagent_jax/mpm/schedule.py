@@ -32,7 +32,7 @@ MEMORY = 2e9
 """[bytes] that a reverse pass may take for what it keeps."""
 _CHUNK, _SHORTEST_CHUNK = 32, 8  # substeps of a program where all states are kept, and where few are
 _UNROLLED = (
-    10  # in place of the former where frames are longer: its substeps stand one after another, without a loop
+    10  # in place of the former where frames are longer: one after another in the program, without a loop
 )
 
 

@@ -6,6 +6,8 @@ import jax
 import pytest
 
 from physagent_jax.cli import main
+from physagent_jax.core.errors import UserError
+from physagent_jax.kernels.threads import thread_count
 from tests.kernels.processes import begun, ended
 
 MAIN = "import sys; from physagent_jax.cli import main; sys.exit(main({}))"
@@ -57,6 +59,14 @@ def test_a_gpu_that_is_not_there_is_refused_in_one_line(monkeypatch, capsys):
         monkeypatch.setenv("JAX_PLATFORMS", "cuda")
         assert main(["materials"]) == 2
         assert one_line(capsys.readouterr().err, "JAX_PLATFORMS=cuda")
+
+
+@pytest.mark.parametrize("value", BAD["NUMBA_NUM_THREADS"])
+def test_a_number_of_threads_that_is_none_is_refused_in_a_library_too(value, monkeypatch):
+    """With no thread at all, kernels would give back memory as they found it."""
+    monkeypatch.setenv("NUMBA_NUM_THREADS", value)
+    with pytest.raises(UserError, match="NUMBA_NUM_THREADS"):
+        thread_count.__wrapped__()
 
 
 @pytest.mark.parametrize("arguments", [["schema"], ["run", "--help"]])
