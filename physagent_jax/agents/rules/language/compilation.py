@@ -171,8 +171,25 @@ def _compile_push(
         event, ActionType.TRANSLATION, event.direction, event.strength, window, after, builder
     )
     builder.add_expectation(
-        event, MotionKind.MOVE, event.direction, acted, released=_is_released(event, window, after, builder)
+        event,
+        MotionKind.MOVE,
+        event.direction,
+        acted,
+        released=_is_released(event, window, after, builder),
+        leaves_place=_leaves_place(event),
     )
+
+
+def _leaves_place(event: Event) -> bool:
+    """Whether a push or a blow takes the whole object elsewhere: it is thrown, or goes a told distance.
+
+    A lean and a wind bend what is rooted, however far; so may a push or a blow of which no distance is told.
+    """
+    if event.region is not None or event.part is not None or event.wind:
+        return False
+    thrown = event.effect is Effect.STRIKE and (event.verb.gravity or event.verb.direction == "up")
+    told = event.amount is not None and event.amount.unit in ("lengths", "metres")
+    return thrown or event.effect is Effect.JUMP or told and event.effect is not Effect.LEAN
 
 
 def _compile_repeated_push(
@@ -355,6 +372,7 @@ def _compile_strike(
         sudden=True,
         repeats=count,
         released=builder.anchored,
+        leaves_place=_leaves_place(event),
     )
     thrown = event.verb.gravity or builder.default_drop
     if rises and thrown and not any(e.effect in (Effect.FALL, Effect.TOPPLE) for e in after):
