@@ -118,7 +118,7 @@ def build_scene(
 
     Raises:
         UserError: The sentence is not understood, a value is out of range, both a sentence and a force field are
-            given, or what is held cannot move so.
+            given, or the sentence asks for what a held object cannot do.
     """
     if prompt and force_field is not None:
         raise UserError("`prompt` and `force_field` both say what acts", do="Give one of them")

@@ -98,6 +98,24 @@ def refuse_impossible(hold: Hold, reply: SemanticReply, up: Vector, *, whole: bo
     )
 
 
+def describe_yielding(hold: Hold, reply: SemanticReply, up: Vector) -> str | None:
+    """A warning that a lift or a turn only stretches or twists what is held; None if there is none to give.
+
+    Args:
+        hold: What holds the object.
+        reply: The plan.
+        up: Unit vector against gravity.
+    """
+    motions = [each for each in _list_motions(reply) if _needs_free(each, up)]
+    upright = [each for each in motions if each.kind is MotionKind.ROTATE or _find_height(each, up) > _UPWARD]
+    if not upright:
+        return None
+    return (
+        f"{_name(upright[0])}: the object is held at {_PLACES[hold.place]}, so that it can only stretch, bend or "
+        "twist and not leave its place"
+    )
+
+
 def describe_release(motion: ExpectedMotion, kind: str) -> str:
     """The assumption that a hold of the object's kind gives way, in a sentence.
 

@@ -12,7 +12,8 @@ from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.run.brief import make_brief
-from physagent_jax.run.resolve import LET_GO, UP, ResolvedRun
+from physagent_jax.run.holding import UP
+from physagent_jax.run.resolve import LET_GO, ResolvedRun
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.fuse import SceneTemplate
 
@@ -42,19 +43,17 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
 def place_for_field(run: ResolvedRun, body: Body, field: ForceField) -> tuple[SceneTemplate, tuple[str, ...]]:
     """The scene for a force field without a sentence, as `ResolvedRun.place` gives it, free if the field needs that.
 
+    A hold that somebody has chosen stays, whatever the field: it may be one of many that are tried.
+
     Args:
         run: The run.
         body: Its object at rest.
         field: What acts.
-
-    Raises:
-        UserError: What is held cannot make the motion that the field tells of.
     """
-    reply = SemanticReply(force_field=field)
-    motion = find_release(run, reply)
+    motion = find_release(run, SemanticReply(force_field=field))
     if motion is None:
-        return run.place(body, reply)
-    template, notes = run.place(body, reply.model_copy(update=dict(anchor=LET_GO.anchor)))
+        return run.place(body)
+    template, notes = run.place(body, LET_GO)
     return template, (describe_release(motion, template.source.kind), *notes)
 
 

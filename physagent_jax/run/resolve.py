@@ -7,16 +7,17 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from physagent_jax.agents.hold import Hold, HoldOrigin, refuse_impossible
+from physagent_jax.agents.hold import Hold
 from physagent_jax.agents.schema import AnchorRequest, SemanticReply, WorldRequest
 from physagent_jax.core.reading import check_regular, format_validation_error
 from physagent_jax.forces.calibration import FRICTION
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.run.holding import check_hold, find_hold
 from physagent_jax.run.material import resolve_material
 from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
-from physagent_jax.scene.anchor import MASK_BYTES, select_anchored
+from physagent_jax.scene.anchor import MASK_BYTES
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.broad_side import find_broad_side
 from physagent_jax.scene.card import ObjectCard, load_card
@@ -38,8 +39,6 @@ from physagent_jax.scene.world import WORLDS, Obstacle, World
 
 LET_GO = SemanticReply(force_field=ForceField(), anchor=AnchorRequest(kind="none"))
 """A reply that asks for nothing but that the object be free."""
-UP = (0.0, 0.0, 1.0)
-"""Against gravity, in every scene."""
 _PRESET_PARTS = ("domain", "filling", "timing", "transfer", "rendering")
 
 
@@ -83,23 +82,22 @@ class ResolvedRun:
         Raises:
             UserError: What is held cannot make a motion that the reply plans.
         """
-        template = self.template if reply is None else self.with_reply(reply)
-        if reply is not None and (hold := self.find_hold(reply)) is not None:
-            refuse_impossible(hold, reply, UP, whole=self._is_held_whole(template.anchor, body))
-        if reply is not None and reply.world.gravity is not None:
-            return template, ()
+        if reply is None:
+            return self._make_stand(self.template, body)
+        template = self.with_reply(reply)
+        hold = self.find_hold(reply)
+        held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
+        if reply.world.gravity is not None:
+            return template, held
+        template, notes = self._make_stand(template, body)
+        return template, (*held, *notes)
+
+    def _make_stand(self, template: SceneTemplate, body: Body) -> tuple[SceneTemplate, tuple[str, ...]]:
         return make_stand(template, body, keep_material=self.spec.material.says_stiffness)
 
     def find_hold(self, reply: SemanticReply) -> Hold | None:
         """What holds the object if the sentence says what is in ``reply``; None if nothing does."""
         return find_hold(self.spec.anchor, self.template.source.kind, reply.anchor)
-
-    def _is_held_whole(self, anchor: Anchor, body: Body) -> bool:
-        """Whether all particles are held."""
-        index, count = body.particles.gaussian_index, body.cloud.count
-        return bool(
-            select_anchored(anchor, body.particles.x, index, self.base_dir, gaussian_count=count).all()
-        )
 
     def with_reply(self, reply: SemanticReply) -> SceneTemplate:
         """The template with what the sentence says about holding, the world and the clip's length."""
@@ -224,25 +222,6 @@ def resolve_anchor(
                 kind="mask", mask_path=str((Path(base_dir) / choice.mask_path).resolve()), reason=reason
             )
     return choose_anchor(kind, choice.kind).model_copy(update=dict(reason=reason))
-
-
-def find_hold(choice: AnchorChoice, kind: str, said: AnchorRequest) -> Hold | None:
-    """What holds the object, and who says so; None if nothing does.
-
-    A word that describes the object as its kind is anyway ("the potted plant") says no more than the kind.
-
-    Args:
-        choice: Of the spec.
-        kind: The object's.
-        said: What the sentence says about holding.
-    """
-    place = resolve_anchor(choice, kind, said).kind
-    if place == "none":
-        return None
-    if choice.kind != "auto":
-        return Hold(place, HoldOrigin.OPTION)
-    implied = said.kind is None or said.described and said.kind == choose_anchor(kind).kind
-    return Hold(place, HoldOrigin.KIND) if implied else Hold(place, HoldOrigin.SENTENCE, said.words)
 
 
 def resolve_world(world: World, said: WorldRequest) -> World:
