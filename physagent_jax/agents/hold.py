@@ -1,9 +1,9 @@
 """What holds an object, against what is to happen to it.
 
-A hold that only the object's kind implies gives way to a motion that needs the object free: it falls, rises, is
-thrown, or turns as a whole. What is bent, swayed, stretched or twisted keeps it, and so does a push of which no
-distance is told: it bends what is rooted. A hold that the sentence or the user asks for never gives way; a motion that
-it makes impossible is found before anything is simulated.
+A hold that only the object's kind implies gives way to a motion that needs the object free: it falls, rises, turns as
+a whole, or leaves its place (`ExpectedMotion.leaves_place`). What is bent, swayed, stretched or twisted keeps it, and
+so does a push of which no distance is told: it bends what is rooted. A hold that the sentence or the user asks for
+never gives way; a motion that it makes impossible is found before anything is simulated.
 """
 
 from __future__ import annotations

@@ -162,8 +162,8 @@ class ExpectedMotion(Strict):
         excludes_part: True if ``part`` is the one that should not move ("everything except the head").
         stays: True if it is to stay where it was brought ("and hold it there").
         even: True if it is to go at one speed ("evenly", "at a constant speed").
-        leaves_place: True if a move takes the object as a whole from its place: it is thrown, it jumps, or it goes a
-            told distance. False for what may as well bend an object whose foot is held.
+        leaves_place: True if a move takes the object as a whole from its place: it is thrown, it jumps, it slides or
+            is carried, or it goes a told distance. False for what may as well bend an object whose foot is held.
         amount: A quantity that the sentence names; None = none.
         words: The words that led to it.
     """

@@ -44,6 +44,9 @@ LEAVES = [
     "spin the plant",
     "rotate the plant by 90 degrees",
     "push the plant 30 cm to the left",
+    "slide the plant to the left",
+    "move the plant away from us",
+    "the plant is carried to the right",
     "let go of the plant",
 ]
 KEEPS = [
@@ -52,6 +55,9 @@ KEEPS = [
     "bend the plant 30 degrees to the left",
     "bend the plant 10 cm to the left",
     "push the plant to the left",
+    "pull the plant towards us",
+    "the wind moves the plant to the left",
+    "the plant moves",
     "push the plant to the left three times",
     "hit the plant from the right",
     "the plant sways in the wind",
