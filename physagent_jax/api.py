@@ -10,17 +10,15 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.protocols import Agents
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error
-from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.protocols import PerceptionBackends
-from physagent_jax.run.brief import make_brief
 from physagent_jax.run.finished import FinishedRun, open_run
 from physagent_jax.run.loop import agents_of, run_loop
 from physagent_jax.run.observer import Observer
+from physagent_jax.run.reading import place_for_field, read_for_scene
 from physagent_jax.run.resolve import ResolvedRun, resolve
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.body import Body, make_body, make_scene_body
@@ -119,8 +117,8 @@ def build_scene(
         ledger: Whether exchanged energy and momentum are recorded.
 
     Raises:
-        UserError: The sentence is not understood, a value is out of range, or both a sentence and a force field
-            are given.
+        UserError: The sentence is not understood, a value is out of range, both a sentence and a force field are
+            given, or the sentence asks for what a held object cannot do.
     """
     if prompt and force_field is not None:
         raise UserError("`prompt` and `force_field` both say what acts", do="Give one of them")
@@ -138,13 +136,12 @@ def build_scene(
     run = resolve(_validate(**changed), source=loaded.source)
     for text in run.warnings:
         warnings.warn(text, UserWarning, stacklevel=2)
-    template, notes = run.place(loaded.body)
     if prompt:
-        context = AgentContext(prompt, make_brief(template, frames_fixed=run.frames_fixed), describe_skills())
-        reply = agents_of(run.spec).semantic.compile(context).value
+        reply = read_for_scene(run, loaded.body, agents_of(run.spec).semantic.compile).value
         field, (template, notes) = reply.force_field, run.place(loaded.body, reply)
     else:
         field = _make_force_field(force_field)
+        template, notes = place_for_field(run, loaded.body, field)
     for text in notes:
         warnings.warn(text, UserWarning, stacklevel=2)
     return compile_scene(fuse(template, loaded.body, field), loaded.body, run.base_dir)

@@ -104,3 +104,27 @@ def test_a_plan_says_what_of_the_object_is_loose_and_how_it_is_damped(tmp_path, 
     assert "1 piece(s)" in loose and "at 0.50 L" in loose
     (damped,) = [each for each in said["assumptions"] if "damping ratio" in each]
     assert "`--damping-ratio` 0.1" in damped
+
+
+@pytest.fixture
+def pot(tmp_path):
+    path = tmp_path / "pot.obj"
+    trimesh.creation.box([0.4, 0.4, 0.4]).export(path)
+    return path
+
+
+def test_a_hold_of_the_kind_gives_way_to_a_fall(pot, capsys):
+    """And the plan says so; what bends keeps it."""
+    lines = plan(capsys, pot, "drop it", "--kind", "plant", "--up", "+z").splitlines()
+    assert "held: nowhere" in lines
+    assert any(line.startswith("assumed: 'drop' needs the object free") for line in lines)
+    said = json.loads(plan(capsys, pot, "bend it left", "--kind", "plant", "--up", "+z", "--json"))
+    assert "rooted" in said["anchor"]["held"] and not any("free" in each for each in said["assumptions"])
+
+
+@pytest.mark.parametrize("words", [["drop it", "--anchor", "base"], ["hold the base and throw it"]])
+def test_a_motion_that_its_hold_makes_impossible_is_refused(words, pot, capsys):
+    """With both ways out, by the command that only plans."""
+    assert main(["plan", "--object", str(pot), "--kind", "plant", "--up", "+z", *words]) == 2
+    error = capsys.readouterr().err
+    assert "impossible" in error and "Leave out" in error and "or ask for" in error

@@ -91,10 +91,12 @@ class AnchorRequest(Strict):
     Attributes:
         kind: "base" (a slab at the foot), "top", "none" (explicitly free), or None (says nothing).
         words: The words that led to it.
+        described: True if a word describes the object so ("potted"); False if the sentence asks that it be held.
     """
 
     kind: Literal["base", "top", "none"] | None = None
     words: str = ""
+    described: bool = False
 
 
 class ObstacleRequest(Strict):
@@ -160,6 +162,8 @@ class ExpectedMotion(Strict):
         excludes_part: True if ``part`` is the one that should not move ("everything except the head").
         stays: True if it is to stay where it was brought ("and hold it there").
         even: True if it is to go at one speed ("evenly", "at a constant speed").
+        leaves_place: True if a move takes the object as a whole from its place: it is thrown, it jumps, it slides or
+            is carried, or it goes a told distance. False for what may as well bend an object whose foot is held.
         amount: A quantity that the sentence names; None = none.
         words: The words that led to it.
     """
@@ -176,6 +180,7 @@ class ExpectedMotion(Strict):
     excludes_part: bool = False
     stays: bool = False
     even: bool = False
+    leaves_place: bool = False
     amount: Amount | None = None
     words: str = ""
 

@@ -52,6 +52,20 @@ class Trace(Strict):
         """Whether no model took part."""
         return self == Trace()
 
+    def followed_by(self, later: Trace) -> Trace:
+        """This call and a later one of the same agent as one: the later answer, and the cost of both."""
+        return later.model_copy(
+            update=dict(
+                model=later.model or self.model,
+                messages=self.messages + later.messages,
+                validation_errors=self.validation_errors + later.validation_errors,
+                repairs=self.repairs + later.repairs,
+                input_tokens=self.input_tokens + later.input_tokens,
+                output_tokens=self.output_tokens + later.output_tokens,
+                latency_seconds=self.latency_seconds + later.latency_seconds,
+            )
+        )
+
 
 @dataclass(frozen=True)
 class Reply(Generic[Value]):

@@ -52,11 +52,10 @@ class Plan:
 
     def __call__(self) -> int:
         """Runs the command; returns the exit code."""
-        from physagent_jax.agents.context import AgentContext
         from physagent_jax.cli.console import warn
-        from physagent_jax.forces.description import describe_skills
         from physagent_jax.run.brief import make_brief
         from physagent_jax.run.loop import agents_of
+        from physagent_jax.run.reading import read_for_scene
         from physagent_jax.run.resolve import resolve
         from physagent_jax.scene.body import make_body
         from physagent_jax.scene.fuse import damp
@@ -70,9 +69,7 @@ class Plan:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", UserWarning)
             body = make_body(template.source, template.preset.filling, template.preset.domain, run.base_dir)
-        brief = make_brief(run.place(body)[0], frames_fixed=run.frames_fixed)
-        reader = agents_of(run.spec).semantic
-        reply = reader.compile(AgentContext(self.prompt, brief, describe_skills())).value
+        reply = read_for_scene(run, body, agents_of(run.spec).semantic.compile).value
         template, placed = run.place(body, reply)
         after = make_brief(template, frames_fixed=run.frames_fixed)
         damped = damp(template, body)[1]

@@ -10,6 +10,7 @@ Thin host code; everything that computes lives in the layers below.
 from __future__ import annotations
 
 import dataclasses
+import functools
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -38,6 +39,7 @@ from physagent_jax.run.manifest import Stages, find_best_round
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.prompt import make_prompt, read_mask
 from physagent_jax.run.provenance import hash_settings, make_manifest
+from physagent_jax.run.reading import read_for_scene
 from physagent_jax.run.refused import REFUSED, RefusedReading
 from physagent_jax.run.resolve import ResolvedRun
 from physagent_jax.run.spec import RunSpec
@@ -133,7 +135,7 @@ def run_loop(
         compile_ahead()  # while the sentence is read and the object loaded
         loop = _Loop(run, agents, backends, observer or Observer(), store)
         body = loop.load_object()
-        reading = loop.read_sentence()
+        reading = loop.read_sentence(body)
         reply = reading.value
         loop.observer.understood(reply)
         try:
@@ -205,7 +207,7 @@ class _Loop:
         self._reused = dict(store.manifest.reused_frames)
         self._warnings: tuple[str, ...] = ()
 
-    def read_sentence(self) -> Reply[SemanticReply]:
+    def read_sentence(self, body: Body) -> Reply[SemanticReply]:
         """The semantic agent's reply, from the folder if it is there."""
         reply = self._store.read("semantic.json", SemanticReply)
         if reply is not None:
@@ -215,7 +217,8 @@ class _Loop:
             self._calls = AgentCalls(self._agents, refused.agents)
             return Reply(refused.reply, refused.trace)
         self.observer.stage("reading the sentence")
-        return self._ask(self._store, "", "semantic", "compile", self._make_context())
+        ask = functools.partial(self._ask, self._store, "", "semantic", "compile")
+        return read_for_scene(self._run, body, ask)
 
     def refuse(self, reading: Reply[SemanticReply], error: UserError) -> NoReturn:
         """Ends a run that has simulated nothing; what a model said of the sentence is kept, for it is paid for.

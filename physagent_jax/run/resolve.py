@@ -7,9 +7,12 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from physagent_jax.agents.hold import Hold
 from physagent_jax.agents.schema import AnchorRequest, SemanticReply, WorldRequest
 from physagent_jax.core.reading import check_regular, format_validation_error
 from physagent_jax.forces.calibration import FRICTION
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.run.holding import check_hold, find_hold
 from physagent_jax.run.material import resolve_material
 from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
@@ -34,6 +37,8 @@ from physagent_jax.scene.priors import (
 from physagent_jax.scene.standing import make_stand
 from physagent_jax.scene.world import WORLDS, Obstacle, World
 
+LET_GO = SemanticReply(force_field=ForceField(), anchor=AnchorRequest(kind="none"))
+"""A reply that asks for nothing but that the object be free."""
 _PRESET_PARTS = ("domain", "filling", "timing", "transfer", "rendering")
 
 
@@ -73,11 +78,26 @@ class ResolvedRun:
         Args:
             body: The object at rest.
             reply: What the sentence says of the scene; None = before it is read, for those who read it.
+
+        Raises:
+            UserError: What is held cannot make a motion that the reply plans.
         """
-        template = self.template if reply is None else self.with_reply(reply)
-        if reply is not None and reply.world.gravity is not None:
-            return template, ()
+        if reply is None:
+            return self._make_stand(self.template, body)
+        template = self.with_reply(reply)
+        hold = self.find_hold(reply)
+        held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
+        if reply.world.gravity is not None:
+            return template, held
+        template, notes = self._make_stand(template, body)
+        return template, (*held, *notes)
+
+    def _make_stand(self, template: SceneTemplate, body: Body) -> tuple[SceneTemplate, tuple[str, ...]]:
         return make_stand(template, body, keep_material=self.spec.material.says_stiffness)
+
+    def find_hold(self, reply: SemanticReply) -> Hold | None:
+        """What holds the object if the sentence says what is in ``reply``; None if nothing does."""
+        return find_hold(self.spec.anchor, self.template.source.kind, reply.anchor)
 
     def with_reply(self, reply: SemanticReply) -> SceneTemplate:
         """The template with what the sentence says about holding, the world and the clip's length."""

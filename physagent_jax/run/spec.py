@@ -92,7 +92,7 @@ class AnchorChoice(Strict):
     """What is held fixed.
 
     Attributes:
-        kind: "auto" = what the sentence says, else what the object's kind implies.
+        kind: "auto" = what the sentence says, else what the object's kind implies unless a motion needs it free.
         point, half_size: Centre and half size of a "box" [m]; the object's longest side is 1 m, centred in the domain.
         mask_path: ``.npy`` of one bool per Gaussian, for a "mask".
     """

@@ -421,7 +421,9 @@ def _choose_anchor(clauses: list[Clause]) -> AnchorRequest:
     """What is held: an adjective ("rooted"), a verb ("hold the pot"), or an end that "does not move"."""
     for clause in clauses:
         for mention in clause.select(MentionKind.ANCHOR):
-            return AnchorRequest.model_validate({"kind": mention.value, "words": mention.words})
+            return AnchorRequest.model_validate(
+                {"kind": mention.value, "words": mention.words, "described": True}
+            )
         if clause.head is None:
             continue
         verb = get_verb(clause.head)

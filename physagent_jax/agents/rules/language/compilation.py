@@ -21,7 +21,7 @@ from physagent_jax.agents.rules.language.amounts import (
 )
 from physagent_jax.agents.rules.language.builder import MAX_ACTIONS, ForceFieldBuilder
 from physagent_jax.agents.rules.language.directions import find_lean_axis
-from physagent_jax.agents.rules.language.events import Event
+from physagent_jax.agents.rules.language.events import Event, is_way_assumed
 from physagent_jax.agents.rules.language.regions import make_end_region
 from physagent_jax.agents.rules.language.schedule import Slot, Window, divide, divide_swings, has_to_stop
 from physagent_jax.agents.rules.language.verbs import Effect
@@ -171,8 +171,27 @@ def _compile_push(
         event, ActionType.TRANSLATION, event.direction, event.strength, window, after, builder
     )
     builder.add_expectation(
-        event, MotionKind.MOVE, event.direction, acted, released=_is_released(event, window, after, builder)
+        event,
+        MotionKind.MOVE,
+        event.direction,
+        acted,
+        released=_is_released(event, window, after, builder),
+        leaves_place=_leaves_place(event),
     )
+
+
+def _leaves_place(event: Event) -> bool:
+    """Whether a push or a blow takes the whole object elsewhere: it is thrown, goes somewhere, or goes so far.
+
+    A lean and a wind bend what is rooted, however far. So may a push or a blow of which no distance is told; a verb
+    that says no more than that the object goes a told way does not.
+    """
+    if event.region is not None or event.part is not None or event.wind or event.effect is Effect.LEAN:
+        return False
+    thrown = event.effect is Effect.STRIKE and (event.verb.gravity or event.verb.direction == "up")
+    goes = event.effect is Effect.PUSH and event.verb.generic and not is_way_assumed(event)
+    told = event.amount is not None and event.amount.unit in ("lengths", "metres")
+    return thrown or goes or told or event.effect is Effect.JUMP
 
 
 def _compile_repeated_push(
@@ -355,6 +374,7 @@ def _compile_strike(
         sudden=True,
         repeats=count,
         released=builder.anchored,
+        leaves_place=_leaves_place(event),
     )
     thrown = event.verb.gravity or builder.default_drop
     if rises and thrown and not any(e.effect in (Effect.FALL, Effect.TOPPLE) for e in after):

@@ -1,0 +1,198 @@
+"""What holds an object, against what is to happen to it.
+
+A hold that only the object's kind implies gives way to a motion that needs the object free: it falls, rises, turns as
+a whole, or leaves its place (`ExpectedMotion.leaves_place`). What is bent, swayed, stretched or twisted keeps it, and
+so does a push of which no distance is told: it bends what is rooted. A hold that the sentence or the user asks for
+never gives way; a motion that it makes impossible is found before anything is simulated.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Literal
+
+from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SemanticReply
+from physagent_jax.agents.vectors import cosine
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.schema import ActionType
+
+_UPWARD = 0.5  # cosine to the vertical from which on a way leads up
+_LEVEL = 0.7  # cosine to the vertical below which an axis is level
+_BENT = 90.0  # [degrees] that a held object may be bent by
+_TURNED_OVER = 180.0  # [degrees] about a level axis that no bending reaches
+_PLACES = {"base": "its base", "top": "its top", "box": "a box", "mask": "a mask"}
+
+
+class HoldOrigin(enum.Enum):
+    """The source of a hold."""
+
+    KIND = "kind"
+    SENTENCE = "sentence"
+    OPTION = "option"
+
+
+@dataclass(frozen=True)
+class Hold:
+    """What holds an object.
+
+    Attributes:
+        place: Where it is held, as in `Anchor`.
+        origin: Who says so.
+        words: The sentence's words for it; empty for the other origins.
+    """
+
+    place: Literal["base", "top", "box", "mask"]
+    origin: HoldOrigin
+    words: str = ""
+
+
+def find_leaving(reply: SemanticReply, up: Vector) -> ExpectedMotion | None:
+    """The first planned motion that needs the object free; None if a hold can stay.
+
+    Args:
+        reply: The plan.
+        up: Unit vector against gravity.
+    """
+    return next((each for each in _list_motions(reply) if _needs_free(each, up)), None)
+
+
+def find_impossible(hold: Hold, reply: SemanticReply, up: Vector) -> ExpectedMotion | None:
+    """The first planned motion that a held object cannot make in any degree; None if there is none.
+
+    What is held can still be pulled, pushed and turned as far as it gives way, so that fewer motions are impossible
+    than need the object free.
+
+    Args:
+        hold: What holds it.
+        reply: The plan.
+        up: Unit vector against gravity.
+    """
+    return next((each for each in _list_motions(reply) if _is_impossible(each, hold, up)), None)
+
+
+def refuse_impossible(hold: Hold, reply: SemanticReply, up: Vector, *, whole: bool) -> None:
+    """Refuses a plan with a motion that the hold makes impossible.
+
+    Args:
+        hold: What holds the object.
+        reply: The plan.
+        up: Unit vector against gravity.
+        whole: Whether all of the object is held, so that nothing of it can move.
+
+    Raises:
+        UserError: There is such a motion.
+    """
+    moving = [each for each in _list_motions(reply) if each.kind is not MotionKind.STILL]
+    motion = next(iter(moving), None) if whole else find_impossible(hold, reply, up)
+    if motion is None:
+        return
+    held = "as a whole" if whole else f"at {_PLACES[hold.place]}"
+    said = hold.origin is HoldOrigin.SENTENCE
+    raise UserError(
+        f"{_name(motion)} is impossible for an object that is held {held}",
+        got=repr(hold.words) if said else f"anchor '{hold.place}', chosen for the run",
+        do=f"Leave out {'these words' if said else 'that anchor'}, so that nothing holds it, or ask for what a held "
+        "object can do: bend, sway, stretch, twist",
+    )
+
+
+def describe_yielding(hold: Hold, reply: SemanticReply, up: Vector) -> str | None:
+    """A warning that a lift or a turn only stretches or twists what is held; None if there is none to give.
+
+    Args:
+        hold: What holds the object.
+        reply: The plan.
+        up: Unit vector against gravity.
+    """
+    motions = [each for each in _list_motions(reply) if _needs_free(each, up)]
+    upright = [each for each in motions if each.kind is MotionKind.ROTATE or _find_height(each, up) > _UPWARD]
+    if not upright:
+        return None
+    return (
+        f"{_name(upright[0])}: the object is held at {_PLACES[hold.place]}, so that it can only stretch, bend or "
+        "twist and not leave its place"
+    )
+
+
+def describe_release(motion: ExpectedMotion, kind: str) -> str:
+    """The assumption that a hold of the object's kind gives way, in a sentence.
+
+    Args:
+        motion: The motion that needs the object free.
+        kind: The object's kind.
+    """
+    return (
+        f"{_name(motion)} needs the object free: it is not held, as an object of kind '{kind}' otherwise is."
+    )
+
+
+def _name(motion: ExpectedMotion) -> str:
+    return f"'{motion.words}'" if motion.words else f"The planned motion ({motion.kind.value})"
+
+
+def _list_motions(reply: SemanticReply) -> tuple[ExpectedMotion, ...]:
+    """The expected motions; without any, those that the force field tells of."""
+    if reply.expectations:
+        return reply.expectations
+    field, motions = reply.force_field, []
+    if field.default_drop:
+        motions.append(ExpectedMotion(kind=MotionKind.FALL, window=(0, 1)))
+    for action in field.actions:
+        if action.action_type in (ActionType.TRANSLATION, ActionType.IMPULSE) and action.region is None:
+            motions.append(
+                ExpectedMotion(
+                    kind=MotionKind.MOVE,
+                    direction=action.vector,
+                    window=action.active_time or (0, 1),
+                    sudden=action.action_type is ActionType.IMPULSE,
+                )
+            )
+    return tuple(motions)
+
+
+def _needs_free(motion: ExpectedMotion, up: Vector) -> bool:
+    if not _is_of_whole(motion):
+        return False
+    match motion.kind:
+        case MotionKind.FALL:
+            return True
+        case MotionKind.MOVE:
+            return motion.leaves_place or _find_height(motion, up) > _UPWARD
+        case MotionKind.ROTATE:
+            bent = abs(_find_height(motion, up)) < _LEVEL and 0 < _find_angle(motion) < _BENT
+            return motion.repeats == 1 and not bent
+    return False
+
+
+def _is_impossible(motion: ExpectedMotion, hold: Hold, up: Vector) -> bool:
+    if not _is_of_whole(motion):
+        return False
+    match motion.kind:
+        case MotionKind.FALL:
+            return True
+        case MotionKind.MOVE:
+            rises = _find_height(motion, up) > _UPWARD and hold.place == "base"
+            return motion.sudden and (motion.leaves_place or rises)
+        case MotionKind.ROTATE:
+            return abs(_find_height(motion, up)) < _LEVEL and _find_angle(motion) >= _TURNED_OVER
+    return False
+
+
+def _is_of_whole(motion: ExpectedMotion) -> bool:
+    return not motion.partial and motion.part is None
+
+
+def _find_height(motion: ExpectedMotion, up: Vector) -> float:
+    """Cosine of the motion's direction or axis to the vertical; 0 if it has none."""
+    if motion.direction is None:
+        return 0.0
+    x, y, z = motion.direction
+    return cosine((x, y, z), up)
+
+
+def _find_angle(motion: ExpectedMotion) -> float:
+    """Angle that the sentence tells [degrees]; 0 if it tells none."""
+    told = motion.amount is not None and motion.amount.unit == "degrees"
+    return motion.amount.value if told and motion.amount is not None else 0.0
