@@ -19,6 +19,7 @@ lint: $(VENV)/.installed
 	$(RUN)/ruff format --check .
 	$(RUN)/pyright --pythonpath $(RUN)/python
 	$(RUN)/lint-imports --no-logo
+	$(RUN)/python .ci/check_writing.py
 
 pictures: $(VENV)/.installed
 	$(RUN)/python examples/make_pictures.py docs/images

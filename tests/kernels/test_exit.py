@@ -40,10 +40,10 @@ def test_a_program_ends_while_a_rollout_is_in_flight(endings, ending):
     assert out == "(512, 3)\n"
 
 
-def test_all_code_of_the_readme_as_one_file_runs_and_ends():
-    """Its last line leaves a rollout in flight, too; the fall after 0.1 s is g t^2 / 2, to the order of the method."""
-    library = (REPOSITORY / "README.md").read_text().split("## As a library")[1]
-    code, out, err = ran("\n".join(re.findall(r"```python\n(.*?)```", library, re.DOTALL)))
+def test_all_code_of_the_pages_as_one_file_runs_and_ends():
+    """The last line leaves a rollout in flight, too; the fall after 0.1 s is g t^2 / 2, to the order of the method."""
+    pages = "\n".join((REPOSITORY / name).read_text() for name in ("README.md", "docs/library.md"))
+    code, out, err = ran("\n".join(re.findall(r"```python\n(.*?)```", pages, re.DOTALL)))
     assert code == 0, err
     value, gradient = out.split("Array(")[1:3]
     height, slope = float(value.split(",")[0]), float(gradient.split("]")[0].split(",")[-1])
