@@ -12,12 +12,18 @@ from pathlib import Path
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import open_regular, shorten
 from physagent_jax.gaussians.cloud import GaussianCloud
+from physagent_jax.gaussians.formats.antimatter15 import ANTIMATTER15
 from physagent_jax.gaussians.formats.base import HEAD_BYTES, Format, SignedAxis, SplatData
+from physagent_jax.gaussians.formats.compressed_ply import COMPRESSED_PLY
 from physagent_jax.gaussians.formats.finish import LoadedSplats, check_threshold, finish
+from physagent_jax.gaussians.formats.gltf import GLTF
 from physagent_jax.gaussians.formats.ply import PLY_3DGS
 from physagent_jax.gaussians.formats.ply_header import MOST_BYTES, read_ply_header
+from physagent_jax.gaussians.formats.sog import SOG
+from physagent_jax.gaussians.formats.spz import SPZ
+from physagent_jax.gaussians.formats.unread import UNREAD
 
-FORMATS: tuple[Format, ...] = (PLY_3DGS,)
+FORMATS: tuple[Format, ...] = (COMPRESSED_PLY, PLY_3DGS, SPZ, SOG, GLTF, *UNREAD, ANTIMATTER15)
 """Formats in the order in which they are tried: the first that matches reads the file."""
 
 __all__ = [

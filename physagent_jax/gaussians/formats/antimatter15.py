@@ -23,8 +23,8 @@ _NORM_ERROR = 0.05  # of a unit quaternion whose components are rounded down to 
 _SENSIBLE = 0.98  # share of the rows: a capture has a few that make no sense
 
 
-class Antimatter15:
-    """antimatter15's `.splat`, as `formats.base.Format`. It comes last: it goes by values alone."""
+class _Antimatter15:
+    """antimatter15's `.splat`. It comes last: it goes by values alone."""
 
     name = ".splat (antimatter15)"
     suffixes = (".splat",)
@@ -64,6 +64,9 @@ class Antimatter15:
             sh=colours_to_sh(rows["colour"][:, None, :3] / 255.0),
             encoding="float32 positions, plain scales, 8-bit colours and rotations, SH of degree 0",
         )
+
+
+ANTIMATTER15 = _Antimatter15()
 
 
 def _find_sensible(rows: np.ndarray) -> np.ndarray:

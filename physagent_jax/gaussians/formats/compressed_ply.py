@@ -28,8 +28,8 @@ _REST_COUNTS = (9, 24, 45)
 _SH_RANGE = 8.0  # coefficients lie in [-4, 4]
 
 
-class CompressedPly:
-    """SuperSplat's compressed PLY, as `formats.base.Format`."""
+class _CompressedPly:
+    """SuperSplat's compressed PLY."""
 
     name = "compressed PLY (SuperSplat)"
     suffixes = (".compressed.ply",)
@@ -51,10 +51,14 @@ class CompressedPly:
         position, rotation, scale, colour = (vertex[name].astype(np.uint32) for name in _WORDS)
 
         def within(names: tuple[str, ...], parts: np.ndarray) -> np.ndarray:
-            low, high = (np.stack([chunk[n] for n in part], -1, dtype=np.float64) for part in (names[:3], names[3:]))
+            low, high = (
+                np.stack([chunk[n] for n in part], -1, dtype=np.float64) for part in (names[:3], names[3:])
+            )
             return low[which] * (1.0 - parts) + high[which] * parts
 
-        with np.errstate(over="ignore", invalid="ignore"):  # bounds that are no numbers: such Gaussians are dropped
+        with np.errstate(
+            over="ignore", invalid="ignore"
+        ):  # bounds that are no numbers: such Gaussians are dropped
             means = within(_POSITION, _split_11_10_11(position))
             scales = np.exp(within(_SCALE, _split_11_10_11(scale)))
             channels = _split(colour, (24, 16, 8, 0), (8, 8, 8, 8))
@@ -74,6 +78,9 @@ class CompressedPly:
         )
 
 
+COMPRESSED_PLY = _CompressedPly()
+
+
 def _read_tables(path: Path, header: PlyHeader) -> dict[str, np.ndarray]:
     """The elements as record arrays, checked against the layout."""
     shown = shorten(path)
@@ -85,7 +92,9 @@ def _read_tables(path: Path, header: PlyHeader) -> dict[str, np.ndarray]:
         for element in header.elements:
             dtype = _make_dtype(element, header.order, shown)
             data = file.read(dtype.itemsize * element.count)
-            tables[element.name] = np.frombuffer(data, dtype, min(element.count, len(data) // max(dtype.itemsize, 1)))
+            tables[element.name] = np.frombuffer(
+                data, dtype, min(element.count, len(data) // max(dtype.itemsize, 1))
+            )
     for name, needed in {"chunk": (*_POSITION, *_SCALE), "vertex": _WORDS}.items():
         names = tables[name].dtype.names if name in tables else ()
         if missing := [each for each in needed if each not in (names or ())]:
@@ -100,7 +109,11 @@ def _read_tables(path: Path, header: PlyHeader) -> dict[str, np.ndarray]:
     if "sh" in tables:
         names = [f"f_rest_{i}" for i in range(len(tables["sh"].dtype.names or ()))]
         bytes_only = all(tables["sh"].dtype[i] == np.uint8 for i in range(len(names)))
-        if len(names) not in _REST_COUNTS or set(tables["sh"].dtype.names or ()) != set(names) or not bytes_only:
+        if (
+            len(names) not in _REST_COUNTS
+            or set(tables["sh"].dtype.names or ()) != set(names)
+            or not bytes_only
+        ):
             raise _explain_other(shown, f"an `sh` element of {len(names)} properties")
         if len(tables["sh"]) != rows:
             raise _explain_other(shown, f"{len(tables['sh'])} rows of `sh` for {rows} Gaussians")

@@ -18,7 +18,8 @@ def decode_image(data: bytes, shown: str, *, least: int, most: int, flat: bool =
     Args:
         data: The file.
         shown: The image, for messages.
-        least, most: Pixels that it must and may have.
+        least: Number of pixels that it must have.
+        most: Number of pixels that it may have.
         flat: Whether the pixels are given in one row.
 
     Returns:
@@ -66,7 +67,9 @@ def _read_size(data: bytes, shown: str) -> tuple[int, int]:
                 raise _explain_damage(shown, "two sizes")
             return found
         if kind == b"VP8X" and at + 18 <= len(data):
-            size = tuple(int.from_bytes(data[at + 12 + 3 * i : at + 15 + 3 * i], "little") + 1 for i in range(2))
+            size = tuple(
+                int.from_bytes(data[at + 12 + 3 * i : at + 15 + 3 * i], "little") + 1 for i in range(2)
+            )
         elif kind in (b"VP8 ", b"ANMF"):
             raise UserError(
                 f"{shown} is compressed with loss, so that its values are not those of the Gaussians",

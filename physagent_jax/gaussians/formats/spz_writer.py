@@ -10,7 +10,8 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud
-from physagent_jax.gaussians.formats.spz import COLOUR_SCALE, HEADER, MAGIC, SCALE_LEAST, SCALE_STEPS
+from physagent_jax.gaussians.formats.spz import COLOUR_SCALE, SCALE_LEAST, SCALE_STEPS
+from physagent_jax.gaussians.formats.spz_container import HEADER, MAGIC
 
 VERSION = 3
 _POSITION_BITS = 23  # of a magnitude; the 24th is the sign
@@ -21,7 +22,7 @@ def write_spz(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> 
     """Writes a cloud whose up axis is +y, as SPZ prescribes.
 
     Largest errors of what is read again: positions 2^-23 of the largest coordinate (or 2^-21 units); scales 3.2 %,
-    within [4.5e-5, 380] units; opacities 0.002; rotations 0.0013 (of a component of the quaternion); colours 0.004,
+    within [4.5e-5, 380] units; opacities 0.002; rotations 0.0021 (a component of the quaternion); colours 0.004,
     within [-0.44, 1.44]; higher harmonics 0.004, within [-1, 0.992].
 
     Args:
@@ -61,7 +62,9 @@ def write_spz(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> 
 def _choose_fractional_bits(means: np.ndarray) -> int:
     """The most fractional bits that leave room for the largest coordinate."""
     largest = np.abs(means).max(initial=0.0)
-    bits = min(int(_POSITION_BITS - np.ceil(np.log2(max(largest, 2.0**-20) * (1 + 2.0**-20)))), _MOST_FRACTIONAL_BITS)
+    bits = min(
+        int(_POSITION_BITS - np.ceil(np.log2(max(largest, 2.0**-20) * (1 + 2.0**-20)))), _MOST_FRACTIONAL_BITS
+    )
     if bits < 0:
         raise UserError(
             "the object is too far away or too large for SPZ",
