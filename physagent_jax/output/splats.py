@@ -57,7 +57,9 @@ def write_splat_frames(
             body.placement.rotation,
         )
         with replace_file(path) as temporary:
-            WRITERS[form](temporary, to_source_frame(splats, body.placement, turn))
+            WRITERS[form](
+                temporary, to_source_frame(splats, body.placement, turn), origin=turn @ body.placement.origin
+            )
     return paths
 
 
@@ -77,7 +79,7 @@ def find_frame_turn(form: SplatFormat, up: SignedAxis) -> np.ndarray:
 
 
 def to_source_frame(splats: Splats, placement: Placement, turn: np.ndarray | None = None) -> GaussianCloud:
-    """Undoes the placement, so that frame 0 equals the object file (SH turned along).
+    """Undoes the placement, so that frame 0 equals the object file (SH turned along), relative to its origin.
 
     Args:
         splats: Gaussians in the world.
@@ -89,7 +91,7 @@ def to_source_frame(splats: Splats, placement: Placement, turn: np.ndarray | Non
     shrink = jnp.broadcast_to(back / placement.scale, (splats.means.shape[0], 3, 3))
     return splats_to_cloud(
         Splats(
-            means=jnp.asarray(placement.to_source(splats.means) @ turn.T, jnp.float32),
+            means=jnp.asarray(placement.to_origin(splats.means) @ turn.T, jnp.float32),
             covariances=transform_covariances(shrink, splats.covariances),
             opacities=splats.opacities,
             sh=splats.sh,

@@ -19,7 +19,9 @@ _ARRAY_BUFFER = 34962
 _KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 
 
-def write_glb(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> None:
+def write_glb(
+    path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud, *, origin: np.ndarray | None = None
+) -> None:
     """Writes a cloud whose up axis is +y, as glTF prescribes; all values are float32, nothing is quantised.
 
     Viewers that do not know the extension show points of the Gaussians' colours.
@@ -27,6 +29,7 @@ def write_glb(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> 
     Args:
         path: The file to write, whose folder must exist, or a stream.
         cloud: The Gaussians.
+        origin: Point that the positions are relative to, shape (3,); the translation of the node.
     """
     attributes = {
         "POSITION": np.asarray(cloud.means),
@@ -50,7 +53,9 @@ def write_glb(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> 
         "extensionsUsed": [EXTENSION],
         "scene": 0,
         "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
+        "nodes": [
+            {"mesh": 0, **({"translation": origin.tolist()} if origin is not None and origin.any() else {})}
+        ],
         "meshes": [{"primitives": [_describe_primitive(list(attributes))]}],
         "accessors": accessors,
         "bufferViews": views,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import os
+import warnings
 from typing import BinaryIO
 
 import numpy as np
@@ -18,7 +19,9 @@ _POSITION_BITS = 23  # of a magnitude; the 24th is the sign
 _MOST_FRACTIONAL_BITS = 20  # readers shift a 32-bit one by them
 
 
-def write_spz(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> None:
+def write_spz(
+    path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud, *, origin: np.ndarray | None = None
+) -> None:
     """Writes a cloud whose up axis is +y, as SPZ prescribes.
 
     Largest errors of what is read again: positions 2^-23 of the largest coordinate (or 2^-21 units); scales 3.2 %,
@@ -28,6 +31,7 @@ def write_spz(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> 
     Args:
         path: The file to write, whose folder must exist, or a stream.
         cloud: The Gaussians.
+        origin: Point that the positions are relative to, shape (3,); 24 bits cannot hold it, so that they stay so.
 
     Raises:
         UserError: A coordinate is too large for the format's 24 bits.
@@ -36,6 +40,7 @@ def write_spz(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> 
         np.asarray(values, np.float64)
         for values in (cloud.means, cloud.quats, cloud.scales, cloud.opacities, cloud.sh)
     )
+    _warn_of_limits(scales, origin)
     bits = _choose_fractional_bits(means)
     header = HEADER.pack(MAGIC, VERSION, len(means), round(sh.shape[1] ** 0.5) - 1, bits, 0, 0)
     log_scales = np.log(np.maximum(scales, np.finfo(np.float32).tiny))
@@ -57,6 +62,20 @@ def write_spz(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> 
             file.write(packed)
     else:
         path.write(packed)
+
+
+def _warn_of_limits(scales: np.ndarray, origin: np.ndarray | None) -> None:
+    """Warns of what the format cannot hold."""
+    if origin is not None and np.any(origin):
+        warnings.warn(f"positions in SPZ files are relative to {np.asarray(origin).tolist()}", stacklevel=3)
+    least, most = np.exp(SCALE_LEAST), np.exp(SCALE_LEAST + 255 / SCALE_STEPS)
+    largest = scales.max(axis=1, initial=0.0)
+    if (beyond := np.sum((largest < least) | (largest > most))) > 0:
+        warnings.warn(
+            f"{beyond:,} Gaussians are smaller than {least:.2g} or larger than {most:.3g} units, which SPZ cannot "
+            "hold; save as PLY to keep their sizes",
+            stacklevel=3,
+        )
 
 
 def _choose_fractional_bits(means: np.ndarray) -> int:

@@ -12,7 +12,6 @@ from physagent_jax.core.reading import shorten
 from physagent_jax.gaussians.formats.base import SplatData
 
 _KSPLAT_HEADER = 4096
-_MOST_TRACK = 2**20
 
 
 @dataclasses.dataclass(frozen=True)
@@ -52,40 +51,11 @@ def _is_ksplat(head: bytes) -> bool:
     return 1 <= sections <= most_sections <= 2**20 and 1 <= splats <= most_splats and compression <= 2
 
 
-def _is_colmap_text(head: bytes) -> bool:
-    return head.startswith(b"# 3D point list with one line of data per point")
-
-
-def _is_colmap_binary(head: bytes) -> bool:
-    """Whether the first points of a `points3D.bin` make sense: number, position, colour, error and track."""
-    if len(head) < 59:
-        return False
-    (count,) = struct.unpack_from("<Q", head)
-    at, checked = 8, 0
-    while checked < min(count, 3):
-        if at + 51 > len(head):
-            return False
-        number, x, y, z, *_, error, track = struct.unpack_from("<Q3d3BdQ", head, at)
-        if not (
-            number < 2**40
-            and max(abs(x), abs(y), abs(z)) < 1e12
-            and 0 <= error < 1e6
-            and track <= _MOST_TRACK
-        ):
-            return False
-        at, checked = at + 51 + 8 * track, checked + 1
-    return 0 < count < 2**40
-
-
 def _convert(suffix: str) -> str:
     return f"Convert it to PLY: `npx @playcanvas/splat-transform in{suffix} out.ply`"
 
 
-_TRAIN = "Train 3D Gaussians from the pictures first, e.g. with gsplat or nerfstudio's splatfacto, and give their PLY"
-
 UNREAD = (
-    Unread("COLMAP's sparse points", _TRAIN, _is_colmap_text),
-    Unread("COLMAP's sparse points", _TRAIN, _is_colmap_binary),
     Unread("a .ksplat file (mkkellogg)", _convert(".ksplat"), _is_ksplat),
     Unread(
         "the index of a streamed SOG scene",
