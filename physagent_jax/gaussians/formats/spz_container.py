@@ -97,6 +97,8 @@ def _unpack_gzip(data: bytes, shown: str) -> tuple[SpzHeader, dict[str, bytes], 
     except zlib.error as error:
         raise _explain_damage(shown, str(error)) from None
     check_counts(shown, "Gaussians", header.count, sum(header.sizes.values()), len(body))
+    if not inflate.eof:  # only there its checksum is compared
+        raise _explain_damage(shown, "a gzip stream that does not end where it should")
     streams, start = {}, 0
     for name, each in header.sizes.items():
         streams[name] = body[start : start + header.count * each]
