@@ -70,7 +70,17 @@ def spz(version, gaussians, *, degree=0, fractional_bits=12, flags=0, extensions
     return gzip.compress(header + b"".join(spz_streams(version, gaussians)) + extensions, mtime=0)
 
 
-def spz4(gaussians, compress, *, degree=0, fractional_bits=12, flags=0, extensions=b"") -> bytes:
+def raw_zstd(data) -> bytes:
+    """A zstd frame (RFC 8878) of raw blocks, which hold the bytes as they are."""
+    size = 2**16
+    blocks = [data[start : start + size] for start in range(0, len(data), size)] or [b""]
+    frame = struct.pack("<IBI", 0xFD2FB528, 0b10100000, len(data))  # one segment, its length in four bytes
+    for index, block in enumerate(blocks):
+        frame += (len(block) << 3 | (index == len(blocks) - 1)).to_bytes(3, "little") + block
+    return frame
+
+
+def spz4(gaussians, compress=raw_zstd, *, degree=0, fractional_bits=12, flags=0, extensions=b"") -> bytes:
     """An SPZ file of version 4; ``compress`` makes a zstd frame."""
     streams = [(len(data), compress(data)) for data in spz_streams(4, gaussians) if data]
     fields = (4, len(gaussians), degree, fractional_bits, flags, len(streams), 32 + len(extensions))
@@ -186,7 +196,11 @@ def gltf_parts(values, *, nodes=({"mesh": 0},), extension=None, used=True):
 
 def glb(tree, buffer) -> bytes:
     """A GLB file."""
-    text = json.dumps(tree).encode()
+    return glb_of(json.dumps(tree).encode(), buffer)
+
+
+def glb_of(text, buffer) -> bytes:
+    """A GLB file of JSON text."""
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<I4s", len(text), b"JSON") + text
     chunks += struct.pack("<I4s", len(buffer), b"BIN\0") + buffer

@@ -233,7 +233,8 @@ def test_a_far_origin_is_kept_exactly(tmp_path):
 
 def test_viewers_without_the_extension_get_coloured_points(tmp_path):
     """A grey of 0.5 in sRGB is 0.214 in linear light (IEC 61966-2-1)."""
-    cloud = GaussianCloud(*(np.float32(v) for v in (np.zeros((1, 3)), [[1, 0, 0, 0]], np.ones((1, 3)), [0.4], np.zeros((1, 1, 3)))))  # fmt: skip
+    values = np.zeros((1, 3)), [[1, 0, 0, 0]], np.ones((1, 3)), [0.4], np.zeros((1, 1, 3))
+    cloud = GaussianCloud(*map(np.float32, values))
     write_glb(tmp_path / "a.glb", cloud)
     data = (tmp_path / "a.glb").read_bytes()
     length = int.from_bytes(data[12:16], "little")

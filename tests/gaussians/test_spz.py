@@ -3,6 +3,7 @@
 import gzip
 import importlib.util
 import struct
+import sys
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from physagent_jax.gaussians import GaussianCloud
 from physagent_jax.gaussians.covariance import quat_to_matrix
 from physagent_jax.gaussians.formats import read_splats
 from physagent_jax.gaussians.formats.spz_writer import write_spz
+from tests.fuzz.contract import limited
 from tests.gaussians.format_bytes import smallest_three, spz, spz4
 
 BASE = dict(
@@ -26,16 +28,10 @@ def read(tmp_path, content):
     return read_splats(path)
 
 
-def zstd_or_skip():
-    if importlib.util.find_spec("zstandard") is not None:
-        import zstandard
-
-        return zstandard.ZstdCompressor().compress
-    try:
-        from compression import zstd
-    except ImportError:
-        pytest.skip("version 4 needs zstandard, which is not installed")
-    return zstd.compress
+needs_zstd = pytest.mark.skipif(
+    not any(map(importlib.util.find_spec, ("zstandard", "compression"))),
+    reason="SPZ of version 4 needs zstandard, which is not installed",
+)
 
 
 @pytest.mark.parametrize("version", [2, 3])
@@ -103,24 +99,40 @@ def test_a_left_handed_system_is_refused(tmp_path):
         read(tmp_path, spz(2, [BASE], flags=2, extensions=coordinates(8)))
 
 
+@needs_zstd
 def test_version_4_has_a_stream_for_each_attribute(tmp_path):
-    compress = zstd_or_skip()
     gaussians = [BASE | dict(rotation=IDENTITY3, position=(4096 * i, 0, 0)) for i in range(5)]
-    loaded = read(tmp_path, spz4(gaussians, compress, flags=2, extensions=coordinates(6)))
+    loaded = read(tmp_path, spz4(gaussians, flags=2, extensions=coordinates(6)))
     np.testing.assert_array_equal(loaded.cloud.means[:, 0], range(5))
     assert loaded.up == "-y"
-    damaged = bytearray(spz4(gaussians, compress))
+    damaged = bytearray(spz4(gaussians))
     damaged[40] += 1  # the size of the positions
     with pytest.raises(UserError, match="16 bytes of positions|bytes of positions for 5"):
         read(tmp_path, bytes(damaged))
 
 
+@needs_zstd
+def test_a_stream_of_version_4_that_unpacks_to_more_is_refused(tmp_path):
+    """The frame says and holds a gigabyte where 45 bytes should be; not more than those are unpacked."""
+    run = (2**30 - 1).to_bytes(4, "little")
+    blocks = b"".join(
+        (2**17 << 3 | 1 << 1 | (i == 2**13 - 1)).to_bytes(3, "little") + b"a" for i in range(2**13)
+    )
+
+    def bomb(_):
+        return struct.pack("<IB", 0xFD2FB528, 0b10100000) + run + blocks
+
+    gaussians = [BASE | dict(rotation=IDENTITY3)] * 5
+    with limited(20.0), pytest.raises(UserError):
+        read(tmp_path, spz4(gaussians, bomb))
+
+
 def test_version_4_without_its_package_says_what_to_install(tmp_path, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "zstandard", None)
-    monkeypatch.setitem(__import__("sys").modules, "compression", None)
+    monkeypatch.setitem(sys.modules, "zstandard", None)
+    monkeypatch.setitem(sys.modules, "compression", None)
     gaussians = [BASE | dict(rotation=IDENTITY3)]
     with pytest.raises(UserError, match=r"pip install zstandard"):
-        read(tmp_path, spz4(gaussians, bytes))
+        read(tmp_path, spz4(gaussians))
 
 
 @pytest.mark.parametrize(

@@ -32,8 +32,9 @@ def make_frames(folder, up, form):
         body = make_body(source, Filling(cells=8, max_particles=200), Domain(size=2.0, cells=16), folder)
     x = np.asarray(body.particles.x)
     shear = np.array([[1, 0, 0.3], [0, 1.1, 0], [0, 0, 0.9]])
-    frames = np.stack([x, (x - 1) @ shear.T + 1]), np.stack([np.tile(np.eye(3), (len(x), 1, 1)), np.tile(shear, (len(x), 1, 1))])  # fmt: skip
-    return write_splat_frames(folder / form, body, *frames, form=form, up=up)
+    positions = np.stack([x, (x - 1) @ shear.T + 1])
+    gradients = np.stack([np.tile(each, (len(x), 1, 1)) for each in (np.eye(3), shear)])
+    return write_splat_frames(folder / form, body, positions, gradients, form=form, up=up)
 
 
 def covariances(cloud):
