@@ -20,6 +20,7 @@ OTHERS = {
     "object.up": "-y",
     "object.kind": "plant",
     "object.opacity_threshold": 0.1,
+    "object.splat_encoding": "log-logit",
     "object.extent": 0.8,
     "prompt": "drop it",
     "preset": "paper",

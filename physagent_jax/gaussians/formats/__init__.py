@@ -142,7 +142,7 @@ def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) ->
         UserError: As `read_splats`, or the file is no PLY.
     """
     check_threshold(opacity_threshold)
-    read_ply_header(path)
+    read_ply_header(Path(path))
     loaded = read_splats(path, opacity_threshold=opacity_threshold)
     for note in loaded.notes:
         warnings.warn(note, stacklevel=2)
