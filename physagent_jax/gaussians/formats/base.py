@@ -47,8 +47,11 @@ class Format(Protocol):
         suffixes: Usual file name endings, for messages; a format is found by content, not by name.
     """
 
-    name: str
-    suffixes: tuple[str, ...]
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def suffixes(self) -> tuple[str, ...]: ...
 
     def matches(self, head: bytes) -> bool:
         """Whether a file that begins with ``head`` (at most `HEAD_BYTES`) is of this format."""
