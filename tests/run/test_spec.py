@@ -48,7 +48,7 @@ OTHERS = {
     "ledger": True,
     "save.video_size": [64, 48],
     "save.frames": True,
-    "save.splats": True,
+    "save.splats": "glb",
 }
 
 

@@ -13,18 +13,30 @@ from pathlib import Path
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import open_regular, shorten
 from physagent_jax.gaussians.cloud import GaussianCloud
+from physagent_jax.gaussians.formats.antimatter15 import ANTIMATTER15
 from physagent_jax.gaussians.formats.base import HEAD_BYTES, Format, SignedAxis, SplatData
+from physagent_jax.gaussians.formats.compressed_ply import COMPRESSED_PLY
 from physagent_jax.gaussians.formats.finish import LoadedSplats, check_threshold, finish
+from physagent_jax.gaussians.formats.gltf import GLTF
 from physagent_jax.gaussians.formats.ply_gaussians import PLY_2DGS, PLY_3DGS, PLY_RGB, GaussianPly
 from physagent_jax.gaussians.formats.ply_header import MOST_BYTES, read_ply_header
 from physagent_jax.gaussians.formats.points import COLMAP_POINTS, PLY_POINTS
+from physagent_jax.gaussians.formats.sog import SOG
+from physagent_jax.gaussians.formats.spz import SPZ
+from physagent_jax.gaussians.formats.unread import UNREAD
 
 FORMATS: tuple[Format, ...] = (
+    COMPRESSED_PLY,
     PLY_2DGS,
     PLY_RGB,
     PLY_3DGS,
     PLY_POINTS,
+    SPZ,
+    SOG,
+    GLTF,
     COLMAP_POINTS,
+    *UNREAD,
+    ANTIMATTER15,  # has no magic number
 )
 """Formats in the order in which they are tried: the first that matches reads the file."""
 
