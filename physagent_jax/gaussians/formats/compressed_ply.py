@@ -1,10 +1,11 @@
 """Reading SuperSplat's compressed PLY: Gaussians quantised within chunks of 256.
 
-Layout (PlayCanvas, "The compressed PLY format"): an element ``chunk`` of bounds as floats (``min_x ..
-max_scale_z``, natural logarithms of the scales; in later files also ``min_r .. max_b`` of the colours), an element
-``vertex`` of four 32-bit words, and optionally an element ``sh`` of bytes (``f_rest_*``, as in a 3DGS PLY). The words,
-from the highest bit on: position and scale 11-10-11 between the chunk's bounds; rotation 2-10-10-10, the place of the
-largest component of wxyz, then the other three; colour and opacity 8-8-8-8.
+Layout (PlayCanvas, "The compressed PLY format"): an element ``chunk`` of bounds as floats, ``min_x .. max_scale_z``,
+those of the scales being natural logarithms. Later files also have ``min_r .. max_b`` of the colours. An element
+``vertex`` has four 32-bit words. An element ``sh`` of bytes may follow (``f_rest_*``, as in a 3DGS PLY).
+
+The words, from the highest bit on: position and scale 11-10-11, between the chunk's bounds; rotation 2-10-10-10, the
+place of the largest component of wxyz and the other three; colour and opacity 8-8-8-8.
 """
 
 from __future__ import annotations

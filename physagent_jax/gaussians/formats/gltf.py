@@ -1,8 +1,8 @@
 """Reading 3D Gaussians of glTF files (.glb, .gltf) with the extension KHR_gaussian_splatting.
 
-Layout (Khronos, KHR_gaussian_splatting): point primitives with the attributes ``POSITION`` and, after the prefix
-``KHR_gaussian_splatting:``, ``ROTATION`` (unit quaternion xyzw), ``SCALE`` (standard deviations), ``OPACITY`` and
-``SH_DEGREE_l_COEF_n``; nothing is a logarithm. Nodes place them, +y is up. With
+Layout (Khronos, KHR_gaussian_splatting): point primitives have the attribute ``POSITION``. After the prefix
+``KHR_gaussian_splatting:`` they have ``ROTATION`` (unit quaternion xyzw), ``SCALE`` (standard deviations), ``OPACITY``
+and ``SH_DEGREE_l_COEF_n``. Nothing is a logarithm. Nodes place them, +y is up. With
 KHR_gaussian_splatting_compression_spz_2 the values are an SPZ file in a buffer view.
 """
 

@@ -1,10 +1,10 @@
 """Reading PlayCanvas SOG, versions 1 and 2: Gaussians as pixels of lossless images, bundled in a zip or in a folder.
 
-Layout (PlayCanvas, "The SOG format"): ``meta.json`` names the images, and pixel i of each belongs to Gaussian i, row
-by row. ``means_l`` and ``means_u`` are the low and high bytes of sign(x) log(1 + |x|) between bounds; ``quats`` has
-three components and, as 252 + place in wxyz, which one is left out; ``scales`` and ``sh0`` index codebooks (version 2)
-or lie between bounds (version 1); the higher harmonics are palette entries (``shN_centroids``, 64 in a row of pixels)
-that ``shN_labels`` points to.
+Layout (PlayCanvas, "The SOG format"): ``meta.json`` names the images. Pixel i of each, row by row, belongs to Gaussian
+i. ``means_l`` and ``means_u`` are the low and high bytes of sign(x) log(1 + |x|) between bounds. ``quats`` has three
+components and a fourth byte of 252 + the place in wxyz that is left out. ``scales`` and ``sh0`` index codebooks
+(version 2) or lie between bounds (version 1). ``shN_labels`` points into a palette of higher harmonics,
+``shN_centroids``, which has 64 entries in a row of pixels.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Reading Niantic's SPZ, versions 1 to 4.
 
-Layout (nianticlabs/spz, README): a header with the number of Gaussians, the degree of the spherical harmonics and the
-fractional bits of the positions; then, each for all Gaussians at once, positions (24-bit fixed point; float16 in
-version 1), opacities, colours, scales, rotations and higher harmonics in bytes. Versions 1 to 3 are one gzip stream,
-version 4 is a plain header, a table of sizes and one zstd stream for each attribute.
+Layout (nianticlabs/spz, README): a header tells the number of Gaussians, the degree of the spherical harmonics and the
+fractional bits of the positions. Each attribute follows for all Gaussians at once: positions (24-bit fixed point,
+float16 in version 1), opacities, colours, scales, rotations and higher harmonics in bytes. Versions 1 to 3 are one gzip
+stream. Version 4 is a plain header, a table of sizes and one zstd stream for each attribute.
 """
 
 from __future__ import annotations
