@@ -118,12 +118,21 @@ def test_several_parts_are_one_cloud(tmp_path):
     )
 
 
-@pytest.mark.parametrize("inside", [True, False])
-def test_text_gltf_with_its_buffer_beside_or_inside(tmp_path, inside):
+def test_meshes_beside_the_gaussians_are_left_out_with_a_note(tmp_path):
     tree, buffer = gltf_parts(VALUES)
-    uri = "data:application/octet-stream;base64," + base64.b64encode(buffer).decode() if inside else "a.bin"
-    tree["buffers"][0]["uri"] = uri
-    (tmp_path / "a.bin").write_bytes(buffer)
+    tree["meshes"][0]["primitives"].append({"attributes": {"POSITION": 0}})
+    loaded = read(tmp_path, glb(tree, buffer))
+    assert loaded.cloud.count == 5 and any("1 part(s) that are meshes" in note for note in loaded.notes)
+
+
+@pytest.mark.parametrize("uri", ["data:", "a.bin", "parts/the%20one.bin"])
+def test_text_gltf_with_its_buffer_beside_or_inside(tmp_path, uri):
+    tree, buffer = gltf_parts(VALUES)
+    inside = "data:application/octet-stream;base64," + base64.b64encode(buffer).decode()
+    tree["buffers"][0]["uri"] = inside if uri == "data:" else uri
+    (tmp_path / "parts").mkdir()
+    for name in ("a.bin", "parts/the one.bin"):
+        (tmp_path / name).write_bytes(buffer)
     cloud = read(tmp_path, json.dumps(tree).encode(), "a.gltf").cloud
     np.testing.assert_allclose(cloud.means, VALUES["POSITION"], rtol=1e-6)
 
@@ -182,7 +191,10 @@ DAMAGE = {
     "bufferViews": lambda t: t["bufferViews"][0].update(byteLength=10**9),
     "sparse": lambda t: t["accessors"][0].update(sparse={}),
     "compressed in a way": lambda t: t["bufferViews"][0].update(extensions={"EXT_meshopt_compression": {}}),
-    "outside its folder": lambda t: t["buffers"][0].update(uri="../a.bin"),
+    "outside its folder .*\\.\\./a": lambda t: t["buffers"][0].update(uri="../a.bin"),
+    "outside its folder .*%2e%2e": lambda t: t["buffers"][0].update(uri="%2e%2e/a.bin"),
+    "outside its folder .*/etc": lambda t: t["buffers"][0].update(uri="/etc/passwd"),
+    "outside its folder .*file:": lambda t: t["buffers"][0].update(uri="file:a.bin"),
     "`count` is -5": lambda t: t["accessors"][0].update(count=-5),
     "`primitives` is int": lambda t: t["meshes"][0].update(primitives=3),
     "holds no Gaussians": lambda t: t["nodes"][0].pop("mesh"),

@@ -48,11 +48,12 @@ class _Gltf:
         """
         file = GltfFile(path)
         parts: list[SplatData] = []
-        total = 0
+        total = others = 0
         for mesh, transform in file.walk_meshes():
             for primitive in file.get(file.item("meshes", mesh), "primitives", list):
                 extension = file.get(file.get(primitive, "extensions", dict, {}), EXTENSION, dict, None)
                 if extension is None:
+                    others += 1
                     continue
                 part = _move(_read_primitive(file, primitive, extension), transform, file.shown)
                 total += len(part.means)
@@ -61,7 +62,11 @@ class _Gltf:
                 parts.append(part)
         if total == 0:
             raise UserError(f"{file.shown} holds no Gaussians", do="Export the scene again")
-        return _join(parts)
+        data = _join(parts)
+        if others == 0:
+            return data
+        note = f"{file.shown}: only its Gaussians are read, and {others} part(s) that are meshes or points are left out"
+        return dataclasses.replace(data, notes=(*data.notes, note))
 
 
 GLTF = _Gltf()

@@ -9,6 +9,7 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -145,13 +146,14 @@ class GltfFile:
         return self._buffers[index]
 
     def _read_beside(self, uri: str) -> bytes:
-        if PurePosixPath(uri).name != uri or uri in (".", "..") or "\\" in uri or ":" in uri:
+        place = PurePosixPath(unquote(uri))
+        if place.is_absolute() or ".." in place.parts or not place.parts or {"\\", ":"} & set(str(place)):
             raise UserError(
                 f"{self.shown} names a file outside its folder",
                 got=shorten(uri, 60),
                 do="Save it as one .glb file",
             )
-        return read_bytes(self._folder / uri, most=MOST_BYTES, what="the glTF buffer")
+        return read_bytes(self._folder / place, most=MOST_BYTES, what="the glTF buffer")
 
     def walk_meshes(self) -> Iterator[tuple[int, np.ndarray]]:
         """The mesh and the global transform, shape (4, 4), of every node of the scene that has a mesh.
