@@ -12,7 +12,7 @@ import tyro
 
 from physagent_jax.cli.options import describe_unknown, name_options, report_as_options, to_spec
 from physagent_jax.cli.run import Run
-from physagent_jax.scene.config import SignedAxis
+from physagent_jax.scene.config import SignedAxis, SplatEncoding
 from physagent_jax.scene.presets import PresetName
 
 if TYPE_CHECKING:
@@ -30,11 +30,13 @@ class Plan:
     prompt: tyro.conf.Positional[str]
     """What should happen, in everyday English."""
     object: Path
-    """3DGS PLY or mesh (.obj, .glb, .stl, .ply)."""
+    """3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply)."""
     preset: PresetName = PresetName.FAST
     """As for `physagent run`."""
     up: SignedAxis | None = None
     """The file's up axis; default: its card, else +y for glTF (.glb, .gltf), +z for others."""
+    splat_encoding: SplatEncoding | None = None
+    """As for `physagent run`."""
     kind: str | None = None
     """plant, food, robot, ... (decides what is held); default: its card, else from the file's name."""
     azimuth: float | None = None
@@ -76,9 +78,9 @@ class Plan:
         found = [*(str(each.message) for each in caught), *placed, *([damped] if damped else [])]
         reply = reply.model_copy(update=dict(notes=(*reply.notes, *map(name_options, found))))
         if self.json_line:
-            print(json.dumps(to_json(reply, after)))
+            print(json.dumps({"object": body.reading, **to_json(reply, after)}))
         else:
-            print("\n".join(describe_plan(reply, after)))
+            print("\n".join(describe_plan(reply, after, body.reading)))
         return 0
 
 
@@ -101,8 +103,8 @@ def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:
     }
 
 
-def describe_plan(reply: SemanticReply, brief: SceneBrief) -> list[str]:
-    """The plan in lines of text."""
+def describe_plan(reply: SemanticReply, brief: SceneBrief, reading: str = "") -> list[str]:
+    """The plan in lines of text; ``reading`` says how the object's file was read."""
     from physagent_jax.forces.schema import VelocityConstraint
     from physagent_jax.report.expectations import describe_motion, list_details
     from physagent_jax.report.force_cards import describe_effect
@@ -123,6 +125,8 @@ def describe_plan(reply: SemanticReply, brief: SceneBrief) -> list[str]:
             f"{describe_effect(item, table)}: magnitude {abs(item.magnitude):.3g}, {when}{where}{then}"
         )
     lines += [f"  {each}" for each in done or ["nothing"]]
+    if reading:
+        lines.append(f"object: {reading}")
     lines.append(f"surroundings: {_describe_world(reply, brief)}")
     lines.append(f"held: {brief.anchored or 'nowhere'}")
     lines.append(f"clip: {brief.frame_count} frames, {(brief.frame_count - 1) * frame_dt:.3g} s")

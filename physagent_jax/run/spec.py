@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, JsonValue, ValidationError, model_validator
+from pydantic import Field, JsonValue, ValidationError, field_validator, model_validator
 
 from physagent_jax.agents import registry as agents
 from physagent_jax.core.reading import YAML_SUFFIXES, format_validation_error, read_json, read_yaml
 from physagent_jax.core.strict import Seed, Strict
 from physagent_jax.perception import backends
 from physagent_jax.run.manifest import MOST_ROUNDS
-from physagent_jax.scene.config import MOST_FRAMES, SignedAxis
+from physagent_jax.scene.config import MOST_FRAMES, SignedAxis, SplatEncoding
 from physagent_jax.scene.config.common import Degrees, Friction, HalfSize, Length, Point
 from physagent_jax.scene.config.common import Path as FilePath
 from physagent_jax.scene.presets import PresetName
@@ -22,10 +22,13 @@ class ObjectChoice(Strict):
     """The object.
 
     Attributes:
-        path: 3DGS PLY or mesh (.obj, .glb, .stl, .ply), absolute or relative to the spec's folder.
-        up: The file's own up axis; None = its card's, else +y for glTF (.glb, .gltf), +z for others.
+        path: 3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply), absolute or relative to the spec's
+            folder.
+        up: The file's own up axis; None = its card's, else the format's (+y for glTF), else +z.
         kind: Class with a physical prior (`scene.priors`); None = its card's, else from the file's name.
         opacity_threshold: Gaussians with a lower opacity are dropped.
+        splat_encoding: How the file stores scales and opacities (`gaussians.formats.encoding`); None = found from
+            its content.
         extent: Longest side in the domain [m].
     """
 
@@ -33,6 +36,7 @@ class ObjectChoice(Strict):
     up: SignedAxis | None = None
     kind: str | None = None
     opacity_threshold: float = Field(default=0.02, ge=0, lt=1)
+    splat_encoding: SplatEncoding | None = None
     extent: Length = 1.0
 
 
@@ -234,12 +238,17 @@ class SaveChoice(Strict):
     Attributes:
         video_size: Width and height of the video for people [px]; None = there is none, only perception's pictures.
         frames: Perception's pictures as PNG.
-        splats: One 3DGS PLY per frame.
+        splats: Format of one file of 3D Gaussians per frame; False = none is left. True = "ply".
     """
 
     video_size: VideoSize | None = VIDEO_SIZE
     frames: bool = False
-    splats: bool = False
+    splats: Literal["ply", "spz", "glb", False] = False
+
+    @field_validator("splats", mode="before")
+    @classmethod
+    def _name_format(cls, value: object) -> object:
+        return "ply" if value is True else value
 
 
 class RunSpec(Strict):

@@ -194,12 +194,10 @@ def test_unreadable_files_are_named(tmp_path):
         path.write_bytes(content)
         with pytest.raises(UserError, match="not a readable PLY"):
             read_ply(path)
-    save(path, columns(), element="face")
-    with pytest.raises(UserError, match="no element `vertex`"):
-        read_ply(path)
-    save(path, columns(), element="chunk")
-    with pytest.raises(UserError, match="compressed PLY .* Convert it to a standard PLY"):
-        read_ply(path)
+    for element in ("face", "chunk"):
+        save(path, columns(), element=element)
+        with pytest.raises(UserError, match=f"no element `vertex` .got {element}"):
+            read_ply(path)
     with pytest.raises(UserError, match="opacity_threshold"):
         read_ply(path, opacity_threshold=2.0)
 
@@ -219,11 +217,6 @@ def test_real_captures_survive_a_round_trip(tmp_path, shared_data, name):
     np.testing.assert_array_equal(again.means, cloud.means)
     np.testing.assert_allclose(again.scales, cloud.scales, rtol=3e-6)
     np.testing.assert_allclose(again.opacities, cloud.opacities, atol=1e-6)
-
-
-def test_real_compressed_capture_is_refused(shared_data):
-    with pytest.raises(UserError, match="compressed PLY"):
-        read_ply(shared_data / "guitar.compressed.ply")
 
 
 # --- counts and values beyond sense ----------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Reading and writing 3D Gaussians as PLY files in the layout of the original 3DGS code.
+"""Writing 3D Gaussians as PLY files in the layout of the original 3DGS code.
 
 Layout (INRIA, Kerbl et al. 2023, "3D Gaussian Splatting for Real-Time Radiance Field Rendering"): one
 ``vertex`` per Gaussian with float properties ``x y z``, ``nx ny nz`` (unused), ``f_dc_0..2``,
@@ -9,193 +9,59 @@ Layout (INRIA, Kerbl et al. 2023, "3D Gaussian Splatting for Real-Time Radiance 
 from __future__ import annotations
 
 import os
-import warnings
-from collections.abc import Iterable
-from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-from plyfile import PlyData, PlyElement, PlyListProperty, PlyParseError
+from plyfile import PlyData, PlyElement
 
-from physagent_jax.core.arrays import to_device
-from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import shorten
 from physagent_jax.gaussians.cloud import GaussianCloud
-from physagent_jax.gaussians.formats.ply_header import read_ply_header
+from physagent_jax.gaussians.formats.encoding import COMMENT, STANDARD, is_evident
+from physagent_jax.gaussians.formats.ply_gaussians import DC, POSITION, ROTATION, SCALE
 
-_POSITION = ("x", "y", "z")
 _NORMAL = ("nx", "ny", "nz")
-_DC = ("f_dc_0", "f_dc_1", "f_dc_2")
-_SCALE = ("scale_0", "scale_1", "scale_2")
-_ROTATION = ("rot_0", "rot_1", "rot_2", "rot_3")
-_REQUIRED = (*_POSITION, *_DC, "opacity", *_SCALE, *_ROTATION)
-
-# Number of `f_rest_*` properties -> coefficients per channel beyond the constant one.
-_REST_COUNTS = {0: 0, 9: 3, 24: 8, 45: 15}
 
 # The largest |logit| that is written. float32 cannot tell sigmoid(17) from 1, and a viewer that computes
 # with an infinite logit shows nothing at all.
 _LOGIT_LIMIT = 16.0
 
-# The largest values that a Gaussian may have: lengths whose squares float32 holds, colours that float16 holds.
-_MOST = {"means": 1e12, "scales": 1e12, "sh": 1e4}
 
-
-def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) -> GaussianCloud:
-    """Reads 3D Gaussians from a PLY file (binary or ASCII), in linear units.
-
-    Properties may stand in any order and further ones are ignored. Quaternions are normalised. Gaussians
-    with a value that is not finite, or so large that float32 cannot compute with it, are dropped with a
-    warning, because captures contain a few of them and they can only spoil the simulation; infinite opacity
-    logits are legal (opacity 0 or 1). A quaternion of norm zero is read as the identity, with a warning.
-
-    Args:
-        path: The file.
-        opacity_threshold: Gaussians of lower opacity are dropped, in [0, 1].
-
-    Returns:
-        The cloud, float32.
-
-    Raises:
-        UserError: The file is missing, is no PLY, is truncated, is a compressed PLY, lacks properties, or
-            no usable Gaussian is left.
-    """
-    path = Path(path)
-    if not 0.0 <= opacity_threshold <= 1.0:
-        raise UserError("`opacity_threshold` is no opacity", got=opacity_threshold, do="Give 0 to 1")
-    vertex = _read_vertices(path)
-    rest_names = _check_properties(path, vertex)
-
-    # Copies, because plyfile maps the file into memory, and a mapped file must not be overwritten.
-    def columns(names: Iterable[str]) -> np.ndarray:
-        with np.errstate(invalid="ignore"):  # a signalling NaN, which is dropped with the others
-            return np.stack([np.asarray(vertex[name], np.float64) for name in names], axis=-1)
-
-    means, log_scales, quats = columns(_POSITION), columns(_SCALE), columns(_ROTATION)
-    logits = columns(["opacity"])[:, 0]
-    sh = columns(_DC)[:, None, :]
-    if rest_names:
-        rest = columns(rest_names).reshape(len(means), 3, -1)
-        sh = np.concatenate([sh, rest.transpose(0, 2, 1)], axis=1)
-    with np.errstate(over="ignore"):  # an overflow is found by the check just below
-        scales = np.exp(log_scales)
-        opacities = 1.0 / (1.0 + np.exp(-logits))
-    finite = _find_usable(path, means=means, scales=scales, quats=quats, sh=sh, logits=logits)
-    keep = finite & (opacities >= opacity_threshold)
-    if not keep.any():
-        raise UserError(
-            f"no Gaussian in {path} reaches opacity_threshold={opacity_threshold}",
-            got=f"{opacities[finite].max():.3g} at most",
-            do="Lower the threshold",
-        )
-    kept = (means[keep], _normalise_quats(path, quats[keep]), scales[keep], opacities[keep], sh[keep])
-    return GaussianCloud(*(to_device(values, np.float32) for values in kept))
-
-
-def _find_usable(path: Path, *, logits: np.ndarray, **values: np.ndarray) -> np.ndarray:
-    """Gaussians whose values are numbers that mean something, shape (n,); warns of the others.
-
-    Raises:
-        UserError: There is none.
-    """
-    finite = ~np.isnan(logits)
-    for array in values.values():
-        finite &= np.isfinite(array.reshape(len(logits), -1)).all(axis=1)
-    _warn_of_dropped(path, finite, np.ones_like(finite), "that are not finite")
-    sane = finite.copy()
-    for name, most in _MOST.items():
-        sane &= (np.abs(values[name]) <= most).reshape(len(logits), -1).all(axis=1)
-    _warn_of_dropped(path, sane, finite, f"beyond {', '.join(f'{v:g} ({k})' for k, v in _MOST.items())}")
-    return sane
-
-
-def _warn_of_dropped(path: Path, kept: np.ndarray, before: np.ndarray, what: str) -> None:
-    if not kept.any():
-        raise UserError(f"all Gaussians in {path} have values {what}", do="Export the scene again")
-    if (dropped := np.sum(before & ~kept)) > 0:
-        warnings.warn(f"{path}: dropped {dropped} Gaussians with values {what}", stacklevel=4)
-
-
-def write_ply(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> None:
+def write_ply(
+    path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud, *, origin: np.ndarray | None = None
+) -> None:
     """Writes a cloud as a little-endian binary PLY that ordinary 3DGS viewers open.
 
     Opacity logits are clipped to +-16 and scales to the smallest positive float32, so that every number
-    in the file is finite.
+    in the file is finite. Values that do not show by themselves how they are encoded get a comment that says it.
 
     Args:
         path: The file to write, whose folder must exist, or a stream.
-        cloud: What to write.
+        cloud: The Gaussians to write.
+        origin: Point that the positions are relative to, shape (3,); positions are then written as doubles, unless
+            it is zero. None = zero.
     """
     means, quats, scales, opacities, sh = (
         np.asarray(values, np.float64)
         for values in (cloud.means, cloud.quats, cloud.scales, cloud.opacities, cloud.sh)
     )
+    origin = np.zeros(3) if origin is None else origin
+    far = bool(np.any(origin))
     with np.errstate(divide="ignore"):  # opacity 0 or 1: an infinite logit, clipped
         logits = np.clip(np.log(opacities) - np.log1p(-opacities), -_LOGIT_LIMIT, _LOGIT_LIMIT)
     log_scales = np.log(np.maximum(scales, np.finfo(np.float32).tiny))
     rest = sh[:, 1:, :].transpose(0, 2, 1).reshape(len(means), -1)
     rest_names = tuple(f"f_rest_{i}" for i in range(rest.shape[1]))
 
+    positions = means + origin if far else means
     table = np.concatenate(
-        [means, np.zeros_like(means), sh[:, 0, :], rest, logits[:, None], log_scales, quats], axis=1
+        [positions, np.zeros_like(means), sh[:, 0, :], rest, logits[:, None], log_scales, quats], axis=1
     )
-    names = (*_POSITION, *_NORMAL, *_DC, *rest_names, "opacity", *_SCALE, *_ROTATION)
-    vertex = np.rec.fromarrays(table.astype("<f4").T, dtype=[(name, "<f4") for name in names])
+    names = (*POSITION, *_NORMAL, *DC, *rest_names, "opacity", *SCALE, *ROTATION)
+    types = [(name, "<f8" if far and name in POSITION else "<f4") for name in names]
+    vertex = np.rec.fromarrays(
+        [column.astype(kind) for column, (_, kind) in zip(table.T, types)], dtype=types
+    )
+    # After the line of the element, where readers that count lines do not look.
+    comments = [] if is_evident(means, log_scales, logits) else [f"{COMMENT} {STANDARD}"]
     target: Any = os.fspath(path) if isinstance(path, str | os.PathLike) else path
-    PlyData([PlyElement.describe(np.asarray(vertex), "vertex")], byte_order="<").write(target)
-
-
-def _read_vertices(path: Path) -> PlyElement:
-    """The `vertex` element of a PLY file, or a `UserError` that says why there is none."""
-    read_ply_header(path)  # checks it
-    try:
-        data = PlyData.read(os.fspath(path))
-    except (PlyParseError, ValueError) as error:  # ValueError: words where text should hold numbers
-        message = shorten(error)
-        if "early end-of-file" in message and "element" in message:
-            what, do = f"{path} is truncated", "Copy or export the file again"
-        else:
-            what, do = f"{path} is not a readable PLY file", "Give a 3DGS .ply file"
-        raise UserError(what, got=message, do=do) from error
-    if "chunk" in data:
-        raise UserError(
-            f"{path} is a compressed PLY (SuperSplat's quantised chunks), which is not read",
-            do="Convert it to a standard PLY, e.g. `splat-transform in.compressed.ply out.ply`",
-        )
-    if "vertex" not in data:
-        found = ", ".join(element.name for element in data.elements) or "none"
-        raise UserError(f"{path} has no element `vertex`", got=found, do="Give a 3DGS .ply file")
-    if data["vertex"].count == 0:
-        raise UserError(f"{path} holds no Gaussians", got="0 vertices", do="Export the scene again")
-    return data["vertex"]
-
-
-def _check_properties(path: Path, vertex: PlyElement) -> list[str]:
-    """Checks that a vertex is a Gaussian; returns the names of its higher SH coefficients in order."""
-    present = {prop.name for prop in vertex.properties if not isinstance(prop, PlyListProperty)}
-    rest_count = sum(name.startswith("f_rest_") for name in present)
-    rest_names = [f"f_rest_{i}" for i in range(rest_count)]
-    missing = [name for name in (*_REQUIRED, *rest_names) if name not in present]
-    if missing:
-        raise UserError(
-            f"{path} is not a 3D Gaussian PLY: it lacks the properties {', '.join(missing)}",
-            do="Export it from a 3DGS trainer in the INRIA layout (a mesh or a point cloud is not enough)",
-        )
-    if rest_count not in _REST_COUNTS:
-        raise UserError(
-            f"{path} has an impossible number of `f_rest_*` properties",
-            got=rest_count,
-            do="Keep 0, 9, 24 or 45 of them (spherical harmonics of degree 0 to 3)",
-        )
-    return rest_names
-
-
-def _normalise_quats(path: Path, quats: np.ndarray) -> np.ndarray:
-    """Normalised quaternions; those of norm zero become the identity."""
-    largest = np.abs(quats).max(axis=1, keepdims=True)
-    quats = quats / np.where(largest > 0, largest, 1.0)  # whose squares neither overflow nor vanish
-    norms = np.linalg.norm(quats, axis=1, keepdims=True)
-    zero = norms[:, 0] == 0.0
-    if zero.any():
-        warnings.warn(f"{path}: took {zero.sum()} quaternions of norm zero as the identity", stacklevel=3)
-    return np.where(zero[:, None], [1.0, 0.0, 0.0, 0.0], quats / np.where(zero[:, None], 1.0, norms))
+    element = PlyElement.describe(np.asarray(vertex), "vertex", comments=comments)
+    PlyData([element], byte_order="<").write(target)
