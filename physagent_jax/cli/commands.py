@@ -10,6 +10,7 @@ from typing import Literal
 
 import tyro
 
+from physagent_jax.cli.doctor import Doctor
 from physagent_jax.cli.materials import Materials
 from physagent_jax.cli.plan import Plan
 from physagent_jax.cli.run import Run
@@ -126,4 +127,5 @@ COMMANDS = {
     "import-physgaussian": ImportPhysGaussian,
     "schema": Schema,
     "report": Report,
+    "doctor": Doctor,
 }
