@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks.perception.motions import LOOK, Motion
 from physagent_jax.gaussians.cloud import GaussianCloud, Splats
 from physagent_jax.gaussians.covariance import quats_scales_to_covariances, transform_covariances
-from physagent_jax.gaussians.formats.ply import read_ply
+from physagent_jax.gaussians.formats import read_ply
 from physagent_jax.render import Camera, look_at, render_all
 from physagent_jax.scene.procedural import PROCEDURAL
 

@@ -11,13 +11,15 @@ from physagent_jax.gaussians.covariance import (
     transform_covariances,
 )
 from physagent_jax.gaussians.export import splats_to_cloud
-from physagent_jax.gaussians.formats.ply import read_ply, write_ply
+from physagent_jax.gaussians.formats import LoadedSplats, read_ply, read_splats
+from physagent_jax.gaussians.formats.ply import write_ply
 from physagent_jax.gaussians.polar import polar_rotation
 from physagent_jax.gaussians.sh import eval_sh, rotate_sh, sh_basis
 
 __all__ = [
     "Binding",
     "GaussianCloud",
+    "LoadedSplats",
     "Splats",
     "bind",
     "covariance_matrices",
@@ -29,6 +31,7 @@ __all__ = [
     "quat_to_matrix",
     "quats_scales_to_covariances",
     "read_ply",
+    "read_splats",
     "rotate_sh",
     "sh_basis",
     "splats_to_cloud",

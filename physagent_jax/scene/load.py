@@ -8,7 +8,7 @@ from pathlib import Path
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import check_regular, open_regular
 from physagent_jax.gaussians.cloud import GaussianCloud
-from physagent_jax.gaussians.formats.ply import read_ply
+from physagent_jax.gaussians.formats import read_ply
 from physagent_jax.gaussians.formats.ply_header import MOST_BYTES, read_ply_header
 from physagent_jax.scene.config import Source
 from physagent_jax.scene.config.source import MESH_SUFFIXES

@@ -97,7 +97,7 @@ def test_perception_agrees_with_the_particles(finished):
 
 
 def test_frame_zero_of_the_exported_splats_is_the_object_itself(finished, robot_path):
-    from physagent_jax.gaussians.formats.ply import read_ply
+    from physagent_jax.gaussians.formats import read_ply
 
     exported, original = (
         read_ply(finished / "splats" / "0000.ply"),

@@ -8,7 +8,7 @@ import trimesh
 from scipy.spatial import cKDTree
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.gaussians.formats.ply import read_ply
+from physagent_jax.gaussians.formats import read_ply
 from physagent_jax.scene.config import Domain, Filling, Source
 from physagent_jax.scene.density import CellGrid, overlap_density
 from physagent_jax.scene.filling import fill, select_evenly

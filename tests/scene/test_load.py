@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.gaussians.formats.ply import read_ply, write_ply
+from physagent_jax.gaussians import read_ply, write_ply
 from physagent_jax.scene.config import Source
 from physagent_jax.scene.load import hash_file, load_object
 from tests.scene.clouds import cloud_of

@@ -5,7 +5,7 @@ import pytest
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.covariance import covariance_matrices, quats_scales_to_covariances
-from physagent_jax.gaussians.formats.ply import read_ply
+from physagent_jax.gaussians.formats import read_ply
 from physagent_jax.scene.config import Domain, Source
 from physagent_jax.scene.placement import find_extra_rotation, find_up_rotation, place
 from tests.scene.clouds import cloud_of

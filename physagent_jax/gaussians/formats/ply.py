@@ -9,7 +9,6 @@ Layout (INRIA, Kerbl et al. 2023, "3D Gaussian Splatting for Real-Time Radiance 
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -17,10 +16,10 @@ from typing import Any, BinaryIO
 import numpy as np
 from plyfile import PlyData, PlyElement, PlyListProperty, PlyParseError
 
-from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
 from physagent_jax.gaussians.cloud import GaussianCloud
+from physagent_jax.gaussians.formats.base import SplatData
 from physagent_jax.gaussians.formats.ply_header import read_ply_header
 
 _POSITION = ("x", "y", "z")
@@ -37,83 +36,40 @@ _REST_COUNTS = {0: 0, 9: 3, 24: 8, 45: 15}
 # with an infinite logit shows nothing at all.
 _LOGIT_LIMIT = 16.0
 
-# The largest values that a Gaussian may have: lengths whose squares float32 holds, colours that float16 holds.
-_MOST = {"means": 1e12, "scales": 1e12, "sh": 1e4}
 
+class _Ply3dgs:
+    """The layout of the original 3DGS code."""
 
-def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) -> GaussianCloud:
-    """Reads 3D Gaussians from a PLY file (binary or ASCII), in linear units.
+    name = "3DGS PLY"
+    suffixes = (".ply",)
 
-    Properties may stand in any order and further ones are ignored. Quaternions are normalised. Gaussians
-    with a value that is not finite, or so large that float32 cannot compute with it, are dropped with a
-    warning, because captures contain a few of them and they can only spoil the simulation; infinite opacity
-    logits are legal (opacity 0 or 1). A quaternion of norm zero is read as the identity, with a warning.
+    def matches(self, head: bytes) -> bool:
+        """Whether a file begins like a PLY."""
+        return head.startswith(b"ply")
 
-    Args:
-        path: The file.
-        opacity_threshold: Gaussians of lower opacity are dropped, in [0, 1].
+    def read(self, path: Path, encoding: str | None) -> SplatData:
+        """Reads a file; see `Format.read`."""
+        vertex = _read_vertices(path)
+        rest_names = _check_properties(path, vertex)
 
-    Returns:
-        The cloud, float32.
+        # Copies, because plyfile maps the file into memory, and a mapped file must not be overwritten.
+        def columns(names: Iterable[str]) -> np.ndarray:
+            with np.errstate(invalid="ignore"):  # a signalling NaN, which is dropped with the others
+                return np.stack([np.asarray(vertex[name], np.float64) for name in names], axis=-1)
 
-    Raises:
-        UserError: The file is missing, is no PLY, is truncated, is a compressed PLY, lacks properties, or
-            no usable Gaussian is left.
-    """
-    path = Path(path)
-    if not 0.0 <= opacity_threshold <= 1.0:
-        raise UserError("`opacity_threshold` is no opacity", got=opacity_threshold, do="Give 0 to 1")
-    vertex = _read_vertices(path)
-    rest_names = _check_properties(path, vertex)
-
-    # Copies, because plyfile maps the file into memory, and a mapped file must not be overwritten.
-    def columns(names: Iterable[str]) -> np.ndarray:
-        with np.errstate(invalid="ignore"):  # a signalling NaN, which is dropped with the others
-            return np.stack([np.asarray(vertex[name], np.float64) for name in names], axis=-1)
-
-    means, log_scales, quats = columns(_POSITION), columns(_SCALE), columns(_ROTATION)
-    logits = columns(["opacity"])[:, 0]
-    sh = columns(_DC)[:, None, :]
-    if rest_names:
-        rest = columns(rest_names).reshape(len(means), 3, -1)
-        sh = np.concatenate([sh, rest.transpose(0, 2, 1)], axis=1)
-    with np.errstate(over="ignore"):  # an overflow is found by the check just below
-        scales = np.exp(log_scales)
-        opacities = 1.0 / (1.0 + np.exp(-logits))
-    finite = _find_usable(path, means=means, scales=scales, quats=quats, sh=sh, logits=logits)
-    keep = finite & (opacities >= opacity_threshold)
-    if not keep.any():
-        raise UserError(
-            f"no Gaussian in {path} reaches opacity_threshold={opacity_threshold}",
-            got=f"{opacities[finite].max():.3g} at most",
-            do="Lower the threshold",
+        sh = columns(_DC)[:, None, :]
+        if rest_names:
+            rest = columns(rest_names).reshape(len(sh), 3, -1)
+            sh = np.concatenate([sh, rest.transpose(0, 2, 1)], axis=1)
+        with np.errstate(over="ignore"):  # what overflows is dropped
+            scales = np.exp(columns(_SCALE))
+            opacities = 1.0 / (1.0 + np.exp(-columns(["opacity"])[:, 0]))
+        return SplatData(
+            columns(_POSITION), columns(_ROTATION), scales, opacities, sh, "log scales, logit opacities"
         )
-    kept = (means[keep], _normalise_quats(path, quats[keep]), scales[keep], opacities[keep], sh[keep])
-    return GaussianCloud(*(to_device(values, np.float32) for values in kept))
 
 
-def _find_usable(path: Path, *, logits: np.ndarray, **values: np.ndarray) -> np.ndarray:
-    """Gaussians whose values are numbers that mean something, shape (n,); warns of the others.
-
-    Raises:
-        UserError: There is none.
-    """
-    finite = ~np.isnan(logits)
-    for array in values.values():
-        finite &= np.isfinite(array.reshape(len(logits), -1)).all(axis=1)
-    _warn_of_dropped(path, finite, np.ones_like(finite), "that are not finite")
-    sane = finite.copy()
-    for name, most in _MOST.items():
-        sane &= (np.abs(values[name]) <= most).reshape(len(logits), -1).all(axis=1)
-    _warn_of_dropped(path, sane, finite, f"beyond {', '.join(f'{v:g} ({k})' for k, v in _MOST.items())}")
-    return sane
-
-
-def _warn_of_dropped(path: Path, kept: np.ndarray, before: np.ndarray, what: str) -> None:
-    if not kept.any():
-        raise UserError(f"all Gaussians in {path} have values {what}", do="Export the scene again")
-    if (dropped := np.sum(before & ~kept)) > 0:
-        warnings.warn(f"{path}: dropped {dropped} Gaussians with values {what}", stacklevel=4)
+PLY_3DGS = _Ply3dgs()
 
 
 def write_ply(path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud) -> None:
@@ -188,14 +144,3 @@ def _check_properties(path: Path, vertex: PlyElement) -> list[str]:
             do="Keep 0, 9, 24 or 45 of them (spherical harmonics of degree 0 to 3)",
         )
     return rest_names
-
-
-def _normalise_quats(path: Path, quats: np.ndarray) -> np.ndarray:
-    """Normalised quaternions; those of norm zero become the identity."""
-    largest = np.abs(quats).max(axis=1, keepdims=True)
-    quats = quats / np.where(largest > 0, largest, 1.0)  # whose squares neither overflow nor vanish
-    norms = np.linalg.norm(quats, axis=1, keepdims=True)
-    zero = norms[:, 0] == 0.0
-    if zero.any():
-        warnings.warn(f"{path}: took {zero.sum()} quaternions of norm zero as the identity", stacklevel=3)
-    return np.where(zero[:, None], [1.0, 0.0, 0.0, 0.0], quats / np.where(zero[:, None], 1.0, norms))

@@ -68,11 +68,13 @@ class PlyHeader:
         elements: In the order of the file.
         order: Byte order as NumPy writes it; "" = the file is text.
         size: Bytes of the header.
+        comments: Texts of the comment lines.
     """
 
     elements: tuple[Element, ...]
     order: str
     size: int
+    comments: tuple[str, ...] = ()
 
     def element(self, name: str) -> Element | None:
         """The element of that name, if there is one."""
@@ -95,12 +97,21 @@ def read_ply_header(path: str | Path) -> PlyHeader:
     return header
 
 
+def parse_ply_head(head: bytes) -> PlyHeader | None:
+    """The header at the beginning of a file's bytes; None if there is no whole and sensible one."""
+    try:
+        return _parse(head, "the file")
+    except UserError:
+        return None
+
+
 def _parse(data: bytes, shown: str) -> PlyHeader:
     end = data.find(b"end_header")
     newline = data.find(b"\n", end)
     if not data.startswith(b"ply") or end < 0 or newline < 0:
         raise _explain_no_ply(shown, "no PLY header, from `ply` to `end_header`")
     elements: list[Element] = []
+    comments: list[str] = []
     order = None
     # The lines of a header end like those of its author's machine.
     for line in data[:end].decode("latin-1").splitlines()[1:]:
@@ -115,13 +126,15 @@ def _parse(data: bytes, shown: str) -> PlyHeader:
                 )
             case ["property", kind, name] if elements:
                 elements[-1].properties.append(Property(name, _read_type(kind, shown)))
-            case [] | ["comment" | "obj_info", *_]:
+            case ["comment", *words]:
+                comments.append(" ".join(words))
+            case [] | ["obj_info", *_]:
                 pass
             case _:
                 raise _explain_no_ply(shown, f"the line {shorten(line, 60)!r}")
     if order is None:
         raise _explain_no_ply(shown, "an unknown format")
-    return PlyHeader(tuple(elements), order, newline + 1)
+    return PlyHeader(tuple(elements), order, newline + 1, tuple(comments))
 
 
 def _read_count(text: str, shown: str) -> int:
