@@ -13,7 +13,7 @@ from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
 from physagent_jax.scene.load import load_object
-from physagent_jax.scene.pieces import explain_loose, join_pieces
+from physagent_jax.scene.pieces import LoosePiece, explain_loose, join_pieces
 from physagent_jax.scene.placement import Placement, place
 
 FEWEST_PER_CELL = 3
@@ -28,12 +28,14 @@ class Body:
         placement: From the file's frame to the world.
         particles: The material points, at rest.
         binding: Which particles each Gaussian follows.
+        loose: Pieces that nothing joins to the rest.
     """
 
     cloud: GaussianCloud
     placement: Placement
     particles: Particles
     binding: Binding
+    loose: tuple[LoosePiece, ...] = ()
 
     @property
     def low(self) -> np.ndarray:
@@ -64,13 +66,13 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
         UserError: The file is unreadable, is not the one that was hashed, or leaves no Gaussians.
     """
     cloud, placement = place(load_object(source, base_dir), source, domain)
-    particles = fill(cloud, filling, dx=domain.dx)
+    particles, loose = fill(cloud, filling, dx=domain.dx), ()
     if filling.join:
         particles, loose = join_pieces(particles, domain.dx)
         if (seen := explain_loose(loose)) is not None:
             warnings.warn(seen, stacklevel=2)
     _warn_if_sparse(particles, domain.dx)
-    return Body(cloud, placement, particles, bind(cloud.means, particles.x))
+    return Body(cloud, placement, particles, bind(cloud.means, particles.x), loose)
 
 
 def _warn_if_sparse(particles: Particles, dx: float) -> None:

@@ -1,0 +1,314 @@
+"""What an object file holds and what a run would make of it, without simulating anything."""
+
+from __future__ import annotations
+
+import shlex
+import warnings
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import ValidationError
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import format_validation_error, shorten
+from physagent_jax.core.strict import Strict, Vector
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.gaussians.diagnosis import diagnose_cloud
+from physagent_jax.gaussians.formats import LoadedSplats, find_format, read_head
+from physagent_jax.run.preview import check_preview, draw_preview, write_preview
+from physagent_jax.run.resolve import ResolvedRun, resolve
+from physagent_jax.run.spec import ObjectChoice, RunSpec
+from physagent_jax.scene.body import make_body
+from physagent_jax.scene.card import ObjectCard, load_card
+from physagent_jax.scene.config import SignedAxis, Source
+from physagent_jax.scene.cost import estimate_cost
+from physagent_jax.scene.fuse import fuse
+from physagent_jax.scene.load import load_object
+from physagent_jax.scene.mesh_files import read_mesh
+from physagent_jax.scene.pieces import explain_loose
+from physagent_jax.scene.placement import place
+from physagent_jax.scene.priors import PRIORS, UNKNOWN, find_kind, guess_kind
+from physagent_jax.scene.up_axis import guess_up
+
+USUAL_UP: dict[str, tuple[SignedAxis, str]] = {
+    "splats": ("-y", "captures trained from COLMAP cameras are y-down, as most are"),
+    ".obj": ("+y", "most programs write OBJ y-up"),
+}
+"""Up axes to try where nothing states one, with the reasons; "+z" for all else, as a run assumes."""
+SENTENCE = "push it to the left"
+"""What the command line that is suggested asks for."""
+
+
+class UpAxis(Strict):
+    """The file's up axis.
+
+    Attributes:
+        axis: The axis to pass as `--up`.
+        known: Whether something states or shows it; False = it is only the usual one, to be compared with the picture.
+        source: Where it is from.
+        reason: The reason in words.
+    """
+
+    axis: SignedAxis
+    known: bool
+    source: Literal["option", "card", "format", "shape", "usual"]
+    reason: str
+
+
+class Kind(Strict):
+    """The class of the object, which decides its material and what is held.
+
+    Attributes:
+        kind: A key of `scene.priors.PRIORS`.
+        known: Whether something states it.
+        reason: The reason in words.
+    """
+
+    kind: str
+    known: bool
+    reason: str
+
+
+class Piece(Strict):
+    """A piece of the object that nothing joins to the rest.
+
+    Attributes:
+        share: Its share of the particles.
+        distance: Distance from the rest [L].
+    """
+
+    share: float
+    distance: float
+
+
+class PlannedRun(Strict):
+    """A run with the settings of its preset.
+
+    Attributes:
+        preset: The preset's name.
+        particles: Number of particles.
+        cells: Cells along a side of the domain.
+        object_cells: Cells along the object's longest side.
+        frames: Frames of the clip.
+        substeps: Substeps of the clip, at least.
+        seconds: Time of a round on two cores, at least [s].
+        memory: Memory, at least [bytes].
+    """
+
+    preset: str
+    particles: int
+    cells: int
+    object_cells: float
+    frames: int
+    substeps: int
+    seconds: float
+    memory: float
+
+
+class Inspection(Strict):
+    """What an object file holds and what a run would make of it.
+
+    Attributes:
+        path: The file.
+        format: The format's name.
+        encoding: The reading of the values in words.
+        content: What is counted.
+        count: Number of Gaussians or triangles in the file.
+        kept: Number of those that a run uses.
+        low: Low corner of the bounding box of what is kept [file units].
+        high: High corner [file units].
+        origin: Point that was taken off the positions before they were rounded to float32 [file units]; None = none.
+        up: The up axis.
+        kind: The class of the object.
+        pieces: Loose pieces, the nearest first.
+        degenerate: Gaussians that are out of the ordinary, in words.
+        notes: What a user should know before a run.
+        run: The run that `command` begins; None = it would be refused.
+        refusal: The reason why a run would be refused; None = it would not.
+        command: The command line to begin with.
+        preview: The picture that was written; None = none was.
+    """
+
+    path: str
+    format: str
+    encoding: str
+    content: Literal["Gaussians", "triangles"]
+    count: int
+    kept: int
+    low: Vector
+    high: Vector
+    origin: Vector | None = None
+    up: UpAxis
+    kind: Kind
+    pieces: tuple[Piece, ...] = ()
+    degenerate: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    run: PlannedRun | None = None
+    refusal: str | None = None
+    command: str = ""
+    preview: str | None = None
+
+    @property
+    def extent(self) -> Vector:
+        """Sides of the bounding box [file units]."""
+        x, y, z = (high - low for low, high in zip(self.low, self.high))
+        return x, y, z
+
+
+def inspect_object(
+    path: str | Path,
+    *,
+    up: SignedAxis | None = None,
+    kind: str | None = None,
+    splat_encoding: str | None = None,
+    opacity_threshold: float = 0.02,
+    preview: str | Path | None = None,
+    overwrite: bool = False,
+) -> Inspection:
+    """Reads an object file and says what it is, which way up it is, and what a run of it would take.
+
+    Args:
+        path: 3D Gaussians or a mesh, as of `load_object`.
+        up: The file's up axis; None = its card's, its format's, else guessed from the shape.
+        kind: Class of the object; None = its card's, else from the file's name.
+        splat_encoding: Reading of scales and opacities; None = found from the content.
+        opacity_threshold: Gaussians with a lower opacity are dropped.
+        preview: PNG to write with the object from four sides; None = none is written.
+        overwrite: Replace a file at ``preview`` that is no preview.
+
+    Raises:
+        UserError: The file cannot be read, an option is not valid, or the picture cannot be written.
+    """
+    path = Path(path)
+    if preview is not None:
+        check_preview(Path(preview), overwrite=overwrite)
+    choice = _make_choice(path=str(path), splat_encoding=splat_encoding, opacity_threshold=opacity_threshold)
+    card, found = load_card(path), _choose_kind(kind, load_card(path), path)
+    loaded = load_object(Source(**choice.model_dump(exclude={"up", "kind", "extent"})), ".")
+    points = np.asarray(loaded.cloud.means, np.float64)
+    chosen = _choose_up(up, card, loaded, points, path)
+    choice = choice.model_copy(update=dict(up=chosen.axis, kind=found.kind))
+    inspection = Inspection(
+        path=str(path),
+        **_describe_content(path, loaded),
+        up=chosen,
+        kind=found,
+        command=_make_command(choice, found),
+    )
+    run = resolve(RunSpec(object=choice, prompt=SENTENCE))
+    inspection = inspection.model_copy(update=_plan(run, inspection.notes))
+    if preview is not None:
+        source, domain = run.template.source, run.template.preset.domain
+        cloud, placement = place(loaded.cloud, source, domain, loaded.origin)
+        picture = draw_preview(cloud, placement, run.template.camera, domain, chosen.axis)
+        write_preview(Path(preview), picture, overwrite=overwrite)
+        inspection = inspection.model_copy(update=dict(preview=str(preview)))
+    return inspection
+
+
+def _make_choice(**options: object) -> ObjectChoice:
+    try:
+        return ObjectChoice.model_validate(options)
+    except ValidationError as error:
+        raise format_validation_error(error, "arguments", ObjectChoice) from None
+
+
+def _describe_content(path: Path, loaded: LoadedSplats) -> dict[str, Any]:
+    """The fields of `Inspection` that the file alone decides."""
+    facts = dict(format=loaded.format_name, encoding=loaded.encoding, notes=loaded.notes)
+    if find_format(read_head(path), path) is None:
+        mesh = read_mesh(path)
+        count = len(mesh.faces)
+        facts |= dict(format=f"{path.suffix[1:].upper()} mesh", content="triangles", kept=count)
+        low, high = mesh.bounds
+    else:
+        points = np.asarray(loaded.cloud.means, np.float64) + loaded.origin
+        low, high, count = points.min(0), points.max(0), loaded.count_in_file
+        facts |= dict(content="Gaussians", kept=loaded.cloud.count)
+        facts |= dict(origin=tuple(loaded.origin.tolist()) if loaded.origin.any() else None)
+    return {**facts, "count": count, "low": tuple(low.tolist()), "high": tuple(high.tolist())}
+
+
+def _choose_up(
+    given: SignedAxis | None, card: ObjectCard, loaded: LoadedSplats, points: np.ndarray, path: Path
+) -> UpAxis:
+    """The up axis that somebody states, else the shape, else the usual one of such files."""
+    seen = guess_up(points)
+    stated: list[tuple[SignedAxis | None, str, str]] = [
+        (given, "option", "it was given"),
+        (card.up, "card", "the card beside the file says so"),
+        (loaded.up, "format", f"the format {loaded.format_name} prescribes it, or the file says so"),
+    ]
+    for axis, source, reason in stated:
+        if axis is not None:
+            if seen.axis not in (None, axis):
+                reason += f", though the shape says {seen.axis}: {seen.reason}"
+            return UpAxis.model_validate(dict(axis=axis, known=True, source=source, reason=reason))
+    if seen.axis is not None:
+        return UpAxis(axis=seen.axis, known=True, source="shape", reason=seen.reason)
+    splats = find_format(read_head(path), path) is not None
+    axis, usual = USUAL_UP.get("splats" if splats else path.suffix.lower(), ("+z", "a run assumes it"))
+    return UpAxis(axis=axis, known=False, source="usual", reason=f"{seen.reason}; {axis} is tried, as {usual}")
+
+
+def _choose_kind(given: str | None, card: ObjectCard, path: Path) -> Kind:
+    """The kind as a run has it, with the reason."""
+    if given is not None:
+        return Kind(kind=find_kind(given, "`--kind`"), known=True, reason="it was given")
+    if card.kind is not None:
+        return Kind(kind=card.kind, known=True, reason="the card beside the file says so")
+    name = card.name or path.stem.replace("_", " ")
+    kind = guess_kind(name)
+    if kind != UNKNOWN:
+        return Kind(kind=kind, known=True, reason=f"by the name {shorten(name)!r}")
+    kinds = ", ".join(each for each in PRIORS if each != UNKNOWN)
+    return Kind(kind=kind, known=False, reason=f"the name {shorten(name)!r} tells none; choose one of {kinds}")
+
+
+def _plan(run: ResolvedRun, told: tuple[str, ...]) -> dict[str, Any]:
+    """The fields of `Inspection` that say what a run would make of the object."""
+    preset, template = run.template.preset, run.template
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", UserWarning)
+        try:
+            body = make_body(template.source, preset.filling, preset.domain, run.base_dir)
+            template, changed = run.place(body)
+            config = fuse(template, body, ForceField())
+            cost = estimate_cost(config, body, run.spec.save.video_size)
+        except UserError as error:
+            return dict(refusal=str(error), notes=_collect(told, run.warnings, caught))
+    pieces = tuple(Piece(share=each.share, distance=each.distance) for each in body.loose)
+    planned = PlannedRun(
+        preset=run.spec.preset.value,
+        particles=body.particles.count,
+        cells=preset.domain.cells,
+        object_cells=body.extent / preset.domain.dx,
+        frames=preset.timing.frame_count,
+        substeps=round(cost.substeps),
+        seconds=cost.seconds,
+        memory=cost.memory,
+    )
+    degenerate = diagnose_cloud(body.cloud)
+    notes = _collect(told, (*run.warnings, *changed), caught)
+    notes = tuple(each for each in notes if each not in (*degenerate, explain_loose(body.loose)))
+    return dict(run=planned, pieces=pieces, degenerate=degenerate, notes=notes)
+
+
+def _collect(told: tuple[str, ...], more: tuple[str, ...], caught: list) -> tuple[str, ...]:
+    """All notes, each once."""
+    return tuple(dict.fromkeys((*told, *more, *(str(each.message) for each in caught))))
+
+
+def _make_command(choice: ObjectChoice, kind: Kind) -> str:
+    """The command line of a run with what was found."""
+    stem = Path(choice.path).name.split(".")[0]
+    options: list[object] = ["--object", choice.path, "--up", choice.up]
+    options += ["--kind", kind.kind] if kind.known else []
+    default = ObjectChoice.model_fields["opacity_threshold"].default
+    if choice.opacity_threshold != default:
+        options += ["--opacity-threshold", choice.opacity_threshold]
+    if choice.splat_encoding is not None:
+        options += ["--splat-encoding", choice.splat_encoding]
+    options += ["--prompt", SENTENCE, "--out", f"runs/{stem}"]
+    return shlex.join(["physagent", "run", *map(str, options)])
