@@ -25,7 +25,7 @@ from physagent_jax.run.resolve import ResolvedRun, resolve
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.body import Body, make_body, make_scene_body
 from physagent_jax.scene.compile import CompiledScene, compile_scene
-from physagent_jax.scene.config import Source
+from physagent_jax.scene.config import Source, SplatEncoding
 from physagent_jax.scene.cost import Limits
 from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.scene_file import read_scene
@@ -52,6 +52,7 @@ def load_object(
     up: str | None = None,
     kind: str | None = None,
     opacity_threshold: float = 0.02,
+    splat_encoding: str | None = None,
     extent: float = 1.0,
     preset: str = "fast",
     cells: int | None = None,
@@ -61,10 +62,12 @@ def load_object(
     """Reads an object's file, places it in the domain and fills it with particles.
 
     Args:
-        path: 3DGS PLY or mesh (.obj, .glb, .stl, .ply).
-        up: The file's own up axis ("-y"); None = its card's, else "+y" for glTF, "+z" for others.
+        path: 3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply).
+        up: The file's own up axis ("-y"); None = its card's, else the format's ("+y" for glTF), else "+z".
         kind: Class with a physical prior ("plant", "food", ...); None = its card's, else from the file's name.
         opacity_threshold: Gaussians with a lower opacity are dropped.
+        splat_encoding: How the file stores scales and opacities ("log-logit", "plain-plain", "log-plain",
+            "plain-logit"); None = found from its content.
         extent: Its longest side in the domain [m].
         preset: "fast" or "paper": domain, grid, particles, frames.
         cells: Cells along a side of the domain; None = the preset's.
@@ -75,7 +78,14 @@ def load_object(
         UserError: The file cannot be used, or a value is out of range.
     """
     spec = _validate(
-        object=dict(path=str(path), up=up, kind=kind, opacity_threshold=opacity_threshold, extent=extent),
+        object=dict(
+            path=str(path),
+            up=up,
+            kind=kind,
+            opacity_threshold=opacity_threshold,
+            splat_encoding=splat_encoding,
+            extent=extent,
+        ),
         prompt="",
         preset=preset,
         overrides=dict(cells=cells, max_particles=max_particles),
@@ -150,18 +160,24 @@ def build_scene(
     return compile_scene(fuse(template, loaded.body, field), loaded.body, run.base_dir)
 
 
-def load_scene(path: str | Path, *, object_path: str | Path | None = None) -> CompiledScene:
+def load_scene(
+    path: str | Path,
+    *,
+    object_path: str | Path | None = None,
+    splat_encoding: SplatEncoding | None = None,
+) -> CompiledScene:
     """A scene file, ready to be simulated: ``scene.json`` of a run, or a PhysGaussian config.
 
     Args:
         path: The file; relative paths in it start from its folder.
         object_path: The object's file, where the scene does not name it (PhysGaussian) or it has moved.
+        splat_encoding: How the object's scales and opacities are stored; None = as the scene says, else found out.
 
     Raises:
         UserError: The file is not a scene, or the object that it needs is not given or cannot be used.
     """
     path = Path(path)
-    config, notes = read_scene(path, None if object_path is None else Path(object_path))
+    config, notes = read_scene(path, None if object_path is None else Path(object_path), splat_encoding)
     for text in notes:
         warnings.warn(text, UserWarning, stacklevel=2)
     return compile_scene(config, make_scene_body(config, path.parent), path.parent)

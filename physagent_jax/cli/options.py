@@ -21,6 +21,7 @@ OPTIONS = {
     "object.up": "--up",
     "object.kind": "--kind",
     "object.opacity_threshold": "--opacity-threshold",
+    "object.splat_encoding": "--splat-encoding",
     "prompt": "--prompt",
     "preset": "--preset",
     "overrides.frame_count": "--frames",

@@ -12,7 +12,7 @@ import tyro
 
 from physagent_jax.cli.options import describe_unknown, name_options, report_as_options, to_spec
 from physagent_jax.cli.run import Run
-from physagent_jax.scene.config import SignedAxis
+from physagent_jax.scene.config import SignedAxis, SplatEncoding
 from physagent_jax.scene.presets import PresetName
 
 if TYPE_CHECKING:
@@ -30,11 +30,13 @@ class Plan:
     prompt: tyro.conf.Positional[str]
     """What should happen, in everyday English."""
     object: Path
-    """3DGS PLY or mesh (.obj, .glb, .stl, .ply)."""
+    """3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply)."""
     preset: PresetName = PresetName.FAST
     """As for `physagent run`."""
     up: SignedAxis | None = None
     """The file's up axis; default: its card, else +y for glTF (.glb, .gltf), +z for others."""
+    splat_encoding: SplatEncoding | None = None
+    """As for `physagent run`."""
     kind: str | None = None
     """plant, food, robot, ... (decides what is held); default: its card, else from the file's name."""
     azimuth: float | None = None
@@ -79,9 +81,9 @@ class Plan:
         found = [*(str(each.message) for each in caught), *placed, *([damped] if damped else [])]
         reply = reply.model_copy(update=dict(notes=(*reply.notes, *map(name_options, found))))
         if self.json_line:
-            print(json.dumps(to_json(reply, after)))
+            print(json.dumps({"object": body.reading, **to_json(reply, after)}))
         else:
-            print("\n".join(describe_plan(reply, after)))
+            print("\n".join([f"object: {body.reading}", *describe_plan(reply, after)]))
         return 0
 
 

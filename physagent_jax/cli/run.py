@@ -14,7 +14,7 @@ import tyro
 
 from physagent_jax.cli.console import ConsoleObserver, stderr, warn
 from physagent_jax.cli.options import name_options, read_whole_spec, report_as_options, to_spec
-from physagent_jax.scene.config import SignedAxis
+from physagent_jax.scene.config import SignedAxis, SplatEncoding
 from physagent_jax.scene.presets import PresetName
 
 AnchorChoice = Literal["auto", "none", "base", "top", "box", "mask"]
@@ -32,7 +32,7 @@ class Run:
     out: Path
     """Run folder to make."""
     object: Path | None = None
-    """3DGS PLY or mesh (.obj, .glb, .stl, .ply)."""
+    """3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply)."""
     prompt: str | None = None
     """What should happen, in everyday English."""
     spec: Path | None = None
@@ -76,6 +76,8 @@ class Run:
     """Of the ground; default: that of a dry floor (0.4), and none in the free world."""
     opacity_threshold: float = 0.02
     """Gaussians with less opacity are left out."""
+    splat_encoding: SplatEncoding | None = None
+    """How scales and opacities are stored: as logarithm and logit (the 3DGS layout) or plain; default: found out."""
     frames: int | None = None
     """Pictures of the clip; default: as many as the sentence needs, at least the preset's 50."""
     particles: int | None = None

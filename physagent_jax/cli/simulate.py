@@ -15,6 +15,7 @@ import tyro
 from physagent_jax.cli.console import FrameBar, stderr, warn
 from physagent_jax.cli.options import parse_size
 from physagent_jax.core.errors import UserError
+from physagent_jax.scene.config import SplatEncoding
 
 
 @dataclasses.dataclass(frozen=True)
@@ -27,6 +28,8 @@ class Simulate:
     """Folder to write to."""
     object: Path | None = None
     """The object's file, where the scene does not name it (PhysGaussian) or it has moved."""
+    splat_encoding: SplatEncoding | None = None
+    """How the object's scales and opacities are stored; default: as the scene says, else found out."""
     ledger: bool = False
     """Also record work, dissipation and impulses, frame by frame."""
     force_substep: bool = False
@@ -55,7 +58,7 @@ class Simulate:
         begun = time.perf_counter()
         from physagent_jax.scene.scene_file import read_scene
 
-        config, notes = read_scene(self.scene, self.object)
+        config, notes = read_scene(self.scene, self.object, self.splat_encoding)
         for text in notes:
             warn(text)
         config, video_size = self._adjust(config), parse_size(self.video_size)
@@ -120,6 +123,8 @@ class ImportPhysGaussian:
     """The 3DGS PLY that it is meant for."""
     out: Path
     """Scene file to write."""
+    splat_encoding: SplatEncoding | None = None
+    """How the object's scales and opacities are stored; default: found out."""
     overwrite: bool = False
     """Replace a file that holds something else."""
 
@@ -129,7 +134,7 @@ class ImportPhysGaussian:
         from physagent_jax.scene.config import dump_scene
         from physagent_jax.scene.scene_file import read_scene
 
-        scene, notes = read_scene(self.config, self.object)
+        scene, notes = read_scene(self.config, self.object, self.splat_encoding)
         for text in notes:
             warn(text)
         write_new({self.out: dump_scene(scene).encode()}, overwrite=self.overwrite)

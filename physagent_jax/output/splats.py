@@ -38,7 +38,7 @@ def write_splat_frames(folder: Path, body: Body, x: np.ndarray, F: np.ndarray) -
             body.placement.rotation,
         )
         with replace_file(path) as temporary:
-            write_ply(temporary, to_source_frame(splats, body.placement))
+            write_ply(temporary, to_source_frame(splats, body.placement), origin=body.placement.origin)
     return paths
 
 
@@ -48,12 +48,12 @@ def make_splat_names(folder: str, count: int) -> list[str]:
 
 
 def to_source_frame(splats: Splats, placement: Placement) -> GaussianCloud:
-    """Undoes the placement, so that frame 0 equals the object file (SH turned along)."""
+    """Undoes the placement, so that frame 0 equals the object file (SH turned along), relative to its origin."""
     back = jnp.asarray(placement.rotation.T, jnp.float32)
     shrink = jnp.broadcast_to(back / placement.scale, (splats.means.shape[0], 3, 3))
     return splats_to_cloud(
         Splats(
-            means=jnp.asarray(placement.to_source(splats.means), jnp.float32),
+            means=jnp.asarray(placement.to_origin(splats.means), jnp.float32),
             covariances=transform_covariances(shrink, splats.covariances),
             opacities=splats.opacities,
             sh=splats.sh,

@@ -251,7 +251,8 @@ class _Loop:
         with self._watch("prepare"), self.tell_warnings():
             body = make_body(template.source, preset.filling, preset.domain, self._run.base_dir)
             self._template, _ = self._run.place(body)
-            return body
+        self.observer.assumed(f"the object's file was read as {body.reading}")
+        return body
 
     @contextmanager
     def tell_warnings(self) -> Iterator[None]:

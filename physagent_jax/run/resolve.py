@@ -22,7 +22,7 @@ from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, S
 from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.fuse import SceneTemplate
 from physagent_jax.scene.level import explain_tilt, level
-from physagent_jax.scene.load import hash_file
+from physagent_jax.scene.load import find_prescribed_up, hash_file
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
     choose_anchor,
@@ -119,9 +119,10 @@ def resolve(
     if spec.anchor.mask_path is not None:
         check_regular(base_dir / spec.anchor.mask_path, most=MASK_BYTES, what="the anchor mask")
     card = load_card(path)
+    up = spec.object.up or card.up or find_prescribed_up(path, spec.object.splat_encoding)
     try:
         preset = resolve_preset(spec)
-        found = source or _make_source(spec, card, path, sha256)
+        found = source or _make_source(spec, card, path, sha256, up)
         anchor = resolve_anchor(spec.anchor, found.kind, base_dir=base_dir)
         source = level(found, preset.domain) if source is None and _stands(spec, anchor) else found
         material, warnings = resolve_material(spec.material, source.kind, preset, base_dir=base_dir)
@@ -145,7 +146,7 @@ def resolve(
         ) from None
     turned = explain_tilt(source)
     warnings += () if turned is None else (turned,)
-    if (spec.object.up or card.up or _get_default_up(path)) is None:
+    if up is None:
         warnings += (
             "the file's up axis is not known: +z assumed; pass --up if the object lies or stands on its head",
         )
@@ -235,7 +236,7 @@ def _choose_friction(spec: RunSpec) -> float:
     return FRICTION if spec.world == "ground" else 0.0
 
 
-def _make_source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str) -> Source:
+def _make_source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str, up: SignedAxis | None) -> Source:
     name = card.name or path.stem.replace("_", " ")
     kind = card.kind or guess_kind(name)
     if spec.object.kind is not None:
@@ -245,15 +246,11 @@ def _make_source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str) -> So
         sha256=sha256,
         name=name,
         kind=kind,
-        up=spec.object.up or card.up or _get_default_up(path) or "+z",
+        up=up or "+z",
         opacity_threshold=spec.object.opacity_threshold,
+        splat_encoding=spec.object.splat_encoding,
         extent=spec.object.extent,
     )
-
-
-def _get_default_up(path: Path) -> SignedAxis | None:
-    """The up axis that the format itself prescribes (glTF 2.0, section 3.4: +Y), else None."""
-    return "+y" if path.suffix.lower() in (".glb", ".gltf") else None
 
 
 def _make_camera(choice: CameraChoice, card: ObjectCard, source: Source, domain: Domain) -> CameraConfig:

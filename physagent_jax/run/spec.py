@@ -12,7 +12,7 @@ from physagent_jax.core.reading import YAML_SUFFIXES, format_validation_error, r
 from physagent_jax.core.strict import Seed, Strict
 from physagent_jax.perception import backends
 from physagent_jax.run.manifest import MOST_ROUNDS
-from physagent_jax.scene.config import MOST_FRAMES, SignedAxis
+from physagent_jax.scene.config import MOST_FRAMES, SignedAxis, SplatEncoding
 from physagent_jax.scene.config.common import Degrees, Friction, HalfSize, Length, Point
 from physagent_jax.scene.config.common import Path as FilePath
 from physagent_jax.scene.presets import PresetName
@@ -22,10 +22,13 @@ class ObjectChoice(Strict):
     """The object.
 
     Attributes:
-        path: 3DGS PLY or mesh (.obj, .glb, .stl, .ply), absolute or relative to the spec's folder.
-        up: The file's own up axis; None = its card's, else +y for glTF (.glb, .gltf), +z for others.
+        path: 3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply), absolute or relative to the spec's
+            folder.
+        up: The file's own up axis; None = its card's, else the format's (+y for glTF), else +z.
         kind: Class with a physical prior (`scene.priors`); None = its card's, else from the file's name.
         opacity_threshold: Gaussians with a lower opacity are dropped.
+        splat_encoding: How the file stores scales and opacities (`gaussians.formats.encoding`); None = found from
+            its content.
         extent: Longest side in the domain [m].
     """
 
@@ -33,6 +36,7 @@ class ObjectChoice(Strict):
     up: SignedAxis | None = None
     kind: str | None = None
     opacity_threshold: float = Field(default=0.02, ge=0, lt=1)
+    splat_encoding: SplatEncoding | None = None
     extent: Length = 1.0
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from physagent_jax.gaussians.binding import Binding, bind
 from physagent_jax.gaussians.cloud import GaussianCloud
+from physagent_jax.gaussians.diagnosis import diagnose_cloud
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
 from physagent_jax.scene.load import load_object
@@ -28,6 +29,7 @@ class Body:
         placement: From the file's frame to the world.
         particles: The material points, at rest.
         binding: Which particles each Gaussian follows.
+        reading: How the object's file was read, in words; "" = it was not read from a file.
         loose: Pieces that nothing joins to the rest.
     """
 
@@ -35,6 +37,7 @@ class Body:
     placement: Placement
     particles: Particles
     binding: Binding
+    reading: str = ""
     loose: tuple[LoosePiece, ...] = ()
 
     @property
@@ -65,14 +68,20 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     Raises:
         UserError: The file is unreadable, is not the one that was hashed, or leaves no Gaussians.
     """
-    cloud, placement = place(load_object(source, base_dir), source, domain)
+    loaded = load_object(source, base_dir)
+    cloud, placement = place(loaded.cloud, source, domain, loaded.origin)
+    for text in diagnose_cloud(cloud):
+        warnings.warn(text, stacklevel=2)
     particles, loose = fill(cloud, filling, dx=domain.dx), ()
     if filling.join:
         particles, loose = join_pieces(particles, domain.dx)
         if (seen := explain_loose(loose)) is not None:
             warnings.warn(seen, stacklevel=2)
     _warn_if_sparse(particles, domain.dx)
-    return Body(cloud, placement, particles, bind(cloud.means, particles.x), loose)
+    reading = (
+        f"{loaded.format_name}: {loaded.encoding}; {cloud.count:,} of {loaded.count_in_file:,} Gaussians kept"
+    )
+    return Body(cloud, placement, particles, bind(cloud.means, particles.x), reading, loose)
 
 
 def _warn_if_sparse(particles: Particles, dx: float) -> None:

@@ -50,7 +50,8 @@ def _measure_cached(source: str, domain: str) -> tuple[float, Vector | None]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # they are heeded when the object is loaded in earnest
         parsed = Source.model_validate_json(source)
-        cloud, _ = place(load_object(parsed, Path()), parsed, Domain.model_validate_json(domain))
+        loaded = load_object(parsed, Path())
+        cloud, _ = place(loaded.cloud, parsed, Domain.model_validate_json(domain), loaded.origin)
     points = np.asarray(cloud.means, np.float64)
     return find_broad_azimuth(points, np.asarray(cloud.sh[:, 0], np.float64)), _find_long_axis(points)
 

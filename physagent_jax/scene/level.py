@@ -35,7 +35,8 @@ def level(source: Source, domain: Domain) -> Source:
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # they are heeded when the object is loaded in earnest
-        cloud, _ = place(load_object(source, Path()), source, domain)
+        loaded = load_object(source, Path())
+        cloud, _ = place(loaded.cloud, source, domain, loaded.origin)
     points = np.asarray(cloud.means, np.float64)
     tilt = find_tilt(points)
     return source if tilt is None else source.model_copy(update=dict(tilt=tilt))

@@ -3,31 +3,42 @@
 from __future__ import annotations
 
 import hashlib
+import warnings
 from pathlib import Path
 
+import numpy as np
+
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.reading import check_regular, open_regular
-from physagent_jax.gaussians.cloud import GaussianCloud
-from physagent_jax.gaussians.formats import read_ply
+from physagent_jax.core.reading import check_regular, open_regular, shorten
+from physagent_jax.gaussians.formats import (
+    FORMATS,
+    LoadedSplats,
+    describe_formats,
+    find_format,
+    read_head,
+    read_splats,
+)
+from physagent_jax.gaussians.formats.ply_gaussians import GaussianPly
 from physagent_jax.gaussians.formats.ply_header import MOST_BYTES, read_ply_header
-from physagent_jax.scene.config import Source
+from physagent_jax.scene.config import SignedAxis, Source
 from physagent_jax.scene.config.source import MESH_SUFFIXES
 
-# Formats of splat viewers that are not read here.
-_OTHER_SPLATS = {
-    ".spz": "Niantic SPZ",
-    ".splat": "antimatter15 splat",
-    ".ksplat": "mkkellogg ksplat",
-    ".sog": "PlayCanvas SOG",
+_UNREAD_SPLATS = {
+    ".spz": "SPZ (Niantic)",
+    ".splat": "splat (antimatter15)",
+    ".ksplat": "ksplat (mkkellogg)",
+    ".sog": "SOG (PlayCanvas)",
 }
-_GAUSSIAN_PROPERTIES = {"f_dc_0", "scale_0", "rot_0", "opacity"}
+"""Formats of splat viewers by suffix, for files that no reader takes."""
+
+_GLTF_SUFFIXES = (".glb", ".gltf")
 
 
-def load_object(source: Source, base_dir: str | Path) -> GaussianCloud:
-    """Reads the object's file, in its own frame and units.
+def load_object(source: Source, base_dir: str | Path) -> LoadedSplats:
+    """Reads the object's file, in its own frame and units; what a user should know of it is warned of.
 
     Args:
-        source: Which file, and what to keep of it; a ``sha256`` in it is checked.
+        source: The file, and what to keep of it; a ``sha256`` in it is checked.
         base_dir: Folder that a relative path starts from.
 
     Raises:
@@ -41,11 +52,31 @@ def load_object(source: Source, base_dir: str | Path) -> GaussianCloud:
             got=f"sha256 {found[:12]}..., expected {source.sha256[:12]}...",
             do="Restore the file, or remove `source.sha256` from the scene",
         )
-    if _is_mesh(path):
-        from physagent_jax.scene.mesh import gaussians_from_mesh  # trimesh takes long to import
+    if _holds_splats(path):
+        loaded = read_splats(path, opacity_threshold=source.opacity_threshold, encoding=source.splat_encoding)
+        for note in loaded.notes:
+            warnings.warn(note, stacklevel=2)
+        return loaded
+    return _sample_mesh(path, source)
 
-        return gaussians_from_mesh(path, count=source.surface_samples, seed=0, up=source.up)
-    return read_ply(path, opacity_threshold=source.opacity_threshold)
+
+def find_prescribed_up(path: str | Path, encoding: str | None = None) -> SignedAxis | None:
+    """The up axis that a file's format prescribes or the file states; None = neither does.
+
+    Args:
+        path: The object's file.
+        encoding: The user's `--splat-encoding`, with which the file is read.
+
+    Raises:
+        UserError: The file cannot be read.
+    """
+    path = Path(path)
+    if path.suffix.lower() in _GLTF_SUFFIXES:
+        return "+y"  # glTF 2.0, section 3.4, for meshes and Gaussians
+    found = find_format(read_head(path, what="the object file"), path)
+    if found is None or isinstance(found, GaussianPly):  # a PLY has no place for it
+        return None
+    return read_splats(path, encoding=encoding).up
 
 
 def check_object(path: str | Path) -> None:
@@ -63,30 +94,49 @@ def hash_file(path: str | Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _is_mesh(path: Path) -> bool:
-    """Whether a file is a mesh rather than 3D Gaussians.
+def _sample_mesh(path: Path, source: Source) -> LoadedSplats:
+    """A mesh as Gaussians on its surface."""
+    if source.splat_encoding is not None:
+        raise UserError(
+            f"`splat_encoding` means nothing for the mesh {shorten(path)}",
+            got=source.splat_encoding,
+            do="Leave it out",
+        )
+    from physagent_jax.scene.mesh import gaussians_from_mesh  # trimesh takes long to import
+
+    cloud = gaussians_from_mesh(path, count=source.surface_samples, seed=0, up=source.up)
+    up = find_prescribed_up(path)
+    return LoadedSplats(cloud, np.zeros(3), "mesh", "Gaussians sampled on its surface", up, (), cloud.count)
+
+
+def _holds_splats(path: Path) -> bool:
+    """Whether a file holds 3D Gaussians rather than a mesh, by its content.
 
     Raises:
-        UserError: It is neither.
+        UserError: It holds neither.
     """
-    suffix = path.suffix.lower()
-    if suffix in MESH_SUFFIXES:
+    suffix, shown = path.suffix.lower(), shorten(path)
+    if find_format(read_head(path, what="the object file"), path) is not None:
         return True
-    if suffix in _OTHER_SPLATS:
+    if suffix in MESH_SUFFIXES:
+        return False
+    if suffix == ".ply":
+        read_ply_header(path)  # refuses what is none; one with faces is a mesh
+        return False
+    known = next((each.name for each in FORMATS if suffix in each.suffixes), None)
+    if known is not None:
         raise UserError(
-            f"{path} is a {_OTHER_SPLATS[suffix]} file, which is not supported",
-            do="Convert it to a 3DGS .ply, e.g. with `npx @playcanvas/splat-transform in.spz out.ply`",
+            f"{shown} is no readable file of the format {known}",
+            got="another beginning",
+            do="Copy or export the file again",
         )
-    if suffix != ".ply":
-        known = ", ".join((".ply", *MESH_SUFFIXES))
-        raise UserError(f"{path} is of an unknown kind", got=suffix or "no suffix", do=f"Give one of {known}")
-    header = read_ply_header(path)
-    face, vertex = header.element("face"), header.element("vertex")
-    faces, properties = face.count if face else 0, vertex.names if vertex else set()
-    if faces == 0 and not _GAUSSIAN_PROPERTIES & properties and "packed_position" not in properties:
+    if suffix in _UNREAD_SPLATS:
         raise UserError(
-            f"{path} holds neither faces nor 3D Gaussians",
-            got=f"vertex properties {sorted(properties)}",
-            do="Give a 3DGS .ply (with f_dc_*, scale_*, rot_*, opacity) or a mesh",
+            f"{shown}: the format {_UNREAD_SPLATS[suffix]} is not supported",
+            do="Convert it to a 3DGS .ply, e.g. with `npx @playcanvas/splat-transform`",
         )
-    return faces > 0 and not _GAUSSIAN_PROPERTIES <= properties
+    raise UserError(
+        f"{shown} is of an unknown kind",
+        got=suffix or "no suffix",
+        do=f"Give Gaussians: {describe_formats()}; or a mesh: .ply, {', '.join(MESH_SUFFIXES)}",
+    )

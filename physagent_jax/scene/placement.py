@@ -31,36 +31,47 @@ _TO_PLUS_Z = {
 
 @dataclasses.dataclass(frozen=True)
 class Placement:
-    """World = scale * rotation @ source + offset.
+    """World = scale * rotation @ (source - origin) + offset.
 
     Attributes:
         rotation: Proper rotation from the file's frame to the world, shape (3, 3).
         scale: World metres per unit of the file [m].
-        offset: [m], shape (3,).
+        offset: World position of ``origin`` [m], shape (3,).
+        origin: Point of the file that clouds are relative to [file units], float64, shape (3,); mostly zero.
     """
 
     rotation: np.ndarray
     scale: float
     offset: np.ndarray
+    origin: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(3))
 
     def to_world(self, points) -> np.ndarray:
         """Points of the file, shape (..., 3), in the world [m]."""
-        return self.scale * (np.asarray(points, np.float64) @ self.rotation.T) + self.offset
+        return self._from_origin(np.asarray(points, np.float64) - self.origin)
 
     def to_source(self, points) -> np.ndarray:
         """World points [m], shape (..., 3), in the file's frame and units."""
+        return self.to_origin(points) + self.origin
+
+    def to_origin(self, points) -> np.ndarray:
+        """World points [m], shape (..., 3), in the file's frame and units, relative to ``origin``."""
         return (np.asarray(points, np.float64) - self.offset) @ self.rotation / self.scale
 
     def cloud_to_world(self, cloud: GaussianCloud) -> GaussianCloud:
         """The cloud in the world. ``sh`` stays in the captured frame: the renderer is handed ``rotation``."""
-        return _move(cloud, self.to_world(cloud.means), self.rotation, self.scale)
+        return _move(cloud, self._from_origin(np.asarray(cloud.means, np.float64)), self.rotation, self.scale)
 
     def cloud_to_source(self, cloud: GaussianCloud) -> GaussianCloud:
-        """Inverse of `cloud_to_world`, for exports in the file's frame and units."""
-        return _move(cloud, self.to_source(cloud.means), self.rotation.T, 1.0 / self.scale)
+        """Inverse of `cloud_to_world`: in the file's frame and units, relative to ``origin``."""
+        return _move(cloud, self.to_origin(cloud.means), self.rotation.T, 1.0 / self.scale)
+
+    def _from_origin(self, points: np.ndarray) -> np.ndarray:
+        return self.scale * (points @ self.rotation.T) + self.offset
 
 
-def place(cloud: GaussianCloud, source: Source, domain: Domain) -> tuple[GaussianCloud, Placement]:
+def place(
+    cloud: GaussianCloud, source: Source, domain: Domain, origin: np.ndarray | None = None
+) -> tuple[GaussianCloud, Placement]:
     """Crops, rotates, scales and centres a loaded cloud.
 
     The order is PhysGaussian's: extra rotations, crop, then (ours) ``up`` onto +z and ``tilt``, then the plain bounding
@@ -70,6 +81,7 @@ def place(cloud: GaussianCloud, source: Source, domain: Domain) -> tuple[Gaussia
         cloud: As loaded, in the file's frame and units.
         source: How to place it.
         domain: The cube that it must fit in, with `WALL_CELLS` cells to spare.
+        origin: Point of the file that the cloud is relative to [file units], shape (3,); None = zero.
 
     Returns:
         The cropped cloud in the world [m], and the transform from the file's frame.
@@ -77,8 +89,9 @@ def place(cloud: GaussianCloud, source: Source, domain: Domain) -> tuple[Gaussia
     Raises:
         UserError: Nothing is left after the crop, the object has no extent, or it does not fit.
     """
+    origin = np.zeros(3) if origin is None else np.asarray(origin, np.float64)
     turn = find_extra_rotation(source.rotation_degrees, source.rotation_axes)
-    cloud = _crop(cloud, turn, source.crop)
+    cloud = _crop(cloud, turn, source.crop, turn @ origin)
     rotation = find_tilt_rotation(source.tilt) @ find_up_rotation(source.up) @ turn
     turned = np.asarray(cloud.means, np.float64) @ rotation.T
     if not np.isfinite(turned).all():
@@ -94,7 +107,7 @@ def place(cloud: GaussianCloud, source: Source, domain: Domain) -> tuple[Gaussia
     _warn_of_floaters(turned, longest)
     scale = source.extent / longest
     center = np.full(3, 0.5 * domain.size) if source.center is None else np.asarray(source.center)
-    placement = Placement(rotation, scale, center - scale * 0.5 * (low + high))
+    placement = Placement(rotation, scale, center - scale * 0.5 * (low + high), origin)
     _check_fit(center, 0.5 * scale * (high - low), domain)
     return placement.cloud_to_world(cloud), placement
 
@@ -124,14 +137,15 @@ def _find_exact(rotation: Rotation) -> np.ndarray:
     return np.where(np.abs(matrix - np.round(matrix)) < 1e-12, np.round(matrix), matrix)
 
 
-def _crop(cloud: GaussianCloud, turn: np.ndarray, crop) -> GaussianCloud:
+def _crop(cloud: GaussianCloud, turn: np.ndarray, crop, origin: np.ndarray) -> GaussianCloud:
+    """The Gaussians in a box of the turned file frame, in which ``origin`` is where the cloud's zero lies."""
     if cloud.count == 0:
         raise UserError(
             "the object has no Gaussians", do="Lower `source.opacity_threshold`, or choose another file"
         )
     if crop is None:
         return cloud
-    means = np.asarray(cloud.means, np.float64) @ turn.T
+    means = np.asarray(cloud.means, np.float64) @ turn.T + origin
     low, high = np.asarray(crop[0::2]), np.asarray(crop[1::2])
     keep = np.all((means > low) & (means < high), axis=1)
     if not keep.any():

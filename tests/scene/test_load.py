@@ -12,13 +12,13 @@ from tests.scene.clouds import cloud_of
 
 
 def test_gaussians_are_read_with_the_opacity_threshold(robot_path):
-    cloud = load_object(Source(path=robot_path.name, opacity_threshold=0.5), robot_path.parent)
+    cloud = load_object(Source(path=robot_path.name, opacity_threshold=0.5), robot_path.parent).cloud
     expected = read_ply(robot_path, opacity_threshold=0.5)
     assert 0 < cloud.count == expected.count < read_ply(robot_path).count
 
 
 def test_an_absolute_path_ignores_the_base_folder(robot_path, tmp_path):
-    assert load_object(Source(path=str(robot_path)), tmp_path).count > 3000
+    assert load_object(Source(path=str(robot_path)), tmp_path).cloud.count > 3000
 
 
 @pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl", ".glb", ".OBJ"])
@@ -26,7 +26,7 @@ def test_meshes_are_sampled_whatever_their_format(tmp_path, suffix):
     trimesh.creation.icosphere(subdivisions=2).export(
         tmp_path / f"ball{suffix}", file_type=suffix[1:].lower()
     )
-    cloud = load_object(Source(path=f"ball{suffix}", surface_samples=300), tmp_path)
+    cloud = load_object(Source(path=f"ball{suffix}", surface_samples=300), tmp_path).cloud
     assert cloud.count == 300
     np.testing.assert_allclose(np.linalg.norm(cloud.means, axis=1), 1.0, atol=0.06)
 
@@ -36,7 +36,7 @@ def test_a_ply_of_gaussians_with_faces_beside_them_is_gaussians(tmp_path):
     data = (tmp_path / "a.ply").read_bytes()
     faces = b"element face 0\nproperty list uchar int vertex_indices\nend_header\n"
     (tmp_path / "b.ply").write_bytes(data.replace(b"end_header\n", faces))
-    assert load_object(Source(path="b.ply"), tmp_path).count == 3
+    assert load_object(Source(path="b.ply"), tmp_path).cloud.count == 3
 
 
 def test_the_hash_is_sha256_of_the_bytes(tmp_path):

@@ -5,6 +5,7 @@ A format is an object that fulfils `base.Format`. To add one: its file, and a li
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import warnings
 from pathlib import Path
@@ -14,10 +15,17 @@ from physagent_jax.core.reading import open_regular, shorten
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.formats.base import HEAD_BYTES, Format, SignedAxis, SplatData
 from physagent_jax.gaussians.formats.finish import LoadedSplats, check_threshold, finish
-from physagent_jax.gaussians.formats.ply import PLY_3DGS
+from physagent_jax.gaussians.formats.ply_gaussians import PLY_2DGS, PLY_3DGS, PLY_RGB, GaussianPly
 from physagent_jax.gaussians.formats.ply_header import MOST_BYTES, read_ply_header
+from physagent_jax.gaussians.formats.points import COLMAP_POINTS, PLY_POINTS
 
-FORMATS: tuple[Format, ...] = (PLY_3DGS,)
+FORMATS: tuple[Format, ...] = (
+    PLY_2DGS,
+    PLY_RGB,
+    PLY_3DGS,
+    PLY_POINTS,
+    COLMAP_POINTS,
+)
 """Formats in the order in which they are tried: the first that matches reads the file."""
 
 __all__ = [
@@ -88,7 +96,11 @@ def read_splats(
             got=Path(path).suffix or "no suffix",
             do=f"Give one of {describe_formats()}",
         )
-    return finish(found.read(Path(path), encoding), path, found.name, opacity_threshold)
+    data = found.read(Path(path), encoding)
+    if encoding is not None and not isinstance(found, GaussianPly):
+        note = f"{shorten(path)}: `--splat-encoding` changes nothing, because {found.name} has one encoding"
+        data = dataclasses.replace(data, notes=(*data.notes, note))
+    return finish(data, path, found.name, opacity_threshold)
 
 
 def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) -> GaussianCloud:

@@ -10,6 +10,7 @@ from physagent_jax.scene.config.boundaries import Sphere as Sphere
 from physagent_jax.scene.config.boundaries import Surface as Surface
 from physagent_jax.scene.config.common import FOREVER as FOREVER
 from physagent_jax.scene.config.common import SignedAxis as SignedAxis
+from physagent_jax.scene.config.common import SplatEncoding as SplatEncoding
 from physagent_jax.scene.config.constraints import Anchor as Anchor
 from physagent_jax.scene.config.constraints import Constraint as Constraint
 from physagent_jax.scene.config.constraints import ParticleImpulse as ParticleImpulse

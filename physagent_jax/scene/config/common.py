@@ -17,6 +17,7 @@ _FARTHEST = 1e6  # [m]
 _LEAST_WINDOW = 1e-6  # of a window's end: float32 tells times apart by a tenth of that
 
 SignedAxis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+SplatEncoding = Literal["log-logit", "plain-plain", "log-plain", "plain-logit"]  # of scales, of opacities
 Axis = Literal[0, 1, 2]
 Path = Annotated[str, Field(max_length=4096)]
 

@@ -15,6 +15,7 @@ from physagent_jax.scene.config.common import (
     RotationAxes,
     Rotations,
     SignedAxis,
+    SplatEncoding,
 )
 
 MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".stl", ".off")
@@ -26,7 +27,7 @@ class Source(Strict):
     """The object's file and how it is brought into the domain.
 
     Attributes:
-        path: 3DGS PLY or mesh (.obj, .ply with faces, .glb, .stl), absolute or relative to the scene file.
+        path: 3D Gaussians (`gaussians.formats`) or a mesh, absolute or relative to the scene file.
         sha256: Hash of the file; checked on replay if present.
         name: What the object is called; from the file name if empty.
         kind: Class with a physical prior ("plant", "food", "robot", ...); see `scene.priors`.
@@ -34,6 +35,8 @@ class Source(Strict):
         tilt: Rotation after that about the world's x and y axes together, a rotation vector [degrees], with which the
             object stands level (`scene.level`).
         opacity_threshold: Gaussians with a lower opacity are dropped.
+        splat_encoding: How the file stores scales and opacities (`gaussians.formats.encoding`); None = found from
+            its content.
         crop: Keep only (xmin, xmax, ymin, ymax, zmin, zmax) in file units, before anything else but
             ``rotation_degrees``.
         rotation_degrees, rotation_axes: Extra rotations about file axes (0, 1, 2), applied in order
@@ -50,6 +53,7 @@ class Source(Strict):
     up: SignedAxis = "+z"
     tilt: tuple[Degrees, Degrees] = (0.0, 0.0)
     opacity_threshold: float = Field(default=0.02, ge=0, lt=1)
+    splat_encoding: SplatEncoding | None = None
     crop: tuple[Number, Number, Number, Number, Number, Number] | None = None
     rotation_degrees: Rotations = ()
     rotation_axes: RotationAxes = ()
