@@ -13,7 +13,7 @@ from physagent_jax.core.reading import check_regular, open_regular, shorten
 from physagent_jax.gaussians.formats import (
     FORMATS,
     LoadedSplats,
-    describe_formats,
+    explain_unknown,
     find_format,
     read_head,
     read_splats,
@@ -123,20 +123,9 @@ def _holds_splats(path: Path) -> bool:
     if suffix == ".ply":
         read_ply_header(path)  # refuses what is none; one with faces is a mesh
         return False
-    known = next((each.name for each in FORMATS if suffix in each.suffixes), None)
-    if known is not None:
-        raise UserError(
-            f"{shown} is no readable file of the format {known}",
-            got="another beginning",
-            do="Copy or export the file again",
-        )
-    if suffix in _UNREAD_SPLATS:
+    if suffix in _UNREAD_SPLATS and not any(suffix in each.suffixes for each in FORMATS):
         raise UserError(
             f"{shown}: the format {_UNREAD_SPLATS[suffix]} is not supported",
             do="Convert it to a 3DGS .ply, e.g. with `npx @playcanvas/splat-transform`",
         )
-    raise UserError(
-        f"{shown} is of an unknown kind",
-        got=suffix or "no suffix",
-        do=f"Give Gaussians: {describe_formats()}; or a mesh: .ply, {', '.join(MESH_SUFFIXES)}",
-    )
+    raise explain_unknown(path, (".ply", *MESH_SUFFIXES))

@@ -5,9 +5,16 @@ import pytest
 import trimesh
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.gaussians import read_ply, write_ply
-from physagent_jax.scene.config import Source
-from physagent_jax.scene.load import hash_file, load_object
+from physagent_jax.gaussians import formats, read_ply, read_splats, write_ply
+from physagent_jax.gaussians.formats import FORMATS, SplatData
+from physagent_jax.output.splats import write_splat_frames
+from physagent_jax.run.resolve import resolve
+from physagent_jax.run.spec import ObjectChoice, RunSpec
+from physagent_jax.scene.body import make_body
+from physagent_jax.scene.config import Domain, Filling, Source
+from physagent_jax.scene.config.source import MESH_SUFFIXES
+from physagent_jax.scene.load import find_prescribed_up, hash_file, load_object
+from physagent_jax.scene.placement import place
 from tests.scene.clouds import cloud_of
 
 
@@ -78,3 +85,113 @@ def test_unknown_missing_and_pointless_files_are_refused(tmp_path):
 def test_a_compressed_ply_says_what_to_convert_to(shared_data):
     with pytest.raises(UserError, match="compressed PLY"):
         load_object(Source(path="guitar.compressed.ply"), shared_data)
+
+
+def test_an_unknown_kind_is_answered_with_all_that_are_known(tmp_path):
+    (tmp_path / "a.txt").write_text("hello")
+    with pytest.raises(UserError) as error:
+        load_object(Source(path="a.txt"), tmp_path)
+    assert all(f"{each.name} (" in str(error.value) for each in FORMATS if each.suffixes)
+    assert all(suffix in str(error.value) for suffix in MESH_SUFFIXES)
+
+
+def test_an_encoding_means_nothing_for_a_mesh(tmp_path):
+    trimesh.creation.icosphere(subdivisions=1).export(tmp_path / "ball.obj")
+    with pytest.raises(UserError, match="`splat_encoding` means nothing for the mesh .*ball.obj"):
+        load_object(Source(path="ball.obj", splat_encoding="log-logit"), tmp_path)
+
+
+def test_the_source_says_how_the_file_is_encoded(tmp_path):
+    """Alike opacities: 0.9 is open, and the scene file settles it."""
+    cloud = cloud_of(np.random.default_rng(0).uniform(size=(50, 3)), opacity=0.7109495)
+    write_ply(tmp_path / "a.ply", cloud)  # logit(0.7109495) = 0.9
+    data = (tmp_path / "a.ply").read_bytes()
+    (tmp_path / "a.ply").write_bytes(data.replace(b"comment splat-encoding log-logit\n", b""))
+    with pytest.raises(UserError, match="ambiguous"):
+        load_object(Source(path="a.ply"), tmp_path)
+    for encoding, opacity in (("log-logit", 0.7109495), ("log-plain", 0.9)):
+        loaded = load_object(Source(path="a.ply", splat_encoding=encoding), tmp_path)
+        np.testing.assert_allclose(loaded.cloud.opacities, opacity, rtol=1e-5)
+
+
+def test_what_a_reader_notes_is_warned_of(tmp_path):
+    means = np.random.default_rng(0).uniform(size=(500, 3)) + [5e5, 5.4e6, 0]
+    write_ply(tmp_path / "a.ply", cloud_of(means))
+    with pytest.warns(UserWarning, match="coarse lattice"):
+        load_object(Source(path="a.ply"), tmp_path)
+
+
+FAR = np.array([500_000.0, 5_400_000.0, 300.0])
+
+
+@pytest.fixture
+def far(tmp_path):
+    """Gaussians in a box of 2 by 1 by 1 far away, as doubles; their positions relative to `FAR`."""
+    offsets = np.random.default_rng(3).uniform(0, 1, (400, 3)) * [2, 1, 1]
+    write_ply(tmp_path / "far.ply", cloud_of(offsets, opacity=0.8), origin=FAR)
+    return tmp_path, np.float32(offsets)
+
+
+def test_a_crop_is_in_the_units_of_the_file_wherever_that_lies(far):
+    folder, offsets = far
+    low, high = FAR + [0.5, 0, 0], FAR + [1.5, 1, 0.5]
+    source = Source(path="far.ply", crop=tuple(np.stack([low, high], 1).ravel().tolist()))
+    loaded = load_object(source, folder)
+    cloud, placement = place(loaded.cloud, source, Domain(size=2.0), loaded.origin)
+    inside = ((offsets > [0.5, 0, 0]) & (offsets < [1.5, 1, 0.5])).all(1)
+    assert cloud.count == inside.sum()
+    np.testing.assert_allclose(placement.to_source(cloud.means) - FAR, offsets[inside], atol=1e-6)
+    np.testing.assert_allclose(placement.to_world(FAR + offsets[inside]), cloud.means, atol=1e-6)
+
+
+def test_a_turned_crop_is_in_the_turned_frame(far):
+    """A quarter turn about z brings (x, y) to (-y, x)."""
+    folder, offsets = far
+    low, high = [-FAR[1] - 0.5, FAR[0], 0], [-FAR[1], FAR[0] + 1, 1000]
+    source = Source(
+        path="far.ply",
+        crop=tuple(np.stack([low, high], 1).ravel().tolist()),
+        rotation_degrees=(90.0,),
+        rotation_axes=(2,),
+    )
+    loaded = load_object(source, folder)
+    cloud, _ = place(loaded.cloud, source, Domain(size=2.0), loaded.origin)
+    assert cloud.count == ((offsets[:, 1] < 0.5) & (offsets[:, 0] < 1)).sum()
+
+
+def test_written_frames_lie_where_the_file_does(far):
+    folder, offsets = far
+    source = Source(path="far.ply", extent=1.0, up="-y")
+    body = make_body(source, Filling(cells=8, max_particles=300), Domain(size=2.0, cells=16), folder)
+    at_rest = np.broadcast_to(np.eye(3), (1, len(body.particles.x), 3, 3))
+    (path,) = write_splat_frames(folder / "splats", body, body.particles.x[None], at_rest)
+    written = read_splats(path)
+    found = np.asarray(written.cloud.means, np.float64) + written.origin - FAR
+    np.testing.assert_allclose(found, offsets, atol=2e-6)
+
+
+def test_a_prescribed_up_axis_is_found(tmp_path, monkeypatch, robot_path):
+    assert find_prescribed_up(robot_path) is None
+    trimesh.creation.icosphere(subdivisions=1).export(tmp_path / "ball.glb")
+    assert find_prescribed_up(tmp_path / "ball.glb") == "+y"
+
+    class UpFormat:
+        name, suffixes = "a format that prescribes up", (".up",)
+
+        def matches(self, head):
+            return head.startswith(b"up")
+
+        def read(self, path, encoding):
+            values = np.random.default_rng(0).uniform(0.1, 0.9, (20, 3))
+            quats = np.tile([1.0, 0, 0, 0], (20, 1))
+            return SplatData(values, quats, values, values[:, 0], values[:, None], "plain", up="-x")
+
+    monkeypatch.setattr(formats, "FORMATS", (UpFormat(), *FORMATS))
+    (tmp_path / "a.up").write_bytes(b"up")
+    assert find_prescribed_up(tmp_path / "a.up") == "-x"
+    with pytest.warns(
+        UserWarning, match="changes nothing, because a format that prescribes up has one encoding"
+    ):
+        load_object(Source(path="a.up", splat_encoding="log-logit"), tmp_path)
+    run = resolve(RunSpec(object=ObjectChoice(path="a.up"), prompt="it falls"), tmp_path)
+    assert run.template.source.up == "-x" and not any("up axis" in text for text in run.warnings)

@@ -36,6 +36,7 @@ __all__ = [
     "SignedAxis",
     "SplatData",
     "describe_formats",
+    "explain_unknown",
     "find_format",
     "read_head",
     "read_ply",
@@ -72,6 +73,29 @@ def describe_formats() -> str:
     return ", ".join(f"{each.name} ({', '.join(each.suffixes)})" for each in FORMATS if each.suffixes)
 
 
+def explain_unknown(path: str | os.PathLike[str], meshes: tuple[str, ...] = ()) -> UserError:
+    """The error for a file that is of none of the formats.
+
+    Args:
+        path: The file.
+        meshes: Suffixes of meshes, where a mesh would do as well.
+    """
+    suffix, shown = Path(path).suffix.lower(), shorten(path)
+    named = [each.name for each in FORMATS if suffix in each.suffixes]
+    if named:
+        return UserError(
+            f"{shown} is no readable file of the format that its name says",
+            got=f"{suffix} with a content that is not {' or '.join(named)}",
+            do="Copy or export the file again",
+        )
+    beside = f", or a mesh: {', '.join(meshes)}" if meshes else ""
+    return UserError(
+        f"{shown} is of an unknown kind",
+        got=suffix or "no suffix",
+        do=f"Give 3D Gaussians: {describe_formats()}{beside}",
+    )
+
+
 def read_splats(
     path: str | os.PathLike[str], *, opacity_threshold: float = 0.0, encoding: str | None = None
 ) -> LoadedSplats:
@@ -91,11 +115,7 @@ def read_splats(
     check_threshold(opacity_threshold)
     found = find_format(read_head(path), path)
     if found is None:
-        raise UserError(
-            f"{shorten(path)} is of an unknown kind",
-            got=Path(path).suffix or "no suffix",
-            do=f"Give one of {describe_formats()}",
-        )
+        raise explain_unknown(path)
     data = found.read(Path(path), encoding)
     if encoding is not None and not isinstance(found, GaussianPly):
         note = f"{shorten(path)}: `--splat-encoding` changes nothing, because {found.name} has one encoding"

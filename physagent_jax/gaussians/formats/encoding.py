@@ -30,7 +30,7 @@ STANDARD = ENCODINGS[0]
 COMMENT = "splat-encoding"
 """The key of a PLY comment that states the encoding: "splat-encoding log-logit"."""
 
-_LEAST_SIZE, _MOST_SIZE = 1 / 32, 16.0  # median standard deviation over the spacing of neighbours
+_LEAST_SIZE, _MOST_SIZE = 0.1, 10.0  # median standard deviation over the spacing of neighbours
 _SPREAD = 0.5
 _FEWEST_SPREAD = 50  # opacities from which their spread says something
 _FEWEST_SPACED = 4  # Gaussians from which their spacing says something

@@ -43,6 +43,7 @@ CLASSES = {
     each.name: each
     for each in (
         FuzzClass("gaussian_files", 480),
+        FuzzClass("splat_layouts", 240),
         FuzzClass("meshes", 320),
         FuzzClass("motion_files", 200),
         FuzzClass("masks", 160),
