@@ -162,7 +162,8 @@ def test_other_commands_point_to_it():
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("NUMBA_NUM_THREADS", "0"), ("XLA_FLAGS", "--no_such_flag"), ("PHYSAGENT_COMPILE_CACHE", "a\tb")]
+    ("name", "value"),
+    [("NUMBA_NUM_THREADS", "0"), ("XLA_FLAGS", "--no_such_flag"), ("PHYSAGENT_COMPILE_CACHE", "a\tb")],
 )  # fmt: skip
 def test_an_environment_that_a_run_refuses(name, value, monkeypatch, capsys):
     """It is reported, and the variable is listed."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,7 +12,7 @@ import tyro
 from physagent_jax.scene.config import SignedAxis, SplatEncoding
 
 if TYPE_CHECKING:
-    from physagent_jax.run.inspection import Inspection
+    from physagent_jax.run.inspection import Inspection, PlannedRun
 
 
 @dataclasses.dataclass(frozen=True)
@@ -44,7 +45,11 @@ class Inspect:
         from physagent_jax.cli.options import report_as_options
         from physagent_jax.run.inspection import inspect_object
 
-        out = Path(f"{self.file.name.removesuffix(self.file.suffix)}.preview.png") if self.out is None else self.out
+        out = (
+            Path(f"{self.file.name.removesuffix(self.file.suffix)}.preview.png")
+            if self.out is None
+            else self.out
+        )
         with report_as_options():
             found = inspect_object(
                 self.file,
@@ -73,17 +78,20 @@ def describe_inspection(found: Inspection) -> list[str]:
         ("format", found.format + encoding),
         ("holds", f"{found.count:,} {found.content}, {kept}"),
         ("size", f"{_format_point(found.extent, ' x ')} along x, y, z in the file's units"),
-        ("from, to", f"({_format_point(found.low)}), ({_format_point(found.high)})"),
+        ("from, to", f"({_format_place(found, found.low)}), ({_format_place(found, found.high)})"),
     ]
     if found.origin is not None:
-        rows.append(("origin", f"({_format_point(found.origin)}) was taken off, to keep the positions' digits"))
+        rows.append(
+            ("origin", f"({_format_place(found, found.origin)}) was taken off, to keep the positions' digits")
+        )
     known = found.up.axis if found.up.known else "not known"
     rows.append(("up", f"{known}: {found.up.reason}"))
     rows.append(("kind", f"{found.kind.kind if found.kind.known else 'not known'}: {found.kind.reason}"))
     rows += [("loose", f"{_describe_pieces(found)}")] if found.run else []
     rows += [("warning", name_options(each)) for each in found.degenerate]
     rows += [("note", name_options(each)) for each in found.notes]
-    rows.append(("run", _describe_run(found)))
+    rows += [("run", _describe_run(found.run))] if found.run else []
+    rows += [("refused", name_options(found.refusal))] if found.refusal else []
     if found.preview is not None:
         rows.append(("picture", found.preview))
     if found.refusal is None:
@@ -99,11 +107,7 @@ def _describe_pieces(found: Inspection) -> str:
     return f"{len(found.pieces)} piece(s): {', '.join(words)}{more}"
 
 
-def _describe_run(found: Inspection) -> str:
-    if found.run is None:
-        return f"refused: {found.refusal}"
-
-    run = found.run
+def _describe_run(run: PlannedRun) -> str:
     return (
         f"preset {run.preset}: {run.particles:,} particles, {run.object_cells:.0f} cells along the object "
         f"({run.cells} along the domain), {run.frames} frames, at least {run.substeps:,} substeps and "
@@ -112,7 +116,13 @@ def _describe_run(found: Inspection) -> str:
 
 
 def _format_point(point: tuple[float, ...], between: str = ", ") -> str:
-    return between.join(f"{each:.5g}" for each in point)
+    return between.join(f"{each:.4g}" for each in point)
+
+
+def _format_place(found: Inspection, place: tuple[float, ...]) -> str:
+    """A point with the digits that tell a thousandth of the object's size."""
+    digits = max(0, 3 - math.floor(math.log10(max(*found.extent, 1e-12))))
+    return ", ".join(f"{each:.{digits}f}" for each in place)
 
 
 def _format_time(seconds: float) -> str:

@@ -22,7 +22,7 @@ from physagent_jax.run.spec import ObjectChoice, RunSpec
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.card import ObjectCard, load_card
 from physagent_jax.scene.config import SignedAxis, Source
-from physagent_jax.scene.cost import estimate_cost
+from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
 from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.load import load_object
 from physagent_jax.scene.mesh_files import read_mesh
@@ -32,8 +32,8 @@ from physagent_jax.scene.priors import PRIORS, UNKNOWN, find_kind, guess_kind
 from physagent_jax.scene.up_axis import guess_up
 
 USUAL_UP: dict[str, tuple[SignedAxis, str]] = {
-    "splats": ("-y", "captures trained from COLMAP cameras are y-down, as most are"),
-    ".obj": ("+y", "most programs write OBJ y-up"),
+    "splats": ("-y", "the axis of most captures (trained from COLMAP cameras, which are y-down)"),
+    ".obj": ("+y", "the axis of most OBJ files"),
 }
 """Up axes to try where nothing states one, with the reasons; "+z" for all else, as a run assumes."""
 SENTENCE = "push it to the left"
@@ -118,13 +118,14 @@ class Inspection(Strict):
         kept: Number of those that a run uses.
         low: Low corner of the bounding box of what is kept [file units].
         high: High corner [file units].
+        extent: Sides of the bounding box [file units].
         origin: Point that was taken off the positions before they were rounded to float32 [file units]; None = none.
         up: The up axis.
         kind: The class of the object.
         pieces: Loose pieces, the nearest first.
         degenerate: Gaussians that are out of the ordinary, in words.
         notes: What a user should know before a run.
-        run: The run that `command` begins; None = it would be refused.
+        run: The run that `command` begins; None = it cannot be planned.
         refusal: The reason why a run would be refused; None = it would not.
         command: The command line to begin with.
         preview: The picture that was written; None = none was.
@@ -138,6 +139,7 @@ class Inspection(Strict):
     kept: int
     low: Vector
     high: Vector
+    extent: Vector
     origin: Vector | None = None
     up: UpAxis
     kind: Kind
@@ -148,12 +150,6 @@ class Inspection(Strict):
     refusal: str | None = None
     command: str = ""
     preview: str | None = None
-
-    @property
-    def extent(self) -> Vector:
-        """Sides of the bounding box [file units]."""
-        x, y, z = (high - low for low, high in zip(self.low, self.high))
-        return x, y, z
 
 
 def inspect_object(
@@ -183,12 +179,14 @@ def inspect_object(
     path = Path(path)
     if preview is not None:
         check_preview(Path(preview), overwrite=overwrite)
-    choice = _make_choice(path=str(path), splat_encoding=splat_encoding, opacity_threshold=opacity_threshold)
+    spec = _make_spec(path=str(path), splat_encoding=splat_encoding, opacity_threshold=opacity_threshold)
     card, found = load_card(path), _choose_kind(kind, load_card(path), path)
-    loaded = load_object(Source(**choice.model_dump(exclude={"up", "kind", "extent"})), ".")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # they are among the notes
+        loaded = load_object(Source(**spec.object.model_dump(exclude={"up", "kind", "extent"})), ".")
     points = np.asarray(loaded.cloud.means, np.float64)
     chosen = _choose_up(up, card, loaded, points, path)
-    choice = choice.model_copy(update=dict(up=chosen.axis, kind=found.kind))
+    choice = spec.object.model_copy(update=dict(up=chosen.axis, kind=found.kind))
     inspection = Inspection(
         path=str(path),
         **_describe_content(path, loaded),
@@ -196,22 +194,23 @@ def inspect_object(
         kind=found,
         command=_make_command(choice, found),
     )
-    run = resolve(RunSpec(object=choice, prompt=SENTENCE))
+    run = resolve(spec.model_copy(update=dict(object=choice)))
     inspection = inspection.model_copy(update=_plan(run, inspection.notes))
     if preview is not None:
         source, domain = run.template.source, run.template.preset.domain
         cloud, placement = place(loaded.cloud, source, domain, loaded.origin)
-        picture = draw_preview(cloud, placement, run.template.camera, domain, chosen.axis)
+        label = f"up = {chosen.axis}{'' if chosen.known else ' ?'}"
+        picture = draw_preview(cloud, placement, run.template.camera, domain, label)
         write_preview(Path(preview), picture, overwrite=overwrite)
         inspection = inspection.model_copy(update=dict(preview=str(preview)))
     return inspection
 
 
-def _make_choice(**options: object) -> ObjectChoice:
+def _make_spec(**options: object) -> RunSpec:
     try:
-        return ObjectChoice.model_validate(options)
+        return RunSpec.model_validate(dict(object=options, prompt=SENTENCE))
     except ValidationError as error:
-        raise format_validation_error(error, "arguments", ObjectChoice) from None
+        raise format_validation_error(error, "arguments", RunSpec) from None
 
 
 def _describe_content(path: Path, loaded: LoadedSplats) -> dict[str, Any]:
@@ -227,7 +226,10 @@ def _describe_content(path: Path, loaded: LoadedSplats) -> dict[str, Any]:
         low, high, count = points.min(0), points.max(0), loaded.count_in_file
         facts |= dict(content="Gaussians", kept=loaded.cloud.count)
         facts |= dict(origin=tuple(loaded.origin.tolist()) if loaded.origin.any() else None)
-    return {**facts, "count": count, "low": tuple(low.tolist()), "high": tuple(high.tolist())}
+    corners = {
+        name: tuple(each.tolist()) for name, each in dict(low=low, high=high, extent=high - low).items()
+    }
+    return {**facts, **corners, "count": count}
 
 
 def _choose_up(
@@ -248,8 +250,10 @@ def _choose_up(
     if seen.axis is not None:
         return UpAxis(axis=seen.axis, known=True, source="shape", reason=seen.reason)
     splats = find_format(read_head(path), path) is not None
-    axis, usual = USUAL_UP.get("splats" if splats else path.suffix.lower(), ("+z", "a run assumes it"))
-    return UpAxis(axis=axis, known=False, source="usual", reason=f"{seen.reason}; {axis} is tried, as {usual}")
+    axis, usual = USUAL_UP.get(
+        "splats" if splats else path.suffix.lower(), ("+z", "the axis that a run assumes")
+    )
+    return UpAxis(axis=axis, known=False, source="usual", reason=f"{seen.reason}; {axis} is tried, {usual}")
 
 
 def _choose_kind(given: str | None, card: ObjectCard, path: Path) -> Kind:
@@ -263,7 +267,9 @@ def _choose_kind(given: str | None, card: ObjectCard, path: Path) -> Kind:
     if kind != UNKNOWN:
         return Kind(kind=kind, known=True, reason=f"by the name {shorten(name)!r}")
     kinds = ", ".join(each for each in PRIORS if each != UNKNOWN)
-    return Kind(kind=kind, known=False, reason=f"the name {shorten(name)!r} tells none; choose one of {kinds}")
+    return Kind(
+        kind=kind, known=False, reason=f"the name {shorten(name)!r} tells none; choose one of {kinds}"
+    )
 
 
 def _plan(run: ResolvedRun, told: tuple[str, ...]) -> dict[str, Any]:
@@ -275,9 +281,13 @@ def _plan(run: ResolvedRun, told: tuple[str, ...]) -> dict[str, Any]:
             body = make_body(template.source, preset.filling, preset.domain, run.base_dir)
             template, changed = run.place(body)
             config = fuse(template, body, ForceField())
-            cost = estimate_cost(config, body, run.spec.save.video_size)
         except UserError as error:
             return dict(refusal=str(error), notes=_collect(told, run.warnings, caught))
+    cost, refusal = estimate_cost(config, body, run.spec.save.video_size), None
+    try:
+        check_cost(cost, Limits())
+    except UserError as error:
+        refusal = str(error)
     pieces = tuple(Piece(share=each.share, distance=each.distance) for each in body.loose)
     planned = PlannedRun(
         preset=run.spec.preset.value,
@@ -292,7 +302,7 @@ def _plan(run: ResolvedRun, told: tuple[str, ...]) -> dict[str, Any]:
     degenerate = diagnose_cloud(body.cloud)
     notes = _collect(told, (*run.warnings, *changed), caught)
     notes = tuple(each for each in notes if each not in (*degenerate, explain_loose(body.loose)))
-    return dict(run=planned, pieces=pieces, degenerate=degenerate, notes=notes)
+    return dict(run=planned, refusal=refusal, pieces=pieces, degenerate=degenerate, notes=notes)
 
 
 def _collect(told: tuple[str, ...], more: tuple[str, ...], caught: list) -> tuple[str, ...]:

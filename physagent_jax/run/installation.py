@@ -1,7 +1,7 @@
 """The packages that this one requires, by its own metadata, held against what is installed.
 
-Imports nothing but the standard library: it must answer where packages are missing or broken. The metadata's requirements
-are written as PEP 508 has them; of that this reads names, extras, numeric versions and the marker ``extra``.
+Imports nothing but the standard library: it must answer where packages are missing or broken. The metadata writes
+requirements as PEP 508 has them; of that this reads names, extras, numeric versions and the marker ``extra``.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ from physagent_jax.render.camera import Camera
 from physagent_jax.render.stage import Stage, compose, make_backdrop
 from physagent_jax.scene.camera import frame_camera, make_reference_camera
 from physagent_jax.scene.compile.buckets import pad_cloud
-from physagent_jax.scene.config import CameraConfig, Domain, Rendering, SignedAxis
+from physagent_jax.scene.config import CameraConfig, Domain, Rendering
 from physagent_jax.scene.placement import Placement
 
 SIDES = (("front", 0.0), ("right", 90.0), ("back", 180.0), ("left", -90.0))
@@ -29,6 +29,7 @@ SIDES = (("front", 0.0), ("right", 90.0), ("back", 180.0), ("left", -90.0))
 WIDTH, HEIGHT = 480, 360  # of a view [px]
 TRIMMED = 2e-3  # share of the Gaussians on each side that need not be in the picture
 MOST_POINTS = 20_000  # that are framed
+REACH = 2.0  # standard deviations to which a Gaussian is seen
 INK, AXIS_COLOURS = (40, 40, 45), ((205, 40, 40), (30, 130, 50), (40, 70, 210))  # RGB; of x, y and z
 PALE = (245, 245, 245)
 ARROW, AXIS = 60, 34  # lengths of the arrow of up and of the file's axes [px]
@@ -37,7 +38,7 @@ MARK = b"Software\0physagent inspect"
 
 
 def draw_preview(
-    cloud: GaussianCloud, placement: Placement, camera: CameraConfig, domain: Domain, up: SignedAxis
+    cloud: GaussianCloud, placement: Placement, camera: CameraConfig, domain: Domain, up: str
 ) -> np.ndarray:
     """Draws an object on the ground from its front, right, back and left.
 
@@ -46,7 +47,7 @@ def draw_preview(
         placement: From the file's frame to the world.
         camera: The direction from which the front is seen; where it stands follows from the object.
         domain: What the object is placed in.
-        up: The file's axis that points up, for the label.
+        up: The label of the arrow that points up.
 
     Returns:
         The picture, uint8, shape (2 `HEIGHT`, 2 `WIDTH`, 3).
@@ -54,18 +55,18 @@ def draw_preview(
     Raises:
         UserError: A view does not fit into memory.
     """
-    points = np.asarray(cloud.means, np.float64)
-    points = points[:: -(-len(points) // MOST_POINTS)]
-    low, high = np.quantile(points, [TRIMMED, 1 - TRIMMED], axis=0)
-    points = np.clip(points, low, high)
+    points, low, high = _choose_points(cloud)
     stage = Stage(float(low[2]), max(float((high - low).max()), 1e-6))
-    splats = _make_splats(cloud, placement.rotation)
+    splats, rendering = _make_splats(cloud, placement.rotation), Rendering(width=WIDTH, height=HEIGHT)
+    azimuths = {name: 180 - (180 - camera.azimuth_degrees - turn) % 360 for name, turn in SIDES}
+    placed = [
+        frame_camera(points, camera.model_copy(update=dict(azimuth_degrees=each, target=None)), rendering)
+        for each in azimuths.values()
+    ]
+    distance = max(each.distance for each in placed)  # the same for all, so that sizes can be compared
     views = []
-    for name, turn in SIDES:
-        azimuth = 180 - (180 - camera.azimuth_degrees - turn) % 360
-        rendering = Rendering(width=WIDTH, height=HEIGHT)
-        placed = camera.model_copy(update=dict(azimuth_degrees=azimuth, target=None))
-        seen = make_reference_camera(frame_camera(points, placed, rendering), rendering, domain)
+    for (name, azimuth), each in zip(azimuths.items(), placed):
+        seen = make_reference_camera(each.model_copy(update=dict(distance=distance)), rendering, domain)
         image = render(splats, seen, background=(0.0, 0.0, 0.0))
         picture = compose(image, splats, make_backdrop(stage, seen))
         _write(picture, f"{name} (--azimuth {azimuth:g})", (12, 24))
@@ -115,6 +116,18 @@ def is_preview(path: Path) -> bool:
         return False
 
 
+def _choose_points(cloud: GaussianCloud) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points that are framed, shape (m, 3), and the corners of their bounding box, shapes (3,) [m].
+
+    They lie as far outside of the centres as most Gaussians reach.
+    """
+    points = np.asarray(cloud.means, np.float64)
+    low, high = np.quantile(points, [TRIMMED, 1 - TRIMMED], axis=0)
+    points = np.clip(points[:: -(-len(points) // MOST_POINTS)], low, high)
+    reach = REACH * float(np.median(np.asarray(cloud.scales, np.float64).max(axis=1)))
+    return points + reach * np.sign(points - 0.5 * (low + high)), low, high
+
+
 def _make_splats(cloud: GaussianCloud, rotation: np.ndarray) -> Splats:
     """The Gaussians at rest, filled up so that objects of about the same size are drawn by the same program."""
     filled = pad_cloud(cloud.of_least_degree())
@@ -127,17 +140,17 @@ def _make_splats(cloud: GaussianCloud, rotation: np.ndarray) -> Splats:
     )
 
 
-def _draw_up(picture: np.ndarray, up: SignedAxis) -> None:
-    """Draws an upward arrow into the upper right corner, and the file's axis that it stands for."""
+def _draw_up(picture: np.ndarray, up: str) -> None:
+    """Draws an upward arrow into the upper right corner, with its label to the left."""
     x = WIDTH - 28
     cv2.arrowedLine(picture, (x, 14 + ARROW), (x, 14), INK, 2, cv2.LINE_AA, tipLength=0.22)
-    _write(picture, f"up = {up}", (WIDTH - 92, 28))
+    _write(picture, up, (x - 12 - 9 * len(up), 28))
 
 
 def _draw_axes(picture: np.ndarray, camera: Camera, rotation: np.ndarray) -> None:
     """Draws the file's axes as seen from the camera into the lower left corner, the farthest first."""
     axes = np.asarray(camera.viewmat, np.float64)[:3, :3] @ rotation  # columns: the file's x, y, z
-    origin = np.array([50, HEIGHT - 50])
+    origin = np.array([54, HEIGHT - 60])
     for index in np.argsort(-axes[2]):
         tip = origin + AXIS * axes[:2, index]
         end = tuple(int(each) for each in np.round(tip))
@@ -152,7 +165,9 @@ def _write(picture: np.ndarray, text: str, at: tuple[int, int], colour: tuple[in
     """Writes ASCII text with its lower left corner ``at`` (x, y) [px], with a pale rim that sets it off."""
     rim = [(dx, dy, PALE) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if dx or dy]
     for dx, dy, ink in [*rim, (0, 0, colour)]:
-        cv2.putText(picture, text, (at[0] + dx, at[1] + dy), cv2.FONT_HERSHEY_SIMPLEX, 0.5, ink, 1, cv2.LINE_AA)
+        cv2.putText(
+            picture, text, (at[0] + dx, at[1] + dy), cv2.FONT_HERSHEY_SIMPLEX, 0.5, ink, 1, cv2.LINE_AA
+        )
 
 
 def _add_mark(png: bytes) -> bytes:

@@ -1,7 +1,7 @@
 """The up axis of an object that nobody has stated, guessed from its shape where the shape tells it.
 
-What was captured or modelled upright stands on something flat. A side is a base if the object would stand on it, firmly,
-and if it is flat: its outline hardly grows from the lowest points upwards, as that of rounded sides does. A ground
+What was captured or modelled upright stands on something flat. A side is a base if the object would stand on it
+firmly, and if it is flat: its outline hardly grows from the lowest points upwards, as that of rounded sides does. Ground
 that was captured with the object is a base as well. The guess is made only if one of the six sides is a base by far: a
 table stands as firmly on its top, and a floating object on nothing.
 """
@@ -115,11 +115,14 @@ def measure_sides(points: np.ndarray) -> list[Side]:
 
 
 def _find_centre(points: np.ndarray) -> Vector:
-    """The mean of the cells that hold points, shape (3,): some parts of a surface may be sampled more densely."""
+    """The mean of the cells' means, shape (3,): some parts of a surface may be sampled more densely than others."""
     cells = int(np.clip(np.sqrt(len(points)) / 4, FEWEST_CELLS, MOST_CELLS))
-    index, counts = np.unique(np.floor(points * cells).astype(np.int64), axis=0, return_counts=True)
+    _, mine, counts = np.unique(
+        np.floor(points * cells).astype(np.int64), axis=0, return_inverse=True, return_counts=True
+    )
     whole = (counts >= FEWEST_IN_CELL) | (counts.mean() < FEWEST_IN_CELL)
-    x, y, z = (index[whole].mean(0) + 0.5) / cells
+    means = [np.bincount(mine.reshape(-1), column) / counts for column in points.T]
+    x, y, z = (float(each[whole].mean()) for each in means)
     return x, y, z
 
 
