@@ -13,13 +13,13 @@ from tests.run.specs import small
 def test_options_say_what_a_spec_says(tmp_path, robot_path):
     command = Run(
         out=tmp_path, object=robot_path, prompt="drop it", frames=12, particles=900, resolution=64, seed=7,
-        anchor="box", anchor_box=(2, 2, 2, 1, 1, 0.5), soften=3.0, save_splats=True, max_iterations=2,
+        anchor="box", anchor_box=(2, 2, 2, 1, 1, 0.5), soften=3.0, save_splats="spz", max_iterations=2,
         video_size="160x90", follow=True,
     )  # fmt: skip
     spec = small(
         robot_path, "drop it", frames=12, particles=900, resolution=64, seed=7, rounds=2,
         anchor=dict(kind="box", point=(2, 2, 2), half_size=(1, 1, 0.5)),
-        material=dict(soften=3.0), save=dict(splats=True, video_size=(160, 90)), camera=dict(follow=True),
+        material=dict(soften=3.0), save=dict(splats="spz", video_size=(160, 90)), camera=dict(follow=True),
     )  # fmt: skip
     assert to_spec(vars(command)) == spec
 

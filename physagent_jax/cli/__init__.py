@@ -11,6 +11,9 @@ from typing import Any
 from physagent_jax.cli.stopping import Stopped, allow_stopping
 from physagent_jax.core.errors import UserError
 
+_SPLATS = ("--save-splats", "--save_splats")
+_SPLAT_FORMATS = ("ply", "spz", "glb")
+
 
 def main(arguments: list[str] | None = None) -> int:
     """Runs a command; returns the exit code: 0, or 2 for input that a person can mend.
@@ -89,14 +92,18 @@ def _examine(arguments: list[str]) -> int:
 
 
 def join_options(arguments: list[str]) -> list[str]:
-    """Glues ``--up -y`` to ``--up=-y``: a parser would take the axis for another option."""
+    """Glues options to their values where a parser would be mistaken.
+
+    ``--up -y`` becomes ``--up=-y``, because the axis looks like another option; ``--save-splats`` becomes
+    ``--save-splats=ply`` unless a format follows.
+    """
     glued: list[str] = []
     for argument in arguments:
-        if glued and glued[-1] == "--up":
-            glued[-1] = f"--up={argument}"
+        if glued and (glued[-1] == "--up" or (glued[-1] in _SPLATS and argument in _SPLAT_FORMATS)):
+            glued[-1] = f"{glued[-1]}={argument}"
         else:
             glued.append(argument)
-    return glued
+    return [f"{argument}=ply" if argument in _SPLATS else argument for argument in glued]
 
 
 def _is_computing(arguments: list[str]) -> bool:

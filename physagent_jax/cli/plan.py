@@ -83,7 +83,7 @@ class Plan:
         if self.json_line:
             print(json.dumps({"object": body.reading, **to_json(reply, after)}))
         else:
-            print("\n".join([f"object: {body.reading}", *describe_plan(reply, after)]))
+            print("\n".join(describe_plan(reply, after, body.reading)))
         return 0
 
 
@@ -106,8 +106,8 @@ def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:
     }
 
 
-def describe_plan(reply: SemanticReply, brief: SceneBrief) -> list[str]:
-    """The plan in lines of text."""
+def describe_plan(reply: SemanticReply, brief: SceneBrief, reading: str = "") -> list[str]:
+    """The plan in lines of text; ``reading`` says how the object's file was read."""
     from physagent_jax.forces.schema import VelocityConstraint
     from physagent_jax.report.expectations import describe_motion, list_details
     from physagent_jax.report.force_cards import describe_effect
@@ -128,6 +128,8 @@ def describe_plan(reply: SemanticReply, brief: SceneBrief) -> list[str]:
             f"{describe_effect(item, table)}: magnitude {abs(item.magnitude):.3g}, {when}{where}{then}"
         )
     lines += [f"  {each}" for each in done or ["nothing"]]
+    if reading:
+        lines.append(f"object: {reading}")
     lines.append(f"surroundings: {_describe_world(reply, brief)}")
     lines.append(f"held: {brief.anchored or 'nowhere'}")
     lines.append(f"clip: {brief.frame_count} frames, {(brief.frame_count - 1) * frame_dt:.3g} s")

@@ -102,8 +102,8 @@ class Run:
     """Also record work, dissipation and impulses, frame by frame (plotted in the report)."""
     save_frames: bool = False
     """Also leave perception's pictures as PNG."""
-    save_splats: bool = False
-    """Also leave one 3DGS PLY per frame."""
+    save_splats: Literal["ply", "spz", "glb"] | None = None
+    """Also leave one file of 3D Gaussians per frame, in this format; named without one: ply."""
     max_minutes: float = 60.0
     """Refuse a run of which a round is estimated to take longer."""
     max_memory: float | None = None

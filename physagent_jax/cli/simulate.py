@@ -8,7 +8,7 @@ import shlex
 import sys
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -38,8 +38,8 @@ class Simulate:
     """Width and height of the video, which is drawn for people; off: none is."""
     save_frames: bool = False
     """Also leave the scene's plain pictures as PNG."""
-    save_splats: bool = False
-    """Also leave one 3DGS PLY per frame."""
+    save_splats: Literal["ply", "spz", "glb"] | None = None
+    """Also leave one file of 3D Gaussians per frame, in this format; named without one: ply."""
     max_minutes: float = 60.0
     """Refuse what is estimated to take longer."""
     max_memory: float | None = None
@@ -71,7 +71,7 @@ class Simulate:
                 bar,
                 command=shlex.join(sys.argv),
                 save_frames=self.save_frames,
-                save_splats=self.save_splats,
+                save_splats=self.save_splats or False,
                 video_size=video_size,
                 limits=Limits(self.max_minutes, self.max_memory),
                 overwrite=self.overwrite,

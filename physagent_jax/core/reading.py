@@ -93,7 +93,10 @@ def read_bytes(path: str | Path, *, most: int, what: str = "the file") -> bytes:
     """A file's bytes; raises as `open_regular`."""
     with open_regular(path, most=most, what=what) as file:
         try:
-            data = file.read(most + 1)
+            told = os.fstat(file.fileno()).st_size
+            data = file.read(told + 1)  # not `most`: as much memory would be taken at once
+            if len(data) > told:
+                data += file.read(most + 1 - len(data))
         except OSError as error:
             raise UserError(
                 f"cannot read {what} {shorten(path)}", got=error.strerror or error, do="Check the disk"

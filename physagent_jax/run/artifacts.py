@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path, PurePosixPath
+from typing import Literal
 
 import numpy as np
 
 from physagent_jax.agents.schema import Judgement
 from physagent_jax.core.files import link_or_copy, replace_file, write_text
 from physagent_jax.output.motion_file import Motion, read_motion, write_motion
-from physagent_jax.output.splats import make_splat_names, write_splat_frames
+from physagent_jax.output.splats import SplatFormat, make_splat_names, write_splat_frames
 from physagent_jax.output.video import make_frame_names, write_frames, write_picture, write_video
 from physagent_jax.perception.measure import Perception
 from physagent_jax.perception.overlay import draw_overlay
@@ -88,7 +89,7 @@ def write_best(
     body: Body,
     *,
     save_frames: bool,
-    save_splats: bool,
+    save_splats: SplatFormat | Literal[False],
     video_size: tuple[int, int] | None,
 ) -> None:
     """Puts round ``index`` at the top of the folder, its large files under a second name, and what was asked for.
@@ -107,8 +108,24 @@ def write_best(
     if video_size is not None:
         write_presentation(store, config, body, motion.x, motion.F, video_size)
     if save_splats:
-        store.claim(*make_splat_names("splats", len(motion.x)))
-        write_splat_frames(store.path / "splats", body, motion.x, motion.F)
+        write_splats(store, config, body, motion.x, motion.F, save_splats)
+
+
+def write_splats(
+    store: RunStore, config: SceneConfig, body: Body, x: np.ndarray, F: np.ndarray, form: SplatFormat
+) -> None:
+    """Leaves one file of 3D Gaussians per frame.
+
+    Args:
+        store: The run folder.
+        config: The scene.
+        body: The object at rest.
+        x: Particle positions in the body's order [m], shape (T, n, 3).
+        F: Deformation gradients, shape (T, n, 3, 3).
+        form: The files' format.
+    """
+    store.claim(*make_splat_names("splats", len(x), form))
+    write_splat_frames(store.path / "splats", body, x, F, form=form, up=config.source.up)
 
 
 def make_motion(scene: CompiledScene, recording: Recording) -> Motion:

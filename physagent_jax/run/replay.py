@@ -5,9 +5,10 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
-from physagent_jax.output.splats import make_splat_names, write_splat_frames
-from physagent_jax.run.artifacts import write_presentation, write_recording
+from physagent_jax.output.splats import SplatFormat
+from physagent_jax.run.artifacts import write_presentation, write_recording, write_splats
 from physagent_jax.run.manifest import Stages
 from physagent_jax.run.provenance import hash_settings, make_manifest
 from physagent_jax.run.store import RunStore
@@ -30,7 +31,7 @@ def replay_scene(
     *,
     command: str,
     save_frames: bool,
-    save_splats: bool,
+    save_splats: SplatFormat | Literal[False],
     video_size: tuple[int, int] | None,
     limits: Limits,
     overwrite: bool,
@@ -70,8 +71,7 @@ def replay_scene(
             if video_size is not None:
                 write_presentation(store, config, body, x, F, video_size)
             if save_splats:
-                store.claim(*make_splat_names("splats", len(x)))
-                write_splat_frames(store.path / "splats", body, x, F)
+                write_splats(store, config, body, x, F, save_splats)
         stages = Stages(**watch.seconds())
         store.finish(stages=stages, warnings=tuple(str(each.message) for each in caught))
     return recording.record, stages

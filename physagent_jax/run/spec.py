@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, JsonValue, ValidationError, model_validator
+from pydantic import Field, JsonValue, ValidationError, field_validator, model_validator
 
 from physagent_jax.agents import registry as agents
 from physagent_jax.core.reading import YAML_SUFFIXES, format_validation_error, read_json, read_yaml
@@ -238,12 +238,17 @@ class SaveChoice(Strict):
     Attributes:
         video_size: Width and height of the video for people [px]; None = there is none, only perception's pictures.
         frames: Perception's pictures as PNG.
-        splats: One 3DGS PLY per frame.
+        splats: Format of one file of 3D Gaussians per frame; False = none is left. True = "ply".
     """
 
     video_size: VideoSize | None = VIDEO_SIZE
     frames: bool = False
-    splats: bool = False
+    splats: Literal["ply", "spz", "glb", False] = False
+
+    @field_validator("splats", mode="before")
+    @classmethod
+    def _name_format(cls, value: object) -> object:
+        return "ply" if value is True else value
 
 
 class RunSpec(Strict):

@@ -4,6 +4,7 @@ import json
 import os
 import stat
 import sys
+import tracemalloc
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -86,6 +87,17 @@ def test_sizes_are_limited_before_and_while_reading(tmp_path):
     endless = Path("/proc/self/maps")  # a regular file whose size is told as 0
     if endless.is_file() and stat.S_ISREG(endless.stat().st_mode):
         refused(lambda: reading.read_bytes(endless, most=100), "too large")
+
+
+def test_a_small_file_takes_no_more_memory_than_it_has(tmp_path):
+    """Whatever the limit: Python's `read` takes as much at once as it is told it may read."""
+    (tmp_path / "file").write_bytes(b"x" * 100)
+    tracemalloc.start()
+    try:
+        reading.read_bytes(tmp_path / "file", most=2**33)
+        assert tracemalloc.get_traced_memory()[1] < 2**22
+    finally:
+        tracemalloc.stop()
 
 
 @pytest.mark.parametrize(

@@ -60,6 +60,20 @@ def test_coefficients_go_before_rgb_colours(tmp_path):
     np.testing.assert_array_equal(loaded.cloud.sh[:, 0, 1], both["f_dc_1"])
 
 
+@pytest.mark.parametrize("span", [255, 1])
+def test_coefficients_that_are_rgb_colours_are_told_from_their_values(tmp_path, span):
+    """Up to 255 they can be nothing else; up to 1 they can be meant as they are, which is said."""
+    rgb = np.random.default_rng(0).uniform(size=(200, 3))
+    rgb[0] = 0, 1, 0.5
+    stored = columns(count=200) | {f"f_dc_{i}": span * rgb[:, i] for i in range(3)}
+    loaded = read_splats(save(tmp_path / "a.ply", stored))
+    assert len(loaded.notes) == 1 and "RGB colours" in loaded.notes[0]
+    if span == 255:
+        np.testing.assert_allclose(render_colour(loaded.cloud.sh), rgb, atol=1e-6)
+    else:
+        np.testing.assert_allclose(loaded.cloud.sh[:, 0], rgb, atol=1e-6)
+
+
 def test_two_scales_are_flat_gaussians(tmp_path):
     """2DGS (Huang et al. 2024, section 4.1): the normal is the third column of the rotation."""
     properties = columns()

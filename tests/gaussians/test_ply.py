@@ -221,11 +221,6 @@ def test_real_captures_survive_a_round_trip(tmp_path, shared_data, name):
     np.testing.assert_allclose(again.opacities, cloud.opacities, atol=1e-6)
 
 
-def test_real_compressed_capture_is_refused(shared_data):
-    with pytest.raises(UserError, match="compressed PLY"):
-        read_ply(shared_data / "guitar.compressed.ply")
-
-
 # --- counts and values beyond sense ----------------------------------------------------------------------
 
 

@@ -20,6 +20,7 @@ OTHERS = {
     "object.up": "-y",
     "object.kind": "plant",
     "object.opacity_threshold": 0.1,
+    "object.splat_encoding": "log-logit",
     "object.extent": 0.8,
     "prompt": "drop it",
     "preset": "paper",
@@ -47,7 +48,7 @@ OTHERS = {
     "ledger": True,
     "save.video_size": [64, 48],
     "save.frames": True,
-    "save.splats": True,
+    "save.splats": "glb",
 }
 
 

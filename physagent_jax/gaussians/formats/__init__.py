@@ -13,18 +13,30 @@ from pathlib import Path
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import open_regular, shorten
 from physagent_jax.gaussians.cloud import GaussianCloud
+from physagent_jax.gaussians.formats.antimatter15 import ANTIMATTER15
 from physagent_jax.gaussians.formats.base import HEAD_BYTES, Format, SignedAxis, SplatData
+from physagent_jax.gaussians.formats.compressed_ply import COMPRESSED_PLY
 from physagent_jax.gaussians.formats.finish import LoadedSplats, check_threshold, finish
+from physagent_jax.gaussians.formats.gltf import GLTF
 from physagent_jax.gaussians.formats.ply_gaussians import PLY_2DGS, PLY_3DGS, PLY_RGB, GaussianPly
 from physagent_jax.gaussians.formats.ply_header import MOST_BYTES, read_ply_header
 from physagent_jax.gaussians.formats.points import COLMAP_POINTS, PLY_POINTS
+from physagent_jax.gaussians.formats.sog import SOG
+from physagent_jax.gaussians.formats.spz import SPZ
+from physagent_jax.gaussians.formats.unread import UNREAD
 
 FORMATS: tuple[Format, ...] = (
+    COMPRESSED_PLY,
     PLY_2DGS,
     PLY_RGB,
     PLY_3DGS,
     PLY_POINTS,
+    SPZ,
+    SOG,
+    GLTF,
     COLMAP_POINTS,
+    *UNREAD,
+    ANTIMATTER15,  # has no magic number
 )
 """Formats in the order in which they are tried: the first that matches reads the file."""
 
@@ -130,7 +142,7 @@ def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) ->
         UserError: As `read_splats`, or the file is no PLY.
     """
     check_threshold(opacity_threshold)
-    read_ply_header(path)
+    read_ply_header(Path(path))
     loaded = read_splats(path, opacity_threshold=opacity_threshold)
     for note in loaded.notes:
         warnings.warn(note, stacklevel=2)

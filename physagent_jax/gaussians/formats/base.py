@@ -8,7 +8,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-HEAD_BYTES = 2**16
+HEAD_BYTES = 2**20  # a glTF file may name its extensions late in its JSON
 """Length of the beginning of a file by which formats are told apart [bytes]."""
 
 SignedAxis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]

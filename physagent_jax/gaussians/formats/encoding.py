@@ -16,9 +16,10 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import explain_unknown_name
@@ -204,7 +205,8 @@ def _measure_spacing(means: np.ndarray) -> float | None:
     if len(means) < _FEWEST_SPACED:
         return None
     tried = means[:: max(1, len(means) // _MOST_SPACED)]
-    distances = cKDTree(means).query(tried, k=min(_NEIGHBOURS, len(means)))[0]
+    tree: Any = KDTree(means)  # scipy annotates `query` for a single neighbour only
+    distances = tree.query(tried, k=min(_NEIGHBOURS, len(means)))[0]
     nearest = np.where(distances > 0, distances, np.inf).min(axis=1)
     nearest = nearest[np.isfinite(nearest)]
     return float(np.median(nearest)) if len(nearest) else None

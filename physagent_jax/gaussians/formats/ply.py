@@ -43,7 +43,8 @@ def write_ply(
         np.asarray(values, np.float64)
         for values in (cloud.means, cloud.quats, cloud.scales, cloud.opacities, cloud.sh)
     )
-    far = origin is not None and bool(np.any(origin))
+    origin = np.zeros(3) if origin is None else origin
+    far = bool(np.any(origin))
     with np.errstate(divide="ignore"):  # opacity 0 or 1: an infinite logit, clipped
         logits = np.clip(np.log(opacities) - np.log1p(-opacities), -_LOGIT_LIMIT, _LOGIT_LIMIT)
     log_scales = np.log(np.maximum(scales, np.finfo(np.float32).tiny))

@@ -30,6 +30,8 @@ RGB = (("red", "green", "blue"), ("r", "g", "b"), ("diffuse_red", "diffuse_green
 
 _SH_C0 = 0.28209479177387814  # the constant spherical harmonic: colour = 0.5 + _SH_C0 * coefficient
 _MOST_DEGREE = 3
+_BEYOND_WHITE = 4.0  # a coefficient of white is 1.8
+_FEWEST_COLOURS, _SPREAD = 50, 0.5  # colours from which their spread over [0, 1] says something
 _REST_COUNTS = {3 * ((degree + 1) ** 2 - 1): degree for degree in range(7)}  # of `f_rest_*`, by degree
 
 
@@ -166,8 +168,21 @@ def _check_properties(
 
 def _read_sh(vertices: Vertices, rest_names: list[str], notes: list[str]) -> tuple[np.ndarray, str]:
     """Coefficients, shape (n, (degree + 1)^2, 3), and their kind in words."""
-    sh = vertices.read_columns(DC)[:, None, :]
-    degree = _REST_COUNTS[len(rest_names)]
+    dc, degree = vertices.read_columns(DC), _REST_COUNTS[len(rest_names)]
+    known = dc[np.isfinite(dc).all(axis=1)]
+    if degree == 0 and len(known) >= _FEWEST_COLOURS and known.min() >= 0:
+        # Coefficients of colours that no channel of any Gaussian has below one half.
+        if np.median(known.max(axis=1)) > _BEYOND_WHITE and known.max() <= 255.0:
+            notes.append(
+                f"{vertices.shown}: its `f_dc_*` are read as RGB colours of 0 to 255, which their values show"
+            )
+            return _find_coefficients(dc / 255.0), "RGB colours of 0 to 255"
+        if known.max() <= 1.0 and np.ptp(known) >= _SPREAD:
+            notes.append(
+                f"{vertices.shown}: its `f_dc_*` are all in 0 to 1. They are read as SH, colours of 0.5 to 0.78; "
+                "if they are RGB colours, name them `red green blue`"
+            )
+    sh = dc[:, None, :]
     if degree > _MOST_DEGREE:
         notes.append(
             f"{vertices.shown}: its spherical harmonics have degree {degree}; bands above {_MOST_DEGREE} are left out"
@@ -202,7 +217,12 @@ def _read_rgb(vertices: Vertices, names: Sequence[str]) -> tuple[np.ndarray, str
                 got=f"{low:.3g} to {high:.3g}",
                 do="Export the scene again",
             )
-    return ((rgb / span - 0.5) / _SH_C0)[:, None, :], f"RGB colours of 0 to {span:g}"
+    return _find_coefficients(rgb / span), f"RGB colours of 0 to {span:g}"
+
+
+def _find_coefficients(rgb: np.ndarray) -> np.ndarray:
+    """Coefficients of degree 0, shape (n, 1, 3), of colours in [0, 1], shape (n, 3)."""
+    return ((rgb - 0.5) / _SH_C0)[:, None, :]
 
 
 def _read_opacities(vertices: Vertices, notes: list[str]) -> tuple[bool, np.ndarray]:

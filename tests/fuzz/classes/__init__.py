@@ -19,14 +19,18 @@ class FuzzClass:
     Attributes:
         name: As ``--only`` takes it.
         usual: Cases of the default test run; their ratio also splits ``--cases``.
+        module: Module that makes the cases; "" = the one of the same name.
+        function: Name of the function in it.
     """
 
     name: str
     usual: int
+    module: str = ""
+    function: str = "make"
 
     def case(self, seed: int, index: int) -> Case:
         """The case of that number: the same for the same seed."""
-        make: Callable[[Draw], Case] = self._import_module().make
+        make: Callable[[Draw], Case] = getattr(self._import_module(), self.function)
         return make(Draw(seed, self.name, index))
 
     def warm_up(self) -> None:
@@ -36,7 +40,7 @@ class FuzzClass:
             getattr(self._import_module(), "warm_up", lambda: None)()
 
     def _import_module(self):
-        return importlib.import_module(f"{__name__}.{self.name}")
+        return importlib.import_module(f"{__name__}.{self.module or self.name}")
 
 
 CLASSES = {
@@ -44,6 +48,11 @@ CLASSES = {
     for each in (
         FuzzClass("gaussian_files", 480),
         FuzzClass("splat_layouts", 240),
+        FuzzClass("compressed_plys", 80, "splat_formats", "make_compressed_ply"),
+        FuzzClass("spz_files", 160, "splat_formats", "make_spz"),
+        FuzzClass("splat_files", 80, "splat_formats", "make_splat"),
+        FuzzClass("sog_bundles", 160, "splat_formats", "make_sog"),
+        FuzzClass("gltf_splats", 160, "splat_formats", "make_gltf"),
         FuzzClass("meshes", 320),
         FuzzClass("motion_files", 200),
         FuzzClass("masks", 160),
