@@ -19,8 +19,10 @@ from physagent_jax.run.preview import HEIGHT, WIDTH, is_preview
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.procedural import PROCEDURAL
 
-FIELDS = set("""path format encoding content count kept low high extent origin up kind pieces degenerate notes run refusal
-    command preview""".split())  # fmt: skip
+FIELDS = set(
+    "path format encoding content count kept low high extent origin up kind pieces degenerate notes run refusal "
+    "command preview".split()
+)
 
 
 @pytest.fixture(autouse=True)

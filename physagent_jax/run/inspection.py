@@ -244,9 +244,11 @@ def _choose_up(
     ]
     for axis, source, reason in stated:
         if axis is not None:
-            if seen.axis not in (None, axis):
+            doubted = seen.axis not in (None, axis)
+            if doubted:
                 reason += f", though the shape says {seen.axis}: {seen.reason}"
-            return UpAxis.model_validate(dict(axis=axis, known=True, source=source, reason=reason))
+            known = not (doubted and source == "format")  # not every program keeps to what its format prescribes
+            return UpAxis.model_validate(dict(axis=axis, known=known, source=source, reason=reason))
     if seen.axis is not None:
         return UpAxis(axis=seen.axis, known=True, source="shape", reason=seen.reason)
     splats = find_format(read_head(path), path) is not None

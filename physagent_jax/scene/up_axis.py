@@ -1,9 +1,9 @@
 """The up axis of an object that nobody has stated, guessed from its shape where the shape tells it.
 
 What was captured or modelled upright stands on something flat. A side is a base if the object would stand on it
-firmly, and if it is flat: its outline hardly grows from the lowest points upwards, as that of rounded sides does. Ground
-that was captured with the object is a base as well. The guess is made only if one of the six sides is a base by far: a
-table stands as firmly on its top, and a floating object on nothing.
+firmly, and if it is flat: its outline hardly grows from the lowest points upwards, as that of rounded sides does.
+Ground that was captured with the object is a base as well. The guess is made only if one of the six sides is a base
+by far: a table stands as firmly on its top, and a floating object on nothing.
 """
 
 from __future__ import annotations

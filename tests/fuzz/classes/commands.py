@@ -161,8 +161,8 @@ def _draw_inspect(draw: Draw) -> Case:
 
 
 def _draw_small(draw: Draw) -> Case:
-    words = ("materials", "schema", "report", "inspect", "doctor", "simulate", "run", "make", "import-physgaussian", "--help", "-h",
-    "--json", "--debugg",
+    words = ("materials", "schema", "report", "simulate", "run", "make", "import-physgaussian", "--help", "-h",
+    "inspect", "doctor", "--json", "--debugg",
              "steel", "scene", "force-field", "--out", "x", "", "--", "-", "--seed", "1", *WORDS[:12])  # fmt: skip
     if draw.chance(0.5):
         arguments = [draw.one(words) for _ in range(draw.randint(0, 4))]
