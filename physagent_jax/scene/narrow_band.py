@@ -33,8 +33,8 @@ def measure_distances(triangles: np.ndarray, shape: tuple[int, int, int]) -> tup
         shape: Nodes along each axis.
 
     Returns:
-        Distances in cells, shape ``shape``, exact where they are at most `BAND`; and whether they are exact. Without any
-        node in the band, distances are infinite.
+        Distances in cells, shape ``shape``, exact where they are at most `BAND`; and whether they are exact. Distances
+        are infinite where no node lies in the band.
 
     Raises:
         UserError: There are more than `MOST_PAIRS` of nodes and triangles near them.
@@ -78,11 +78,15 @@ class _Surface:
         first, second = triangles[:, 1] - self.origin, triangles[:, 2] - self.origin
         self.normal = np.cross(first, second)
         squared = (self.normal**2).sum(1, keepdims=True)
-        self.flat = squared[:, 0] <= 1e-24 * (self.edges**2).sum(2).max(1) ** 2  # no area: edges are all there is
+        self.flat = (
+            squared[:, 0] <= 1e-24 * (self.edges**2).sum(2).max(1) ** 2
+        )  # no area: edges are all there is
         safe = np.where(self.flat[:, None], 1.0, squared)
         self.unit = self.normal / np.sqrt(safe)
         # (p - a) . gradients = the barycentric coordinates of the projection of p for b and c.
-        self.gradients = np.stack([np.cross(second, self.normal), np.cross(self.normal, first)], axis=1) / safe[:, None]
+        self.gradients = (
+            np.stack([np.cross(second, self.normal), np.cross(self.normal, first)], axis=1) / safe[:, None]
+        )
         length = (self.edges**2).sum(2)
         self.inverse_length = 1 / np.where(length > 0, length, 1.0)
 
@@ -141,7 +145,7 @@ def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def _bound_pairs(
     surface: _Surface, t: np.ndarray, shape: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Most pairs of the triangles ``t``, their axes with that of the normal last, and first and last nodes along them."""
+    """Most pairs of the triangles ``t``, their axes (that of the normal last), and first and last nodes along them."""
     low, high = surface.triangles[t].min(1), surface.triangles[t].max(1)
     along = np.where(surface.flat[t, None], low - high, np.abs(surface.normal[t])).argmax(1)
     axes = (along[:, None] + np.array([1, 2, 0])) % 3
@@ -311,7 +315,8 @@ def _choose_neighbours(closest: np.ndarray) -> np.ndarray:
         here = tuple(slice(max(0, -s), n - max(0, s)) for s, n in zip(step, shape))
         there = tuple(slice(max(0, s), n - max(0, -s)) for s, n in zip(step, shape))
         squared = sum(
-            (axis[tuple(h if axis.shape[k] > 1 else slice(None) for k, h in enumerate(here))] - part[there]) ** 2
+            (axis[tuple(h if axis.shape[k] > 1 else slice(None) for k, h in enumerate(here))] - part[there])
+            ** 2
             for axis, part in zip(axes, parts)
         )
         nearer = squared < least[here]

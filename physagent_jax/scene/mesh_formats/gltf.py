@@ -16,7 +16,13 @@ from scipy.spatial.transform import Rotation
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
 from physagent_jax.scene.mesh_formats.base import MeshPart, Neighbours
-from physagent_jax.scene.mesh_formats.gltf_document import MAGIC, Document, explain_invalid, read_glb, read_gltf
+from physagent_jax.scene.mesh_formats.gltf_document import (
+    MAGIC,
+    Document,
+    explain_invalid,
+    read_glb,
+    read_gltf,
+)
 from physagent_jax.scene.mesh_formats.gltf_materials import Materials
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
@@ -74,7 +80,9 @@ def _read_parts(document: Document, place: str, beside: Neighbours) -> list[Mesh
             mesh = node["mesh"]
             if mesh not in made:
                 primitives = document.tree["meshes"][mesh]["primitives"]
-                shown = [each for each in primitives if each.get("mode", _TRIANGLES) in (_TRIANGLES, _STRIP, _FAN)]
+                shown = [
+                    each for each in primitives if each.get("mode", _TRIANGLES) in (_TRIANGLES, _STRIP, _FAN)
+                ]
                 made[mesh] = [(each, _read_primitive(document, each, materials)) for each in shown]
             for primitive, part in made[mesh]:
                 bones = _read_bones(document, node, primitive, worlds)
@@ -88,13 +96,17 @@ def _place_nodes(tree: Any, place: str) -> dict[int, np.ndarray]:
     if tree.get("scenes"):
         roots = tree["scenes"][tree.get("scene", 0)].get("nodes", [])
     else:
-        roots = sorted(set(range(len(nodes))) - {child for node in nodes for child in node.get("children", [])})
+        roots = sorted(
+            set(range(len(nodes))) - {child for node in nodes for child in node.get("children", [])}
+        )
     worlds: dict[int, np.ndarray] = {}
     waiting = [(root, np.eye(4)) for root in reversed(roots)]
     while waiting:
         index, parent = waiting.pop()
         if index in worlds:
-            raise UserError(f"{place}: a node has two parents", do="Export it again, each node with one parent")
+            raise UserError(
+                f"{place}: a node has two parents", do="Export it again, each node with one parent"
+            )
         worlds[index] = parent @ _read_transform(nodes[index])
         waiting += [(child, worlds[index]) for child in reversed(nodes[index].get("children", []))]
     return worlds
@@ -162,7 +174,9 @@ def _move(part: MeshPart, transform: np.ndarray) -> MeshPart:
     vertices = np.einsum("...ij,...j->...i", linear, part.vertices) + shift
     mirrored = np.linalg.det(linear).mean() < 0
     normals = None
-    if part.normals is not None:  # cofactors: the inverse transposed, but for a positive factor, and never singular
+    if (
+        part.normals is not None
+    ):  # cofactors: the inverse transposed, but for a positive factor, and never singular
         rows = linear[..., 0, :], linear[..., 1, :], linear[..., 2, :]
         cofactors = np.stack([np.cross(rows[(k + 1) % 3], rows[(k + 2) % 3]) for k in range(3)], axis=-2)
         normals = np.einsum("...ij,...j->...i", cofactors, part.normals) * (-1 if mirrored else 1)

@@ -83,9 +83,7 @@ class Document:
         return rows[:, 0], _read_rows(data, values.get("byteOffset", 0), 0, sparse["count"], width, dtype)
 
 
-def _read_rows(
-    data: bytes, start: int, stride: int, count: int, width: int, dtype: np.dtype
-) -> np.ndarray:
+def _read_rows(data: bytes, start: int, stride: int, count: int, width: int, dtype: np.dtype) -> np.ndarray:
     stride = stride or width * dtype.itemsize
     if start + (count - 1) * stride + width * dtype.itemsize > len(data):
         raise ValueError(f"{count} rows do not fit into {len(data)} bytes")
@@ -111,9 +109,7 @@ def read_glb(data: bytes, place: str, beside: Neighbours) -> Document:
     return read_gltf(data[20 : 20 + length], place, beside, chunks[:1])
 
 
-def read_gltf(
-    data: bytes, place: str, beside: Neighbours, inside: list[bytes] | None = None
-) -> Document:
+def read_gltf(data: bytes, place: str, beside: Neighbours, inside: list[bytes] | None = None) -> Document:
     """Reads a glTF file.
 
     Args:

@@ -31,9 +31,7 @@ class Texture:
 
     def sample(self, uv: np.ndarray) -> np.ndarray:
         """RGBA of the texels in [0, 1] at ``uv``, shape (k, 4)."""
-        index = [
-            _find_texels(uv[:, axis], self.wrap[axis], self.pixels.shape[1 - axis]) for axis in range(2)
-        ]
+        index = [_find_texels(uv[:, axis], self.wrap[axis], self.pixels.shape[1 - axis]) for axis in range(2)]
         return self.pixels[index[1], index[0]] / 255
 
 

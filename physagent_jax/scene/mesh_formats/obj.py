@@ -41,7 +41,9 @@ class OBJ:
         for pattern, what in ((_BAD_VERTEX, "three numbers"), (_BAD_FACE, "vertices counted from 1")):
             if found := pattern.search(data):
                 line = repr(shorten(found.group().decode(), 60))
-                raise UserError(f"{shorten(path)}: a line does not have {what}", got=line, do="Export it again")
+                raise UserError(
+                    f"{shorten(path)}: a line does not have {what}", got=line, do="Export it again"
+                )
         materials = _read_libraries(data, beside)
         # The loader shall group faces by material; it gets the names alone.
         names = "\n".join(f"newmtl {name}" for name in materials).encode()
