@@ -193,6 +193,17 @@ def test_the_picture(tmp_path, capsys):
         assert 0.5 < compare_ends(upright[view]) < 1 < 1.1 < compare_ends(turned[view])
 
 
+def test_light_comes_from_above(tmp_path, capsys):
+    """A grey ball that is y-up is brighter above than below, whatever axis the reader assumes at first."""
+    trimesh.creation.icosphere(subdivisions=4).export(tmp_path / "ball.glb")
+    inspect(capsys, "ball.glb", "--out", "ball.png")
+    picture = iio.imread("ball.png").astype(float).mean(axis=2)
+    for row, column in np.ndindex(2, 2):
+        view = picture[row * HEIGHT : (row + 1) * HEIGHT, column * WIDTH : (column + 1) * WIDTH]
+        middle = view[:, WIDTH // 2 - 10 : WIDTH // 2 + 10].mean(axis=1)
+        assert middle[60:120].mean() > 1.15 * middle[260:320].mean()
+
+
 def compare_ends(view):
     """Width of what is red over its third from above, over the same from below."""
     middle = view[50:, 120:-120].astype(int)  # without labels and axes

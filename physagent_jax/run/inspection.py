@@ -19,7 +19,7 @@ from physagent_jax.gaussians.formats import LoadedSplats, find_format, read_head
 from physagent_jax.run.preview import check_preview, draw_preview, write_preview
 from physagent_jax.run.resolve import ResolvedRun, resolve
 from physagent_jax.run.spec import ObjectChoice, RunSpec
-from physagent_jax.scene.body import make_body
+from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.card import ObjectCard, load_card
 from physagent_jax.scene.config import SignedAxis, Source
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
@@ -196,10 +196,14 @@ def inspect_object(
         command=_make_command(choice, found),
     )
     run = resolve(spec.model_copy(update=dict(object=choice)))
-    inspection = inspection.model_copy(update=_plan(run, inspection.notes))
+    body, plan = _plan(run, inspection.notes)
+    inspection = inspection.model_copy(update=plan)
     if preview is not None:
         source, domain = run.template.source, run.template.preset.domain
-        cloud, placement = place(loaded.cloud, source, domain, loaded.origin)
+        if body is None:
+            cloud, placement = place(loaded.cloud, source, domain, loaded.origin)
+        else:
+            cloud, placement = body.cloud, body.placement
         label = f"up = {chosen.axis}{'' if chosen.known else ' ?'}"
         picture = draw_preview(cloud, placement, run.template.camera, domain, label)
         write_preview(Path(preview), picture, overwrite=overwrite)
@@ -249,7 +253,9 @@ def _choose_up(
             doubted = seen.axis not in (None, axis)
             if doubted:
                 reason += f", though the shape says {seen.axis}: {seen.reason}"
-            known = not (doubted and source == "format")  # not every program keeps to what its format prescribes
+            known = not (
+                doubted and source == "format"
+            )  # not every program keeps to what its format prescribes
             return UpAxis.model_validate(dict(axis=axis, known=known, source=source, reason=reason))
     if seen.axis is not None:
         return UpAxis(axis=seen.axis, known=True, source="shape", reason=seen.reason)
@@ -276,8 +282,8 @@ def _choose_kind(given: str | None, card: ObjectCard, path: Path) -> Kind:
     )
 
 
-def _plan(run: ResolvedRun, told: tuple[str, ...]) -> dict[str, Any]:
-    """The fields of `Inspection` that say what a run would make of the object."""
+def _plan(run: ResolvedRun, told: tuple[str, ...]) -> tuple[Body | None, dict[str, Any]]:
+    """The object at rest, None if it cannot be made, and the fields of `Inspection` on what a run makes of it."""
     preset, template = run.template.preset, run.template
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", UserWarning)
@@ -286,7 +292,7 @@ def _plan(run: ResolvedRun, told: tuple[str, ...]) -> dict[str, Any]:
             template, changed = run.place(body)
             config = fuse(template, body, ForceField())
         except UserError as error:
-            return dict(refusal=str(error), notes=_collect(told, run.warnings, caught))
+            return None, dict(refusal=str(error), notes=_collect(told, run.warnings, caught))
     cost, refusal = estimate_cost(config, body, run.spec.save.video_size), None
     try:
         check_cost(cost, Limits())
@@ -306,7 +312,7 @@ def _plan(run: ResolvedRun, told: tuple[str, ...]) -> dict[str, Any]:
     degenerate = diagnose_cloud(body.cloud)
     notes = _collect(told, (*run.warnings, *changed), caught)
     notes = tuple(each for each in notes if each not in (*degenerate, explain_loose(body.loose)))
-    return dict(run=planned, refusal=refusal, pieces=pieces, degenerate=degenerate, notes=notes)
+    return body, dict(run=planned, refusal=refusal, pieces=pieces, degenerate=degenerate, notes=notes)
 
 
 def _collect(told: tuple[str, ...], more: tuple[str, ...], caught: list) -> tuple[str, ...]:
