@@ -70,11 +70,12 @@ def test_the_option_settles_what_is_open(capsys, alike):
         assert said["object"].startswith(f"3DGS PLY: log scales, {opacities} opacities")
 
 
-def test_a_wrong_encoding_is_told_before_anything_is_simulated(capsys, plain):
+def test_a_wrong_encoding_is_refused_before_anything_is_simulated(capsys, plain, tmp_path):
     """Plain sizes of a hundredth of the object, taken as logarithms, are as large as it."""
-    assert main(["plan", "--object", str(plain), *PLAN, "--splat-encoding", "log-logit", "--json"]) == 0
-    notes = json.loads(capsys.readouterr().out)["assumptions"]
-    assert any("as large as the object" in each and "--splat-encoding" in each for each in notes)
+    words = ["as large as the object", "median size of 1", "--splat-encoding"]
+    refused(capsys, ["plan", "--object", plain, *PLAN, "--splat-encoding", "log-logit"], *words)
+    run = ["run", "--object", plain, "--prompt", *PLAN, "--out", tmp_path / "run"]
+    refused(capsys, [*run, "--splat-encoding", "log-logit"], *words)
 
 
 def test_a_translated_scene_keeps_the_encoding(capsys, alike, tmp_path):

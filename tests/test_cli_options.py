@@ -1,12 +1,19 @@
 """The options of `physagent run` against the spec that they say, and what the terminal tells."""
 
 import dataclasses
+import typing
+
+import pytest
 
 from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.cli import join_options
 from physagent_jax.cli.console import ConsoleObserver
 from physagent_jax.cli.options import OPTIONS, to_spec
 from physagent_jax.cli.run import Run
+from physagent_jax.cli.simulate import Simulate
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.output.splats import WRITERS, SplatFormat
+from physagent_jax.run.spec import SaveChoice
 from tests.run.specs import small
 
 
@@ -53,3 +60,32 @@ def test_a_doubt_about_what_may_be_the_object_says_how_to_name_it(capsys):
     )
     ConsoleObserver().understood(reply)
     assert "not understood: purple, cow (the object is called by its file's name" in capsys.readouterr().err
+
+
+def test_the_formats_are_the_same_everywhere():
+    formats = set(WRITERS)
+    assert set(typing.get_args(SplatFormat)) == formats
+    for command in (Run, Simulate):
+        given, none = typing.get_args(typing.get_type_hints(command)["save_splats"])
+        assert set(typing.get_args(given)) == formats and none is type(None)
+    assert set(typing.get_args(SaveChoice.model_fields["splats"].annotation)) == formats | {False}
+
+
+@pytest.mark.parametrize(
+    ("line", "parsed"),
+    [
+        ("--save-splats", "--save-splats=ply"),
+        ("--save-splats --json", "--save-splats=ply --json"),
+        ("--save-splats spz", "--save-splats=spz"),
+        ("--save-splats=glb --up -y", "--save-splats=glb --up=-y"),
+        ("--save-splats scene.json", "--save-splats=ply scene.json"),
+    ],
+)
+def test_the_option_may_stand_without_a_format(line, parsed):
+    assert join_options(line.split()) == parsed.split()
+
+
+def test_spec_files_of_before_are_read():
+    assert SaveChoice.model_validate({"splats": True}).splats == "ply"
+    assert SaveChoice.model_validate({"splats": False}) == SaveChoice()
+    assert SaveChoice.model_validate({"splats": "spz"}).splats == "spz"

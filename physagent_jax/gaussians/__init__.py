@@ -12,7 +12,9 @@ from physagent_jax.gaussians.covariance import (
 )
 from physagent_jax.gaussians.export import splats_to_cloud
 from physagent_jax.gaussians.formats import LoadedSplats, read_ply, read_splats
+from physagent_jax.gaussians.formats.gltf_writer import write_glb
 from physagent_jax.gaussians.formats.ply import write_ply
+from physagent_jax.gaussians.formats.spz_writer import write_spz
 from physagent_jax.gaussians.polar import polar_rotation
 from physagent_jax.gaussians.sh import eval_sh, rotate_sh, sh_basis
 
@@ -36,5 +38,7 @@ __all__ = [
     "sh_basis",
     "splats_to_cloud",
     "transform_covariances",
+    "write_glb",
     "write_ply",
+    "write_spz",
 ]

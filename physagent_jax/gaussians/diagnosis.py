@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud
 
 MOST_BLOB = 0.1  # median of the largest standard deviation over the extent
@@ -49,6 +50,27 @@ def diagnose_cloud(cloud: GaussianCloud) -> tuple[str, ...]:
         _diagnose_opacity(opacities),
     ]
     return tuple(each for each in found if each is not None)
+
+
+def check_cloud(cloud: GaussianCloud) -> None:
+    """Refuses a cloud that has no shape to simulate: half of its Gaussians are larger than half of it.
+
+    Args:
+        cloud: The Gaussians, in any units.
+
+    Raises:
+        UserError: The cloud is such.
+    """
+    if cloud.count < _FEWEST_JUDGED:
+        return
+    extent = _measure_extent(np.asarray(cloud.means, np.float64))
+    median = float(np.median(np.asarray(cloud.scales, np.float64).max(axis=1)))
+    if extent > 0 and median > LARGE * extent:
+        raise UserError(
+            "the object's Gaussians are as large as the object, so that it has no shape",
+            got=f"a median size of {median / extent:.2g} of its extent",
+            do=_ENCODING[0].upper() + _ENCODING[1:],
+        )
 
 
 def _measure_extent(means: np.ndarray) -> float:

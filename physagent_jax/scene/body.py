@@ -10,7 +10,7 @@ import numpy as np
 
 from physagent_jax.gaussians.binding import Binding, bind
 from physagent_jax.gaussians.cloud import GaussianCloud
-from physagent_jax.gaussians.diagnosis import diagnose_cloud
+from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
 from physagent_jax.scene.load import load_object
@@ -70,6 +70,7 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     """
     loaded = load_object(source, base_dir)
     cloud, placement = place(loaded.cloud, source, domain, loaded.origin)
+    check_cloud(cloud)
     for text in diagnose_cloud(cloud):
         warnings.warn(text, stacklevel=2)
     particles, loose = fill(cloud, filling, dx=domain.dx), ()

@@ -11,7 +11,6 @@ import numpy as np
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import check_regular, open_regular, shorten
 from physagent_jax.gaussians.formats import (
-    FORMATS,
     LoadedSplats,
     explain_unknown,
     find_format,
@@ -22,14 +21,6 @@ from physagent_jax.gaussians.formats.ply_gaussians import GaussianPly
 from physagent_jax.gaussians.formats.ply_header import MOST_BYTES, read_ply_header
 from physagent_jax.scene.config import SignedAxis, Source
 from physagent_jax.scene.config.source import MESH_SUFFIXES
-
-_UNREAD_SPLATS = {
-    ".spz": "SPZ (Niantic)",
-    ".splat": "splat (antimatter15)",
-    ".ksplat": "ksplat (mkkellogg)",
-    ".sog": "SOG (PlayCanvas)",
-}
-"""Formats of splat viewers by suffix, for files that no reader takes."""
 
 _GLTF_SUFFIXES = (".glb", ".gltf")
 
@@ -123,9 +114,9 @@ def _holds_splats(path: Path) -> bool:
     if suffix == ".ply":
         read_ply_header(path)  # refuses what is none; one with faces is a mesh
         return False
-    if suffix in _UNREAD_SPLATS and not any(suffix in each.suffixes for each in FORMATS):
+    if suffix == ".ksplat":
         raise UserError(
-            f"{shown}: the format {_UNREAD_SPLATS[suffix]} is not supported",
+            f"{shown}: the format ksplat (mkkellogg) is not supported",
             do="Convert it to a 3DGS .ply, e.g. with `npx @playcanvas/splat-transform`",
         )
     raise explain_unknown(path, (".ply", *MESH_SUFFIXES))

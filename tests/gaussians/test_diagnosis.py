@@ -7,8 +7,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians import GaussianCloud, read_splats
-from physagent_jax.gaussians.diagnosis import diagnose_cloud
+from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
 from tests.gaussians.test_ply import STANDARD
 
 
@@ -71,6 +72,13 @@ def test_each_sign_is_said_with_its_numbers_in_any_unit(words, unit):
 
 def test_what_can_be_another_encoding_names_the_option():
     assert "--splat-encoding" in diagnose_cloud(changed(scales=lambda s: 0 * s + 4.0))[0]
+
+
+def test_a_cloud_without_a_shape_is_refused():
+    check_cloud(sound())
+    check_cloud(changed(scales=lambda s: 0 * s + 1.2))  # a blob is said alone
+    with pytest.raises(UserError, match="as large as the object.*a median size of 0.7.*--splat-encoding"):
+        check_cloud(changed(scales=lambda s: 0 * s + 4.0))
 
 
 def test_too_few_gaussians_are_said():

@@ -194,12 +194,10 @@ def test_unreadable_files_are_named(tmp_path):
         path.write_bytes(content)
         with pytest.raises(UserError, match="not a readable PLY"):
             read_ply(path)
-    save(path, columns(), element="face")
-    with pytest.raises(UserError, match="no element `vertex`"):
-        read_ply(path)
-    save(path, columns(), element="chunk")
-    with pytest.raises(UserError, match="compressed PLY .* Convert it to a standard PLY"):
-        read_ply(path)
+    for element in ("face", "chunk"):
+        save(path, columns(), element=element)
+        with pytest.raises(UserError, match=f"no element `vertex` .got {element}"):
+            read_ply(path)
     with pytest.raises(UserError, match="opacity_threshold"):
         read_ply(path, opacity_threshold=2.0)
 

@@ -126,15 +126,17 @@ SMALL_BOOK = {"codebook": [0.0, 1.0], "files": ["scales.webp"]}
         (change(files={"sh0.webp": lossy()}), "compressed with loss"),
         (change(files={"sh0.webp": b"GIF89a"}), "no image that is read"),
         (change(files={"sh0.webp": webp(np.zeros((2, 2, 4)))[:-8]}), "damaged image|no image"),
+        (change(files={"sh0.webp": webp(np.zeros((2, 2, 4)))[:27]}), "damaged image"),
         (change(files={"means_l.webp": oversized()}), "16384 x 16384 pixels"),
         (change(files={"meta.json": b"{"}), "not valid JSON"),
         (change()[:-60], "damaged SOG bundle"),
     ],
 )
-def test_damage_is_refused_in_one_line(tmp_path, content, message):
+def test_damage_is_refused_in_one_line(tmp_path, content, message, capfd):
     with pytest.raises(UserError, match=message) as refused:
         read(tmp_path, content)
     assert "\n" not in str(refused.value)
+    assert capfd.readouterr() == ("", "")  # libraries say nothing of their own
 
 
 def test_an_entry_that_unpacks_to_far_more_is_refused_before_it_does(tmp_path):

@@ -1,20 +1,15 @@
 """Per-frame files of 3D Gaussians: the same frames in every format, with the axes that each prescribes."""
 
-import typing
 import warnings
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from physagent_jax.cli import join_options
-from physagent_jax.cli.run import Run
-from physagent_jax.cli.simulate import Simulate
 from physagent_jax.gaussians import rotate_sh, write_ply
 from physagent_jax.gaussians.covariance import covariance_matrices, quats_scales_to_covariances
 from physagent_jax.gaussians.formats import read_splats
-from physagent_jax.output.splats import WRITERS, SplatFormat, find_frame_turn, write_splat_frames
-from physagent_jax.run.spec import SaveChoice
+from physagent_jax.output.splats import find_frame_turn, write_splat_frames
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.config import Domain, Filling, Source
 from physagent_jax.scene.placement import find_up_rotation
@@ -67,35 +62,3 @@ def test_a_ply_keeps_the_axes_of_the_object_file():
     for up in UPS:
         np.testing.assert_array_equal(find_frame_turn("ply", up), np.eye(3))
         np.testing.assert_array_equal(find_frame_turn("glb", "+y"), np.eye(3))
-
-
-# --- the option --------------------------------------------------------------------------------------------
-
-
-def test_the_formats_are_the_same_everywhere():
-    formats = set(WRITERS)
-    assert set(typing.get_args(SplatFormat)) == formats
-    for command in (Run, Simulate):
-        given, none = typing.get_args(typing.get_type_hints(command)["save_splats"])
-        assert set(typing.get_args(given)) == formats and none is type(None)
-    assert set(typing.get_args(SaveChoice.model_fields["splats"].annotation)) == formats | {False}
-
-
-@pytest.mark.parametrize(
-    ("line", "parsed"),
-    [
-        ("--save-splats", "--save-splats=ply"),
-        ("--save-splats --json", "--save-splats=ply --json"),
-        ("--save-splats spz", "--save-splats=spz"),
-        ("--save-splats=glb --up -y", "--save-splats=glb --up=-y"),
-        ("--save-splats scene.json", "--save-splats=ply scene.json"),
-    ],
-)
-def test_the_option_may_stand_without_a_format(line, parsed):
-    assert join_options(line.split()) == parsed.split()
-
-
-def test_spec_files_of_before_are_read():
-    assert SaveChoice.model_validate({"splats": True}).splats == "ply"
-    assert SaveChoice.model_validate({"splats": False}) == SaveChoice()
-    assert SaveChoice.model_validate({"splats": "spz"}).splats == "spz"

@@ -7,6 +7,7 @@ import trimesh
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians import formats, read_ply, read_splats, write_ply
 from physagent_jax.gaussians.formats import FORMATS, SplatData
+from physagent_jax.gaussians.formats.gltf_writer import write_glb
 from physagent_jax.output.splats import write_splat_frames
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import ObjectChoice, RunSpec
@@ -61,10 +62,16 @@ def test_a_changed_file_is_refused(robot_path):
         load_object(Source(path=str(robot_path), sha256="0" * 64), ".")
 
 
-@pytest.mark.parametrize("suffix", [".spz", ".splat", ".ksplat", ".sog"])
-def test_other_splat_formats_are_named_with_what_to_do(tmp_path, suffix):
-    (tmp_path / f"a{suffix}").write_bytes(b"\x00" * 64)
+def test_other_splat_formats_are_named_with_what_to_do(tmp_path):
+    (tmp_path / "a.ksplat").write_bytes(b"\x00" * 64)
     with pytest.raises(UserError, match=r"not supported.*\.ply"):
+        load_object(Source(path="a.ksplat"), tmp_path)
+
+
+@pytest.mark.parametrize("suffix", [".spz", ".splat", ".sog"])
+def test_a_file_that_is_not_what_its_name_says_is_refused(tmp_path, suffix):
+    (tmp_path / f"a{suffix}").write_bytes(b"\x00" * 64)
+    with pytest.raises(UserError, match=r"no readable file of the format.*Copy or export"):
         load_object(Source(path=f"a{suffix}"), tmp_path)
 
 
@@ -82,9 +89,14 @@ def test_unknown_missing_and_pointless_files_are_refused(tmp_path):
         load_object(Source(path="d.ply"), tmp_path)
 
 
-def test_a_compressed_ply_says_what_to_convert_to(shared_data):
-    with pytest.raises(UserError, match="compressed PLY"):
-        load_object(Source(path="guitar.compressed.ply"), shared_data)
+def test_gaussians_in_a_glb_are_no_mesh(tmp_path):
+    cloud = cloud_of(np.eye(3))
+    write_glb(tmp_path / "a.glb", cloud)
+    loaded = load_object(Source(path="a.glb"), tmp_path)
+    assert "KHR_gaussian_splatting" in loaded.format_name and loaded.up == find_prescribed_up(
+        tmp_path / "a.glb"
+    )
+    np.testing.assert_array_equal(loaded.cloud.means, cloud.means)
 
 
 def test_an_unknown_kind_is_answered_with_all_that_are_known(tmp_path):

@@ -132,7 +132,7 @@ def read_splats(
     if encoding is not None and not isinstance(found, GaussianPly):
         note = f"{shorten(path)}: `--splat-encoding` changes nothing, because {found.name} has one encoding"
         data = dataclasses.replace(data, notes=(*data.notes, note))
-    return finish(data, path, found.name, opacity_threshold)
+    return finish(data, Path(path), found.name, opacity_threshold)
 
 
 def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) -> GaussianCloud:

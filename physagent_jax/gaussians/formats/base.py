@@ -40,15 +40,17 @@ class SplatData:
 
 
 class Format(Protocol):
-    """A splat file format.
+    """A splat file format."""
 
-    Attributes:
-        name: The format's name as its users write it ("3DGS PLY").
-        suffixes: Usual file name endings, for messages; a format is found by content, not by name.
-    """
+    @property
+    def name(self) -> str:
+        """The format's name as its users write it ("3DGS PLY")."""
+        ...
 
-    name: str
-    suffixes: tuple[str, ...]
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Usual file name endings, for messages; a format is found by content, not by name."""
+        ...
 
     def matches(self, head: bytes) -> bool:
         """Whether a file that begins with ``head`` (at most `HEAD_BYTES`) is of this format."""

@@ -206,7 +206,7 @@ def _measure_spacing(means: np.ndarray) -> float | None:
         return None
     tried = means[:: max(1, len(means) // _MOST_SPACED)]
     tree: Any = KDTree(means)  # scipy annotates `query` for a single neighbour only
-    distances = tree.query(tried, k=min(_NEIGHBOURS, len(means)))[0]
+    distances = np.asarray(tree.query(tried, k=min(_NEIGHBOURS, len(means)))[0])
     nearest = np.where(distances > 0, distances, np.inf).min(axis=1)
     nearest = nearest[np.isfinite(nearest)]
     return float(np.median(nearest)) if len(nearest) else None
@@ -218,7 +218,7 @@ def _blank(values: np.ndarray, bad: np.ndarray, what: str, shown: str, notes: li
     Raises:
         UserError: That are most of them.
     """
-    rows = bad.reshape(len(bad), -1).any(axis=1)
+    rows = np.asarray(bad.reshape(len(bad), -1).any(axis=1))
     if rows.sum() > _MOST_BAD * len(rows):
         raise UserError(
             f"{shown} does not have the encoding that was given",

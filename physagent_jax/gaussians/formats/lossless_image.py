@@ -35,12 +35,7 @@ def decode_image(data: bytes, shown: str, *, least: int, most: int, flat: bool =
             got=f"{width} x {height} pixels, {least:,} to {most:,} are expected",
             do="Export the scene again",
         )
-    import cv2  # heavy
-
-    try:
-        image = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error as error:
-        raise _explain_damage(shown, shorten(error)) from None
+    image = _decode_quietly(data, shown)
     if image is None or image.dtype != np.uint8 or image.shape[:2] != (height, width):
         raise _explain_damage(shown, "no image of 8 bits")
     if image.ndim != 3 or image.shape[2] not in (3, 4):
@@ -49,6 +44,20 @@ def decode_image(data: bytes, shown: str, *, least: int, most: int, flat: bool =
     rgba[..., : image.shape[2]] = image
     rgba[..., :3] = image[..., 2::-1]
     return rgba.reshape(-1, 4) if flat else rgba
+
+
+def _decode_quietly(data: bytes, shown: str) -> np.ndarray | None:
+    """OpenCV's decoder, whose own words on damaged files would come between those of the command."""
+    import cv2  # heavy
+
+    log = cv2.utils.logging
+    level = log.setLogLevel(log.LOG_LEVEL_SILENT)
+    try:
+        return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:
+        raise _explain_damage(shown, shorten(error)) from None
+    finally:
+        log.setLogLevel(level)
 
 
 def _read_size(data: bytes, shown: str) -> tuple[int, int]:

@@ -19,6 +19,7 @@ import numpy as np
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.formats.base import SplatData
 from physagent_jax.gaussians.formats.encoding import decode, find_stated
+from physagent_jax.gaussians.formats.packing import colours_to_sh
 from physagent_jax.gaussians.formats.ply_header import PlyHeader, parse_ply_head
 from physagent_jax.gaussians.formats.ply_vertices import Vertices, read_vertices
 
@@ -28,7 +29,6 @@ SCALE = ("scale_0", "scale_1", "scale_2")
 ROTATION = ("rot_0", "rot_1", "rot_2", "rot_3")
 RGB = (("red", "green", "blue"), ("r", "g", "b"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
 
-_SH_C0 = 0.28209479177387814  # the constant spherical harmonic: colour = 0.5 + _SH_C0 * coefficient
 _MOST_DEGREE = 3
 _BEYOND_WHITE = 4.0  # a coefficient of white is 1.8
 _FEWEST_COLOURS, _SPREAD = 50, 0.5  # colours from which their spread over [0, 1] says something
@@ -112,8 +112,6 @@ def find_gaussian_properties(header: PlyHeader) -> set[str] | None:
     if it has any property of theirs: what it lacks is then said.
     """
     vertex, face = header.element("vertex"), header.element("face")
-    if header.element("chunk") is not None:  # positions and scales are quantised within chunks
-        return None
     if vertex is None:
         return set()
     names = vertex.names
@@ -176,7 +174,7 @@ def _read_sh(vertices: Vertices, rest_names: list[str], notes: list[str]) -> tup
             notes.append(
                 f"{vertices.shown}: its `f_dc_*` are read as RGB colours of 0 to 255, which their values show"
             )
-            return _find_coefficients(dc / 255.0), "RGB colours of 0 to 255"
+            return colours_to_sh(dc[:, None, :] / 255.0), "RGB colours of 0 to 255"
         if known.max() <= 1.0 and np.ptp(known) >= _SPREAD:
             notes.append(
                 f"{vertices.shown}: its `f_dc_*` are all in 0 to 1. They are read as SH, colours of 0.5 to 0.78; "
@@ -217,12 +215,7 @@ def _read_rgb(vertices: Vertices, names: Sequence[str]) -> tuple[np.ndarray, str
                 got=f"{low:.3g} to {high:.3g}",
                 do="Export the scene again",
             )
-    return _find_coefficients(rgb / span), f"RGB colours of 0 to {span:g}"
-
-
-def _find_coefficients(rgb: np.ndarray) -> np.ndarray:
-    """Coefficients of degree 0, shape (n, 1, 3), of colours in [0, 1], shape (n, 3)."""
-    return ((rgb - 0.5) / _SH_C0)[:, None, :]
+    return colours_to_sh(rgb[:, None, :] / span), f"RGB colours of 0 to {span:g}"
 
 
 def _read_opacities(vertices: Vertices, notes: list[str]) -> tuple[bool, np.ndarray]:

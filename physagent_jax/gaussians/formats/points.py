@@ -37,11 +37,6 @@ class _PointPly:
     def read(self, path: Path, encoding: str | None) -> NoReturn:
         """Refuses the file; see `Format.read`."""
         header, shown = read_ply_header(path), shorten(path)
-        if header.element("chunk") is not None:
-            raise UserError(
-                f"{shown} is a compressed PLY (SuperSplat's quantised chunks), which is not read",
-                do="Convert it to a standard PLY, e.g. `splat-transform in.compressed.ply out.ply`",
-            )
         vertex = header.element("vertex")
         names = set() if vertex is None else vertex.names
         if vertex is None or not names >= set("xyz"):

@@ -67,7 +67,7 @@ class _Sog:
     """PlayCanvas SOG."""
 
     name = "SOG (PlayCanvas)"
-    suffixes = (".sog", META)
+    suffixes = (".sog",)
 
     def matches(self, head: bytes) -> bool:
         """Whether the file is a zip of images or names the images of Gaussians."""

@@ -142,7 +142,7 @@ def _unpack_zstd_stream(data: bytes, size: int, shown: str) -> bytes:
 def _find_zstd(shown: str):
     """A function (frame, most bytes) -> bytes and the exceptions that it raises."""
     try:
-        import zstandard
+        import zstandard  # pyright: ignore[reportMissingImports]
 
         def unpack(data: bytes, size: int) -> bytes:
             # Not `decompress`: it takes as much memory as the frame says, whatever the limit.
