@@ -150,15 +150,13 @@ def _draw_up(picture: np.ndarray, up: str) -> None:
 def _draw_axes(picture: np.ndarray, camera: Camera, rotation: np.ndarray) -> None:
     """Draws the file's axes as seen from the camera into the lower left corner, the farthest first."""
     axes = np.asarray(camera.viewmat, np.float64)[:3, :3] @ rotation  # columns: the file's x, y, z
-    origin = np.array([54, HEIGHT - 60])
+    origin = (54, HEIGHT - 60)
     for index in np.argsort(-axes[2]):
-        tip = origin + AXIS * axes[:2, index]
-        end = tuple(int(each) for each in np.round(tip))
-        cv2.arrowedLine(
-            picture, tuple(origin.tolist()), end, AXIS_COLOURS[index], 2, cv2.LINE_AA, tipLength=0.25
-        )
-        text = origin + (AXIS + 10) * axes[:2, index] + [-4, 4]
-        _write(picture, "xyz"[index], tuple(int(each) for each in text), AXIS_COLOURS[index])
+        (x, y), (dx, dy) = origin, axes[:2, index]
+        tip = round(x + AXIS * dx), round(y + AXIS * dy)
+        cv2.arrowedLine(picture, origin, tip, AXIS_COLOURS[index], 2, cv2.LINE_AA, tipLength=0.25)
+        beyond = round(x - 4 + (AXIS + 10) * dx), round(y + 4 + (AXIS + 10) * dy)
+        _write(picture, "xyz"[index], beyond, AXIS_COLOURS[index])
 
 
 def _write(picture: np.ndarray, text: str, at: tuple[int, int], colour: tuple[int, int, int] = INK) -> None:

@@ -78,13 +78,13 @@ def guess_up(points: np.ndarray) -> UpGuess:
     best, *others = sorted(sides, key=lambda side: -side.score)
     if best.score < LEAST_SCORE:
         return UpGuess(None, "the shape does not tell: on none of its sides would it stand flat and firm")
-    rivals = [
+    rivals: list[SignedAxis] = [
         side.up
         for side in others
         if side.score > best.score / CLEARLY or (side.flatness >= FLAT and side.work >= FIRM)
     ]
     if rivals:
-        listed = ", ".join(find_opposite(up) for up in (best.up, *rivals))
+        listed = ", ".join(map(find_opposite, [best.up, *rivals]))
         return UpGuess(None, f"the shape does not tell: it would stand on several of its sides ({listed})")
     side = find_opposite(best.up)
     what = "is flat and as broad as the whole, as ground is," if best.share >= GROUND else "is flat"
