@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from physagent_jax.forces.schema import ForceField as ForceField
     from physagent_jax.kernels.compile_cache import enable_compile_cache as enable_compile_cache
     from physagent_jax.render.camera import look_at as look_at
+    from physagent_jax.run.findings import Inspection as Inspection
     from physagent_jax.run.finished import FinishedRun as FinishedRun
     from physagent_jax.run.finished import open_run as open_run
-    from physagent_jax.run.inspection import Inspection as Inspection
     from physagent_jax.run.inspection import inspect_object as inspect_object
     from physagent_jax.run.spec import RunSpec as RunSpec
     from physagent_jax.scene.parameters import SceneParameters as SceneParameters
@@ -44,7 +44,7 @@ _PLACES = {
     "FinishedRun": "run.finished",
     "ForceField": "forces.schema",
     "ForceFieldParameters": "forces.parameters",
-    "Inspection": "run.inspection",
+    "Inspection": "run.findings",
     "LoadedObject": "api",
     "Recording": "simulation.recording",
     "RunSpec": "run.spec",

@@ -53,7 +53,7 @@ def refused(capsys, *arguments):
 
 
 def find_facts(path, **options):
-    """What the command prints with ``--json``, without a picture, which takes longest."""
+    """The object that the command prints with ``--json``, without a picture, which takes longest."""
     return json.loads(pa.inspect_object(path, **options).model_dump_json())
 
 

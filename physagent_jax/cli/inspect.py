@@ -1,4 +1,4 @@
-"""`physagent inspect`: what an object file is, which way up it is, and how to begin with it."""
+"""`physagent inspect`: the contents of an object file, its up axis, a picture, and the command that begins a run."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import tyro
 from physagent_jax.scene.config import SignedAxis, SplatEncoding
 
 if TYPE_CHECKING:
-    from physagent_jax.run.inspection import Inspection, PlannedRun
+    from physagent_jax.run.findings import Inspection, PlannedRun
 
 
 @dataclasses.dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Inspect:
     kind: str | None = None
     """plant, food, robot, ...; default: its card, else from the file's name."""
     splat_encoding: SplatEncoding | None = None
-    """As for `physagent run`."""
+    """The way in which scales and opacities are stored; default: found from the content."""
     opacity_threshold: float = 0.02
     """Gaussians with less opacity are left out."""
     out: Path | None = None

@@ -59,12 +59,12 @@ class Cache:
     """A folder of compiled code.
 
     Attributes:
-        name: What is kept there.
+        name: The kind of code that is kept there.
         folder: The folder; None = nothing is kept.
         count: Kernels or programs that are kept.
         total: Kernels that there are; None = any number.
         size: Size of the files [bytes].
-        writable: Whether this process may write there.
+        writable: True = this process may write there.
     """
 
     name: str

@@ -212,7 +212,7 @@ def _find_version(name: str) -> str | None:
 
 
 def _name_target(extra: str) -> str:
-    """What pip is told to install for an extra: the checkout, where this package is installed from one."""
+    """The argument of pip for an extra: the checkout, where this package is installed from one."""
     try:
         origin = json.loads(metadata.distribution(PROJECT).read_text("direct_url.json") or "{}")
     except (metadata.PackageNotFoundError, ValueError):

@@ -46,7 +46,7 @@ def draw_preview(
         cloud: The object's Gaussians in the world [m].
         placement: From the file's frame to the world.
         camera: The direction from which the front is seen; where it stands follows from the object.
-        domain: What the object is placed in.
+        domain: The domain that the object is placed in.
         up: The label of the arrow that points up.
 
     Returns:
