@@ -151,14 +151,16 @@ def test_loose_pieces(tmp_path):
 
 
 def test_gaussians_that_are_out_of_the_ordinary(tmp_path):
-    """A cloud of Gaussians as large as itself."""
+    """A cloud that is one blob, and one of Gaussians as large as itself, which a run refuses."""
     jelly = PROCEDURAL["jelly"](0)
-    blob = GaussianCloud(jelly.means, jelly.quats, 40 * jelly.scales, jelly.opacities, jelly.sh)
-    write_ply(tmp_path / "jelly.ply", blob)
-    said = find_facts("jelly.ply", splat_encoding="log-logit")
-    assert len(said["degenerate"]) == 1 and "as large as the object" in said["degenerate"][0]
-    assert said["degenerate"][0] not in said["notes"]
-    assert "--splat-encoding log-logit" in said["command"]
+    for factor, words, refused in ((12, "blur into one blob", False), (40, "as large as the object", True)):
+        blob = GaussianCloud(jelly.means, jelly.quats, factor * jelly.scales, jelly.opacities, jelly.sh)
+        write_ply(tmp_path / "jelly.ply", blob)
+        said = find_facts("jelly.ply", splat_encoding="log-logit")
+        assert len(said["degenerate"]) == 1 and words in said["degenerate"][0]
+        assert said["degenerate"][0] not in said["notes"]
+        assert "--splat-encoding log-logit" in said["command"]
+        assert (said["run"] is None) == (said["refusal"] is not None) == refused
 
 
 def test_far_from_the_origin(tmp_path, capsys):

@@ -84,7 +84,7 @@ def inspect_object(
         command=_make_command(choice, found),
     )
     run = resolve(spec.model_copy(update=dict(object=choice)))
-    body, plan = _plan(run, inspection.notes)
+    body, plan = _plan(run, inspection)
     inspection = inspection.model_copy(update=plan)
     if preview is not None:
         source, domain = run.template.source, run.template.preset.domain
@@ -109,6 +109,7 @@ def _make_spec(**options: object) -> RunSpec:
 def _describe_content(path: Path, loaded: LoadedSplats) -> dict[str, Any]:
     """The fields of `Inspection` that the file alone decides."""
     facts = dict(format=loaded.format_name, encoding=loaded.encoding, notes=loaded.notes)
+    facts |= dict(degenerate=diagnose_cloud(loaded.cloud))
     if find_format(read_head(path), path) is None:
         mesh = read_mesh(path)
         count = len(mesh.faces)
@@ -170,7 +171,7 @@ def _choose_kind(given: str | None, card: ObjectCard, path: Path) -> Kind:
     )
 
 
-def _plan(run: ResolvedRun, told: tuple[str, ...]) -> tuple[Body | None, dict[str, Any]]:
+def _plan(run: ResolvedRun, seen: Inspection) -> tuple[Body | None, dict[str, Any]]:
     """The object at rest, None if it cannot be made, and the fields of `Inspection` on what a run makes of it."""
     preset, template = run.template.preset, run.template
     with warnings.catch_warnings(record=True) as caught:
@@ -180,7 +181,7 @@ def _plan(run: ResolvedRun, told: tuple[str, ...]) -> tuple[Body | None, dict[st
             template, changed = run.place(body)
             config = fuse(template, body, ForceField())
         except UserError as error:
-            return None, dict(refusal=str(error), notes=_collect(told, run.warnings, caught))
+            return None, dict(refusal=str(error), notes=_collect(seen, run.warnings, caught))
     cost, refusal = estimate_cost(config, body, run.spec.save.video_size), None
     try:
         check_cost(cost, Limits())
@@ -197,15 +198,15 @@ def _plan(run: ResolvedRun, told: tuple[str, ...]) -> tuple[Body | None, dict[st
         seconds=cost.seconds,
         memory=cost.memory,
     )
-    degenerate = diagnose_cloud(body.cloud)
-    notes = _collect(told, (*run.warnings, *changed), caught)
-    notes = tuple(each for each in notes if each not in (*degenerate, explain_loose(body.loose)))
-    return body, dict(run=planned, refusal=refusal, pieces=pieces, degenerate=degenerate, notes=notes)
+    notes = _collect(seen, (*run.warnings, *changed), caught)
+    notes = tuple(each for each in notes if each != explain_loose(body.loose))
+    return body, dict(run=planned, refusal=refusal, pieces=pieces, notes=notes)
 
 
-def _collect(told: tuple[str, ...], more: tuple[str, ...], caught: list) -> tuple[str, ...]:
-    """All notes, each once."""
-    return tuple(dict.fromkeys((*told, *more, *(str(each.message) for each in caught))))
+def _collect(seen: Inspection, more: tuple[str, ...], caught: list) -> tuple[str, ...]:
+    """All notes, each once; those on degenerate Gaussians have a place of their own."""
+    notes = dict.fromkeys((*seen.notes, *more, *(str(each.message) for each in caught)))
+    return tuple(each for each in notes if each not in seen.degenerate)
 
 
 def _make_command(choice: ObjectChoice, kind: Kind) -> str:
