@@ -29,8 +29,10 @@ if TYPE_CHECKING:
     from physagent_jax.forces.schema import ForceField as ForceField
     from physagent_jax.kernels.compile_cache import enable_compile_cache as enable_compile_cache
     from physagent_jax.render.camera import look_at as look_at
+    from physagent_jax.run.findings import Inspection as Inspection
     from physagent_jax.run.finished import FinishedRun as FinishedRun
     from physagent_jax.run.finished import open_run as open_run
+    from physagent_jax.run.inspection import inspect_object as inspect_object
     from physagent_jax.run.spec import RunSpec as RunSpec
     from physagent_jax.scene.parameters import SceneParameters as SceneParameters
     from physagent_jax.simulation.recording import Recording as Recording
@@ -42,12 +44,14 @@ _PLACES = {
     "FinishedRun": "run.finished",
     "ForceField": "forces.schema",
     "ForceFieldParameters": "forces.parameters",
+    "Inspection": "run.findings",
     "LoadedObject": "api",
     "Recording": "simulation.recording",
     "RunSpec": "run.spec",
     "SceneParameters": "scene.parameters",
     "build_scene": "api",
     "enable_compile_cache": "kernels.compile_cache",
+    "inspect_object": "run.inspection",
     "load_object": "api",
     "load_scene": "api",
     "look_at": "render.camera",
@@ -63,6 +67,7 @@ __all__ = [
     "FinishedRun",
     "ForceField",
     "ForceFieldParameters",
+    "Inspection",
     "LoadedObject",
     "Recording",
     "RunSpec",
@@ -70,6 +75,7 @@ __all__ = [
     "__version__",
     "build_scene",
     "enable_compile_cache",
+    "inspect_object",
     "load_object",
     "load_scene",
     "look_at",

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from contextlib import nullcontext
+from typing import Any
 
 from physagent_jax.cli.stopping import Stopped, allow_stopping
-from physagent_jax.cli.text import accept_any_character, check_arguments
 from physagent_jax.core.errors import UserError
 
 _SPLATS = ("--save-splats", "--save_splats")
@@ -29,7 +30,7 @@ def main(arguments: list[str] | None = None) -> int:
     except BrokenPipeError:  # whoever reads the output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
-    except (UserError, OSError, MemoryError) as error:
+    except (UserError, OSError, MemoryError, ModuleNotFoundError) as error:
         if debug:
             raise
         print(f"physagent: {_to_user_error(error)}", file=sys.stderr)
@@ -41,6 +42,10 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _execute(arguments: list[str], simulates: bool) -> int:
+    if arguments[:1] == ["doctor"]:
+        return _examine(arguments)
+    from physagent_jax.cli.text import accept_any_character, check_arguments
+
     accept_any_character()
     check_arguments(arguments)
     if _is_computing(arguments):
@@ -51,17 +56,38 @@ def _execute(arguments: list[str], simulates: bool) -> int:
         from physagent_jax.simulation.ahead import compile_ahead
 
         compile_ahead()  # while the rest is imported
-    import tyro
-
     from physagent_jax.cli.commands import COMMANDS, DESCRIPTION
 
-    command = tyro.extras.subcommand_cli_from_dict(
-        COMMANDS,
+    return _parse(COMMANDS, join_options(arguments) or ["--help"], DESCRIPTION)()
+
+
+def _parse(commands: dict[str, Any], arguments: list[str], description: str = "") -> Callable[[], int]:
+    import tyro
+
+    return tyro.extras.subcommand_cli_from_dict(
+        commands,
         prog="physagent",
-        description=DESCRIPTION,
-        args=join_options(arguments) or ["--help"],
+        description=description,
+        args=arguments,
         config=(tyro.conf.EnumChoicesFromValues, tyro.conf.FlagCreatePairsOff, tyro.conf.DisallowNone),
     )
+
+
+def _examine(arguments: list[str]) -> int:
+    """Runs `physagent doctor`, which works where packages are missing that other commands need.
+
+    Without tyro its arguments are not checked.
+    """
+    from physagent_jax.cli.doctor import Doctor
+
+    try:
+        from physagent_jax.cli.text import accept_any_character, check_arguments
+
+        accept_any_character()
+        check_arguments(arguments)
+        command = _parse({"doctor": Doctor}, arguments)
+    except ImportError:
+        command = Doctor(json="--json" in arguments)
     return command()
 
 
@@ -83,13 +109,15 @@ def join_options(arguments: list[str]) -> list[str]:
 def _is_computing(arguments: list[str]) -> bool:
     """Whether a command needs devices and caches; help texts and schemas come whatever state those are in."""
     helped = not arguments or bool({"-h", "--help"} & set(arguments))
-    return not helped and arguments[0] not in ("schema", "report")
+    return not helped and arguments[0] not in ("schema", "report", "doctor")
 
 
-def _to_user_error(error: UserError | OSError | MemoryError) -> UserError:
+def _to_user_error(error: UserError | OSError | MemoryError | ModuleNotFoundError) -> UserError:
     """What to tell; the one place for refusals of the operating system that no reader or writer has foreseen."""
     if isinstance(error, UserError):
         return error
+    if isinstance(error, ModuleNotFoundError):
+        return UserError(f"the package `{error.name}` is missing", do="`physagent doctor` says how to get it")
     if isinstance(error, MemoryError):
         return UserError("the memory does not suffice", do="Use fewer particles, frames, pixels or cells")
     what = "the operating system refuses"

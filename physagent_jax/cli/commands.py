@@ -10,6 +10,8 @@ from typing import Literal
 
 import tyro
 
+from physagent_jax.cli.doctor import Doctor
+from physagent_jax.cli.inspect import Inspect
 from physagent_jax.cli.materials import Materials
 from physagent_jax.cli.plan import Plan
 from physagent_jax.cli.run import Run
@@ -118,6 +120,7 @@ class Report:
 
 
 COMMANDS = {
+    "inspect": Inspect,
     "run": Run,
     "plan": Plan,
     "simulate": Simulate,
@@ -126,4 +129,5 @@ COMMANDS = {
     "import-physgaussian": ImportPhysGaussian,
     "schema": Schema,
     "report": Report,
+    "doctor": Doctor,
 }

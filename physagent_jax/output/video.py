@@ -25,6 +25,17 @@ from physagent_jax.core.files import replace_file, write_bytes
 QUALITY = {"crf": "16", "preset": "veryfast", "threads": "1", "mbtree": "0"}
 
 
+ENCODER = "libx264"
+
+
+def find_encoder() -> str | None:
+    """The H.264 encoder with its library's description; None if this build of PyAV has none."""
+    try:
+        return f"{ENCODER}, {av.Codec(ENCODER, 'w').long_name}"
+    except (FFmpegError, ValueError):
+        return None
+
+
 def write_video(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> Path:
     """Writes frames as an H.264 mp4 (yuv420p, BT.709, limited range).
 
@@ -135,7 +146,7 @@ def _check_frames(frames: np.ndarray) -> np.ndarray:
 
 
 def _add_h264_stream(file: OutputContainer, width: int, height: int, fps: float):
-    stream = file.add_stream("libx264", rate=Fraction(fps).limit_denominator(1001), options=QUALITY)
+    stream = file.add_stream(ENCODER, rate=Fraction(fps).limit_denominator(1001), options=QUALITY)
     stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
     # Untagged files are shown with BT.601 or BT.709 by taste of the player: colours would shift.
     context = stream.codec_context

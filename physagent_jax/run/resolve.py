@@ -168,7 +168,8 @@ def resolve(
     warnings += () if turned is None else (turned,)
     if up is None:
         warnings += (
-            "the file's up axis is not known: +z assumed; pass --up if the object lies or stands on its head",
+            "the file's up axis is not known: +z assumed; pass --up if the object lies or stands on its head "
+            "(`physagent inspect` shows it)",
         )
     if spec.perception.prompt is not None:
         rendering, timing = template.preset.rendering, template.preset.timing

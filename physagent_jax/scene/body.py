@@ -14,7 +14,7 @@ from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
 from physagent_jax.scene.load import load_object
-from physagent_jax.scene.pieces import explain_loose, join_pieces
+from physagent_jax.scene.pieces import LoosePiece, explain_loose, join_pieces
 from physagent_jax.scene.placement import Placement, place
 
 FEWEST_PER_CELL = 3
@@ -30,6 +30,7 @@ class Body:
         particles: The material points, at rest.
         binding: Which particles each Gaussian follows.
         reading: How the object's file was read, in words; "" = it was not read from a file.
+        loose: Pieces that nothing joins to the rest.
     """
 
     cloud: GaussianCloud
@@ -37,6 +38,7 @@ class Body:
     particles: Particles
     binding: Binding
     reading: str = ""
+    loose: tuple[LoosePiece, ...] = ()
 
     @property
     def low(self) -> np.ndarray:
@@ -71,7 +73,7 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     check_cloud(cloud)
     for text in diagnose_cloud(cloud):
         warnings.warn(text, stacklevel=2)
-    particles = fill(cloud, filling, dx=domain.dx)
+    particles, loose = fill(cloud, filling, dx=domain.dx), ()
     if filling.join:
         particles, loose = join_pieces(particles, domain.dx)
         if (seen := explain_loose(loose)) is not None:
@@ -80,7 +82,7 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     reading = (
         f"{loaded.format_name}: {loaded.encoding}; {cloud.count:,} of {loaded.count_in_file:,} Gaussians kept"
     )
-    return Body(cloud, placement, particles, bind(cloud.means, particles.x), reading)
+    return Body(cloud, placement, particles, bind(cloud.means, particles.x), reading, loose)
 
 
 def _warn_if_sparse(particles: Particles, dx: float) -> None:

@@ -1,7 +1,7 @@
 """Closed meshes as signed distances on a regular grid, for `mpm.SignedDistance`.
 
-Near the surface the distances are those to the triangles, exact to round-off. Deep inside and far outside,
-where an obstacle needs only the sign and a rough direction, they are those to one near triangle. The sign
+Near the surface the distances are those to the triangles, exact to round-off (`narrow_band`). Deep inside and far
+outside, where an obstacle needs only the sign and a rough direction, they are those to one near triangle. The sign
 comes from the winding number along vertical lines, so parts of the mesh may overlap; but deep inside such a
 solid the distance is that to its inner faces.
 """
@@ -13,19 +13,17 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from scipy.spatial import KDTree
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.scene.mesh_files import read_mesh
+from physagent_jax.scene.narrow_band import BAND as BAND
+from physagent_jax.scene.narrow_band import MOST_PAIRS, measure_distances
 
 MARGIN = 3  # cells around the mesh
-BAND = 2.5  # cells to either side of the surface within which distances are exact
-# What a mesh may cost, about a minute each: where many pieces are equally far, as in a ball, a sample takes 50 us.
-_MOST_SAMPLES = 1_200_000
-_MOST_PIECES = 20_000_000
-_MOST_PAIRS = 1_000_000_000  # of lines or samples and the triangles near them
+# What a mesh may cost: about half a minute.
+_MOST_SAMPLES = 4_000_000  # a domain of 150 cells
 _FARTHEST = 1e9  # cells from the origin: float64 still places the surface to 1e-6 of a cell
-_PAIRS = 2_000_000  # of points and triangles at once
+_PAIRS = 2_000_000  # of lines and triangles at once
 # Vertical lines pass a little beside the samples, so as to miss vertices and edges that lie on them. The shift
 # is far less than the distance at which a node counts as in contact.
 _SHIFT = np.array([1.37e-6, 2.11e-6])  # in spacings
@@ -88,45 +86,58 @@ def sample(
     span = f"{_round(least)} to {_round(greatest)} m"
     first = np.floor(np.maximum(least, low) / spacing) - MARGIN  # floats: they may be beyond any integer
     last = np.ceil(np.minimum(greatest, high) / spacing) + MARGIN
-    pieces = np.zeros((0, 3, 3))
+    reaching = np.zeros((0, 3, 3))
     if (last >= first).all():
-        _check_cost(triangles, spacing, first, last, place, span)
-        first, last = first.astype(int), last.astype(int)
-        pieces = _split(triangles, spacing, spacing * first, spacing * last)
-    if len(pieces) == 0:
-        raise UserError(
-            f"`{place}`: no part of the mesh's surface is in the domain",
-            got=f"it spans {span}",
-            do="Check its `scale` and `position`",
-        )
+        reaching = triangles[_reach(triangles, spacing * first, spacing * last)]
+        _check_cost(triangles, reaching, spacing, first, last, place, span)
+    if len(reaching) == 0:
+        raise _explain_absence(place, span)
+    first, last = first.astype(int), last.astype(int)
+    shape = tuple(int(count) for count in last - first + 1)
+    try:
+        distance, exact = measure_distances(reaching / spacing - first, (shape[0], shape[1], shape[2]))
+    except UserError as error:
+        raise UserError(f"`{place}`: {error.what}", got=error.got, do=error.do) from None
+    if not exact.any():
+        raise _explain_absence(place, span)
     axes = [spacing * np.arange(a, b + 1) for a, b in zip(first, last)]
-    distance = _measure_distance(axes, pieces, spacing, place)
     inside = winding_number(triangles, axes) != 0
     if not inside.any():
         warnings.warn(f"`{place}`: no grid node lies in the mesh, which stops nothing there", stacklevel=2)
-    return np.where(inside, -distance, distance), spacing * first
+    return spacing * np.where(inside, -distance, distance), spacing * first
+
+
+def _reach(triangles: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Whether triangles reach into a box."""
+    return ((triangles.max(1) >= low) & (triangles.min(1) <= high)).all(1)
+
+
+def _explain_absence(place: str, span: str) -> UserError:
+    return UserError(
+        f"`{place}`: no part of the mesh's surface is in the domain",
+        got=f"it spans {span}",
+        do="Check its `scale` and `position`",
+    )
 
 
 def _check_cost(
-    triangles: np.ndarray, spacing: float, first: np.ndarray, last: np.ndarray, place: str, span: str
+    triangles: np.ndarray,
+    reaching: np.ndarray,
+    spacing: float,
+    first: np.ndarray,
+    last: np.ndarray,
+    place: str,
+    span: str,
 ) -> None:
-    """Refuses what takes too many samples, pieces or crossings, or lies too far away, before any are made.
+    """Refuses what takes too many samples or crossings, or lies too far away, before any are made.
 
     Raises:
         UserError: It does; tells how many there would be.
     """
     with np.errstate(over="ignore"):  # what overflows is too many
-        shape = last - first + 1
-        box = spacing * np.stack([first, last])
-        low, high = (np.clip(corner, *box) for corner in (triangles.min(1), triangles.max(1)))
-        reaches = ((triangles.max(1) >= box[0]) & (triangles.min(1) <= box[1])).all(1)
-        sides = np.sort((high - low)[reaches] / spacing, axis=1)
-        areas = trimesh.triangles.area(triangles[reaches]) / spacing**2
-        # Pieces have legs of half a cell to a cell, and lie in the box.
         counted = {
-            "cells": (shape.prod(), _MOST_SAMPLES),
-            "pieces of surface": ((1 + 8 * np.minimum(areas, sides[:, 1] * sides[:, 2])).sum(), _MOST_PIECES),
-            "crossings": (((high - low)[reaches, :2] / spacing + 1).prod(1).sum(), _MOST_PAIRS),
+            "cells": ((last - first + 1).prod(), _MOST_SAMPLES),
+            "crossings": (_bound_crossings(reaching, spacing, first, last), MOST_PAIRS),
             "cells from the origin": (np.abs(triangles).max() / spacing, _FARTHEST),
         }
     for what, (count, most) in counted.items():
@@ -136,6 +147,11 @@ def _check_cost(
                 got=f"{count:,.4g} {what}, at most {most:,.4g}; it reaches from {span}",
                 do="Reduce its `scale`, or use fewer `domain.cells`",
             )
+
+
+def _bound_crossings(triangles: np.ndarray, spacing: float, first: np.ndarray, last: np.ndarray) -> float:
+    low, high = (np.clip(c / spacing, first, last) for c in (triangles.min(1), triangles.max(1)))
+    return float((high[:, :2] - low[:, :2] + 1).prod(1).sum())
 
 
 def _round(point: np.ndarray) -> str:
@@ -183,59 +199,6 @@ def _count_crossings(crossings, flat, heights, first, sides, z) -> None:
 
 def _compute_areas(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-
-
-def _measure_distance(axes: list[np.ndarray], pieces: np.ndarray, spacing: float, place: str) -> np.ndarray:
-    """Distances to small triangles at a grid's points [m], shape (a, b, c), exact where they are below `BAND`."""
-    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    shape, points = points.shape[:3], points.reshape(-1, 3)
-    centres = pieces.mean(1)
-    radius = float(np.linalg.norm(pieces - centres[:, None], axis=2).max())
-    tree = KDTree(centres)
-    to_centre, nearest = map(np.asarray, tree.query(points, workers=-1))
-    result = np.empty(len(points))
-    for part in _split_chunks(np.ones(len(points))):
-        result[part] = _to_triangles(points[part], pieces[nearest[part]])
-    band = BAND * spacing + radius
-    near = np.flatnonzero(to_centre <= band)
-    to_centre = to_centre[near]
-    # The nearest piece of the surface has its centre within the nearest centre's distance plus its own radius.
-    reach = to_centre + radius + 1e-9 * spacing
-    counts = tree.query_ball_point(points[near], reach, return_length=True)
-    if (pairs := int(np.sum(counts))) > _MOST_PAIRS:
-        raise UserError(
-            f"`{place}`: the mesh is too fine for the grid",
-            got=f"{len(pieces):,} pieces of surface, {pairs:,} distances",
-            do="Simplify the mesh, or enlarge its `scale`",
-        )
-    for part in _split_chunks(np.asarray(counts)):
-        at = near[part]
-        lists = tree.query_ball_point(points[at], reach[part])
-        lengths = np.array([len(l) for l in lists])
-        distances = _to_triangles(np.repeat(points[at], lengths, axis=0), pieces[np.concatenate(lists)])
-        result[at] = np.minimum.reduceat(distances, lengths.cumsum() - lengths)
-    return result.reshape(shape)
-
-
-def _to_triangles(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(trimesh.triangles.closest_point(triangles, points) - points, axis=1)
-
-
-def _split(triangles: np.ndarray, longest: float, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """The same surface in pieces with edges of at most ``longest``; only pieces that reach into a box are kept."""
-    done, rest = [], triangles
-    while len(rest):
-        rest = rest[((rest.max(1) >= low) & (rest.min(1) <= high)).all(1)]
-        edges = np.linalg.norm(np.roll(rest, -1, axis=1) - rest, axis=2)
-        small = edges.max(1) <= longest
-        done.append(rest[small])
-        rest, edges = rest[~small], edges[~small]
-        # Halve the longest edge, a to b.
-        order = (edges.argmax(1)[:, None] + np.arange(3)) % 3
-        a, b, c = np.take_along_axis(rest, order[:, :, None], axis=1).transpose(1, 0, 2)
-        middle = 0.5 * (a + b)
-        rest = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
-    return np.concatenate(done)
 
 
 def _split_chunks(costs: np.ndarray) -> list[slice]:

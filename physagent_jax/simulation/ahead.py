@@ -7,6 +7,11 @@ from physagent_jax.mpm import kernels as transfers
 from physagent_jax.render import kernels as blending
 
 
+def list_targets() -> ahead.Targets:
+    """The kernels that simulating and rendering any scene needs."""
+    return transfers.AHEAD | blending.AHEAD
+
+
 def compile_ahead() -> None:
     """Begins to compile what simulating and rendering any scene needs, unless the disk has it (`kernels.ahead`)."""
-    ahead.start_compiling(transfers.AHEAD | blending.AHEAD)
+    ahead.start_compiling(list_targets())

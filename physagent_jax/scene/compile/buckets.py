@@ -56,11 +56,17 @@ def pad_indices(held: np.ndarray, count: int) -> jax.Array:
 def pad_gaussians(cloud: GaussianCloud, binding: Binding) -> tuple[GaussianCloud, Binding]:
     """The Gaussians of a bucket: after the given ones, copies of the last that nobody sees."""
     missing = round_up(cloud.count) - cloud.count
+    return pad_cloud(cloud), jax.tree.map(lambda leaf: _repeat_last(leaf, missing), binding)
 
-    def last_again(leaf: jax.Array) -> jax.Array:
-        rows = np.asarray(leaf)
-        return to_device(np.concatenate([rows, np.repeat(rows[-1:], missing, axis=0)]))
 
-    filled, binding = jax.tree.map(last_again, (cloud, binding))
+def pad_cloud(cloud: GaussianCloud) -> GaussianCloud:
+    """The same without a binding, for Gaussians that only stand."""
+    missing = round_up(cloud.count) - cloud.count
+    filled = jax.tree.map(lambda leaf: _repeat_last(leaf, missing), cloud)
     opacities = to_device(np.pad(np.asarray(cloud.opacities), (0, missing)))
-    return dataclasses.replace(filled, opacities=opacities), binding
+    return dataclasses.replace(filled, opacities=opacities)
+
+
+def _repeat_last(leaf: jax.Array, times: int) -> jax.Array:
+    rows = np.asarray(leaf)
+    return to_device(np.concatenate([rows, np.repeat(rows[-1:], times, axis=0)]))

@@ -55,6 +55,7 @@ FINE = (
     "--material steel --soften auto", "--frames 2", "--ledger", "--physgm good-physgm.json",
     "--max-iterations 1", "--particles 50",
 )  # fmt: skip
+PICTURE = "picture.png"
 LINK, FIFO, DEVICE, FOLDER, EARLIER, NOTES = (
     "link.ply",
     "pipe.json",
@@ -84,6 +85,7 @@ def make(draw: Draw) -> Case:
         [_draw_option] * 3
         + [_draw_wrong] * 4
         + [_draw_pair, *[_draw_path] * 3, *[_draw_scene] * 2, _draw_small, _draw_make, _draw_variables]
+        + [_draw_inspect]
     )
     return kind(draw)
 
@@ -123,14 +125,14 @@ def _draw_path(draw: Draw) -> Case:
         "--anchor-mask", path),
         ["simulate", path, "--out", "out"], ["simulate", scenes.SCENE, *extra, "--out", out],
         ["simulate", scenes.SCENE, "--object", path, "--out", "out"], ["make", "jelly", *extra, "--out", out],
-        ["report", path],
+        ["report", path], ["inspect", path, "--out", PICTURE], ["inspect", seeds.OBJECT, *extra, "--out", out],
         ["import-physgaussian", path, "--object", seeds.OBJECT, "--out", "out.json"],
         ["import-physgaussian", "physgaussian.json", "--object", path, "--out", "out.json"],
         ["import-physgaussian", "physgaussian.json", *extra, "--object", seeds.OBJECT, "--out", out],
         _compose(prompt=path),
     )  # fmt: skip
     arguments = draw.one(commands)
-    mine = [path, str(Path(path).with_suffix(".card.json"))] if path in NEW else []
+    mine = [PICTURE, *([path, str(Path(path).with_suffix(".card.json"))] if path in NEW else [])]
     if arguments == ["report", path] and path in ("", "."):
         mine.append("report.html")  # a folder that holds a scene is a run
     return _make_case(arguments, own=tuple(mine))
@@ -145,9 +147,22 @@ def _draw_scene(draw: Draw) -> Case:
     return _make_case(["simulate", scenes.SCENE, "--out", "out", *options], {scenes.SCENE: content}, what)
 
 
+def _draw_inspect(draw: Draw) -> Case:
+    """An object that is damaged, or options at their edges; doctor takes none."""
+    if draw.chance(0.1):
+        return _make_case(["doctor", *draw.one([[], ["--json"], ["--jsno"], ["x"]])])
+    option = draw.one(["--up", "--kind", "--opacity-threshold", "--splat-encoding"])
+    values = (*NONSENSE, *WRONG.get(option, ()), "-y", "plant", "0.1", "log-logit", "plain-plain")
+    what, content = "", seeds.gaussians()
+    if draw.chance(0.6):
+        what, content = damaged(draw, content)
+    line = ["inspect", seeds.OBJECT, f"{option}={draw.one(values)}", "--out", draw.one([PICTURE, "x.jpg"])]
+    return _make_case([*line, *draw.one([[], ["--json"]])], {seeds.OBJECT: content}, what, own=(PICTURE,))
+
+
 def _draw_small(draw: Draw) -> Case:
     words = ("materials", "schema", "report", "simulate", "run", "make", "import-physgaussian", "--help", "-h",
-    "--json", "--debugg",
+    "inspect", "doctor", "--json", "--debugg",
              "steel", "scene", "force-field", "--out", "x", "", "--", "-", "--seed", "1", *WORDS[:12])  # fmt: skip
     if draw.chance(0.5):
         arguments = [draw.one(words) for _ in range(draw.randint(0, 4))]
@@ -200,7 +215,8 @@ def _make_case(
     return Case(
         shown, lambda folder: _call_main(arguments, folder, environment or {}), laid, prepare=_make_specials,
         own=("out", "out.json", *own),
-        refusals=(Refused,), must_refuse=must_refuse, seconds=SECONDS,
+        refusals=(Refused,), must_refuse=must_refuse,
+        seconds=4 * SECONDS if arguments[:1] == ["inspect"] else SECONDS,  # programs that draw are compiled
     )  # fmt: skip
 
 

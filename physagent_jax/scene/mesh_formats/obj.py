@@ -1,0 +1,94 @@
+"""Wavefront OBJ."""
+
+from __future__ import annotations
+
+import collections
+import io
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import shorten
+from physagent_jax.scene.mesh_formats.base import MeshPart, Neighbours, decode_utf8
+from physagent_jax.scene.mesh_formats.look import Look, Texture, as_rgba
+from physagent_jax.scene.mesh_formats.mtl import CUTOFF, Material, parse_mtl, read_picture
+
+_NUMBER = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_BAD_VERTEX = re.compile(rb"^v[ \t]+(?![ \t]|(?:%b[ \t]+){2}%b(?=\s|$))[^\n]*" % (_NUMBER, _NUMBER), re.M)
+_BAD_FACE = re.compile(rb"^f[ \t][^\n]*?(?<=[ \t])0+(?=[/\s]|$)[^\n]*", re.M)  # OBJ counts from 1
+_LINE = re.compile(rb"^[ \t]*(?:v|vt|vn|f)[ \t]+[-+.\d]", re.M)
+_LIBRARY = re.compile(rb"^mtllib[ \t]+([^\r\n]+)", re.M)
+
+
+class OBJ:
+    """Lines of vertices and faces, grouped by material."""
+
+    name = "OBJ"
+    suffixes = (".obj",)
+
+    def matches(self, head: bytes, size: int) -> bool:
+        """Whether the text has a line of a vertex or a face."""
+        return b"\0" not in head and _LINE.search(head) is not None
+
+    def read(self, data: bytes, path: Path, beside: Neighbours) -> list[MeshPart]:
+        """The file's parts, one for each material."""
+        from trimesh.exchange.obj import load_obj  # takes long to import
+
+        data = decode_utf8(data)
+        for pattern, what in ((_BAD_VERTEX, "three numbers"), (_BAD_FACE, "vertices counted from 1")):
+            if found := pattern.search(data):
+                line = repr(shorten(found.group().decode(), 60))
+                raise UserError(
+                    f"{shorten(path)}: a line does not have {what}", got=line, do="Export it again"
+                )
+        materials = _read_libraries(data, beside)
+        # The loader shall group faces by material; it gets the names alone.
+        names = "\n".join(f"newmtl {name}" for name in materials).encode()
+        loaded: Any = load_obj(io.BytesIO(data), resolver=collections.defaultdict(lambda: names))  # pyright: ignore
+        return [_make_part(each, materials, beside) for each in loaded.get("geometry", {}).values()]
+
+
+def _read_libraries(data: bytes, beside: Neighbours) -> dict[str, Material]:
+    materials: dict[str, Material] = {}
+    for name in dict.fromkeys(_LIBRARY.findall(data)):
+        text = beside.read_optional(name.decode())
+        if text is not None:
+            materials |= parse_mtl(decode_utf8(text).decode())
+    return materials
+
+
+def _make_part(loaded: dict[str, Any], materials: dict[str, Material], beside: Neighbours) -> MeshPart:
+    from trimesh import Trimesh
+
+    mesh = Trimesh(loaded["vertices"], loaded["faces"], process=False)  # cuts polygons
+    count, visual = len(mesh.vertices), loaded.get("visual")
+    material = materials.get(visual.material.name, Material()) if visual is not None else Material()
+    uv = visual.uv if visual is not None and visual.uv is not None and len(visual.uv) == count else None
+    normals = loaded.get("vertex_normals")
+    return MeshPart(
+        np.asarray(mesh.vertices, np.float64),
+        np.asarray(mesh.faces),
+        _make_look(material, uv, loaded.get("vertex_colors"), beside),
+        np.asarray(normals, np.float64) if normals is not None and len(normals) == count else None,
+    )
+
+
+def _make_look(
+    material: Material, uv: np.ndarray | None, vertex_colours: np.ndarray | None, beside: Neighbours
+) -> Look | None:
+    """A picture times Kd, else colours of the vertices, else Kd."""
+    factor = None if material.diffuse is None else np.append(material.diffuse, 1.0)
+    pixels = read_picture(material.picture, beside) if material.picture and uv is not None else None
+    if material.picture and uv is not None and pixels is not None:
+        picture = material.picture
+        placed = (uv * picture.scale + picture.offset) * [1, -1] + [0, 1]
+        if factor is not None and not factor[:3].any():
+            factor = None  # programs write a black Kd for "the picture alone"
+        cutoff = CUTOFF if material.cut_out and pixels[..., 3].any() else None
+        return Look(factor, texture=Texture(pixels, placed, (picture.wrap, picture.wrap)), cutoff=cutoff)
+    if vertex_colours is not None:
+        return Look(vertex_colours=as_rgba(vertex_colours))
+    return None if factor is None else Look(factor)
