@@ -6,6 +6,7 @@ import dataclasses
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.boundaries.box import Box
@@ -36,6 +37,11 @@ class Cuboid(Boundary):
     velocity: jax.Array
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
+
+    @property
+    def thickness(self) -> float:
+        """Its shortest side [m]."""
+        return 2 * float(np.min(self.half_size))
 
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Overwrites the velocities inside the box."""
