@@ -24,6 +24,7 @@ MARGIN = 3  # cells around the mesh
 # What a mesh may cost: about half a minute.
 _MOST_SAMPLES = 4_000_000  # a domain of 150 cells
 _THICKNESS_SAMPLES = 4000
+_CLEAR = 0.95  # of the least thickness: distances between nodes are right to a tenth of a cell
 _THIN_SHARE = 0.1  # of a surface from which on its walls count as thin; ears and horns alone do not
 _FARTHEST = 1e9  # cells from the origin: float64 still places the surface to 1e-6 of a cell
 _PAIRS = 2_000_000  # of lines and triangles at once
@@ -143,7 +144,7 @@ def measure_thickness(
     slope = np.stack([_interpolate(phi, at + step) - _interpolate(phi, at - step) for step in steps], axis=1)
     opposite = (slope * normal).sum(1) < -0.5 * np.linalg.norm(slope, axis=1)
     thickness = depth - _interpolate(phi, at)
-    thin = thickness[opposite & (thickness < (1 - 1e-3) * most) & (thickness > 0)]
+    thin = thickness[opposite & (thickness < _CLEAR * most) & (thickness > 0)]
     return float(np.median(thin)) if len(thin) > _THIN_SHARE * within.sum() else None
 
 

@@ -23,7 +23,8 @@ class Cuboid(Boundary):
 
     This is sticky contact with a moving box. It starts at ``point`` at time ``start`` and moves with
     ``velocity`` until ``end`` (PhysGaussian's "cuboid", without its reset of the whole grid outside the
-    window).
+    window). Derivatives by its speed and place are those between the nodes that it takes one after the other: at large
+    they are too small (`contact`).
 
     Attributes:
         point: Centre at ``start`` [m], shape (3,).
