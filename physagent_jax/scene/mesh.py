@@ -21,7 +21,7 @@ DISC_RADIUS = 0.7  # standard deviation over the mean spacing: the least that le
 TONE = (0.80, 0.77, 0.72)  # of a surface that declares no colour, sRGB
 # Flow follows what it can tell apart. On a plain ball that turns by 45 degrees about the vertical it is wrong by 8
 # degrees, with this grain by REPLACE; 4 % begin to look like clay.
-GRAIN = 0.03  # share by which that tone varies, too fine and faint to be seen as a pattern
+GRAIN = 0.04  # share by which that tone varies, too fine and faint to be seen as a pattern
 _GRAINS = 40.0  # of them along the longest side
 _MOST_DRAWS = 64  # draws of points, on a surface that is mostly cut out
 

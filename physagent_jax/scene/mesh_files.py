@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from pathlib import Path
 
@@ -12,6 +13,9 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import read_bytes, shorten
 from physagent_jax.scene.config.source import MOST_MESH_BYTES
 from physagent_jax.scene.mesh_formats import HEAD_BYTES, MeshPart, Neighbours, find_mesh_format
+
+# Its loaders log tracebacks of what they survive, which would reach the terminal.
+logging.getLogger("trimesh").addHandler(logging.NullHandler())
 
 _FARTHEST = 1e12  # in the file's units; float32 holds its square
 
