@@ -48,7 +48,7 @@ def gaussians_from_mesh(
     Raises:
         UserError: The file cannot be read, holds no faces, is wholly transparent, or its faces have no area.
     """
-    parts = [part for part in read_parts(path) if len(part.faces)]
+    parts = read_parts(path)
     mesh = trimesh.Trimesh(*join_parts(parts), process=False)
     points, faces, bary, rgb, area = _sample(mesh, parts, count, seed, shorten(path))
     keep = place_evenly(points, count)

@@ -45,7 +45,7 @@ def read_parts(path: str | Path) -> list[MeshPart]:
     kind, beside = find_mesh_format(data[:HEAD_BYTES], path), Neighbours(path)
     try:
         with np.errstate(all="ignore"):  # what overflows is found by the check
-            parts = kind.read(data, path, beside)
+            parts = [part for part in kind.read(data, path, beside) if len(part.faces)]
             _check_parts(parts, path)
     except UserError:
         raise
@@ -73,13 +73,11 @@ def join_parts(parts: list[MeshPart]) -> tuple[np.ndarray, np.ndarray]:
 
 def _check_parts(parts: list[MeshPart], path: Path) -> None:
     shown = shorten(path)
-    if not sum(len(part.faces) for part in parts):
+    if not parts:
         raise UserError(f"{shown} holds no faces", do="Give a mesh with triangles, or a 3DGS .ply")
     area = 0.0
     for part in parts:
         vertices, faces = part.vertices, part.faces
-        if len(faces) == 0:
-            continue
         if not (0 <= faces.min() and faces.max() < len(vertices)):
             raise UserError(
                 f"the faces of {shown} name vertices that it does not hold",

@@ -98,7 +98,7 @@ def test_a_bare_mesh_has_one_quiet_tone_and_no_pattern(box_path):
     cloud = gaussians_from_mesh(box_path, count=3000, smooth=False)
     unlit = colours(cloud) / bake_light(normals(cloud))[:, None]
     assert np.abs(unlit / np.asarray(TONE) - 1).max() < GRAIN + 1e-3
-    assert 0 < (unlit / np.asarray(TONE)).std() < 0.02
+    assert 0 < (unlit / np.asarray(TONE)).std() < 0.03
 
 
 def test_light_comes_from_the_files_up(tmp_path):

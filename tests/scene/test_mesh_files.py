@@ -116,6 +116,11 @@ def test_many_places_of_one_mesh_are_counted_before_they_are_made(tmp_path):
         TETRAHEDRON.replace(b"f 1 3 2", b"f 01 03 02"),
         b"mtllib gone.mtl\nusemtl a\n" + TETRAHEDRON,
         TETRAHEDRON + b"\0\0",
+        b"v 0 0 0\nv 1 0 0\nusemtl a\nf 1 2\nusemtl b\n"
+        + TETRAHEDRON.replace(b"1 3 2", b"3 5 4")
+        .replace(b"1 2 4", b"3 4 6")
+        .replace(b"1 4 3", b"3 6 5")
+        .replace(b"2 3 4", b"4 5 6"),
     ],
 )
 @pytest.mark.filterwarnings("ignore:.*colours are left out")
