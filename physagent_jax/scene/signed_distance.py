@@ -116,15 +116,15 @@ def measure_thickness(
 ) -> float | None:
     """Thickness of the walls of a solid where they are thinner than ``most`` [m]; None = hardly anywhere.
 
-    Points are drawn on the surface and moved inwards by ``most``. Where the nearest surface then is the opposite one,
-    which faces the other way, its distance tells the thickness. Edges and corners, where the nearest surface stands
-    across, do not count.
+    Points are drawn on the surface and moved inwards by two thirds of ``most``. Where the nearest surface then is the
+    opposite one, which faces the other way, its distance tells the thickness. Edges and corners, where the nearest
+    surface stands across, do not count.
 
     Args:
         triangles: Corners of the closed mesh [m], shape (m, 3, 3).
         phi: Its signed distances [m], shape (a, b, c).
         origin: Position of the first of them [m], shape (3,).
-        spacing: Between them [m]; ``most`` is at most the band in which they are exact.
+        spacing: Between them [m]; two thirds of ``most`` lie in the band in which they are exact.
         most: Greatest thickness that is looked for [m].
     """
     cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -133,7 +133,8 @@ def measure_thickness(
     chosen = rng.choice(len(triangles), _THICKNESS_SAMPLES, p=area / area.sum())
     share = rng.dirichlet((1, 1, 1), _THICKNESS_SAMPLES)
     normal = cross[chosen] / area[chosen, None]
-    inside = (share[:, :, None] * triangles[chosen]).sum(1) - most * normal
+    depth = 2 / 3 * most
+    inside = (share[:, :, None] * triangles[chosen]).sum(1) - depth * normal
     at = ((inside - origin) / spacing).T
     within = ((at >= 1) & (at <= np.array(phi.shape)[:, None] - 2)).all(0)
     if not within.any():
@@ -142,7 +143,7 @@ def measure_thickness(
     steps = 0.5 * np.eye(3)[:, :, None]
     slope = np.stack([_interpolate(phi, at + step) - _interpolate(phi, at - step) for step in steps], axis=1)
     opposite = (slope * normal).sum(1) < -0.5 * np.linalg.norm(slope, axis=1)
-    thickness = most - _interpolate(phi, at)
+    thickness = depth - _interpolate(phi, at)
     thin = thickness[opposite & (thickness < _CLEAR * most) & (thickness > 0)]
     return float(np.median(thin)) if len(thin) > _THIN_SHARE * within.sum() else None
 
