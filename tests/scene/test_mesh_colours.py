@@ -8,7 +8,7 @@ import pytest
 from physagent_jax.core.errors import UserError
 from physagent_jax.scene.mesh import GRAIN, TONE, gaussians_from_mesh
 from physagent_jax.scene.mesh_files import read_mesh, read_parts
-from physagent_jax.scene.mesh_formats import FORMATS, find_mesh_format
+from physagent_jax.scene.mesh_formats import FORMATS, find_mesh_format, find_prescribed_up
 from physagent_jax.scene.mesh_formats.look import decode_srgb, encode_srgb
 from physagent_jax.scene.surfels import SH_DC, bake_light
 from tests.scene.meshes import QUAD, QUAD_FACES, QUAD_UV, GltfBuilder, one_quad, png
@@ -453,3 +453,13 @@ def test_suffixes_of_formats_are_those_that_objects_may_have():
     from physagent_jax.scene.config.source import MESH_SUFFIXES
 
     assert sorted(suffix for each in FORMATS for suffix in each.suffixes) == sorted((".ply", *MESH_SUFFIXES))
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".gltf", ".obj"])
+def test_gltf_prescribes_up_whatever_the_name(suffix, tmp_path):
+    """glTF 2.0, section 3.4: +Y is up. OBJ prescribes nothing."""
+    builder = GltfBuilder()
+    builder.add_node(builder.add_primitive())
+    assert find_prescribed_up(write(tmp_path, f"a{suffix}", builder.glb())) == "+y"
+    assert find_prescribed_up(write(tmp_path, f"b{suffix}", builder.gltf())) == "+y"
+    assert find_prescribed_up(write(tmp_path, f"c{suffix}", TRIANGLE)) is None

@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
+from physagent_jax.scene.config.common import SignedAxis
 from physagent_jax.scene.mesh_formats.base import MeshPart, Neighbours
 from physagent_jax.scene.mesh_formats.gltf_document import (
     MAGIC,
@@ -34,6 +35,7 @@ class GLB:
 
     name = "GLB"
     suffixes = (".glb",)
+    up: SignedAxis | None = "+y"  # section 3.4 of the specification
 
     def matches(self, head: bytes, size: int) -> bool:
         """Whether the file begins with its magic word."""
@@ -49,6 +51,7 @@ class GLTF:
 
     name = "glTF"
     suffixes = (".gltf",)
+    up: SignedAxis | None = "+y"  # section 3.4 of the specification
 
     def matches(self, head: bytes, size: int) -> bool:
         """Whether the file begins like a JSON object that has keys of glTF."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
+from physagent_jax.scene.config.common import SignedAxis
 from physagent_jax.scene.mesh_formats.base import MeshPart, Neighbours, decode_utf8
 from physagent_jax.scene.mesh_formats.look import Look, Texture, as_rgba
 from physagent_jax.scene.mesh_formats.mtl import CUTOFF, Material, parse_mtl, read_picture
@@ -28,6 +29,7 @@ class OBJ:
 
     name = "OBJ"
     suffixes = (".obj",)
+    up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
         """Whether the text has a line of a vertex or a face."""

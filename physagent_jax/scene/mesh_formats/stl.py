@@ -10,6 +10,7 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import check_counts, shorten
+from physagent_jax.scene.config.common import SignedAxis
 from physagent_jax.scene.mesh_formats.base import MeshPart, Neighbours, decode_utf8
 from physagent_jax.scene.mesh_formats.look import Look
 
@@ -22,6 +23,7 @@ class STL:
 
     name = "STL"
     suffixes = (".stl",)
+    up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
         """Whether the size is that of the announced faces, or the text begins with a solid and a facet."""
