@@ -20,8 +20,8 @@ OVERSAMPLING = 3  # random points per point kept
 DISC_RADIUS = 0.7  # standard deviation over the mean spacing: the least that leaves no visible gaps
 TONE = (0.80, 0.77, 0.72)  # of a surface that declares no colour, sRGB
 # Optical flow needs something to follow. A plain box and a plain ball that turn by 45 degrees about the vertical are
-# measured 8 degrees wrong, where 7 and 9 are stated; the ball with this grain 6, with twice as much, which looks like
-# stone, 1. Objects with more shape, as a cow, are measured to 2 degrees without any.
+# measured 8 degrees wrong, where 7 and 9 are stated; with this grain it is 4 and 6. Twice as much looks like stone.
+# Objects with more shape, as a cow, are measured to 2 degrees without any.
 GRAIN = 0.04  # share by which that tone varies, too fine and faint to be seen as a pattern
 _GRAINS = 40.0  # of them along the longest side
 _MOST_DRAWS = 64  # draws of points, on a surface that is mostly cut out

@@ -13,8 +13,8 @@ from physagent_jax import mpm
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.boundaries import SignedDistance
 from physagent_jax.mpm.limits import find_limits
+from physagent_jax.scene import closest_points
 from physagent_jax.scene import config as c
-from physagent_jax.scene import narrow_band
 from physagent_jax.scene.compile.boundaries import compile_boundaries
 from physagent_jax.scene.signed_distance import BAND, MARGIN, load_solid, sample, winding_number
 from tests.mpm.blocks import block
@@ -98,9 +98,9 @@ def measure_polygon(points, corners):
 def test_few_large_faces_cost_as_much_as_their_area(monkeypatch):
     """A box as large as the domain: some six nodes on either side of each cell of its surface, and each node beyond."""
     tried = []
-    closest = narrow_band._Surface.find_closest
+    closest = closest_points.Surface.find_closest
     monkeypatch.setattr(
-        narrow_band._Surface, "find_closest", lambda self, t, p: tried.append(len(t)) or closest(self, t, p)
+        closest_points.Surface, "find_closest", lambda self, t, p: tried.append(len(t)) or closest(self, t, p)
     )
     cells = 64
     phi, _ = sample(np.asarray(trimesh.creation.box((1, 1, 1)).triangles) + 0.5, 1 / cells, 0.0, 1.0, "mesh")
@@ -283,7 +283,7 @@ def test_a_mesh_between_the_nodes_is_said_to_do_nothing(ball_path):
 
 def test_many_large_faces_are_counted_before_distances_are_measured(monkeypatch):
     shells = [np.asarray(trimesh.creation.box([9.0 + k] * 3).triangles) for k in range(3)]
-    monkeypatch.setattr(narrow_band._Surface, "find_closest", None)  # would fail if called
+    monkeypatch.setattr(closest_points.Surface, "find_closest", None)  # would fail if called
     flat = np.concatenate(shells) * [1, 1, 1e-3] + 0.5
     with pytest.raises(UserError, match="`mesh`: the mesh is too fine or too large.*distances, at most"):
         sample(np.repeat(flat, 80, axis=0), 1 / 256, 0.0, 1.0, "mesh")
