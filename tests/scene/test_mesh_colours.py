@@ -314,11 +314,14 @@ def test_a_real_grey_is_kept_and_no_material_at_all_is_the_tone(tmp_path):
     assert np.abs(rgb[~one] / TONE - 1).max() <= GRAIN + 1e-6
 
 
-def test_options_of_a_map_and_several_libraries_are_understood(tmp_path):
+@pytest.mark.parametrize(
+    "libraries", ["mtllib a.mtl\nmtllib b.mtl\n", "mtllib a.mtl b.mtl\n", "mtllib a.mtl\nmtllib the b.mtl\n"]
+)
+def test_options_of_a_map_and_several_libraries_are_understood(libraries, tmp_path):
     write(tmp_path, "a.mtl", "newmtl one\nmap_Kd -clamp on -s 2 1 1 -o 0.25 0 my picture.png\n")
-    write(tmp_path, "b.mtl", "newmtl two\nKd 0 0 1\n")
+    write(tmp_path, "the b.mtl" if "the b" in libraries else "b.mtl", "newmtl two\nKd 0 0 1\n")
     write(tmp_path, "my picture.png", png(image([RED, GREEN])))
-    x, rgb = sampled(write(tmp_path, "a.obj", "mtllib a.mtl\nmtllib b.mtl\n" + SQUARES))
+    x, rgb = sampled(write(tmp_path, "a.obj", libraries + SQUARES))
     one = x[:, 0] < 1.5
     green = 2 * x[one, 0] + 0.25 > 0.5  # clamped beyond 1
     np.testing.assert_allclose(rgb[one], np.array([RED, GREEN])[green.astype(int)] / 255, atol=2e-6)
