@@ -45,7 +45,7 @@ def measure_distances(triangles: np.ndarray, shape: tuple[int, int, int]) -> tup
     large = np.flatnonzero(size > _SIZES[0])
     _check_pairs(_bound_pairs(field.surface, large, np.asarray(shape))[0].sum(), len(triangles))
     for t, nodes in _list_pairs(field.surface, large, np.asarray(shape)):
-        field.update(t, np.ravel_multi_index(tuple(nodes.T), shape))
+        field.update(t, np.asarray(np.ravel_multi_index(tuple(nodes.T), shape)))
     for most, least in zip(_SIZES, _SIZES[1:]):
         small = np.flatnonzero((size <= most) & (size > least if least else size >= 0))
         if len(small):
@@ -258,7 +258,7 @@ def _choose_neighbours(closest: np.ndarray) -> np.ndarray:
     shape = closest.shape[:3]
     axes = np.ogrid[tuple(slice(count) for count in shape)]
     parts = [closest[..., axis] for axis in range(3)]
-    least = (1 - _GAIN) * sum((axis - part) ** 2 for axis, part in zip(axes, parts))
+    least = (1 - _GAIN) * np.sum([(axis - part) ** 2 for axis, part in zip(axes, parts)], axis=0)
     index = np.arange(least.size).reshape(shape)
     giver = index.copy()
     for step in itertools.product((-1, 0, 1), repeat=3):
@@ -266,11 +266,11 @@ def _choose_neighbours(closest: np.ndarray) -> np.ndarray:
             continue
         here = tuple(slice(max(0, -s), n - max(0, s)) for s, n in zip(step, shape))
         there = tuple(slice(max(0, s), n - max(0, -s)) for s, n in zip(step, shape))
-        squared = sum(
-            (axis[tuple(h if axis.shape[k] > 1 else slice(None) for k, h in enumerate(here))] - part[there])
-            ** 2
-            for axis, part in zip(axes, parts)
-        )
+        squared = np.zeros(least[here].shape)
+        for axis, (coordinate, part) in enumerate(zip(axes, parts)):
+            own = [slice(None)] * 3  # the coordinate varies along its axis only
+            own[axis] = here[axis]
+            squared += (coordinate[tuple(own)] - part[there]) ** 2
         nearer = squared < least[here]
         least[here][nearer] = squared[nearer]
         giver[here][nearer] = index[there][nearer]

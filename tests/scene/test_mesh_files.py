@@ -83,6 +83,8 @@ BROKEN = {
     "mesh.glb": (glb(put("nodes", 0, "mesh", value=7)), "no valid glTF"),
     "two parents.glb": (glb(put("nodes", 0, "children", value=[0, 0])), "two parents"),
     "far.glb": (glb(put("nodes", 0, "scale", value=[1e300] * 3)), "beyond"),
+    "cutoff.glb": (glb(lambda tree: (put("materials", value=[{"alphaMode": "MASK", "alphaCutoff": "x"}])(tree),
+                                     put("meshes", 0, "primitives", 0, "material", value=0)(tree))), "no valid glTF"),
     "list.gltf": (b"[1, 2]", "no valid glTF"),
     "deep.gltf": (b"[" * 100_000, "nested too deeply"),
     "digits.gltf": (b'{"buffers": ' + b"9" * 5000 + b"}", "digits"),

@@ -34,7 +34,7 @@ class GLB:
     """A glTF document and its buffer in one binary file."""
 
     name = "GLB"
-    suffixes = (".glb",)
+    suffixes: tuple[str, ...] = (".glb",)
     up: SignedAxis | None = "+y"  # section 3.4 of the specification
 
     def matches(self, head: bytes, size: int) -> bool:
@@ -50,7 +50,7 @@ class GLTF:
     """A glTF document as JSON."""
 
     name = "glTF"
-    suffixes = (".gltf",)
+    suffixes: tuple[str, ...] = (".gltf",)
     up: SignedAxis | None = "+y"  # section 3.4 of the specification
 
     def matches(self, head: bytes, size: int) -> bool:

@@ -28,7 +28,7 @@ class OBJ:
     """Lines of vertices and faces, grouped by material."""
 
     name = "OBJ"
-    suffixes = (".obj",)
+    suffixes: tuple[str, ...] = (".obj",)
     up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:

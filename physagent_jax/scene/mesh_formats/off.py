@@ -19,7 +19,7 @@ class OFF:
     """Vertices and polygons; the header COFF announces colours of vertices."""
 
     name = "OFF"
-    suffixes = (".off",)
+    suffixes: tuple[str, ...] = (".off",)
     up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:

@@ -23,7 +23,7 @@ class PLY:
     """Elements of named columns; colours of vertices or faces, or one texture."""
 
     name = "PLY"
-    suffixes = (".ply",)
+    suffixes: tuple[str, ...] = (".ply",)
     up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:

@@ -22,7 +22,7 @@ class STL:
     """Triangles without connection; in two bytes of each, some programs write a colour."""
 
     name = "STL"
-    suffixes = (".stl",)
+    suffixes: tuple[str, ...] = (".stl",)
     up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
