@@ -38,6 +38,11 @@ class BodyForce(Protocol):
 class Boundary(Protocol):
     """A condition on the grid."""
 
+    @property
+    def thickness(self) -> float | None:
+        """Least thickness of a solid that matter may meet from either side [m]; None = it has none, as a half-space."""
+        return None
+
     def fold(self, nodes: jax.Array, grid: Grid) -> jax.Array:
         """Momentum and mass with what the boundary adds, such as an image, shape (nx, ny, nz, 4); here nothing."""
         del grid

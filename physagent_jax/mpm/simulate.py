@@ -14,6 +14,7 @@ from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.conform import conform
 from physagent_jax.mpm.frame import Frame, Pace, next_frame
 from physagent_jax.mpm.ledger import Exchange
+from physagent_jax.mpm.limits import warn_of_limits
 from physagent_jax.mpm.plan import Timetable
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.timestep import SAFETY, check_explicit_dt, stable_dt
@@ -30,6 +31,7 @@ def simulate(
     force_substep: bool = False,
     ledger: bool = False,
     begin: Frame | None = None,
+    tell_limits: bool = True,
 ) -> Iterator[Frame]:
     """Yields ``frame_count`` frames, the initial state first; or, of these, those after ``begin``.
 
@@ -45,6 +47,7 @@ def simulate(
         ledger: Whether frames carry an `Exchange`.
         begin: A frame of an earlier call whose frames up to there are these too. Nothing but its state, grid window
             and order passes from frame to frame, so what follows is the same as if all were simulated.
+        tell_limits: Whether to warn of what the method does badly in this model (`limits.find_limits`).
 
     Raises:
         UserError: The input cannot be simulated (`checks.check_start`), ``substep_dt`` is above the stable bound
@@ -54,6 +57,8 @@ def simulate(
     programs.release_programs()
     model, state = conform(model, state)
     check_start(model, state, frame_dt=frame_dt, substep_dt=substep_dt, safety=safety)
+    if tell_limits:
+        warn_of_limits(model, state, (frame_count - 1) * frame_dt, stacklevel=2)
     if substep_dt is not None and not force_substep:
         check_explicit_dt(substep_dt, float(stable_dt(model, state)))
     pace = Pace(frame_dt, substep_dt, safety, fixed=substep_dt is not None and force_substep)

@@ -26,7 +26,6 @@ from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
 from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.load import load_object
 from physagent_jax.scene.mesh_files import read_mesh
-from physagent_jax.scene.mesh_formats import find_mesh_format
 from physagent_jax.scene.pieces import explain_loose
 from physagent_jax.scene.placement import place
 from physagent_jax.scene.priors import PRIORS, UNKNOWN, find_kind, guess_kind
@@ -113,8 +112,7 @@ def _describe_content(path: Path, loaded: LoadedSplats) -> dict[str, Any]:
     if find_format(read_head(path), path) is None:
         mesh = read_mesh(path)
         count = len(mesh.faces)
-        name = find_mesh_format(read_head(path), path).name
-        facts |= dict(format=f"{name} mesh", encoding="", content="triangles", kept=count)
+        facts |= dict(encoding="", content="triangles", kept=count)
         low, high = mesh.bounds
     else:
         points = np.asarray(loaded.cloud.means, np.float64) + loaded.origin

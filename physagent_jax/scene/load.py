@@ -18,11 +18,10 @@ from physagent_jax.gaussians.formats import (
     read_splats,
 )
 from physagent_jax.gaussians.formats.ply_gaussians import GaussianPly
-from physagent_jax.gaussians.formats.ply_header import MOST_BYTES, read_ply_header
+from physagent_jax.gaussians.formats.ply_header import MOST_BYTES
+from physagent_jax.scene import mesh_formats
 from physagent_jax.scene.config import SignedAxis, Source
 from physagent_jax.scene.config.source import MESH_SUFFIXES
-
-_GLTF_SUFFIXES = (".glb", ".gltf")
 
 
 def load_object(source: Source, base_dir: str | Path) -> LoadedSplats:
@@ -61,11 +60,10 @@ def find_prescribed_up(path: str | Path, encoding: str | None = None) -> SignedA
     Raises:
         UserError: The file cannot be read.
     """
-    path = Path(path)
-    if path.suffix.lower() in _GLTF_SUFFIXES:
-        return "+y"  # glTF 2.0, section 3.4, for meshes and Gaussians
     found = find_format(read_head(path, what="the object file"), path)
-    if found is None or isinstance(found, GaussianPly):  # a PLY has no place for it
+    if found is None:
+        return mesh_formats.find_prescribed_up(path)
+    if isinstance(found, GaussianPly):  # a PLY has no place for it
         return None
     return read_splats(path, encoding=encoding).up
 
@@ -96,8 +94,10 @@ def _sample_mesh(path: Path, source: Source) -> LoadedSplats:
     from physagent_jax.scene.mesh import gaussians_from_mesh  # trimesh takes long to import
 
     cloud = gaussians_from_mesh(path, count=source.surface_samples, seed=0, up=source.up)
-    up = find_prescribed_up(path)
-    return LoadedSplats(cloud, np.zeros(3), "mesh", "Gaussians sampled on its surface", up, (), cloud.count)
+    found = mesh_formats.find_mesh_format(read_head(path), path)
+    assert found is not None  # or it would not have been read
+    name, how = f"{found.name} mesh", "Gaussians sampled on its surface"
+    return LoadedSplats(cloud, np.zeros(3), name, how, found.up, (), cloud.count)
 
 
 def _holds_splats(path: Path) -> bool:
@@ -106,17 +106,9 @@ def _holds_splats(path: Path) -> bool:
     Raises:
         UserError: It holds neither.
     """
-    suffix, shown = path.suffix.lower(), shorten(path)
-    if find_format(read_head(path, what="the object file"), path) is not None:
+    head = read_head(path, what="the object file")
+    if find_format(head, path) is not None:
         return True
-    if suffix in MESH_SUFFIXES:
+    if mesh_formats.find_mesh_format(head, path) is not None:
         return False
-    if suffix == ".ply":
-        read_ply_header(path)  # refuses what is none; one with faces is a mesh
-        return False
-    if suffix == ".ksplat":
-        raise UserError(
-            f"{shown}: the format ksplat (mkkellogg) is not supported",
-            do="Convert it to a 3DGS .ply, e.g. with `npx @playcanvas/splat-transform`",
-        )
     raise explain_unknown(path, (".ply", *MESH_SUFFIXES))

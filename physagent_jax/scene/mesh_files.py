@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from pathlib import Path
 
@@ -9,9 +10,13 @@ import numpy as np
 import trimesh
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.names import explain_unknown_name
 from physagent_jax.core.reading import read_bytes, shorten
-from physagent_jax.scene.config.source import MOST_MESH_BYTES
+from physagent_jax.scene.config.source import MESH_SUFFIXES, MOST_MESH_BYTES
 from physagent_jax.scene.mesh_formats import HEAD_BYTES, MeshPart, Neighbours, find_mesh_format
+
+# Its loaders log tracebacks of what they survive, which would reach the terminal.
+logging.getLogger("trimesh").addHandler(logging.NullHandler())
 
 _FARTHEST = 1e12  # in the file's units; float32 holds its square
 
@@ -39,9 +44,13 @@ def read_parts(path: str | Path) -> list[MeshPart]:
     path = Path(path)
     data = read_bytes(path, most=MOST_MESH_BYTES, what="the mesh file")
     kind, beside = find_mesh_format(data[:HEAD_BYTES], path), Neighbours(path)
+    if kind is None:
+        raise explain_unknown_name(
+            f"the kind of mesh of {shorten(path)}", path.suffix.lower(), (".ply", *MESH_SUFFIXES)
+        )
     try:
         with np.errstate(all="ignore"):  # what overflows is found by the check
-            parts = kind.read(data, path, beside)
+            parts = [part for part in kind.read(data, path, beside) if len(part.faces)]
             _check_parts(parts, path)
     except UserError:
         raise
@@ -69,13 +78,11 @@ def join_parts(parts: list[MeshPart]) -> tuple[np.ndarray, np.ndarray]:
 
 def _check_parts(parts: list[MeshPart], path: Path) -> None:
     shown = shorten(path)
-    if not sum(len(part.faces) for part in parts):
+    if not parts:
         raise UserError(f"{shown} holds no faces", do="Give a mesh with triangles, or a 3DGS .ply")
     area = 0.0
     for part in parts:
         vertices, faces = part.vertices, part.faces
-        if len(faces) == 0:
-            continue
         if not (0 <= faces.min() and faces.max() < len(vertices)):
             raise UserError(
                 f"the faces of {shown} name vertices that it does not hold",

@@ -16,6 +16,7 @@ from scipy import ndimage
 from scipy.spatial import KDTree
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.scene.closest_points import Surface
 
 BAND = 2.5  # cells to either side of the surface within which distances are exact
 MOST_PAIRS = 200_000_000  # of nodes and triangles, about a minute
@@ -39,12 +40,12 @@ def measure_distances(triangles: np.ndarray, shape: tuple[int, int, int]) -> tup
     Raises:
         UserError: There are more than `MOST_PAIRS` of nodes and triangles near them.
     """
-    field = _Field(_Surface(triangles), shape)
+    field = _Field(Surface(triangles), shape)
     size = np.sqrt((field.surface.edges**2).sum(2).max(1))
     large = np.flatnonzero(size > _SIZES[0])
     _check_pairs(_bound_pairs(field.surface, large, np.asarray(shape))[0].sum(), len(triangles))
     for t, nodes in _list_pairs(field.surface, large, np.asarray(shape)):
-        field.update(t, np.ravel_multi_index(tuple(nodes.T), shape))
+        field.update(t, np.asarray(np.ravel_multi_index(tuple(nodes.T), shape)))
     for most, least in zip(_SIZES, _SIZES[1:]):
         small = np.flatnonzero((size <= most) & (size > least if least else size >= 0))
         if len(small):
@@ -64,51 +65,6 @@ def _check_pairs(count: float, triangle_count: int) -> None:
         )
 
 
-class _Surface:
-    """Triangles with what their distances need.
-
-    Args:
-        triangles: Corners, shape (m, 3, 3).
-    """
-
-    def __init__(self, triangles: np.ndarray):
-        self.triangles = triangles
-        self.origin = triangles[:, 0]
-        self.edges = np.roll(triangles, -1, axis=1) - triangles
-        first, second = triangles[:, 1] - self.origin, triangles[:, 2] - self.origin
-        self.normal = np.cross(first, second)
-        squared = (self.normal**2).sum(1, keepdims=True)
-        self.flat = (
-            squared[:, 0] <= 1e-24 * (self.edges**2).sum(2).max(1) ** 2
-        )  # no area: edges are all there is
-        safe = np.where(self.flat[:, None], 1.0, squared)
-        self.unit = self.normal / np.sqrt(safe)
-        # (p - a) . gradients = the barycentric coordinates of the projection of p for b and c.
-        self.gradients = (
-            np.stack([np.cross(second, self.normal), np.cross(self.normal, first)], axis=1) / safe[:, None]
-        )
-        length = (self.edges**2).sum(2)
-        self.inverse_length = 1 / np.where(length > 0, length, 1.0)
-
-    def find_closest(self, t: np.ndarray, points: np.ndarray) -> np.ndarray:
-        """The points of the triangles ``t``, shape (k,), that are closest to points, shape (k, 3)."""
-        offset = points - self.origin[t]
-        result = points - _dot(offset, self.unit[t])[:, None] * self.unit[t]
-        b, c = (_dot(offset, self.gradients[t, side]) for side in range(2))
-        beside = np.flatnonzero((b < 0) | (c < 0) | (b + c > 1) | self.flat[t])
-        t, points = t[beside], points[beside]
-        least, closest = np.full(len(t), np.inf), np.empty((len(t), 3))
-        for side in range(3):
-            offset, edge = points - self.triangles[t, side], self.edges[t, side]
-            share = np.clip(_dot(offset, edge) * self.inverse_length[t, side], 0, 1)
-            at = self.triangles[t, side] + share[:, None] * edge
-            squared = ((points - at) ** 2).sum(1)
-            nearer = squared < least
-            least[nearer], closest[nearer] = squared[nearer], at[nearer]
-        result[beside] = closest
-        return result
-
-
 class _Field:
     """The nearest triangles found so far.
 
@@ -119,7 +75,7 @@ class _Field:
         owner: Nearest triangles, shape (nodes,).
     """
 
-    def __init__(self, surface: _Surface, shape: tuple[int, int, int]):
+    def __init__(self, surface: Surface, shape: tuple[int, int, int]):
         self.surface, self.shape = surface, shape
         self.squared = np.full(int(np.prod(shape)), np.inf)
         self.owner = np.zeros(len(self.squared), np.int32)
@@ -138,12 +94,8 @@ class _Field:
         self.owner[nodes[best]] = t[best]
 
 
-def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.einsum("ij,ij->i", a, b)
-
-
 def _bound_pairs(
-    surface: _Surface, t: np.ndarray, shape: np.ndarray
+    surface: Surface, t: np.ndarray, shape: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Most pairs of the triangles ``t``, their axes (that of the normal last), and first and last nodes along them."""
     low, high = surface.triangles[t].min(1), surface.triangles[t].max(1)
@@ -159,7 +111,7 @@ def _bound_pairs(
 
 
 def _list_pairs(
-    surface: _Surface, t: np.ndarray, shape: np.ndarray
+    surface: Surface, t: np.ndarray, shape: np.ndarray
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Some of the triangles ``t`` and nodes, shape (k, 3), that may be as near as `BAND`, some pairs at a time."""
     most, axes, low, high = _bound_pairs(surface, t, shape)
@@ -178,7 +130,7 @@ def _split_chunks(costs: np.ndarray) -> list[slice]:
 
 
 def _rasterise(
-    surface: _Surface, t: np.ndarray, axes: np.ndarray, low: np.ndarray, high: np.ndarray
+    surface: Surface, t: np.ndarray, axes: np.ndarray, low: np.ndarray, high: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of the triangles ``t``, shape (k,), and nodes, shape (k, 3)."""
     corners = np.take_along_axis(surface.triangles[t], axes[:, None], axis=2)
@@ -306,7 +258,7 @@ def _choose_neighbours(closest: np.ndarray) -> np.ndarray:
     shape = closest.shape[:3]
     axes = np.ogrid[tuple(slice(count) for count in shape)]
     parts = [closest[..., axis] for axis in range(3)]
-    least = (1 - _GAIN) * sum((axis - part) ** 2 for axis, part in zip(axes, parts))
+    least = (1 - _GAIN) * np.sum([(axis - part) ** 2 for axis, part in zip(axes, parts)], axis=0)
     index = np.arange(least.size).reshape(shape)
     giver = index.copy()
     for step in itertools.product((-1, 0, 1), repeat=3):
@@ -314,11 +266,11 @@ def _choose_neighbours(closest: np.ndarray) -> np.ndarray:
             continue
         here = tuple(slice(max(0, -s), n - max(0, s)) for s, n in zip(step, shape))
         there = tuple(slice(max(0, s), n - max(0, -s)) for s, n in zip(step, shape))
-        squared = sum(
-            (axis[tuple(h if axis.shape[k] > 1 else slice(None) for k, h in enumerate(here))] - part[there])
-            ** 2
-            for axis, part in zip(axes, parts)
-        )
+        squared = np.zeros(least[here].shape)
+        for axis, (coordinate, part) in enumerate(zip(axes, parts)):
+            own = [slice(None)] * 3  # the coordinate varies along its axis only
+            own[axis] = here[axis]
+            squared += (coordinate[tuple(own)] - part[there]) ** 2
         nearer = squared < least[here]
         least[here][nearer] = squared[nearer]
         giver[here][nearer] = index[there][nearer]

@@ -10,12 +10,11 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from scipy import ndimage
 from scipy.spatial import KDTree
 
+from physagent_jax.mpm.pieces import label_pieces as label_pieces
 from physagent_jax.scene.filling import Particles
 
-CELL = 0.75  # of the simulation's: particles in cells that touch feel each other through the grid
 NEAR = 0.2  # [L]: farther pieces are not joined
 FACING = 1.5  # cells beyond the least distance that count as facing the rest
 SPACING = 0.5  # cells between particles of a joint
@@ -34,19 +33,6 @@ class LoosePiece:
 
     share: float
     distance: float
-
-
-def label_pieces(x: np.ndarray, dx: float) -> np.ndarray:
-    """Which piece each particle belongs to, the largest is 0, shape (n,); ``x`` [m], shape (n, 3)."""
-    cells = np.floor(x / (CELL * dx)).astype(np.int64)
-    cells -= cells.min(0)
-    filled = np.zeros(cells.max(0) + 1, bool)
-    filled[tuple(cells.T)] = True
-    found = np.empty(filled.shape, np.int32)
-    ndimage.label(filled, structure=np.ones((3, 3, 3)), output=found)
-    labels = found[tuple(cells.T)] - 1
-    rank = np.argsort(np.argsort(-np.bincount(labels), kind="stable"))
-    return np.asarray(rank)[labels]
 
 
 def join_pieces(particles: Particles, dx: float) -> tuple[Particles, tuple[LoosePiece, ...]]:

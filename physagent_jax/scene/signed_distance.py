@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from scipy import ndimage
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.scene.mesh_files import read_mesh
@@ -22,6 +23,9 @@ from physagent_jax.scene.narrow_band import MOST_PAIRS, measure_distances
 MARGIN = 3  # cells around the mesh
 # What a mesh may cost: about half a minute.
 _MOST_SAMPLES = 4_000_000  # a domain of 150 cells
+_THICKNESS_SAMPLES = 4000
+_CLEAR = 0.95  # of the least thickness: distances between nodes are right to a tenth of a cell
+_THIN_SHARE = 0.1  # of a surface from which on its walls count as thin; ears and horns alone do not
 _FARTHEST = 1e9  # cells from the origin: float64 still places the surface to 1e-6 of a cell
 _PAIRS = 2_000_000  # of lines and triangles at once
 # Vertical lines pass a little beside the samples, so as to miss vertices and edges that lie on them. The shift
@@ -105,6 +109,47 @@ def sample(
     if not inside.any():
         warnings.warn(f"`{place}`: no grid node lies in the mesh, which stops nothing there", stacklevel=2)
     return spacing * np.where(inside, -distance, distance), spacing * first
+
+
+def measure_thickness(
+    triangles: np.ndarray, phi: np.ndarray, origin: np.ndarray, spacing: float, most: float
+) -> float | None:
+    """Thickness of the walls of a solid where they are thinner than ``most`` [m]; None = hardly anywhere.
+
+    Points are drawn on the surface and moved inwards by two thirds of ``most``. Where the nearest surface then is the
+    opposite one, which faces the other way, its distance tells the thickness. Edges and corners, where the nearest
+    surface stands across, do not count.
+
+    Args:
+        triangles: Corners of the closed mesh [m], shape (m, 3, 3).
+        phi: Its signed distances [m], shape (a, b, c).
+        origin: Position of the first of them [m], shape (3,).
+        spacing: Between them [m]; two thirds of ``most`` lie in the band in which they are exact.
+        most: Greatest thickness that is looked for [m].
+    """
+    cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    area = np.linalg.norm(cross, axis=1)
+    rng = np.random.default_rng(0)
+    chosen = rng.choice(len(triangles), _THICKNESS_SAMPLES, p=area / area.sum())
+    share = rng.dirichlet((1, 1, 1), _THICKNESS_SAMPLES)
+    normal = cross[chosen] / area[chosen, None]
+    depth = 2 / 3 * most
+    inside = (share[:, :, None] * triangles[chosen]).sum(1) - depth * normal
+    at = ((inside - origin) / spacing).T
+    within = ((at >= 1) & (at <= np.array(phi.shape)[:, None] - 2)).all(0)
+    if not within.any():
+        return None
+    at, normal = at[:, within], normal[within]
+    steps = 0.5 * np.eye(3)[:, :, None]
+    slope = np.stack([_interpolate(phi, at + step) - _interpolate(phi, at - step) for step in steps], axis=1)
+    opposite = (slope * normal).sum(1) < -0.5 * np.linalg.norm(slope, axis=1)
+    thickness = depth - _interpolate(phi, at)
+    thin = thickness[opposite & (thickness < _CLEAR * most) & (thickness > 0)]
+    return float(np.median(thin)) if len(thin) > _THIN_SHARE * within.sum() else None
+
+
+def _interpolate(values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    return ndimage.map_coordinates(values, at, order=1, mode="nearest")
 
 
 def _reach(triangles: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:

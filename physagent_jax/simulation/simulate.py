@@ -134,6 +134,7 @@ def simulate_frames(scene: CompiledScene, begin: Frame | None = None) -> Iterato
         force_substep=timing.force_substep,
         ledger=scene.config.ledger,
         begin=begin,
+        tell_limits=False,  # `compile_scene` has told them
     )
 
 

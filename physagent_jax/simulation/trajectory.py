@@ -66,6 +66,9 @@ def trajectory(
     If a particle leaves the domain, or the window that the schedule has for a frame, all positions from then on are
     NaN: a traced function cannot raise.
 
+    Derivatives by the speed, place or size of a moving obstacle are exact at a point and too small at large, because
+    contact takes nodes one after the other (`mpm.boundaries.contact`).
+
     Args:
         scene: What to simulate; its model and state may be traced.
         parameters: Numbers in place of the scene's own, or of its force field's, traced or not; None = its own.

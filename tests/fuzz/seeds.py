@@ -98,6 +98,107 @@ def meshes() -> dict[str, bytes]:
     return made
 
 
+@functools.cache
+def picture() -> bytes:
+    """A small picture with transparent pixels."""
+    from PIL import Image
+
+    out = io.BytesIO()
+    Image.fromarray(np.random.default_rng(0).integers(0, 255, (5, 7, 4), np.uint8)).save(out, "png")
+    return out.getvalue()
+
+
+@functools.cache
+def textured_obj() -> dict[str, bytes]:
+    """An OBJ with two materials, one of them with a picture; the first file is the mesh."""
+    return {
+        "house.obj": b"mtllib house.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 2 0\nvt 2 1\n"
+        b"usemtl wall\nf 1/1 2/2 3/3\nf 1/1 3/3 4/2\nusemtl roof\nf 1 2 5\nf 2 3 5\n",
+        "house.mtl": b"newmtl wall\nKd 0.8 0.7 0.6\nmap_Kd -clamp on -s 2 1 1 skin.png\nmap_d skin.png\n"
+        b"newmtl roof\nKd 0.5 0.1 0.1\n",
+        "skin.png": picture(),
+    }
+
+
+@functools.cache
+def _textured_tree() -> tuple[dict, bytes]:
+    """A glTF document with a texture, its transform and sampler, colours of vertices and a cut-out; and its buffer."""
+    arrays = [
+        np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "<f4"),
+        np.array([0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2], "<u2"),
+        np.array([[0, 0], [2, 0], [0, 2], [1, 1]], "<f4"),
+        np.array([[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [9, 9, 9, 0]], "u1"),
+    ]
+    types = ((5126, "VEC3"), (5123, "SCALAR"), (5126, "VEC2"), (5121, "VEC4"))
+    parts = [array.tobytes() for array in arrays] + [picture()]
+    starts = np.cumsum([0] + [len(part) + -len(part) % 4 for part in parts])
+    binary = b"".join(part + b"\0" * (-len(part) % 4) for part in parts)
+    transform = {
+        "KHR_texture_transform": {"offset": [0.1, 0.2], "rotation": 0.3, "scale": [2, 3], "texCoord": 0}
+    }
+    base = {"index": 0, "texCoord": 0, "extensions": transform}
+    attributes = {"POSITION": 0, "TEXCOORD_0": 2, "COLOR_0": 3}
+    tree = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1]}],
+        "nodes": [
+            {"mesh": 0},
+            {"mesh": 0, "rotation": [0, 0, 1, 0], "scale": [1, -1, 1], "translation": [2, 0, 0]},
+        ],
+        "meshes": [
+            {
+                "primitives": [
+                    {"attributes": attributes, "indices": 1, "material": 0, "mode": 4},
+                    {"attributes": {"POSITION": 0}, "indices": 1, "material": 1, "mode": 5},
+                ]
+            }
+        ],
+        "materials": [
+            {
+                "pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0.2, 1], "baseColorTexture": base},
+                "alphaMode": "MASK",
+                "alphaCutoff": 0.2,
+            },
+            {"pbrMetallicRoughness": {"baseColorFactor": [0.2, 0.2, 0.2, 1]}},
+        ],
+        "textures": [{"source": 0, "sampler": 0}],
+        "samplers": [{"wrapS": 33648, "wrapT": 33071}],
+        "images": [{"bufferView": 4, "mimeType": "image/png"}],
+        "accessors": [
+            {
+                "bufferView": k,
+                "componentType": code,
+                "count": arrays[k].shape[0],
+                "type": shape,
+                "normalized": k == 3,
+            }
+            for k, (code, shape) in enumerate(types)
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": int(start), "byteLength": len(part)}
+            for start, part in zip(starts, parts)
+        ],
+        "buffers": [{"byteLength": len(binary)}],
+    }
+    return tree, binary
+
+
+def textured_glb() -> dict[str, bytes]:
+    """That document in its binary container."""
+    tree, binary = _textured_tree()
+    return {"house.glb": glb_of(json.dumps(tree).encode(), binary)}
+
+
+def textured_gltf() -> dict[str, bytes]:
+    """That document as text that holds its buffer."""
+    import base64
+
+    tree, binary = _textured_tree()
+    uri = "data:application/octet-stream;base64," + base64.b64encode(binary).decode()
+    return {"house.gltf": json.dumps({**tree, "buffers": [{"byteLength": len(binary), "uri": uri}]}).encode()}
+
+
 def _make_gltf() -> bytes:
     """A triangle pair, its buffer within the file."""
     import base64

@@ -1,5 +1,7 @@
 """Scenes bind to particles as their JSON says: materials, boundaries, constraints, anchors, gravity."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from physagent_jax.scene.camera import find_viewer_directions, frame_camera, mak
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.fuse import SceneTemplate, fuse
 from physagent_jax.scene.presets import PRESETS, PresetName
+from physagent_jax.simulation.simulate import simulate_frames
 
 
 @pytest.fixture(scope="module")
@@ -112,6 +115,15 @@ def test_prescribed_motions_and_boundaries_of_a_scene(source, body):
     np.testing.assert_allclose(
         end.x[top] - made.state.x[top], np.broadcast_to([0.004, 0, 0], (len(top), 3)), atol=1e-6
     )
+
+
+def test_what_the_method_does_badly_is_said_when_a_scene_is_compiled_and_only_then(source, body):
+    thin = c.Box(point=(2, 2, 1), half_size=(1, 1, 0.05))  # 1.2 of 48 cells over 4 m
+    with pytest.warns(UserWarning, match=r"`boundaries\[1\]` \(Box\) is 1.2 cells thick.*take 120 cells"):
+        made = scene(source, body, boundaries=(c.DomainBox(), thin))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)
+        next(simulate_frames(made))
 
 
 @pytest.mark.parametrize(

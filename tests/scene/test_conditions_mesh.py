@@ -12,8 +12,9 @@ from scipy.spatial.transform import Rotation
 from physagent_jax import mpm
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.boundaries import SignedDistance
+from physagent_jax.mpm.limits import find_limits
+from physagent_jax.scene import closest_points
 from physagent_jax.scene import config as c
-from physagent_jax.scene import narrow_band
 from physagent_jax.scene.compile.boundaries import compile_boundaries
 from physagent_jax.scene.signed_distance import BAND, MARGIN, load_solid, sample, winding_number
 from tests.mpm.blocks import block
@@ -97,9 +98,9 @@ def measure_polygon(points, corners):
 def test_few_large_faces_cost_as_much_as_their_area(monkeypatch):
     """A box as large as the domain: some six nodes on either side of each cell of its surface, and each node beyond."""
     tried = []
-    closest = narrow_band._Surface.find_closest
+    closest = closest_points.Surface.find_closest
     monkeypatch.setattr(
-        narrow_band._Surface, "find_closest", lambda self, t, p: tried.append(len(t)) or closest(self, t, p)
+        closest_points.Surface, "find_closest", lambda self, t, p: tried.append(len(t)) or closest(self, t, p)
     )
     cells = 64
     phi, _ = sample(np.asarray(trimesh.creation.box((1, 1, 1)).triangles) + 0.5, 1 / cells, 0.0, 1.0, "mesh")
@@ -282,7 +283,7 @@ def test_a_mesh_between_the_nodes_is_said_to_do_nothing(ball_path):
 
 def test_many_large_faces_are_counted_before_distances_are_measured(monkeypatch):
     shells = [np.asarray(trimesh.creation.box([9.0 + k] * 3).triangles) for k in range(3)]
-    monkeypatch.setattr(narrow_band._Surface, "find_closest", None)  # would fail if called
+    monkeypatch.setattr(closest_points.Surface, "find_closest", None)  # would fail if called
     flat = np.concatenate(shells) * [1, 1, 1e-3] + 0.5
     with pytest.raises(UserError, match="`mesh`: the mesh is too fine or too large.*distances, at most"):
         sample(np.repeat(flat, 80, axis=0), 1 / 256, 0.0, 1.0, "mesh")
@@ -295,3 +296,42 @@ def test_a_mesh_of_coordinates_beyond_any_integer_is_refused():
             sample(triangles * scale, 0.05, 0.0, 1.0, "mesh")
         with pytest.raises(UserError, match="too many|no part"):
             sample(triangles * scale, 0.05, -np.inf, np.inf, "mesh")
+
+
+@pytest.mark.parametrize("cells", [0.5, 1.0, 2.0, 2.8])
+@pytest.mark.parametrize("degrees", [(0.0,), (30.0,)])
+def test_thin_walls_of_a_mesh_are_said_with_the_cells_that_hold(cells, degrees, tmp_path):
+    """A tube with walls of so many cells; its length and the hole in it are much larger."""
+    wall = cells / 32
+    trimesh.creation.annulus(r_min=0.3 - wall, r_max=0.3, height=0.5, sections=64).export(
+        tmp_path / "tube.obj"
+    )
+    made = compiled(
+        tmp_path / "tube.obj", position=[0.5, 0.5, 0.5], rotation_degrees=degrees, rotation_axes=[0]
+    )
+    assert made.thickness == pytest.approx(wall, rel=0.02)  # facets of a circle
+    model, state = block((3, 3, 3), grid_cells=32, boundaries=(made,))
+    (sentence,) = find_limits(model, state, 1.0)
+    assert "`boundaries[0]` (SignedDistance) is" in sentence and "cells along the domain's side" in sentence
+
+
+@pytest.mark.parametrize("degrees", [(0.0, 0.0), (20.0, 50.0)])
+@pytest.mark.parametrize("shape", ["box", "ball", "wall"])
+def test_thick_meshes_and_their_edges_are_not_thin(shape, degrees, tmp_path):
+    meshes = {
+        "box": trimesh.creation.box((0.4, 0.4, 0.4)),
+        "ball": trimesh.creation.icosphere(subdivisions=3, radius=0.2),
+        "wall": trimesh.creation.box((0.6, 0.6, 3.05 / 32)),
+    }
+    meshes[shape].export(tmp_path / "a.obj")
+    made = compiled(tmp_path / "a.obj", position=[0.5] * 3, rotation_degrees=degrees, rotation_axes=[0, 1])
+    assert made.thickness is None
+
+
+def test_a_tray_that_people_reported_as_leaking_is_said(shared_data):
+    """Walls of a hundredth: half a cell of 48."""
+    made = compiled(shared_data / "reports/in/thin_tray.obj", position=[0.5, 0.5, 0.3], cells=48)
+    assert made.thickness == pytest.approx(0.01, rel=1e-3)
+    model, state = block((3, 3, 3), grid_cells=48, boundaries=(made,))
+    (sentence,) = find_limits(model, state, 1.0)
+    assert "0.48 cells thick" in sentence and "take 300 cells" in sentence

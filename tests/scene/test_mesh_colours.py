@@ -8,7 +8,7 @@ import pytest
 from physagent_jax.core.errors import UserError
 from physagent_jax.scene.mesh import GRAIN, TONE, gaussians_from_mesh
 from physagent_jax.scene.mesh_files import read_mesh, read_parts
-from physagent_jax.scene.mesh_formats import FORMATS, find_mesh_format
+from physagent_jax.scene.mesh_formats import FORMATS, find_mesh_format, find_prescribed_up
 from physagent_jax.scene.mesh_formats.look import decode_srgb, encode_srgb
 from physagent_jax.scene.surfels import SH_DC, bake_light
 from tests.scene.meshes import QUAD, QUAD_FACES, QUAD_UV, GltfBuilder, one_quad, png
@@ -314,11 +314,14 @@ def test_a_real_grey_is_kept_and_no_material_at_all_is_the_tone(tmp_path):
     assert np.abs(rgb[~one] / TONE - 1).max() <= GRAIN + 1e-6
 
 
-def test_options_of_a_map_and_several_libraries_are_understood(tmp_path):
+@pytest.mark.parametrize(
+    "libraries", ["mtllib a.mtl\nmtllib b.mtl\n", "mtllib a.mtl b.mtl\n", "mtllib a.mtl\nmtllib the b.mtl\n"]
+)
+def test_options_of_a_map_and_several_libraries_are_understood(libraries, tmp_path):
     write(tmp_path, "a.mtl", "newmtl one\nmap_Kd -clamp on -s 2 1 1 -o 0.25 0 my picture.png\n")
-    write(tmp_path, "b.mtl", "newmtl two\nKd 0 0 1\n")
+    write(tmp_path, "the b.mtl" if "the b" in libraries else "b.mtl", "newmtl two\nKd 0 0 1\n")
     write(tmp_path, "my picture.png", png(image([RED, GREEN])))
-    x, rgb = sampled(write(tmp_path, "a.obj", "mtllib a.mtl\nmtllib b.mtl\n" + SQUARES))
+    x, rgb = sampled(write(tmp_path, "a.obj", libraries + SQUARES))
     one = x[:, 0] < 1.5
     green = 2 * x[one, 0] + 0.25 > 0.5  # clamped beyond 1
     np.testing.assert_allclose(rgb[one], np.array([RED, GREEN])[green.astype(int)] / 255, atol=2e-6)
@@ -453,3 +456,13 @@ def test_suffixes_of_formats_are_those_that_objects_may_have():
     from physagent_jax.scene.config.source import MESH_SUFFIXES
 
     assert sorted(suffix for each in FORMATS for suffix in each.suffixes) == sorted((".ply", *MESH_SUFFIXES))
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".gltf", ".obj"])
+def test_gltf_prescribes_up_whatever_the_name(suffix, tmp_path):
+    """glTF 2.0, section 3.4: +Y is up. OBJ prescribes nothing."""
+    builder = GltfBuilder()
+    builder.add_node(builder.add_primitive())
+    assert find_prescribed_up(write(tmp_path, f"a{suffix}", builder.glb())) == "+y"
+    assert find_prescribed_up(write(tmp_path, f"b{suffix}", builder.gltf())) == "+y"
+    assert find_prescribed_up(write(tmp_path, f"c{suffix}", TRIANGLE)) is None

@@ -83,6 +83,8 @@ BROKEN = {
     "mesh.glb": (glb(put("nodes", 0, "mesh", value=7)), "no valid glTF"),
     "two parents.glb": (glb(put("nodes", 0, "children", value=[0, 0])), "two parents"),
     "far.glb": (glb(put("nodes", 0, "scale", value=[1e300] * 3)), "beyond"),
+    "cutoff.glb": (glb(lambda tree: (put("materials", value=[{"alphaMode": "MASK", "alphaCutoff": "x"}])(tree),
+                                     put("meshes", 0, "primitives", 0, "material", value=0)(tree))), "no valid glTF"),
     "list.gltf": (b"[1, 2]", "no valid glTF"),
     "deep.gltf": (b"[" * 100_000, "nested too deeply"),
     "digits.gltf": (b'{"buffers": ' + b"9" * 5000 + b"}", "digits"),
@@ -116,6 +118,11 @@ def test_many_places_of_one_mesh_are_counted_before_they_are_made(tmp_path):
         TETRAHEDRON.replace(b"f 1 3 2", b"f 01 03 02"),
         b"mtllib gone.mtl\nusemtl a\n" + TETRAHEDRON,
         TETRAHEDRON + b"\0\0",
+        b"v 0 0 0\nv 1 0 0\nusemtl a\nf 1 2\nusemtl b\n"
+        + TETRAHEDRON.replace(b"1 3 2", b"3 5 4")
+        .replace(b"1 2 4", b"3 4 6")
+        .replace(b"1 4 3", b"3 6 5")
+        .replace(b"2 3 4", b"4 5 6"),
     ],
 )
 @pytest.mark.filterwarnings("ignore:.*colours are left out")

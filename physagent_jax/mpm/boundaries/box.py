@@ -6,6 +6,7 @@ import dataclasses
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.boundaries.contact import Contact, collide, displace, is_active, is_touching
@@ -40,6 +41,11 @@ class Box(Boundary):
     contact: Contact = dataclasses.field(default=Contact.SEPARATE, metadata=dict(static=True))
     container: bool = dataclasses.field(default=False, metadata=dict(static=True))
     velocity: jax.Array | None = None
+
+    @property
+    def thickness(self) -> float | None:
+        """Its shortest side [m]; None = a container."""
+        return None if self.container else 2 * float(np.min(self.half_size))
 
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Velocities after contact with the box."""

@@ -6,6 +6,7 @@ import dataclasses
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.boundaries.box import Box
@@ -22,7 +23,8 @@ class Cuboid(Boundary):
 
     This is sticky contact with a moving box. It starts at ``point`` at time ``start`` and moves with
     ``velocity`` until ``end`` (PhysGaussian's "cuboid", without its reset of the whole grid outside the
-    window).
+    window). Derivatives by its speed and place are those between the nodes that it takes one after the other: at large
+    they are too small (`contact`).
 
     Attributes:
         point: Centre at ``start`` [m], shape (3,).
@@ -36,6 +38,11 @@ class Cuboid(Boundary):
     velocity: jax.Array
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
+
+    @property
+    def thickness(self) -> float:
+        """Its shortest side [m]."""
+        return 2 * float(np.min(self.half_size))
 
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Overwrites the velocities inside the box."""

@@ -31,6 +31,7 @@ class SignedDistance(Boundary):
         spacing: Distance between samples [m], static.
         contact: Kind of contact, static.
         velocity: Of the solid, which does not turn [m/s], shape (3,); None = at rest (skipped).
+        thickness: Least thickness of its walls [m], for the warning of thin obstacles, static; None = not known.
     """
 
     values: jax.Array
@@ -41,6 +42,7 @@ class SignedDistance(Boundary):
     spacing: float = dataclasses.field(metadata=dict(static=True))
     contact: Contact = dataclasses.field(default=Contact.SEPARATE, metadata=dict(static=True))
     velocity: jax.Array | None = None
+    thickness: float | None = dataclasses.field(default=None, metadata=dict(static=True))
 
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Velocities after contact with the solid."""

@@ -38,6 +38,11 @@ class Sphere(Boundary):
     container: bool = dataclasses.field(default=False, metadata=dict(static=True))
     velocity: jax.Array | None = None
 
+    @property
+    def thickness(self) -> float | None:
+        """Its diameter [m]; None = a container."""
+        return None if self.container else 2 * float(self.radius)
+
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Velocities after contact with the sphere."""
         x, y, z = grid.node_positions(velocity.dtype)

@@ -11,6 +11,7 @@ import numpy as np
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import check_regular
 from physagent_jax.mpm import Contact, boundaries
+from physagent_jax.mpm.limits import THINNEST
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile.select import to_array
 from physagent_jax.scene.config.source import MOST_MESH_BYTES
@@ -56,9 +57,13 @@ def _compile_one(boundary: c.Boundary, domain: c.Domain, place: str, base_dir: s
                 **_read_contact(boundary),
             )
         case c.Mesh():
-            values, origin = _sample(boundary, domain, place, base_dir)
+            values, origin, thickness = _sample(boundary, domain, place, base_dir)
             return boundaries.SignedDistance(
-                values=to_array(values), origin=to_array(origin), spacing=domain.dx, **_read_contact(boundary)
+                values=to_array(values),
+                origin=to_array(origin),
+                spacing=domain.dx,
+                thickness=thickness,
+                **_read_contact(boundary),
             )
         case c.Cuboid():
             return boundaries.Cuboid(
@@ -94,9 +99,15 @@ def _sample(mesh: c.Mesh, domain: c.Domain, place: str, base_dir: str | Path):
 
 @lru_cache(maxsize=8)  # a run compiles its scene anew for every force field that it tries
 def _sample_once(path: Path, stamp: int, place: str, placed: tuple, dx: float, low: float, high: float):
-    from physagent_jax.scene.signed_distance import load_solid, sample  # trimesh takes long to import
+    from physagent_jax.scene.signed_distance import (
+        load_solid,
+        measure_thickness,
+        sample,
+    )  # trimesh takes long to import
 
     del stamp  # part of the key: the file may have changed
     scale, position, degrees, axes = placed
     triangles = load_solid(path, f"{place}.path") @ (scale * find_extra_rotation(degrees, axes)).T
-    return sample(triangles + np.asarray(position), dx, low, high, place)
+    triangles = triangles + np.asarray(position)
+    values, origin = sample(triangles, dx, low, high, place)
+    return values, origin, measure_thickness(triangles, values, origin, dx, THINNEST * dx)

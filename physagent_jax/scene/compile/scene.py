@@ -24,6 +24,7 @@ from physagent_jax.mpm import (
 )
 from physagent_jax.mpm.constraints import RigidBody
 from physagent_jax.mpm.edges import set_edges
+from physagent_jax.mpm.limits import warn_of_limits
 from physagent_jax.mpm.timestep import divide_frame
 from physagent_jax.render.camera import Camera
 from physagent_jax.scene import config as c
@@ -156,7 +157,7 @@ class CompiledScene:
 
 
 def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".") -> CompiledScene:
-    """Binds a scene's parts to its particles.
+    """Binds a scene's parts to its particles; warns of what the method does badly in it (`mpm.limits`).
 
     Raises:
         UserError: A region, box or window of the scene selects nothing or makes no sense.
@@ -203,6 +204,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         damping_rate=to_device(drag, DTYPE) if drag else None,
     )
     state = State.at_rest(to_device(rest), materials=model.materials)
+    warn_of_limits(model, state, (config.timing.frame_count - 1) * config.timing.frame_dt, stacklevel=3)
     balanced = balance_weight(model, state, still, config, body)
     if balanced is not None:
         state = dataclasses.replace(state, F=to_device(balanced.F, DTYPE))

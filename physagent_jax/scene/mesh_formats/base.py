@@ -11,6 +11,7 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import MIB, read_bytes, shorten
+from physagent_jax.scene.config.common import SignedAxis
 from physagent_jax.scene.mesh_formats.look import Look
 
 _MOST_TEXTURE = 256 * MIB
@@ -83,10 +84,12 @@ class MeshFormat(Protocol):
     Attributes:
         name: The format's name as its users write it ("STL").
         suffixes: Usual file name endings; a format is found by content first.
+        up: The up axis that the format prescribes; None = it prescribes none.
     """
 
     name: str
     suffixes: tuple[str, ...]
+    up: SignedAxis | None
 
     def matches(self, head: bytes, size: int) -> bool:
         """Whether a file of ``size`` bytes that begins with ``head`` is of this format."""

@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
+from physagent_jax.scene.config.common import SignedAxis
 from physagent_jax.scene.mesh_formats.base import MeshPart, Neighbours
 from physagent_jax.scene.mesh_formats.gltf_document import (
     MAGIC,
@@ -33,7 +34,8 @@ class GLB:
     """A glTF document and its buffer in one binary file."""
 
     name = "GLB"
-    suffixes = (".glb",)
+    suffixes: tuple[str, ...] = (".glb",)
+    up: SignedAxis | None = "+y"  # section 3.4 of the specification
 
     def matches(self, head: bytes, size: int) -> bool:
         """Whether the file begins with its magic word."""
@@ -48,7 +50,8 @@ class GLTF:
     """A glTF document as JSON."""
 
     name = "glTF"
-    suffixes = (".gltf",)
+    suffixes: tuple[str, ...] = (".gltf",)
+    up: SignedAxis | None = "+y"  # section 3.4 of the specification
 
     def matches(self, head: bytes, size: int) -> bool:
         """Whether the file begins like a JSON object that has keys of glTF."""

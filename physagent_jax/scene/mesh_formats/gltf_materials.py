@@ -39,9 +39,8 @@ class Materials:
         material = self._tree["materials"][primitive["material"]]
         factor, info = _find_base_colour(material)
         texture = None if info is None else self._read_texture(info, attributes)
-        cutoff = {"MASK": material.get("alphaCutoff", 0.5), "BLEND": BLEND_CUTOFF}.get(
-            material.get("alphaMode", "OPAQUE")
-        )
+        cutoffs = {"MASK": float(material.get("alphaCutoff", 0.5)), "BLEND": BLEND_CUTOFF}
+        cutoff = cutoffs.get(material.get("alphaMode", "OPAQUE"))
         factor = np.clip(np.asarray(factor, np.float64).reshape(4), 0, 1)
         return Look(factor, colours, None, texture, linear=True, cutoff=cutoff)
 
@@ -58,8 +57,8 @@ class Materials:
             return None
         uv = np.asarray(self._document.read_accessor(attributes[name], normalise=True), np.float64)[:, :2]
         sampler = self._tree["samplers"][texture["sampler"]] if "sampler" in texture else {}
-        wrap = tuple(_WRAPS.get(sampler.get(key, 10497), "repeat") for key in ("wrapS", "wrapT"))
-        return Texture(pixels, _transform(uv, transform), (wrap[0], wrap[1]))
+        across, down = (_WRAPS.get(sampler.get(key), "repeat") for key in ("wrapS", "wrapT"))
+        return Texture(pixels, _transform(uv, transform), (across, down))
 
     def _read_picture(self, source: int | None) -> np.ndarray | None:
         if source is None:

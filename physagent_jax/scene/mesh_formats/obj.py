@@ -12,6 +12,7 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
+from physagent_jax.scene.config.common import SignedAxis
 from physagent_jax.scene.mesh_formats.base import MeshPart, Neighbours, decode_utf8
 from physagent_jax.scene.mesh_formats.look import Look, Texture, as_rgba
 from physagent_jax.scene.mesh_formats.mtl import CUTOFF, Material, parse_mtl, read_picture
@@ -27,7 +28,8 @@ class OBJ:
     """Lines of vertices and faces, grouped by material."""
 
     name = "OBJ"
-    suffixes = (".obj",)
+    suffixes: tuple[str, ...] = (".obj",)
+    up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
         """Whether the text has a line of a vertex or a face."""
@@ -54,10 +56,18 @@ class OBJ:
 def _read_libraries(data: bytes, beside: Neighbours) -> dict[str, Material]:
     materials: dict[str, Material] = {}
     for name in dict.fromkeys(_LIBRARY.findall(data)):
-        text = beside.read_optional(name.decode())
-        if text is not None:
+        for text in _read_library(name.decode(), beside):
             materials |= parse_mtl(decode_utf8(text).decode())
     return materials
+
+
+def _read_library(name: str, beside: Neighbours) -> list[bytes]:
+    """The file of that name, which may hold blanks, or the files that it names one after the other."""
+    try:
+        return [beside.read(each) for each in name.split()]
+    except FileNotFoundError:
+        text = beside.read_optional(name)
+        return [] if text is None else [text]
 
 
 def _make_part(loaded: dict[str, Any], materials: dict[str, Material], beside: Neighbours) -> MeshPart:

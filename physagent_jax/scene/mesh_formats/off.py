@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from physagent_jax.scene.config.common import SignedAxis
 from physagent_jax.scene.mesh_formats.base import MeshPart, Neighbours, decode_utf8
 from physagent_jax.scene.mesh_formats.look import Look, as_rgba
 
@@ -18,7 +19,8 @@ class OFF:
     """Vertices and polygons; the header COFF announces colours of vertices."""
 
     name = "OFF"
-    suffixes = (".off",)
+    suffixes: tuple[str, ...] = (".off",)
+    up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
         """Whether the first word is OFF, or COFF, NOFF and the like."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.formats.ply_header import read_ply_header
+from physagent_jax.scene.config.common import SignedAxis
 from physagent_jax.scene.mesh_formats.base import MeshPart, Neighbours, decode_utf8
 from physagent_jax.scene.mesh_formats.look import Look, Texture, as_rgba, read_pixels
 
@@ -22,7 +23,8 @@ class PLY:
     """Elements of named columns; colours of vertices or faces, or one texture."""
 
     name = "PLY"
-    suffixes = (".ply",)
+    suffixes: tuple[str, ...] = (".ply",)
+    up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
         """Whether the first line is ``ply``."""

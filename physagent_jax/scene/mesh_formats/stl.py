@@ -10,6 +10,7 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import check_counts, shorten
+from physagent_jax.scene.config.common import SignedAxis
 from physagent_jax.scene.mesh_formats.base import MeshPart, Neighbours, decode_utf8
 from physagent_jax.scene.mesh_formats.look import Look
 
@@ -21,7 +22,8 @@ class STL:
     """Triangles without connection; in two bytes of each, some programs write a colour."""
 
     name = "STL"
-    suffixes = (".stl",)
+    suffixes: tuple[str, ...] = (".stl",)
+    up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
         """Whether the size is that of the announced faces, or the text begins with a solid and a facet."""

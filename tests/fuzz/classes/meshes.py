@@ -21,8 +21,18 @@ OBJ_LINES = (
 )  # fmt: skip
 
 
+MTL_LINES = (
+    "newmtl", "newmtl wall", "newmtl \u00e9", "Kd", "Kd 1", "Kd nan 0 0", "Kd 1e400 0 0", "Kd -1 2 0",
+    "Kd spectral a.rfl", "map_Kd", "map_Kd skin.png", "map_Kd -s", "map_Kd -s 1 2 skin.png", "map_Kd -clamp on",
+    "map_Kd -o nan 0 0 skin.png", "map_Kd -bm 1 -clamp on skin.png", "map_Kd ../skin.png", "map_Kd /dev/zero",
+    "map_Kd house.mtl", "map_d skin.png", "d 0", "#" * 3000, "map_Kd -s 1e300 1e300 1e300 skin.png",
+)  # fmt: skip
+
+
 def make(draw: Draw) -> Case:
     """One mesh file, read as an object or as an obstacle."""
+    if draw.chance(0.4):
+        return _make_coloured(draw)
     kind = draw.one([_damage, _damage, _damage, _damage_obj, _damage_obj, _damage_gltf])
     what, name, content = kind(draw)
     if draw.chance(0.3):
@@ -33,6 +43,37 @@ def make(draw: Draw) -> Case:
             {name: content},
         )
     return Case(f"{name}: {what}", lambda folder: _load_object(folder, name), {name: content})
+
+
+def _make_coloured(draw: Draw) -> Case:
+    """A mesh with textures and colours, damaged in one of its files, read as an object under some name."""
+    files = dict(draw.one([seeds.textured_obj, seeds.textured_glb, seeds.textured_gltf])())
+    name = next(iter(files))
+    spoilt = draw.one(sorted(files))
+    if name == "house.gltf" and draw.chance(0.7):
+        what, content = altered(draw, json.loads(files[name]))
+        name, files = (
+            (name, {name: content})
+            if draw.chance(0.5)
+            else ("house.glb", {"house.glb": seeds.glb_of(content)})
+        )
+        spoilt = name
+    elif spoilt.endswith(".mtl") and draw.chance(0.7):
+        lines = files[spoilt].decode().splitlines()
+        for _ in range(draw.one([1, 1, 2])):
+            lines.insert(draw.randrange(len(lines) + 1), draw.one(MTL_LINES))
+        what, files[spoilt] = (
+            "with other lines",
+            "\n".join(lines).encode(draw.one(["utf-8", "latin-1"]), "replace"),
+        )
+    else:
+        others = [files[other] for other in sorted(files)]
+        what, files[spoilt] = damaged(draw, files[spoilt], others)
+    if draw.chance(0.1):  # found by content, whatever the name
+        other = "house" + draw.one([".obj", ".glb", ".stl", ".off"])
+        files = {other if each == name else each: content for each, content in files.items()}
+        name = other
+    return Case(f"{name}: {spoilt}: {what}", lambda folder: _load_object(folder, name), files)
 
 
 def _load_object(folder: Path, name: str):
