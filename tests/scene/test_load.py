@@ -64,7 +64,7 @@ def test_a_changed_file_is_refused(robot_path):
 
 def test_other_splat_formats_are_named_with_what_to_do(tmp_path):
     (tmp_path / "a.ksplat").write_bytes(b"\x00" * 64)
-    with pytest.raises(UserError, match=r"not supported.*\.ply"):
+    with pytest.raises(UserError, match=r"a .ksplat file.*not read.*\.ply"):
         load_object(Source(path="a.ksplat"), tmp_path)
 
 

@@ -93,6 +93,9 @@ def explain_unknown(path: str | os.PathLike[str], meshes: tuple[str, ...] = ()) 
         meshes: Suffixes of meshes, where a mesh would do as well.
     """
     suffix, shown = Path(path).suffix.lower(), shorten(path)
+    unread = next((each for each in UNREAD if each.ending == suffix != ""), None)
+    if unread is not None:
+        return unread.explain(Path(path))
     named = [each.name for each in FORMATS if suffix in each.suffixes]
     if named:
         return UserError(

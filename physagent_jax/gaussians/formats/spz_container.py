@@ -7,7 +7,9 @@ import io
 import struct
 import zlib
 
-from physagent_jax.core.errors import MissingPackageError, UserError
+import zstandard
+
+from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import check_counts, shorten
 from physagent_jax.gaussians.formats.packing import check_unpacked_size
 
@@ -129,37 +131,16 @@ def _unpack_zstd(data: bytes, shown: str) -> tuple[SpzHeader, dict[str, bytes], 
 
 def _unpack_zstd_stream(data: bytes, size: int, shown: str) -> bytes:
     """The ``size`` bytes that a zstd frame holds; never more than these are unpacked."""
-    decompress, errors = _find_zstd(shown)
+    # Not `decompress`: it takes as much memory as the frame says, whatever the limit.
+    unpacker = zstandard.ZstdDecompressor(max_window_size=2**27)
     try:
-        unpacked = decompress(data, size)
-    except errors as error:
+        with unpacker.stream_reader(io.BytesIO(data)) as reader:
+            unpacked = reader.read(size)
+    except (zstandard.ZstdError, MemoryError) as error:
         raise _explain_damage(shown, shorten(error)) from None
     if len(unpacked) != size:
         raise _explain_damage(shown, f"{len(unpacked):,} bytes where {size:,} should be")
     return unpacked
-
-
-def _find_zstd(shown: str):
-    """A function (frame, most bytes) -> bytes and the exceptions that it raises."""
-    try:
-        import zstandard  # pyright: ignore[reportMissingImports]
-
-        def unpack(data: bytes, size: int) -> bytes:
-            # Not `decompress`: it takes as much memory as the frame says, whatever the limit.
-            with zstandard.ZstdDecompressor(max_window_size=2**27).stream_reader(io.BytesIO(data)) as reader:
-                return reader.read(size)
-
-        return unpack, (zstandard.ZstdError, MemoryError)
-    except ImportError:
-        pass
-    try:
-        from compression import zstd  # pyright: ignore[reportMissingImports]  # Python 3.14 and later
-    except ImportError:
-        raise MissingPackageError(
-            f"{shown} is an SPZ file of version 4, which needs the package zstandard. "
-            "Install it (pip install zstandard), or convert the file: `splat-transform in.spz out.ply`"
-        ) from None
-    return lambda data, size: zstd.ZstdDecompressor().decompress(data, size), (zstd.ZstdError, EOFError)
 
 
 def _explain_damage(shown: str, found: str) -> UserError:

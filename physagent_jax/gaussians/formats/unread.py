@@ -22,25 +22,31 @@ class Unread:
         name: Its name, as in "is NAME".
         do: Advice that follows the message.
         recognise: Whether a file's beginning is of this format.
+        ending: File name ending by which a damaged file is still named; "" = none of its own.
         suffixes: None, because none of them can be given.
     """
 
     name: str
     do: str
     recognise: Callable[[bytes], bool]
+    ending: str = ""
     suffixes: tuple[str, ...] = ()
 
     def matches(self, head: bytes) -> bool:
         """Whether a file that begins so is of this format."""
         return self.recognise(head)
 
+    def explain(self, path: Path) -> UserError:
+        """The refusal of a file."""
+        return UserError(f"{shorten(path)} is {self.name}, which is not read", do=self.do)
+
     def read(self, path: Path, encoding: str | None) -> SplatData:
-        """Refuses the file.
+        """Refuse the file.
 
         Raises:
             UserError: Always.
         """
-        raise UserError(f"{shorten(path)} is {self.name}, which is not read", do=self.do)
+        raise self.explain(path)
 
 
 def _is_ksplat(head: bytes) -> bool:
@@ -56,7 +62,7 @@ def _convert(suffix: str) -> str:
 
 
 UNREAD = (
-    Unread("a .ksplat file (mkkellogg)", _convert(".ksplat"), _is_ksplat),
+    Unread("a .ksplat file (mkkellogg)", _convert(".ksplat"), _is_ksplat, ".ksplat"),
     Unread(
         "the index of a streamed SOG scene",
         "Give the meta.json of one of the folders that it names",
@@ -66,6 +72,7 @@ UNREAD = (
         "an .spx file (Reall3D)",
         "Convert it to PLY with its own tool: `gsbox x2p -i in.spx -o out.ply`",
         lambda head: head.startswith(b"spx") and len(head) >= 128,
+        ".spx",
     ),
 )
 """Formats that are refused in words."""
