@@ -2,19 +2,10 @@
 
 from __future__ import annotations
 
-from benchmarks.harness import Row, Rows, number, one_line, table
-from benchmarks.peers.drop import DT
-from benchmarks.peers.flight import CELLS, FRAME_DT, FRAMES, YOUNGS_MODULUS
+from benchmarks.harness import Row, Rows, Tables, number, one_line, table
+from benchmarks.peers.flight import CELLS
 from benchmarks.throughput.same_job import ENOUGH
 
-_LAW = """
-## The same law, equal threads
-
-{particles:,} particles of the dropped cube. All codes have the same law, the same number of threads (Warp has one on a
-CPU) and the same particles in the same order, sorted by cell or random; the floor is the domain's frictionless wall,
-which all have. "x ours": over ours with as many threads and
-the same order.
-"""
 _LAW_COLUMNS = (
     "code",
     "threads",
@@ -28,34 +19,15 @@ _LAW_COLUMNS = (
 
 _LAW_NAMES = {"neo_hookean": "Neo-Hookean", "jelly": "Fixed corotated"}
 
-_JOB = """
-## The same job, and its error
-
-A cube of 12 cells' side is thrown, stretches and twists in free flight for {duration:g} s, about two periods
-(`benchmarks/peers/flight.py`: nothing touches it, so that errors converge; {cells} cells along the domain,
-{particles:,} particles on a lattice, neo-Hookean, {modulus:g} Pa). *Customary* is the fixed step of {dt:g} s; *bound*
-each code's own: the shortest step that ours takes by itself, 0.7 times that for Warp's stress form, and shortened to
-fit a frame; *automatic* ours as it is used. Seconds are of the whole clip, warm: loading and compiling, which each
-code does at another time, are left out (set-up in the tables below). Jobs shorter than 5 s are run three times, and
-the median counts. *Error*: root mean square distance of the mean positions of 64 blocks of matter from the
-reference's, over {frames} frames. "x ours": seconds and error over those of ours, automatic, with as
-many threads and the same order.
-"""
 _JOB_COLUMNS = ("code", "threads", "order", "step", "dt [s]", "substeps", "seconds", "range", "error [mm]")
 _JOB_COLUMNS += ("x ours: seconds", "x ours: error", "load")
 
-_REFERENCE = """
-### The reference
-
-Ours in float64 with the automatic step, finer and finer; *change* is the distance from the level before. {verdict}
-Warp, of another stress form, at its own bound, tends to the same end:
-"""
 _REFERENCE_COLUMNS = ("code", "cells", "particles", "substeps", "dt [s]", "change [mm]", "error [mm]")
 
 
 def same_law(rows: Rows) -> str:
     """Substeps, by law."""
-    text = _LAW.format(particles=rows[0]["particles"])
+    text = ""
     for law in dict.fromkeys(row["law"] for row in rows):
         members = [row for row in rows if row["law"] == law]
         base = {
@@ -81,30 +53,21 @@ def _make_substep_line(row: Row, base: dict) -> list:
     return [*start, *figures, number(row["busy"]), number(row["load_average"])]
 
 
-def same_job(rows: Rows) -> str:
-    """The whole job, what it is set against, and the headline figures."""
+def same_job(rows: Rows) -> Tables:
+    """The whole job with the headline figures, and the reference that it is set against."""
     reference = [row for row in rows if row["double"] or row["cells"] != CELLS]
     timed = [row for row in rows if row not in reference]
-    first = reference[0]
-    text = _JOB.format(
-        duration=FRAMES * FRAME_DT,
-        cells=first["cells"],
-        particles=first["particles"],
-        modulus=YOUNGS_MODULUS,
-        dt=DT,
-        frames=FRAMES,
-    )
     base = {
         (row["threads"], row["order"]): row
         for row in timed
         if row["code"] == "ours" and row["step"] == "automatic" and row["seconds"]
     }
-    text += _write_headline([(row, base.get((row["threads"], row["order"]))) for row in timed])
-    text += table(
-        _JOB_COLUMNS, [_make_clip_line(row, base.get((row["threads"], row["order"]))) for row in timed]
-    )
-    text += _REFERENCE.format(verdict=_judge_reference(reference, timed))
-    return text + table(_REFERENCE_COLUMNS, [_make_level_line(row) for row in reference])
+    pairs = [(row, base.get((row["threads"], row["order"]))) for row in timed]
+    return {
+        "same_job": _write_headline(pairs) + table(_JOB_COLUMNS, [_make_clip_line(*pair) for pair in pairs]),
+        "reference": f"{_judge_reference(reference, timed)}\n"
+        + table(_REFERENCE_COLUMNS, [_make_level_line(row) for row in reference]),
+    }
 
 
 def _write_headline(pairs: list[tuple[Row, Row | None]]) -> str:
