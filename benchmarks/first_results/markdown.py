@@ -50,10 +50,14 @@ def write_tables(result: Result, remarks: Remarks | None = None) -> Tables:
 
 
 def _list_oddities(rows: list[Row], made: list[Row]) -> str:
+    """What is odd about each run; what is odd about all of them, and runs without anything, in a line."""
     first = made[0]["oddities"] if len(made) > 1 else []
     common = [words for words in first if all(words in row["oddities"] for row in made)]
-    text = f"- **All rows**: {one_line('; '.join(common))}\n" if common else ""
-    return text + "".join(_odd(row, common) for row in rows)
+    told = {f"{_number(row)}, {row['object']}": _describe_oddities(row, common) for row in rows}
+    text = f"- **All**: {one_line('; '.join(common))}\n" if common else ""
+    text += "".join(f"- **{name}**: {words}.\n" for name, words in told.items() if words)
+    plain = "; ".join(name for name, words in told.items() if not words)
+    return text + (f"- **{plain}**: nothing.\n" if plain else "")
 
 
 def _count_verdicts(rows: list[Row], views: dict[str, tuple[str, str]]) -> str:
@@ -111,18 +115,24 @@ def _perception(row: Row) -> list:
     return [_number(row), *shown, f"{errors['frames_observed']} of {row['frames']}"]
 
 
-def _odd(row: Row, common: list[str]) -> str:
-    start = f'- **{_number(row)}, {row["object"]}, "{row["sentence"]}"**: '
+def _describe_oddities(row: Row, common: list[str]) -> str:
     if row["video"] is None:
-        return f"{start}{row['verdict'].lower()}: {one_line(row['message'])}\n"
-    lines = [*(words for words in row["oddities"] if words not in common)]
+        return f"{row['verdict'].lower()}: {one_line(row['message'])}".rstrip(".")
+    lines = [_shorten_warning(words) for words in row["oddities"] if words not in common]
     lines += [*(f"unsure: {words}" for words in row["unsure"])]
     if row["not_understood"]:
         lines.append(f"not understood: {', '.join(row['not_understood'])}")
     lines += [*(f"not passed: {check}" for check in row["failed_checks"])]
     unpassed = [check for check in row["true_failed_checks"] if check not in row["failed_checks"]]
     lines += [*(f"not passed, from the truth: {check}" for check in unpassed)]
-    return start + (one_line("; ".join(line.rstrip(".") for line in lines)) if lines else "nothing") + ".\n"
+    return one_line("; ".join(line.rstrip(".") for line in lines))
+
+
+def _shorten_warning(words: str) -> str:
+    """A warning without what follows its first clause; anything else as it is."""
+    if not words.startswith("warning: "):
+        return words
+    return ": ".join(words.split(": ")[:2])
 
 
 def _actions(field: dict) -> list[str]:

@@ -30,22 +30,25 @@ def provenance(
         counts: More columns, made of a part's rows.
     """
     counts, lines = counts or {}, []
-    for part in (part for part in parts if part in result):
+    shown = [part for part in parts if part in result]
+    machines = list(dict.fromkeys(run["machine"] for part in shown for run in read_runs(result[part])))
+    letters = {machine: chr(ord("A") + index) for index, machine in enumerate(machines)}
+    for part in shown:
         section = result[part]
         used = read_runs(section)
         quick = " (quick: not to be quoted)" if any(run["quick"] for run in used) else ""
         stopped = "" if section["complete"] else " (stopped before its end)"
         figures = [count(section["rows"]) for count in counts.values()]
         seconds = round(sum(run["seconds"] for run in used), 1)  # 0: not known
-        lines.append(
-            [part + quick + stopped, count_rows(section), *figures, seconds or "", _describe_origins(used)]
-        )
+        origin = _describe_origins(used, letters)
+        lines.append([part + quick + stopped, count_rows(section), *figures, seconds or "", origin])
+    text = table(["part", "rows", *counts, *_PROVENANCE], lines)
+    text += "".join(f"\n{letter}: {machine}.\n" for machine, letter in letters.items())
     absent = [part for part in parts if part not in result]
-    missing = f"\nNot measured yet: {', '.join(absent)}.\n" if absent else ""
-    return table(["part", "rows", *counts, *_PROVENANCE], lines) + missing
+    return text + (f"\nNot measured yet: {', '.join(absent)}.\n" if absent else "")
 
 
-def _describe_origins(runs: Sequence[Mapping[str, Any]]) -> str:
+def _describe_origins(runs: Sequence[Mapping[str, Any]], letters: Mapping[str, str]) -> str:
     """A text per machine, with the loads and the revisions of its runs."""
     same: dict[tuple, list[Mapping[str, Any]]] = {}
     for run in runs:
@@ -55,7 +58,7 @@ def _describe_origins(runs: Sequence[Mapping[str, Any]]) -> str:
         loads = sorted({run["load_average"][0] for run in mine})
         load = f"{loads[0]}" if len(loads) == 1 else f"{loads[0]} to {loads[-1]}"
         revisions = ", ".join(dict.fromkeys(run["git_revision"] or _NOT_KEPT for run in mine))
-        texts.append(f"{machine}; {load}; {revisions}" + (f". {remark}" if remark else ""))
+        texts.append(f"{letters[machine]}; {load}; {revisions}" + (f". {remark}" if remark else ""))
     return "; then ".join(texts)
 
 

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
+from functools import partial
 
 from benchmarks.harness import Page, Result, Rows, Tables, number, one_line, provenance, table
 from benchmarks.throughput.job import errors, ratios
-from benchmarks.throughput.strict import same_job, same_law, steps
+from benchmarks.throughput.strict import format_time, same_job, same_law, steps
 
 PARTS = ("same_law", "same_job", "materials", "sizes", "grids", "stages", "memory", "job", "error")
 
 AIMED_AT = 200_000  # particles
 
-_TIMES = ("ms / substep", "fastest, slowest", "x ours", "x default", "set-up [s]", "busy cores", "load")
+_TIMES = ("ms / substep", "x ours", "x default", "set-up [s]")
 
 _JOBS = (
     "code",
@@ -50,8 +52,8 @@ def write_tables(result: Result) -> Tables:
     shows: dict[str, Callable[[Rows], str]] = {
         "same_law": same_law,
         "materials": _write_materials,
-        "sizes": lambda rows: _make_table("particles", rows),
-        "grids": lambda rows: _make_table("cells", rows),
+        "sizes": partial(_compare_sizes, "particles"),
+        "grids": partial(_compare_sizes, "cells"),
         "stages": _write_stages,
         "memory": _write_memory,
         "job": _write_job,
@@ -132,26 +134,38 @@ def _write_materials(rows: Rows) -> str:
     text = ""
     for group in dict.fromkeys(row["group"] for row in rows):
         members = [row for row in rows if row["group"] == group]
-        text += f"\n### {group}, {members[0]['particles']:,} particles\n" + _make_table("particles", members)
+        lines = [
+            [row["code"], row["law"], row["threads"], *_make_timed_cells(row, _TIMES[1:])] for row in members
+        ]
+        text += f"\n### {group}, {members[0]['particles']:,} particles\n"
+        text += table(("code", "law", "threads", *_TIMES), lines)
     return text
 
 
-def _make_table(key: str, rows: Rows) -> str:
-    return table(("code", "law", "threads", key, *_TIMES), [_make_line(row, key) for row in rows])
-
-
-def _make_line(row: dict, key: str) -> list:
-    return [row["code"], row["law"], row["threads"], f"{row[key]:,}", *_make_timed_cells(row)]
-
-
-def _make_timed_cells(row: dict) -> list:
+def _make_timed_cells(row: dict, columns: Sequence[str]) -> list:
     """Time per substep and what goes with it."""
-    if row["median_ms"] is None:
-        return [one_line(row["message"]), "", "", "", number(row["setup_seconds"]), "", ""]
-    remark = one_line(row["message"] or row["note"])
-    median = number(row["median_ms"]) + (f" ({remark})" if remark else "")
-    names = ("over_ours", "over_default", "setup_seconds", "busy", "load_average")
-    return [median, f"{number(row['min_ms'])} to {number(row['max_ms'])}", *(number(row[n]) for n in names)]
+    names = {"x ours": "over_ours", "x default": "over_default", "set-up [s]": "setup_seconds"}
+    return [format_time(row), *(number(row[names[column]]) for column in columns)]
+
+
+def _compare_sizes(key: str, rows: Rows) -> str:
+    """Time per substep and over our default, a line for each code and a column for each size."""
+    sizes = list(dict.fromkeys(row[key] for row in rows))
+    lines: dict[tuple, dict[int, str]] = {}
+    remarks: dict[str, str] = {}
+    for row in rows:
+        cell = one_line(row["message"])
+        if row["median_ms"] is not None:
+            ratio = number(row["over_default"])
+            cell = number(row["median_ms"]) + (f" ({ratio})" if ratio else "")
+            if remark := one_line(row["message"] or row["note"]):
+                remarks[row["code"]] = remark
+        lines.setdefault((row["code"], row["law"], row["threads"]), {})[row[key]] = cell
+    text = table(
+        ("code", "law", "threads", *(f"{size:,}" for size in sizes)),
+        [[*name, *(found.get(size, "") for size in sizes)] for name, found in lines.items()],
+    )
+    return text + "".join(f"\n{code}: {remark}.\n" for code, remark in remarks.items())
 
 
 def _write_stages(rows: Rows) -> str:
@@ -166,12 +180,15 @@ def _write_stages(rows: Rows) -> str:
 
 
 def _write_memory(rows: Rows) -> str:
-    lines = [
-        [row["code"], row["law"], row["threads"], f"{row['particles']:,}"]
-        + [one_line(row["message"]) or f"{row['peak_mb']:,}"]
-        for row in rows
-    ]
-    return table(("code", "law", "threads", "particles", "peak [MB]"), lines)
+    sizes = list(dict.fromkeys(row["particles"] for row in rows))
+    lines: dict[tuple, dict[int, str]] = {}
+    for row in rows:
+        cell = one_line(row["message"]) or f"{row['peak_mb']:,}"
+        lines.setdefault((row["code"], row["law"], row["threads"]), {})[row["particles"]] = cell
+    return table(
+        ("code", "law", "threads", *(f"{size:,}" for size in sizes)),
+        [[*name, *(found.get(size, "") for size in sizes)] for name, found in lines.items()],
+    )
 
 
 def _write_job(rows: Rows) -> str:
@@ -204,9 +221,9 @@ def _write_error(rows: Rows) -> str:
 
 
 def _list_versions(result: dict) -> str:
-    """What the codes said of themselves."""
+    """The versions that the codes tell, without numbers of threads."""
     said = {
-        (row["code"], row["version"])
+        (row["code"].split(",")[0], re.sub(r" with \d+ thread\(s\)| \(\d+ threads\)", "", row["version"]))
         for section in result.values()
         for row in section["rows"]
         if row.get("version")
