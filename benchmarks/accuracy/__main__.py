@@ -62,6 +62,8 @@ class Command(harness.Command):
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
+    if command.plot is not None and not harness.can_plot():
+        return 2
     peers = {name: find(name) for name in _PEERS} if "work_precision" in command.parts else {}
     usable = {name: found for name, found in peers.items() if found.reason is None}
     parts = {

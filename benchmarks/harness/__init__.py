@@ -10,6 +10,7 @@ from benchmarks.harness.command import Job as Job
 from benchmarks.harness.command import Row as Row
 from benchmarks.harness.command import main as main
 from benchmarks.harness.command import say as say
+from benchmarks.harness.figures import can_plot as can_plot
 from benchmarks.harness.figures import import_pyplot as import_pyplot
 from benchmarks.harness.pages import RAW as RAW
 from benchmarks.harness.pages import Page as Page

@@ -105,6 +105,8 @@ class Command(harness.Command):
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
+    if command.plots is not None and not harness.can_plot():
+        return 2
     pa.enable_compile_cache()
     try:
         specs, left_out = list_tasks(command)

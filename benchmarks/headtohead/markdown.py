@@ -154,7 +154,7 @@ def find_last_mark(rows: list[dict]) -> float:
 def format_share(values: tuple[float, float, float]) -> str:
     """A share with its interval in per cent."""
     value, low, high = (100 * each for each in values)
-    return f"{value:.0f} % ({low:.0f}–{high:.0f})"
+    return f"{value:.0f}% ({low:.0f}–{high:.0f})"
 
 
 def _write_checks(rows: list[dict]) -> str:
@@ -264,7 +264,7 @@ def _write_families(rows: list[dict]) -> str:
         cells = []
         for family in families:
             solved = [success for of, success, _ in average_tasks(mine, last).values() if of == family]
-            cells.append(f"{np.mean(solved):.0%} of {len(solved)}" if solved else "")
+            cells.append(f"{np.mean(solved):.0%}" if solved else "")
         error = estimate(mine, last, 2, lambda values: float(np.median(values)))
         lines.append(
             [
@@ -274,7 +274,8 @@ def _write_families(rows: list[dict]) -> str:
                 f"{error[0]:.2f} ({error[1]:.2f}–{error[2]:.2f})",
             ]
         )
-    return table(["method", *families, "all", "error"], lines)
+    counts = {family: len({row["task"] for row in rows if row["family"] == family}) for family in families}
+    return table(["method", *(f"{name} ({count})" for name, count in counts.items()), "all", "error"], lines)
 
 
 def _write_costs(rows: list[dict]) -> str:

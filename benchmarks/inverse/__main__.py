@@ -47,6 +47,8 @@ class Command(harness.Command):
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
+    if command.images is not None and not harness.can_plot():
+        return 2
     pa.enable_compile_cache()
     problems = [each for each in PROBLEMS if not command.quick or each.name in QUICK]
     first = {each.name: next(iter(each.starts)) for each in (*problems, *SMOOTH, *HIDDEN)}
