@@ -18,9 +18,7 @@ from benchmarks.evidence.catalogue import DOCS, PAGES, RESULTS, ROOT
 from benchmarks.evidence.sources import hash_sources
 from benchmarks.evidence.summaries import (
     Summary,
-    count_seconds,
     format_summary,
-    list_revisions,
     read_summary,
     summarise,
 )
@@ -93,16 +91,18 @@ def describe_state(page: Page, summary: Summary) -> str:
     """A line for the head of a page: where its figures are, and what has changed since."""
     name = f"{page.name}.json"
     text = f"*Figures: [{name}](../benchmarks/results/{name}), by `{page.command.split(' --')[0]}`. "
-    if not list_revisions(summary["parts"]):
+    code = summary["code"]
+    if code is None:
         return text + "The revision that they were measured on is not recorded.*"
+    text += f"Newest of {code['date']}, revision {code['revision']}; "
     if changed := find_changed(page, summary):
-        return text + f"Code has changed since: {', '.join(f'`{source}`' for source in changed)}.*"
-    return text + "The code that they depend on has not changed since.*"
+        return text + f"code has changed since: {', '.join(f'`{source}`' for source in changed)}.*"
+    return text + "the code that they depend on has not changed since.*"
 
 
 def find_changed(page: Page, summary: Summary) -> list[str]:
     """The sources that are not as they were at the newest revision of the figures."""
-    now, then = hash_sources(page.sources), summary["sources"]
+    now, then = hash_sources(page.sources), summary["code"]["hashes"]
     return [source for source in page.sources if now[source] != then.get(source)]
 
 
@@ -124,15 +124,20 @@ def list_stale(pages: Sequence[Page]) -> str:
     lines = []
     for page in pages:
         summary = read_summary(RESULTS / f"{page.name}.json")
-        known = bool(list_revisions(summary["parts"]))
+        known = summary["code"] is not None
         changed = ", ".join(find_changed(page, summary)) if known else "revision not recorded"
         if changed:
-            minutes = count_seconds(summary["parts"]) / 60
-            lines.append(
-                [page.name, changed, f"`{page.command}`", f"{minutes:.0f}" if minutes else "not known"]
-            )
+            lines.append([page.name, changed, f"`{page.command}`", describe_minutes(summary)])
     head = f"{len(lines)} of {len(pages)} pages rest on code that has changed since, or is not recorded.\n"
-    return head + (table(("page", "changed", "again by", "minutes"), lines) if lines else "")
+    after = "\nThen `python -m benchmarks.evidence PAGE --summarise --fill` makes the summary and the page.\n"
+    return head + (table(("page", "changed", "again by", "minutes"), lines) + after if lines else "")
+
+
+def describe_minutes(summary: Summary) -> str:
+    """The minutes that measuring took, at least where some runs have not told."""
+    runs = [run for section in summary["parts"].values() for run in section["runs"]]
+    minutes = sum(run["seconds"] for run in runs) / 60
+    return f"{minutes:.1f}" if all(run["seconds"] for run in runs) else f"more than {minutes:.1f}"
 
 
 def _summarise(page: Page, allow_unkept: bool) -> None:

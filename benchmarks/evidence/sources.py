@@ -36,6 +36,11 @@ def find_newest(revisions: Iterable[str]) -> str | None:
     return max(dated)[1] if dated else None
 
 
+def read_date(revision: str) -> str:
+    """The day on which a revision was committed."""
+    return _need("log", "-1", "--format=%cs", revision).decode().strip()
+
+
 def strip_python(source: str) -> str:
     """Python code without docstrings, comment lines, empty lines and trailing blanks; any other text as it is."""
     try:

@@ -1,7 +1,8 @@
 """Summaries: what is kept of raw rows, with where these come from.
 
-A summary is ``{"raw": {part: file}, "sources": {source: hash}, "parts": {part: section}}``. Its sections are like those
-of raw rows, with rows that the page's tables are made of; a file of raw rows is known by its size and its sha256.
+A summary is ``{"raw": {part: file}, "code": {...}, "parts": {part: section}}``. A file of raw rows is known by its size
+and its sha256. The code is the newest revision that rows come from, with its date and the hashes of the page's sources;
+None where no revision is recorded. Sections are like those of raw rows, with rows that the tables are made of.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from benchmarks.evidence.sources import find_newest, hash_sources, is_known
+from benchmarks.evidence.sources import find_newest, hash_sources, is_known, read_date
 from benchmarks.harness import Page, Result
 from benchmarks.harness.command import format_result
 from physagent_jax.core.errors import UserError
@@ -54,8 +55,17 @@ def summarise(
     file = {"bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
     return {
         "raw": (recorded["raw"] if recorded else {}) | dict.fromkeys(result, file),
-        "sources": hash_sources(page.sources, revision) if revision else {},
+        "code": describe_code(page, revision) if revision else None,
         "parts": parts,
+    }
+
+
+def describe_code(page: Page, revision: str) -> dict[str, Any]:
+    """A revision with its date and the hashes of the sources that a page depends on."""
+    return {
+        "revision": revision,
+        "date": read_date(revision),
+        "hashes": hash_sources(page.sources, revision),
     }
 
 
@@ -66,11 +76,6 @@ def list_revisions(parts: Result) -> set[str]:
     }
 
 
-def count_seconds(parts: Result) -> float:
-    """The wall time of all runs [s]."""
-    return sum(run["seconds"] for section in parts.values() for run in section["runs"])
-
-
 def read_summary(path: Path) -> Summary:
     """A summary."""
     return json.loads(path.read_text())
@@ -78,7 +83,7 @@ def read_summary(path: Path) -> Summary:
 
 def format_summary(summary: Summary) -> str:
     """JSON with a line for each run and each row."""
-    facts = [f"{json.dumps(name)}: {json.dumps(summary[name])}" for name in ("raw", "sources")]
+    facts = [f"{json.dumps(name)}: {json.dumps(summary[name])}" for name in ("raw", "code")]
     return "{\n" + ",\n".join(facts) + ',\n"parts": ' + format_result(summary["parts"]) + "\n}\n"
 
 

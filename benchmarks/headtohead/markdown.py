@@ -351,7 +351,7 @@ def _write_neighbours(rows: list[dict]) -> str:
                 count = len(average_tasks(alike, budget))
                 cells.append(f"{len(find_solved(alike, budget))} of {count}" if count else "")
             missed = sorted(average_tasks(here, last).keys() - find_solved(here, last))
-            names = ", ".join(missed) if split == "development" else "not told: it is the test split"
+            names = ", ".join(missed) if split == "development" else "not told"
             lines.append([label, split, *cells, names if missed else "none"])
     counted = [f"{kind}, {budget:g}" for kind, budget in itertools.product(kinds, budgets)]
     return table(["method, start", "split", *counted, "missed"], lines)
