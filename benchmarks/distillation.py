@@ -44,8 +44,8 @@ COLUMNS = {
     "range over places": lambda rows: (
         f"{number(min(r['cosine'] for r in rows))} to {number(max(r['cosine'] for r in rows))}"
     ),
-    "places with a positive mean": lambda rows: f"{100 * np.mean([row['cosine'] > 0 for row in rows]):.0f} %",
-    "downhill": lambda rows: f"{100 * np.mean([row['downhill'] for row in rows]):.0f} %",
+    "places with a positive mean": lambda rows: f"{100 * np.mean([row['cosine'] > 0 for row in rows]):.0f}%",
+    "downhill": lambda rows: f"{100 * np.mean([row['downhill'] for row in rows]):.0f}%",
     "signal to noise": lambda rows: number(float(np.median([row["signal_to_noise"] for row in rows]))),
 }
 _KEPT = tempfile.TemporaryDirectory()

@@ -19,7 +19,7 @@ _CASES = (
     "wall [s]",
     "compile [s]",
 )
-_RUNS = ("case", "code", "numerics", "cells", "steps", "dt / bound", "error", "wall [s]", "compile [s]")
+_RUNS = ("case", "code", "numerics", "cells", "steps", "dt / bound", "error", "wall [s]")
 
 
 def write_tables(result: Result) -> Tables:
@@ -54,7 +54,7 @@ def _make_density_lines(rows: list[dict]) -> list[list]:
     """One line per grid and stress form, one column per density; rows come in this order."""
     lines = []
     for first in range(0, len(rows) - len(rows) % 3, 3):
-        cells = [f"{100 * row['errors'][QUADRATURE_ERROR]:.2g} %" for row in rows[first : first + 3]]
+        cells = [f"{100 * row['errors'][QUADRATURE_ERROR]:.2g}%" for row in rows[first : first + 3]]
         lines.append([rows[first]["resolution"], rows[first]["label"].split(",")[0], *cells])
     return lines
 
@@ -77,7 +77,7 @@ def _make_study_line(row: dict, primary: str) -> list:
     error = f"{row['errors'][primary]:.3g}" if primary in row["errors"] else row["failed"]
     label = f"**{row['label']}** (reference)" if row["reference"] else row["label"]
     start = [row["case"], row["code"], label, row["resolution"], row["steps"], number(row["dt_over_bound"])]
-    return [*start, error, _format_wall_time(row), number(row["compile"])]
+    return [*start, error, _format_wall_time(row)]
 
 
 def _format_wall_time(row: dict) -> str:

@@ -22,7 +22,7 @@ def write_tables(result: Result) -> Tables:
 
 def _format_share(rows: Sequence[Mapping], rewrites: int) -> str:
     done = sum(r["rewrites_to_success"] is not None and r["rewrites_to_success"] <= rewrites for r in rows)
-    return f"{done} of {len(rows)} ({100 * done / len(rows):.0f} %)"
+    return f"{done} of {len(rows)} ({100 * done / len(rows):.0f}%)"
 
 
 def _write_starts(rows: Sequence[Mapping]) -> Tables:

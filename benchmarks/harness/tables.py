@@ -8,6 +8,7 @@ from typing import Any
 from benchmarks.harness.pages import count_rows, read_runs
 
 _PROVENANCE = ("seconds", "machine, load at the start, revision")
+_FEW = 3  # revisions that a cell names
 _NOT_KEPT = "revision not recorded"
 
 
@@ -57,8 +58,11 @@ def _describe_origins(runs: Sequence[Mapping[str, Any]], letters: Mapping[str, s
     for (machine, remark), mine in same.items():
         loads = sorted({run["load_average"][0] for run in mine})
         load = f"{loads[0]}" if len(loads) == 1 else f"{loads[0]} to {loads[-1]}"
-        revisions = ", ".join(dict.fromkeys(run["git_revision"] or _NOT_KEPT for run in mine))
-        texts.append(f"{letters[machine]}; {load}; {revisions}" + (f". {remark}" if remark else ""))
+        revisions = list(dict.fromkeys(run["git_revision"] or _NOT_KEPT for run in mine))
+        named = (
+            ", ".join(revisions) if len(revisions) <= _FEW else f"{len(revisions)}, the last {revisions[-1]}"
+        )
+        texts.append(f"{letters[machine]}; {load}; {named}" + (f". {remark}" if remark else ""))
     return "; then ".join(texts)
 
 

@@ -349,7 +349,7 @@ def _write_neighbours(rows: list[dict]) -> str:
             for smooth, budget in itertools.product(kinds.values(), budgets):
                 alike = [row for row in here if row["smooth"] == smooth]
                 count = len(average_tasks(alike, budget))
-                cells.append(f"{len(find_solved(alike, budget))} of {count}" if count else "")
+                cells.append(f"{len(find_solved(alike, budget))}/{count}" if count else "")
             missed = sorted(average_tasks(here, last).keys() - find_solved(here, last))
             names = ", ".join(missed) if split == "development" else "not told"
             lines.append([label, split, *cells, names if missed else "none"])

@@ -20,7 +20,7 @@ def write_tables(result: Result) -> Tables:
         for part in PARTS
         if part in result
     }
-    return tables | {"runs": provenance(result, PARTS)}
+    return tables | {"bars": _list_bars(result), "runs": provenance(result, PARTS)}
 
 
 def condense(result: Result) -> Result:
@@ -45,36 +45,23 @@ def _write_summary(rows: list[dict]) -> str:
 
 
 def _write_fits(rows: list[dict]) -> str:
-    head = [
-        "sought",
-        "start",
-        "by",
-        "noise",
-        "found",
-        "error",
-        "bar",
-        "met",
-        "steps",
-        "cost",
-        "seconds",
-        "condition",
-    ]
-    return table([*head, "bound", "left", "gradient"], [_show_fit(row) for row in rows])
+    noisy = any(row["noise"] for row in rows)
+    head = ["sought", "start", "by", *["noise"] * noisy, "found", "error", "met", "steps", "cost", "seconds"]
+    fitted = [row for row in rows if row["fitted"]]
+    worst = max((row["gradient_error"] for row in fitted), default=0.0)
+    text = table([*head, "condition", "bound", "left"], [_show_fit(row, noisy) for row in rows])
+    return text + f"\nGradients are at worst {worst:.1e} from central differences.\n"
 
 
-def _show_fit(row: dict) -> list[Any]:
-    start = [row["problem"], row["start"]]
+def _show_fit(row: dict, noisy: bool) -> list[Any]:
+    start = [row["problem"], row["start"], row["optimiser"], *[f"{row['noise']:.1%}"] * noisy]
     if not row["fitted"]:
-        return [*start, row["optimiser"], row["noise"], "not sought", *[""] * 10]
+        return [*start, "not sought", *[""] * 8]
     reached = "never" if row["steps_to_tolerance"] is None else row["steps_to_tolerance"]
-    noise = f"{row['noise']:.1%}" if row["noise"] else "0"
     return [
         *start,
-        row["optimiser"],
-        noise,
         _join(row, lambda name: _show_value(row["found"][name])),
         _join(row, lambda name: _show_error(name, row["errors"][name])),
-        _join(row, lambda name: _show_error(name, UNKNOWNS[name].tolerance) + "*" * UNKNOWNS[name].own_bar),
         "yes" if row["met"] else "**no**",
         f"{reached} of {row['steps']}",
         number(row["forward_equivalents"]),
@@ -84,8 +71,20 @@ def _show_fit(row: dict) -> list[Any]:
         if row["standard_errors"]
         else "",
         number(row["residual"]),
-        f"{row['gradient_error']:.1e}",
     ]
+
+
+def _list_bars(result: Result) -> str:
+    """The bar of each unknown that is sought."""
+    sought = dict.fromkeys(
+        name for section in result.values() for row in section["rows"] for name in row.get("unknowns", ())
+    )
+    bars = [
+        f"{name.replace('_', ' ')} {_show_error(name, UNKNOWNS[name].tolerance)}"
+        + "*" * UNKNOWNS[name].own_bar
+        for name in sought
+    ]
+    return f"Bars: {'; '.join(bars)}.\n"
 
 
 def _write_hidden(rows: list[dict]) -> str:
@@ -139,7 +138,7 @@ def _show_value(value: Any) -> str:
 def _show_error(name: str, value: float) -> str:
     measure = UNKNOWNS[name].measure
     if measure == "relative":
-        return f"{100 * value:.2g} %"
+        return f"{100 * value:.2g}%"
     return f"{value:.2g}°" if measure == "angle" or UNKNOWNS[name].unit == "degrees" else f"{value:.2g}"
 
 

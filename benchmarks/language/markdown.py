@@ -87,7 +87,7 @@ def _state_requirement(rows: Sequence[Row]) -> str:
         silent, count = (sum(row[name] for row in chosen) for name in ("silent", "sentences"))
         met = "met" if silent <= LIMIT * count else "not met"
         who = f"the {author}" if author else "all"
-        told.append(f"{who}: {silent} of {count}, {100 * silent / max(count, 1):.2f} % ({met})")
+        told.append(f"{who}: {silent} of {count}, {100 * silent / max(count, 1):.2f}% ({met})")
     return f"\nSilently wrong of those held back, at most {LIMIT:.0%} required: {'; '.join(told)}.\n"
 
 
@@ -112,11 +112,11 @@ def _list_figures(rows: Sequence[Row]) -> list[str]:
     wrong = sum(sum(row["wrong"].values()) for row in rows)
 
     def share(name: str) -> str:
-        return f"{100 * total[name] / total['sentences']:.1f} %"
+        return f"{100 * total[name] / total['sentences']:.1f}%"
 
     return [
         str(total["sentences"]),
-        f"{100 * (total['fields'] - wrong) / total['fields']:.1f} %",
+        f"{100 * (total['fields'] - wrong) / total['fields']:.1f}%",
         *(share(name) for name in ("right", "silent", "refused", "unsure", "vain")),
     ]
 
@@ -128,8 +128,9 @@ def _compare_groups(rows: Sequence[Row]) -> str:
         cells = []
         for split in ("development", "test"):
             mine = [row for row in rows if (row["group"], row["split"]) == (name, split)]
-            cells += [sum(row[key] for row in mine) or "" for key in ("sentences", "right")]
-            cells.append(sum(row["silent"] for row in mine) if mine else "")
+            cells += [
+                sum(row[key] for row in mine) if mine else "" for key in ("sentences", "right", "silent")
+            ]
         lines.append([name, *cells])
     heads = ("sentences", "right", "silently wrong")
     return table(

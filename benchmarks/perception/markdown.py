@@ -12,15 +12,15 @@ from benchmarks.harness import Page, Result, Row, Rows, Tables, drop_fields, one
 KEYS = ("background", "noise", "distance", "object", "motion")
 Figure = tuple[str, str, float, str, str, Callable[[Row], bool]]
 FIGURES: tuple[Figure, ...] = (
-    ("displacement", "3 %", 0.03, "displacement", "displacement_stated", lambda row: True),
+    ("displacement", "3%", 0.03, "displacement", "displacement_stated", lambda row: True),
     ("direction", "5 deg", 5.0, "direction", "", lambda row: row["has_direction"]),
     ("rotation in the plane", "4 deg", 4.0, "rotation", "", lambda row: row["in_plane"]),
     ("rotation out of it", "8 deg", 8.0, "rotation", "", lambda row: not row["in_plane"]),
     ("rotation's angle", "8 deg", 8.0, "angle", "rotation_stated", lambda row: True),
     ("rotation's axis", "", np.inf, "axis", "axis_stated", lambda row: row["turns"]),
-    ("stretch", "8 %", 0.08, "stretch", "stretch_stated", lambda row: True),
-    ("outline's stretch, unturned", "8 %", 0.08, "outline", "outline_stated", lambda row: not row["turns"]),
-    ("frequency", "5 %", 0.05, "frequency", "frequency_stated", lambda row: row["swings"]),
+    ("stretch", "8%", 0.08, "stretch", "stretch_stated", lambda row: True),
+    ("outline's stretch, unturned", "8%", 0.08, "outline", "outline_stated", lambda row: not row["turns"]),
+    ("frequency", "5%", 0.05, "frequency", "frequency_stated", lambda row: row["swings"]),
 )
 
 
@@ -58,7 +58,7 @@ def _compute_share(values: list[bool]) -> float | None:
 
 
 def _to_percent(value: float | None) -> str:
-    return "" if value is None else f"{100 * value:.0f} %"
+    return "" if value is None else f"{100 * value:.0f}%"
 
 
 def _to_text(value: float | None) -> str:

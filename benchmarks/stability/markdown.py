@@ -74,9 +74,18 @@ def _write_part(rows: list[dict], whole: bool) -> str:
             text += f"\nRefused ({len(refused)}), for example:\n\n"
             text += "".join(f"- {row['job']}: {one_line(row['message'])}\n" for row in refused[:6])
     if shown:
-        lines = [[row["job"], row["verdict"], one_line(row["message"])] for row in shown]
-        text += table(("run", "verdict", "what happened"), lines)
+        text += table(("run", "of", "verdict", "what happened"), _gather(shown))
     return text
+
+
+def _gather(rows: list[dict]) -> list[tuple[str, str, str, str]]:
+    """A line for the runs that differ by what their names end with, after a colon, alone."""
+    gathered: dict[tuple[str, str, str], list[str]] = {}
+    for row in rows:
+        name, _, of = row["job"].rpartition(": ")
+        key = name or row["job"], row["verdict"], one_line(row["message"])
+        gathered.setdefault(key, []).append(of if name else "")
+    return [(name, ", ".join(filter(None, of)), *said) for (name, *said), of in gathered.items()]
 
 
 def _describe_extremes(rows: list[dict]) -> str:

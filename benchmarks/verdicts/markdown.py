@@ -73,14 +73,14 @@ def _rates(sight: str, rows: Rows) -> list[list[Any]]:
     for name in ("all", *HALVES):
         mine = [row for row in rows if name in ("all", row["half"])]
         if mine:
-            cells = [sight, name, len(mine), _share(mine, "FAIL"), f"{100 * success:.0f} %"]
-            lines.append([*cells, _share(mine, "SUCCESS"), f"{100 * fail:.0f} %"])
+            cells = [sight, name, len(mine), _share(mine, "FAIL"), f"{100 * success:.0f}%"]
+            lines.append([*cells, _share(mine, "SUCCESS"), f"{100 * fail:.0f}%"])
     return lines
 
 
 def _share(rows: Sequence[Row], label: str) -> str:
     false, of = count_false(rows, label)
-    return f"{100 * false / of:.1f} % ({false} of {of})" if of else ""
+    return f"{100 * false / of:.1f}% ({false} of {of})" if of else ""
 
 
 def _section(sight: str, rows: Rows) -> str:

@@ -231,9 +231,9 @@ def test_the_page_names_missed_tasks_of_development_only():
     )
     page = write_tables(summary)["neighbourhood"]
     assert "| method, start | split | smooth, 30 | smooth, 100 | others, 30 | others, 100 | missed |" in page
-    assert "| adam, near | development | 0 of 1 |  | 1 of 1 |  | development-True |" in page
-    assert "| adam, near | test | 0 of 1 |  |  |  | not told" in page and "test-True" not in page
-    assert "| adam, responses | test | 0 of 1 | 1 of 1 |  |  | none |" in page and "cma" not in page
+    assert "| adam, near | development | 0/1 |  | 1/1 |  | development-True |" in page
+    assert "| adam, near | test | 0/1 |  |  |  | not told" in page and "test-True" not in page
+    assert "| adam, responses | test | 0/1 | 1/1 |  |  | none |" in page and "cma" not in page
 
 
 @pytest.mark.parametrize("size", [0.45, 1.0, 1.5])
