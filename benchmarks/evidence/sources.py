@@ -42,21 +42,32 @@ def read_date(revision: str) -> str:
 
 
 def strip_python(source: str) -> str:
-    """Python code without docstrings, comment lines, empty lines and trailing blanks; any other text as it is."""
+    """Python code without docstrings, comment lines and empty lines; any other text as it is."""
     try:
         tree = ast.parse(source)
     except SyntaxError:
         return source
-    left_out: set[int] = set()
+    words: set[int] = set()  # lines of docstrings
+    texts: set[int] = set()  # lines of strings that go over several
     for node in ast.walk(tree):
-        if (
-            isinstance(node, ast.Expr)
-            and isinstance(node.value, ast.Constant)
-            and isinstance(node.value.value, str)
-        ):
-            left_out.update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
-    lines = (line.rstrip() for number, line in enumerate(source.splitlines(), 1) if number not in left_out)
-    return "\n".join(line for line in lines if line and not line.lstrip().startswith("#"))
+        if isinstance(node, ast.Expr) and _is_string(node.value):
+            words.update(_list_lines(node))
+        elif _is_string(node) or isinstance(node, ast.JoinedStr):
+            texts.update(lines if len(lines := _list_lines(node)) > 1 else ())
+    kept = []
+    for number, line in enumerate(source.splitlines(), 1):
+        bare = line.strip()
+        if number in texts - words or (number not in words and bare and not bare.startswith("#")):
+            kept.append(line)
+    return "\n".join(kept)
+
+
+def _is_string(node: ast.AST) -> bool:
+    return isinstance(node, ast.Constant) and isinstance(node.value, str)
+
+
+def _list_lines(node: ast.AST) -> range:
+    return range(node.lineno, node.end_lineno + 1)  # type: ignore[attr-defined]
 
 
 def _hash_files(names: Sequence[str], revision: str | None) -> str:
