@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
 from benchmarks.harness import Page, Result, Row, Rows, Tables, condense_section, provenance, table
 from benchmarks.language.notation import FILES, LIMIT
@@ -48,9 +48,11 @@ def write_tables(summary: Result) -> Tables:
         tables["groups"] = _compare_groups(rows["sentences"])
         tables["fields"] = _list_fields(rows["sentences"])
     if "own_words" in rows:
-        tables["own words"] = _compare_splits(rows["own_words"], COMPLETED)
+        tables["own words"] = _shorten([row for row in rows["own_words"] if row["author"] in COMPLETED])
     if "first_readings" in rows:
-        tables["first readings"] = _list_first(rows["first_readings"])
+        tables["first readings"] = _shorten(
+            [row for row in rows["first_readings"] if row["author"] in FIRST_READINGS.get(row["reading"], ())]
+        )
     return tables
 
 
@@ -91,12 +93,18 @@ def _state_requirement(rows: Sequence[Row]) -> str:
     return f"\nSilently wrong of those held back, at most {LIMIT:.0%} required: {'; '.join(told)}.\n"
 
 
-def _compare_splits(rows: Sequence[Row], authors: Collection[str] = ()) -> str:
-    """A line for each split of these authors, and one for all test splits together."""
-    shown = [row for row in rows if not authors or row["author"] in authors]
-    splits = [[split, *_list_figures(_select(rows, split))] for split in _list_splits(shown)]
+def _compare_splits(rows: Sequence[Row]) -> str:
+    """A line for each split, and one for all test splits together."""
+    splits = [[split, *_list_figures(_select(rows, split))] for split in _list_splits(rows)]
     splits.append(["all, test", *_list_figures([row for row in rows if row["split"] == "test"])])
     return table(("split", *_COLUMNS), splits)
+
+
+def _shorten(rows: Sequence[Row]) -> str:
+    """A line for each split, with the most important figures."""
+    figures = {split: _list_figures(_select(rows, split)) for split in _list_splits(rows)}
+    lines = [[split, found[0], *found[2:4]] for split, found in figures.items()]
+    return table(("split", "sentences", "sentences right", "silently wrong"), lines)
 
 
 def _list_splits(rows: Sequence[Row]) -> list[str]:
@@ -146,18 +154,6 @@ def _list_fields(rows: Sequence[Row]) -> str:
     }
     names = sorted(wrong["development"] | wrong["test"])
     return table(("field", *wrong), [[name, *(count[name] for count in wrong.values())] for name in names])
-
-
-def _list_first(rows: Sequence[Row]) -> str:
-    """The splits of authors whose sentences were read for the first time."""
-    lines = []
-    for reading, authors in FIRST_READINGS.items():
-        for job in dict.fromkeys(row["job"] for row in rows if row["reading"] == reading):
-            mine = [row for row in rows if (row["reading"], row["job"]) == (reading, job)]
-            if mine[0]["author"] in authors:
-                figures = _list_figures(mine)
-                lines.append([job, figures[0], *figures[2:4]])
-    return table(("split", "sentences", "sentences right", "silently wrong"), lines)
 
 
 PAGE = Page(

@@ -56,7 +56,10 @@ def _list_tables(part: str, section: dict[str, Any]) -> Tables:
 def _list_untrue(rows: Rows) -> str:
     """The clips that are not judged, with what is not as it is said."""
     untrue = [row for row in rows if row["untrue"]]
-    lines = [f"- `{row['clip']}`: {row['motion']}: {'; '.join(row['untrue'])}\n" for row in untrue]
+    lines = [
+        f"- `{row['clip']}`: {row['motion']}: {'; '.join(row['untrue']).replace(', which nobody says', '')}\n"
+        for row in untrue
+    ]
     return f"Of {len(rows)} clips, {len(untrue)} do not move as they are said to.\n\n" + "".join(lines)
 
 
