@@ -34,7 +34,7 @@ def write_tables(result: Result) -> Tables:
         tables["peers"] = (
             f"Peers run the same particles on the same grid in the same process tree: {peers}.\n"
         )
-        tables["work"] = table(_RUNS, [_make_study_line(row, primary[row["case"]]) for row in work["rows"]])
+        tables["work"] = _write_studies(work["rows"], primary)
         tables["gains"] = _summarise(work["rows"], primary)
     if densities := result.get("quadrature"):
         tables["quadrature"] = table(_DENSITIES, _make_density_lines(densities["rows"]))
@@ -73,8 +73,18 @@ def _list_outside(rows: list[dict]) -> str:
     return "\nOutside their bars:\n\n" + "\n".join(lines) + "\n"
 
 
+def _write_studies(rows: list[dict], primary: dict[str, str]) -> str:
+    """The rows that have an error, and why others have none."""
+    done = [row for row in rows if primary[row["case"]] in row["errors"]]
+    text = table(_RUNS, [_make_study_line(row, primary[row["case"]]) for row in done])
+    failed: dict[str, dict[str, None]] = {}
+    for row in (row for row in rows if row not in done):
+        failed.setdefault(f"{row['case']}: {row['failed']}", {})[row["code"]] = None
+    return text + "".join(f"\nNo row by {', '.join(codes)} for {why}.\n" for why, codes in failed.items())
+
+
 def _make_study_line(row: dict, primary: str) -> list:
-    error = f"{row['errors'][primary]:.3g}" if primary in row["errors"] else row["failed"]
+    error = f"{row['errors'][primary]:.3g}"
     label = f"**{row['label']}** (reference)" if row["reference"] else row["label"]
     start = [row["case"], row["code"], label, row["resolution"], row["steps"], number(row["dt_over_bound"])]
     return [*start, error, _format_wall_time(row)]

@@ -72,7 +72,7 @@ def _write_part(rows: list[dict], whole: bool) -> str:
         refused = [row for row in rows if row["verdict"] == "refused"]
         if refused:
             text += f"\nRefused ({len(refused)}), for example:\n\n"
-            text += "".join(f"- {row['job']}: {one_line(row['message'])}\n" for row in refused[:6])
+            text += "".join(f"- {row['job']}: {one_line(row['message'])}\n" for row in refused[:3])
     if shown:
         text += table(("run", "of", "verdict", "what happened"), _gather(shown))
     return text
