@@ -1,4 +1,4 @@
-"""`python -m benchmarks.distillation --weights DIR --json OUT [--markdown MD]`: does distillation lead to the target?
+"""`python -m benchmarks.distillation --weights DIR [--json OUT] [--markdown MD]`: does distillation lead to the target?
 
 At force fields of every task, gradients of a score prior by all |M| v are drawn, through the whole clip and through the
 last substep before each picture alone (the published truncation), with and without the still clip's gradient taken off,

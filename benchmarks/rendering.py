@@ -1,4 +1,4 @@
-"""`python -m benchmarks.rendering --json OUT [--markdown OUT] [--quick]`: milliseconds per image and gradient.
+"""`python -m benchmarks.rendering [--json OUT] [--markdown OUT] [--quick]`: milliseconds per image and gradient.
 
 A sphere covered with overlapping Gaussians fills most of the picture, as an object does. Medians of warm images with
 the range; compilation apart. "gradient" is the forward image and the derivative of a mean squared difference with

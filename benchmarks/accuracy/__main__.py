@@ -1,4 +1,4 @@
-"""`python -m benchmarks.accuracy [--quick] --json OUT [--plot PNG] [--markdown MD]`: error against wall time.
+"""`python -m benchmarks.accuracy [--quick] [--json OUT] [--plot PNG] [--markdown MD]`: error against wall time.
 
 Three tables. "verification": every case at the resolution its bar holds for. "work_precision": grid size x step
 policy, then transfer, stress form and precision at the middle grid, for the cases with a smooth error, and the

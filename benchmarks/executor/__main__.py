@@ -1,4 +1,4 @@
-"""`python -m benchmarks.executor [--quick] --json OUT [--markdown MD]`: from wrong force fields to right motions.
+"""`python -m benchmarks.executor [--quick] [--json OUT] [--markdown MD]`: from wrong force fields to right motions.
 
 `starts` begins with spoilt force fields and lets the offline executor mend them, with perfect perception: planner and
 executor read the particles' motion. `kinds` compares body forces with velocity constraints.

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.first_results --json OUT --data DIR [--sheets DIR] [--markdown MD]`: twenty-four sentences.
+"""`python -m benchmarks.first_results [--json OUT] --data DIR [--sheets DIR] [--markdown MD]`: twenty-four sentences.
 
 Runs the command-line job for each sentence in a process of its own and gathers what was asked, simulated, perceived and
 true, what the planner says of each, and what is odd. What a viewer sees is written by hand (`seen.json`). Objects that

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.gradients --json OUT [--markdown OUT] [--quick]`: what the gradient of a simulation costs.
+"""`python -m benchmarks.gradients [--json OUT] [--markdown OUT] [--quick]`: what the gradient of a simulation costs.
 
 The elastic cube that is dropped on a floor (`benchmarks.peers.drop`), eight particles per cell. "forward" is what the
 product runs: `simulate`, with its window and kernels. "value and gradient" is `jax.value_and_grad` through `replay` of

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.headtohead --json OUT [--markdown MD] [--data DIR] [--quick]`: methods against each other.
+"""`python -m benchmarks.headtohead [--json OUT] [--markdown MD] [--data DIR] [--quick]`: methods against each other.
 
 Every method gets the same budget on the same tasks and the same simulator, counted in forward-equivalents; what it is
 to be judged by is read from the particles and never shown to it (oracles apart, which are named so). `methods` is the

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.language [--quick] --json OUT [--markdown MD]`: sentences read as a person reads them.
+"""`python -m benchmarks.language [--quick] [--json OUT] [--markdown MD]`: sentences read as a person reads them.
 
 What a sentence says was written by hand before the parser was made to read it. A third of the first author's
 sentences and half of the others', by their hash, are test splits: no rule is made for them, and they are not looked at

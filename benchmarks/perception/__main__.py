@@ -1,4 +1,4 @@
-"""`python -m benchmarks.perception --json OUT [--markdown OUT] [--quick]`: how right is what perception says?"""
+"""`python -m benchmarks.perception [--json OUT] [--markdown OUT] [--quick]`: how right is what perception says?"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.skipping [--quick] --json OUT [--markdown MD] [--only NAME ...]`: what is not computed.
+"""`python -m benchmarks.skipping [--quick] [--json OUT] [--markdown MD] [--only NAME ...]`: what is not computed.
 
 Every skip of the simulator runs twice, in interleaved warm rounds: once as the product runs, once with the work
 forced in. A row says what that saves, and how far the two answers are apart; the command fails if they disagree.

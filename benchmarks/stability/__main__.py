@@ -1,4 +1,4 @@
-"""`python -m benchmarks.stability [--quick] --json OUT [--markdown MD]`: attempts to break the simulator.
+"""`python -m benchmarks.stability [--quick] [--json OUT] [--markdown MD]`: attempts to break the simulator.
 
 Parts, each a section of the JSON (those not asked for are kept, so that parts can be run one by one):
 

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.throughput [--quick] --json OUT [--markdown MD]`: seconds per substep and per job.
+"""`python -m benchmarks.throughput [--quick] [--json OUT] [--markdown MD]`: seconds per substep and per job.
 
 The same particles in ours and in every peer that is available, each in a process of its own, in interleaved rounds
 of warm substeps: medians and spreads. Parts, each a section of the JSON (those not asked for are kept):

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.verdicts [--quick] --json OUT [--markdown MD]`: does the planner say what a person would?
+"""`python -m benchmarks.verdicts [--quick] [--json OUT] [--markdown MD]`: does the planner say what a person would?
 
 Clips of right and wrong motions are simulated and rendered (once: they are kept in ``--clips``), and each is judged for
 its sentence by the offline agents, with the true trajectories in place of perception, and from its pictures. Fails if
