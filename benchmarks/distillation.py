@@ -145,7 +145,7 @@ def compare(
         opened: The prior with these changes of its settings.
         places: Force fields: the task's start, then drawn ones.
         draws: Gradients of each.
-        seed: Of the drawn force fields and of the noise.
+        seed: Seed of the drawn force fields and of the noise.
     """
     rng, rows = np.random.default_rng(seed), []
     fields = [task.start, *(draw_numbers(rng, task.start) for _ in range(places - 1))]

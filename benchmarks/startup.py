@@ -1,4 +1,4 @@
-"""`python -m benchmarks.startup [--json OUT] [--markdown OUT] [--quick]`: how long a first result and an iteration take.
+"""`python -m benchmarks.startup [--json OUT] [--markdown MD] [--quick]`: time to a first result, and of an iteration.
 
 Runs the job of `make demo` in a new process: first with an empty folder for compiled programs (cold), then again with
 what that run left there (warm); some rounds of both. What compilation adds is the difference of the two.

@@ -96,7 +96,7 @@ def _format_wall_time(row: dict) -> str:
 
 
 def _summarise(rows: list[dict], primary: dict[str, str]) -> str:
-    """What the near-bound step gains over the fixed one, and over each peer, case by case."""
+    """Gains of the near-bound step over the fixed one and over each peer, case by case."""
     lines = []
     for case in dict.fromkeys(row["case"] for row in rows):
         mine = [row for row in rows if row["case"] == case and primary[case] in row["errors"]]

@@ -50,7 +50,7 @@ def write_tables(result: Result, remarks: Remarks | None = None) -> Tables:
 
 
 def _list_oddities(rows: list[Row], made: list[Row]) -> str:
-    """What is odd about each run; what is odd about all of them, and runs without anything, in a line."""
+    """Oddities of each run; those of all runs, and runs without any, have a line each."""
     first = made[0]["oddities"] if len(made) > 1 else []
     common = [words for words in first if all(words in row["oddities"] for row in made)]
     told = {f"{_number(row)}, {row['object']}": _describe_oddities(row, common) for row in rows}
@@ -61,7 +61,7 @@ def _list_oddities(rows: list[Row], made: list[Row]) -> str:
 
 
 def _count_verdicts(rows: list[Row], views: dict[str, tuple[str, str]]) -> str:
-    """How often each verdict meets each view."""
+    """Counts of each verdict with each view."""
     lines = []
     for judge, key in (("from the pictures", "verdict"), ("from the truth", "true_verdict")):
         counts = Counter((row[key], views[row["case"]][0]) for row in rows if key in row)

@@ -1,4 +1,4 @@
-"""What every benchmark has: options, a file of rows that is gone on with, what it ran on, and tables.
+"""Harness of every benchmark: options, a file of rows that a later run continues, provenance, and tables.
 
 A benchmark has parts, a part has jobs, a job makes rows. `main` does what the command line asks for and keeps the rows
 in a JSON file, `{part: {"runs": [...], "complete": bool, "rows": [...]}}`: a run is one start of the command, with

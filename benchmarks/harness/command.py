@@ -45,12 +45,12 @@ class Command:
 
 @dataclasses.dataclass(frozen=True)
 class Job:
-    """What is measured whole or not at all.
+    """Measurement that is done whole or not at all.
 
     Attributes:
         name: Unique in its part.
         measure: Does it, and returns its rows.
-        group: Of jobs that compile the same programs; "" = none.
+        group: Name of the jobs that compile the same programs; "" = none.
     """
 
     name: str

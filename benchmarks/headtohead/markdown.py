@@ -123,7 +123,7 @@ def choose_neighbours(result: dict[str, Any]) -> list[dict]:
 
 
 def _tell_splits(rows: list[dict]) -> str:
-    """How many of the tasks methods were developed on: these flatter."""
+    """Number of tasks that methods were developed on: these flatter."""
     tasks = {row["task"]: row["split"] for row in rows}
     seen = sum(split == "development" for split in tasks.values())
     if not seen:
@@ -158,7 +158,7 @@ def format_share(values: tuple[float, float, float]) -> str:
 
 
 def _write_checks(rows: list[dict]) -> str:
-    """How many stored force fields were found again, and by how much the others differ."""
+    """Number of stored force fields that were found again, and the differences of the others."""
     others = [row for row in rows if not row["good"]]
     good = len(rows) - len(others)
     text = f"{good} of {len(rows)} stored force fields, simulated again, have the error that they had.\n"
@@ -175,7 +175,7 @@ def _name(label: str, rows: list[dict]) -> str:
 
 
 def _state_findings(rows: list[dict]) -> str:
-    """What the comparison says, in words; empty where methods that the words are about have not been measured."""
+    """Findings of the comparison in words; empty where a method that they name has not been measured."""
     groups, last = group(rows), find_last_mark(rows)
     blind = [f"{name}, all types" for name in ("adam", "lbfgs", "levenberg_marquardt", "smoothed_adam")]
     told = [f"{name}, responses" for name in ("adam", "lbfgs", "levenberg_marquardt")]

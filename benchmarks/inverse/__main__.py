@@ -1,4 +1,4 @@
-"""`python -m benchmarks.inverse [--quick] [--json OUT] [--markdown MD] [--images DIR]`: numbers found again from tracks.
+"""`python -m benchmarks.inverse [--quick] [--json OUT] [--markdown MD] [--images DIR]`: numbers found from tracks.
 
 A hidden scene is simulated, 64 points of its surface are followed over ten frames, and its numbers are sought from a
 wrong start by gradients through the simulator: `exact` with the tracks as they are, `noise` with some added, `finer`

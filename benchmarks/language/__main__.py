@@ -63,7 +63,7 @@ def read_split(sentences: list[Sentence]) -> list[Row]:
 
 
 def read_one(sentence: Sentence) -> Row:
-    """What the parser makes of a sentence, beside what a person does."""
+    """Row of a sentence: the answer of the parser beside that of a person."""
     brief = make_scene(sentence.object_name)
     reply = compile_sentence(sentence.text, brief)
     fields = score(sentence, reply, brief)

@@ -33,7 +33,7 @@ _COLUMNS = (
 
 
 def condense(result: Result) -> Result:
-    """How many sentences of each split and group are right, silently wrong, refused and marked, and which fields."""
+    """Counts of sentences by split and group: right, silently wrong, refused and marked, with the wrong fields."""
     return {
         part: condense_section(section, _count_groups(section["rows"])) for part, section in result.items()
     }
@@ -130,7 +130,7 @@ def _list_figures(rows: Sequence[Row]) -> list[str]:
 
 
 def _compare_groups(rows: Sequence[Row]) -> str:
-    """How many sentences are right and silently wrong, of the groups of which a sentence is silently wrong."""
+    """Counts of right and silently wrong sentences, of the groups that have a silently wrong one."""
     lines = []
     for name in dict.fromkeys(row["group"] for row in rows if row["silent"]):
         cells = []
@@ -147,7 +147,7 @@ def _compare_groups(rows: Sequence[Row]) -> str:
 
 
 def _list_fields(rows: Sequence[Row]) -> str:
-    """How often each field is wrong, of all development and of all test splits."""
+    """Counts of wrong fields, of all development and of all test splits."""
     wrong = {
         split: sum((Counter(row["wrong"]) for row in rows if row["split"] == split), Counter())
         for split in ("development", "test")

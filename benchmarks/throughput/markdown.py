@@ -70,7 +70,7 @@ def write_tables(result: Result) -> Tables:
 
 
 def _write_targets(result: dict, parts: dict[str, Rows]) -> str:
-    """What was aimed at, and what was reached. Only full-size rows count: an aim says nothing of a quick look."""
+    """Aims, and what was reached. Only full-size rows count: an aim says nothing of a quick look."""
     slow = {part for part, section in result.items() if not any(run["quick"] for run in section["runs"])}
     rows = [row for part in parts if part in slow for row in parts[part] if not part.startswith("same")]
     full = _add_ratios([row for row in rows if row["particles"] == AIMED_AT])

@@ -64,7 +64,7 @@ def _list_untrue(rows: Rows) -> str:
 
 
 def _coverage(rows: Rows) -> str:
-    """How much of the catalogue has been judged: a run may be stopped, or be told to judge what has been made."""
+    """Share of the catalogue that has been judged: a run may be stopped, or judge only what has been made."""
     whole = {clip.name for clip in list_clips(None)}
     judged = len(whole & {row["clip"] for row in rows})
     return f"\nOf the {len(whole)} clips that need no folder of data, {judged} have been judged.\n"

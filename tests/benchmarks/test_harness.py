@@ -308,7 +308,7 @@ def meet(made, wanted):
 
 
 def make_rows(value):
-    """What a job of several workers returns: found by its name in another process."""
+    """Rows of a job of several workers: found by its name in another process."""
     return [{"value": value}]
 
 

@@ -99,7 +99,7 @@ def write_page(result):
 
 
 def test_pictures_of_stored_fields_and_of_nothing_are_compared_with_the_sentence(tmp_path, monkeypatch):
-    """What does nothing scores as its first frame; what stretches the object does not; what cannot run says so."""
+    """A still clip scores as its first frame; one that stretches the object does not; one that cannot run says so."""
     monkeypatch.setattr(TransformersClip, "load", lambda folder: Reddish())
     (spec,) = [spec for spec in load_tasks(TASKS) if spec.name == "stretch-jelly-wide"]
     stretch = Action(action_type=ActionType.SCALE, vector=(1, 0, 0), magnitude=1.6)

@@ -1,4 +1,4 @@
-"""What compilation adds to the first result, and what an iteration takes, as the benchmark reports it."""
+"""Time that compilation adds to the first result and that an iteration takes, as the benchmark reports it."""
 
 import pytest
 
