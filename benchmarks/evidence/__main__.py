@@ -1,7 +1,7 @@
 """`python -m benchmarks.evidence [NAME ...]`: which pages rest on code that has changed since it was measured.
 
 ``--summarise`` makes summaries of raw rows first, ``--fill`` the tables of the pages, ``--check`` fails where a page is
-not what its summary gives.
+not what its summary gives. ``--restore`` writes raw rows that history still has.
 """
 
 from __future__ import annotations
@@ -20,9 +20,11 @@ from benchmarks.evidence.summaries import (
     Summary,
     format_summary,
     read_summary,
+    restore,
     summarise,
 )
 from benchmarks.harness import Page, Tables, table
+from benchmarks.harness.command import format_result
 from benchmarks.harness.pages import empty_place, fill_page
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
@@ -41,6 +43,8 @@ class Command:
     """Make the named summaries of raw rows."""
     allow_unkept: bool = False
     """With `--summarise`: take rows of revisions that are not in the repository; the page says so."""
+    restore: bool = False
+    """Write the raw rows that the repository's history has, so that `--resume` and `--only` can go on with them."""
     fill: bool = False
     """Fill the tables of the pages."""
     check: bool = False
@@ -52,8 +56,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     command = tyro.cli(Command, args=arguments)
     try:
         pages = choose_pages(command.names)
-        if command.summarise and not command.names:
-            raise UserError("`--summarise` needs names", do=f"There are: {', '.join(PAGES)}")
+        if (command.summarise or command.restore) and not command.names:
+            raise UserError("`--summarise` and `--restore` need names", do=f"There are: {', '.join(PAGES)}")
+        for page in pages if command.restore else ():
+            _restore(page)
         for page in pages if command.summarise else ():
             _summarise(page, command.allow_unkept)
         for page in pages if command.fill else ():
@@ -138,6 +144,12 @@ def describe_minutes(summary: Summary) -> str:
     runs = [run for section in summary["parts"].values() for run in section["runs"]]
     minutes = sum(run["seconds"] for run in runs) / 60
     return f"{minutes:.1f}" if all(run["seconds"] for run in runs) else f"more than {minutes:.1f}"
+
+
+def _restore(page: Page) -> None:
+    if (path := ROOT / page.raw).exists():
+        raise UserError("there are raw rows already", got=page.raw, do="Move them away first")
+    write_text(path, format_result(restore(read_summary(RESULTS / f"{page.name}.json"))) + "\n")
 
 
 def _summarise(page: Page, allow_unkept: bool) -> None:

@@ -41,6 +41,11 @@ def read_date(revision: str) -> str:
     return _need("log", "-1", "--format=%cs", revision).decode().strip()
 
 
+def read_object(name: str) -> bytes:
+    """A file at a revision, ``REVISION:PATH``."""
+    return _need("show", name)
+
+
 def strip_python(source: str) -> str:
     """Python code without docstrings, comment lines and empty lines; any other text as it is."""
     try:

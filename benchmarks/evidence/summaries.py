@@ -13,7 +13,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from benchmarks.evidence.sources import find_newest, hash_sources, is_known, read_date
+from benchmarks.evidence.sources import find_newest, hash_sources, is_known, read_date, read_object
 from benchmarks.harness import Page, Result
 from benchmarks.harness.command import format_result
 from physagent_jax.core.errors import UserError
@@ -67,6 +67,24 @@ def describe_code(page: Page, revision: str) -> dict[str, Any]:
         "date": read_date(revision),
         "hashes": hash_sources(page.sources, revision),
     }
+
+
+def restore(summary: Summary) -> Result:
+    """The raw rows that the repository's history has, checked against their hashes.
+
+    Raises:
+        UserError: It has none.
+    """
+    found: Result = {}
+    for part, file in summary["raw"].items():
+        if "history" in file and "sha256" in file:
+            content = read_object(file["history"])
+            if hashlib.sha256(content).hexdigest() != file["sha256"]:
+                raise UserError(f"raw rows of {part} are not those that were summarised", got=file["history"])
+            found[part] = json.loads(content)[part]
+    if not found:
+        raise UserError("history has no raw rows of these figures", do="Measure them again")
+    return found
 
 
 def list_revisions(parts: Result) -> set[str]:

@@ -134,11 +134,13 @@ def _write_materials(rows: Rows) -> str:
     text = ""
     for group in dict.fromkeys(row["group"] for row in rows):
         members = [row for row in rows if row["group"] == group]
+        default = any(row["over_default"] for row in members)  # other laws have none
+        columns = [name for name in _TIMES if default or name != "x default"]
         lines = [
-            [row["code"], row["law"], row["threads"], *_make_timed_cells(row, _TIMES[1:])] for row in members
+            [row["code"], row["law"], row["threads"], *_make_timed_cells(row, columns[1:])] for row in members
         ]
         text += f"\n### {group}, {members[0]['particles']:,} particles\n"
-        text += table(("code", "law", "threads", *_TIMES), lines)
+        text += table(("code", "law", "threads", *columns), lines)
     return text
 
 

@@ -71,6 +71,20 @@ def test_revisions_are_recognised(text):
 
 
 @needs_history
+def test_raw_rows_are_restored_from_history_and_never_over_others(tmp_path, monkeypatch, capsys):
+    """They give the same summary again."""
+    monkeypatch.setattr("benchmarks.evidence.__main__.ROOT", tmp_path)
+    monkeypatch.setattr("benchmarks.evidence.__main__.list_stale", lambda pages: "")
+    assert main(["perception", "--restore"]) == 0
+    kept, raw = read_summary(RESULTS / "perception.json"), tmp_path / "benchmarks" / "raw" / "perception.json"
+    assert "text" in json.loads(raw.read_text())["clips"]["rows"][0]
+    assert summarise(PAGES["perception"], raw)["parts"] == kept["parts"]
+    assert main(["perception", "--restore"]) == 2 and "there are raw rows already" in capsys.readouterr().err
+    with pytest.raises(UserError, match="has no raw rows"):
+        summaries.restore({"raw": {"part": {"sha256": "s"}}})
+
+
+@needs_history
 def test_raw_rows_that_history_has_are_those_that_were_summarised():
     for name in PAGES:
         for file in read_summary(RESULTS / f"{name}.json")["raw"].values():
