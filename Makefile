@@ -1,4 +1,5 @@
 # make demo: from a fresh machine to the first video.   make test: the test suite.   make pictures: the README's.
+# make evidence: measured pages whose code has changed since, and how to measure them again.
 PYTHON ?= python3
 VENV ?= .venv
 RUN := $(VENV)/bin
@@ -6,7 +7,7 @@ PYTEST_ARGS ?= -n auto --dist worksteal
 DEMO_OUT ?= runs/demo
 DEMO_PROMPT ?= a strong wind pushes the robot to the left
 
-.PHONY: demo test lint pictures clean
+.PHONY: demo test lint pictures evidence clean
 
 demo: $(VENV)/.installed
 	$(RUN)/physagent run --object examples/assets/robot.ply --prompt "$(DEMO_PROMPT)" --out $(DEMO_OUT) --overwrite
@@ -23,6 +24,9 @@ lint: $(VENV)/.installed
 
 pictures: $(VENV)/.installed
 	$(RUN)/python examples/make_pictures.py docs/images
+
+evidence: $(VENV)/.installed
+	$(RUN)/python -m benchmarks.evidence
 
 $(VENV)/.installed: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import sys
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ from baselines.protocol import Budget, Evaluation, FitResult, Method
 from baselines.tasks import Task, TaskSpec, load_tasks, make_task
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
-from physagent_jax.core.names import explain_unknown_name
+from physagent_jax.core.names import find_nearest
 from physagent_jax.metrics.task_judge import TaskJudgement
 from physagent_jax.report.html import write_report
 from physagent_jax.run.artifacts import write_best, write_rollout
@@ -75,7 +76,9 @@ def main(arguments: list[str] | None = None) -> int:
 def solve(command: Command) -> RunStore:
     """Lets the method spend its budget, prints what it tries, and plays what it found into a run folder."""
     budget = Budget(command.budget, command.seconds)
-    method = make_method(METHODS.check(command.method), read_options(command.options))
+    if command.method not in METHODS.entries:
+        raise list_names("`--method`", command.method, METHODS.entries)
+    method = make_method(command.method, read_options(command.options))
     spec = find_task(command.tasks, command.task)
     out = command.out or Path("runs") / f"{command.method}_{command.task}"
     settings = dict(
@@ -126,8 +129,15 @@ def find_task(folder: Path, name: str) -> TaskSpec:
     """
     specs = {spec.name: spec for spec in load_tasks(folder)}
     if name not in specs:
-        raise explain_unknown_name("`--task`", name, specs)
+        raise list_names("`--task`", name, specs)
     return specs[name]
+
+
+def list_names(what: str, name: str, known: Iterable[str]) -> UserError:
+    """The error for a name that there is not: it lists all that there are."""
+    near = [f"`{each}`" for each in find_nearest(name, known)]
+    hint = f"Did you mean {' or '.join(near)}? " if near else ""
+    return UserError(f"{what} is not known", got=repr(name), do=f"{hint}There are: {', '.join(known)}")
 
 
 def _solve(store: RunStore, method: Method, spec: TaskSpec, budget: Budget, command: Command) -> None:

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.distillation --weights DIR --json OUT [--markdown MD]`: does distillation lead to the target?
+"""`python -m benchmarks.distillation --weights DIR [--json OUT] [--markdown MD]`: does distillation lead to the target?
 
 At force fields of every task, gradients of a score prior by all |M| v are drawn, through the whole clip and through the
 last substep before each picture alone (the published truncation), with and without the still clip's gradient taken off,
@@ -27,7 +27,7 @@ from baselines.starts import draw_numbers
 from baselines.tasks import Task, TaskSpec, load_tasks, make_task, split_available
 from baselines.truncation import WHOLE, Truncation
 from benchmarks import harness
-from benchmarks.harness import Job, Row, import_pyplot, link, number, provenance, table
+from benchmarks.harness import RAW, Job, Page, Row, import_pyplot, number, provenance, table
 from physagent_jax.core.errors import UserError
 
 TASKS = Path(__file__).resolve().parent / "tasks"
@@ -37,14 +37,6 @@ SETTINGS: dict[str, tuple[dict[str, Any], Truncation]] = {
     "last substep": ({}, Truncation(substeps=1)),
 }
 """Changes of the prior's settings, and how far gradients go back."""
-_MEANING = """Made by `python -m benchmarks.distillation`: whether a gradient of score distillation would lead to the
-target. At force fields with the task's own types and numbers (*task's start*, then drawn ones), gradients of a score
-prior by all |M| v are set beside the gradient of the task's own loss, which is what an oracle descends on. *Mean* is
-the cosine of the mean over the draws with it, *downhill* the share of single draws with a positive one, *signal to
-noise* |mean|^2 over the summed variances of a draw. Chance alone gives a mean cosine of 0 and 50 % downhill. *Whole
-clip* differentiates the simulation from its beginning, *last substep* what the published code does; *still subtracted*
-takes off the gradient of the clip in which nothing moves.
-"""
 COLUMNS = {
     "family": lambda rows: rows[0]["family"],
     "places": lambda rows: str(len(rows)),
@@ -52,8 +44,8 @@ COLUMNS = {
     "range over places": lambda rows: (
         f"{number(min(r['cosine'] for r in rows))} to {number(max(r['cosine'] for r in rows))}"
     ),
-    "places with a positive mean": lambda rows: f"{100 * np.mean([row['cosine'] > 0 for row in rows]):.0f} %",
-    "downhill": lambda rows: f"{100 * np.mean([row['downhill'] for row in rows]):.0f} %",
+    "places with a positive mean": lambda rows: f"{100 * np.mean([row['cosine'] > 0 for row in rows]):.0f}%",
+    "downhill": lambda rows: f"{100 * np.mean([row['downhill'] for row in rows]):.0f}%",
     "signal to noise": lambda rows: number(float(np.median([row["signal_to_noise"] for row in rows]))),
 }
 _KEPT = tempfile.TemporaryDirectory()
@@ -63,6 +55,8 @@ _KEPT = tempfile.TemporaryDirectory()
 class Command(harness.Command):
     """Compare gradients of score distillation with the true ones, or write the tables of an earlier run."""
 
+    json: Path = RAW / "distillation.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["cosines"], ...] = ("cosines",)
     """There is one."""
     prior: Literal["wan", "modelscope", "cogvideox", "toy"] = "toy"
@@ -86,6 +80,8 @@ class Command(harness.Command):
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
+    if command.plots is not None and not harness.can_plot():
+        return 2
     pa.enable_compile_cache()
     try:
         specs, left_out = split_available(load_tasks(command.tasks), command.data)
@@ -101,22 +97,17 @@ def main() -> int:
     chosen = [spec for members in families.values() for spec in members[::every]]
     jobs = [Job(spec.name, partial(_compare, command, spec)) for spec in chosen]
     facts = {"left_out": list(left_out), "prior": command.prior}
-    code = harness.main(command, {"cosines": lambda: jobs}, document, facts)
+    code = harness.main(command, {"cosines": lambda: jobs}, PAGE, facts)
     if command.plots is not None:
         plot(json.loads(command.json.read_text()), command.plots)
     return code
 
 
-def document(result: dict, json_path: Path, target: Path) -> str:
-    """The tables as Markdown."""
-    text = f"# Score distillation beside the truth\n\n{_MEANING}\n"
-    text += f"Every row is in [{json_path.name}]({link(json_path, target)}).\n" + provenance(
-        result, ("cosines",)
-    )
-    if "cosines" not in result:
-        return text
-    rows = result["cosines"]["rows"]
+def write_tables(result: harness.Result) -> harness.Tables:
+    """The tables of docs/distillation.md."""
+    rows = result["cosines"]["rows"] if "cosines" in result else []
     told = [row for row in rows if "cosine" in row]
+    text = ""
     for prior in dict.fromkeys(row["prior"] for row in told):
         for setting in SETTINGS:
             mine = [row for row in told if (row["prior"], row["setting"]) == (prior, setting)]
@@ -126,13 +117,22 @@ def document(result: dict, json_path: Path, target: Path) -> str:
             shown = [[show(group) for show in COLUMNS.values()] for group in groups if group]
             shown += [["all", *(show(mine) for show in list(COLUMNS.values())[1:])]] if mine else []
             text += f"\n## {prior.capitalize()}: {setting}\n" + table(tuple(COLUMNS), shown)
-    picture = target.parent / "images" / "distillation.png"
-    if picture.exists():
-        text += f"\n![Cosines of single draws and of their means]({link(picture, target)})\n"
     if refused := [row for row in rows if "refused" in row]:
         text += f"\n{len(refused)} of {len(rows)} comparisons could not be made:\n\n"
         text += "".join(f"- {row['task']}, {row['setting']}: {row['refused']}\n" for row in refused)
-    return text
+    return {"cosines": text, "runs": provenance(result, ("cosines",))}
+
+
+PAGE = Page(
+    "distillation",
+    "python -m benchmarks.distillation --weights DIR",
+    write_tables,
+    (
+        "baselines",
+        "benchmarks/tasks",
+        *(f"physagent_jax/{part}" for part in ("forces", "kernels", "mpm", "render", "simulation")),
+    ),
+)
 
 
 def compare(
@@ -145,7 +145,7 @@ def compare(
         opened: The prior with these changes of its settings.
         places: Force fields: the task's start, then drawn ones.
         draws: Gradients of each.
-        seed: Of the drawn force fields and of the noise.
+        seed: Seed of the drawn force fields and of the noise.
     """
     rng, rows = np.random.default_rng(seed), []
     fields = [task.start, *(draw_numbers(rng, task.start) for _ in range(places - 1))]

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.rendering --json OUT [--markdown OUT] [--quick]`: milliseconds per image and gradient.
+"""`python -m benchmarks.rendering [--json OUT] [--markdown OUT] [--quick]`: milliseconds per image and gradient.
 
 A sphere covered with overlapping Gaussians fills most of the picture, as an object does. Medians of warm images with
 the range; compilation apart. "gradient" is the forward image and the derivative of a mean squared difference with
@@ -23,7 +23,7 @@ import tyro
 
 from benchmarks import harness
 from benchmarks.cases.splats import sphere
-from benchmarks.harness import Job, link, number, provenance, table
+from benchmarks.harness import RAW, Job, Page, number, provenance, table
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.render import (
     Camera,
@@ -36,11 +36,6 @@ from physagent_jax.render import (
 )
 
 CASES = ((20_000, 256, 40.0), (100_000, 512, 200.0))  # Gaussians, side of the picture [px], aim [ms]
-_MEANING = """What a picture costs, by `python -m benchmarks.rendering`. A sphere covered with overlapping Gaussians
-fills most of the picture, as an object does. Medians of warm images with the range; first calls compile. "gradient"
-is the image and the derivative of a mean squared difference with respect to centres, covariances, opacities and
-colours; "together" the time per image where one thread per core renders images of its own.
-"""
 RATIO = 3.5  # aimed at: time with gradient over time of the image
 COLUMNS = {
     "Gaussians": lambda row: f"{row['gaussians']:,}",
@@ -59,6 +54,8 @@ COLUMNS = {
 class Command(harness.Command):
     """Measure what a picture costs."""
 
+    json: Path = RAW / "rendering.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["images"], ...] = ("images",)
     """There is one."""
     repeats: int = 15
@@ -68,15 +65,24 @@ class Command(harness.Command):
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
-    return harness.main(command, {"images": lambda: _list_jobs(command)}, document)
+    return harness.main(command, {"images": lambda: _list_jobs(command)}, PAGE)
 
 
-def document(result: dict, json_path: Path, target: Path) -> str:
-    """The tables as Markdown."""
-    text = f"# Pictures\n\n{_MEANING}\nEvery row is in [{json_path.name}]({link(json_path, target)}).\n"
-    text += provenance(result, ("images",))
+def write_tables(result: harness.Result) -> harness.Tables:
+    """The tables of docs/rendering.md."""
     rows = result["images"]["rows"] if "images" in result else []
-    return text + table(tuple(COLUMNS), [[show(row) for show in COLUMNS.values()] for row in rows])
+    return {
+        "images": table(tuple(COLUMNS), [[show(row) for show in COLUMNS.values()] for row in rows]),
+        "runs": provenance(result, ("images",)),
+    }
+
+
+PAGE = Page(
+    "rendering",
+    "python -m benchmarks.rendering",
+    write_tables,
+    ("physagent_jax/render", "physagent_jax/gaussians", "physagent_jax/kernels"),
+)
 
 
 def _list_jobs(command: Command) -> list[Job]:

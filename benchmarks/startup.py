@@ -1,4 +1,4 @@
-"""`python -m benchmarks.startup --json OUT [--markdown OUT] [--quick]`: how long a first result and an iteration take.
+"""`python -m benchmarks.startup [--json OUT] [--markdown MD] [--quick]`: time to a first result, and of an iteration.
 
 Runs the job of `make demo` in a new process: first with an empty folder for compiled programs (cold), then again with
 what that run left there (warm); some rounds of both. What compilation adds is the difference of the two.
@@ -25,7 +25,7 @@ import trimesh
 import tyro
 
 from benchmarks import harness
-from benchmarks.harness import Job, Row, Rows, link, provenance, table
+from benchmarks.harness import RAW, Job, Page, Row, Rows, provenance, table
 
 OBJECT = Path(__file__).resolve().parents[1] / "examples" / "assets" / "robot.ply"
 JOB = ("--object", str(OBJECT), "--prompt", "a strong wind pushes the robot to the left")
@@ -41,6 +41,8 @@ PARTS = ("first", "iteration")
 class Command(harness.Command):
     """Measure how long the first result takes, and the next."""
 
+    json: Path = RAW / "startup.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["first", "iteration"], ...] = PARTS
     """The job of `make demo`, and one iteration of the loop."""
     rounds: int = 3
@@ -57,7 +59,7 @@ def main() -> int:
         ],
         "iteration": lambda: [Job("iterations", partial(_measure_iterations, rounds, small))],
     }
-    return harness.main(command, parts, document)
+    return harness.main(command, parts, PAGE)
 
 
 def _measure_first(number: int, job: tuple[str, ...]) -> Rows:
@@ -119,60 +121,47 @@ def iteration(rows: list[dict]) -> dict:
     return {**found, "aim": ITERATION_AIM, **sizes}
 
 
-def document(result: dict, json_path: Path, target: Path) -> str:
-    """The text of docs/startup.md."""
-    text = f"""# How long results take
+def write_tables(result: harness.Result) -> harness.Tables:
+    """The tables of docs/startup.md."""
+    tables = {"runs": provenance(result, PARTS)}
+    if "first" in result:
+        tables |= _write_first_result(result["first"]["rows"])
+    if "iteration" in result:
+        tables |= _write_iteration(result["iteration"]["rows"])
+    return tables
 
-Every row is in [{json_path.name}]({link(json_path, target)}), written by `python -m benchmarks.startup`.
-{provenance(result, PARTS)}"""
-    for part, tables in (("first", _write_first_result), ("iteration", _write_iteration)):
-        text += tables(result[part]["rows"]) if part in result else ""
-    return text
 
-
-def _write_first_result(rows: Rows) -> str:
+def _write_first_result(rows: Rows) -> harness.Tables:
     found, stages = summary(rows), list(rows[0]["stages"])
-    text = """
-## The first result
-
-The job of `make demo`, installation excluded, in a new process: *cold* without any compiled program on disk, *warm*
-with those that the run before left.
-"""
-    lines = [
+    medians = [
         (state, f"{found[state]['median']:.1f}", _format_range(found[state])) for state in ("cold", "warm")
     ]
-    text += table(("programs", "median [s]", "range [s]"), lines)
-    text += f"""
-Compilation is {found["share_of_compilation"]:.0%} of the first result's time (aim: at most {AIM:.0%}).
-
-Seconds per stage, as the run's manifest has them. "compile" is the time that stages spent waiting for compilers or
-loading what these made before, and belongs to no other stage; "write" is what the run waited for its
-files, most of which are written beside perception; "rest" is Python starting up and shutting down, and the
-report's page.
-"""
+    share = f"Compilation is {found['share_of_compilation']:.0%} of the first result's time (aim: at most {AIM:.0%})."
     lines = []
     for row in rows:
         parts = [row["stages"][stage] for stage in stages]
         numbers = [f"{part:.1f}" for part in (*parts, row["seconds"] - sum(parts), row["seconds"])]
         lines.append([row["round"] + 1, row["programs"], *numbers])
-    return text + table(("round", "programs", *stages, "rest", "all"), lines)
+    return {
+        "first": table(("programs", "median [s]", "range [s]"), medians) + f"\n{share}\n",
+        "stages": table(("round", "programs", *stages, "rest", "all"), lines),
+    }
 
 
-def _write_iteration(rows: Rows) -> str:
+def _write_iteration(rows: Rows) -> harness.Tables:
     found, stages = iteration(rows), list(rows[0]["stages"])
-    text = f"""
-## An iteration of the loop
-
-A solid ring of {found["particles"]:,} particles, {found["frames"]} frames, preset fast. Once all is compiled,
-simulating, rendering, perceiving and deciding take **{found["median"]:.1f} s** ({_format_range(found)}; aim: at most
-{found["aim"]:.0f}).
-Seconds per stage of these runs, each in a new process:
+    text = f"""A solid ring of {found["particles"]:,} particles, {found["frames"]} frames, preset fast. Once all is
+compiled, simulating, rendering, perceiving and deciding take **{found["median"]:.1f} s** ({_format_range(found)};
+aim: at most {found["aim"]:.0f}).
 """
     lines = [
         [row["round"] + 1, *(f"{row['stages'][stage]:.1f}" for stage in stages), row["substeps"]]
         for row in rows
     ]
-    return text + table(("round", *stages, "substeps"), lines)
+    return {"iteration": text + table(("round", *stages, "substeps"), lines)}
+
+
+PAGE = Page("startup", "python -m benchmarks.startup", write_tables, ("physagent_jax",))
 
 
 def _format_range(found: dict) -> str:

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.accuracy [--quick] --json OUT [--plot PNG] [--markdown MD]`: error against wall time.
+"""`python -m benchmarks.accuracy [--quick] [--json OUT] [--plot PNG] [--markdown MD]`: error against wall time.
 
 Three tables. "verification": every case at the resolution its bar holds for. "work_precision": grid size x step
 policy, then transfer, stress form and precision at the middle grid, for the cases with a smooth error, and the
@@ -20,7 +20,7 @@ from typing import Literal
 import tyro
 
 from benchmarks import harness
-from benchmarks.accuracy.markdown import PARTS, document
+from benchmarks.accuracy.markdown import PAGE, PARTS
 from benchmarks.accuracy.peers import theirs
 from benchmarks.accuracy.study import (
     NEAR_BOUND,
@@ -34,7 +34,7 @@ from benchmarks.accuracy.study import (
     work_precision,
 )
 from benchmarks.cases.catalogue import CASES, EXPENSIVE, STUDIED, Studied
-from benchmarks.harness import Job
+from benchmarks.harness import RAW, Job
 from benchmarks.peers.base import Found, find
 from physagent_jax.mpm.timestep import CLASSICAL_SHARE
 
@@ -49,6 +49,8 @@ _PEER_STEP = ("bound", round(NEAR_BOUND[1] * CLASSICAL_SHARE, 3))  # as near the
 class Command(harness.Command):
     """Measure error against wall time."""
 
+    json: Path = RAW / "accuracy.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["verification", "work_precision", "quadrature"], ...] = PARTS
     """Which tables to measure; the file's others are kept."""
     plot: Path | None = None
@@ -60,6 +62,8 @@ class Command(harness.Command):
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
+    if command.plot is not None and not harness.can_plot():
+        return 2
     peers = {name: find(name) for name in _PEERS} if "work_precision" in command.parts else {}
     usable = {name: found for name, found in peers.items() if found.reason is None}
     parts = {
@@ -70,10 +74,7 @@ def main() -> int:
     about = {"peers": {name: found.reason or found.version for name, found in peers.items()}}
     primary = {studied.case.name: studied.error for studied in STUDIED}
 
-    def shown(result: dict, json_path: Path, target: Path) -> str:
-        return document(result, json_path, command.plot, primary, target)
-
-    code = harness.main(command, parts, shown, about)
+    code = harness.main(command, parts, PAGE, about)
     work = json.loads(command.json.read_text()).get("work_precision") if command.plot else None
     if command.plot and work:
         from benchmarks.accuracy.plot import plot

@@ -1,4 +1,4 @@
-"""Which numerics are compared, and one row per run."""
+"""Numerics that are compared, and one row per run."""
 
 from __future__ import annotations
 

@@ -102,7 +102,7 @@ def hertz_time(delta: float, speed: float, depth: float = 0.0) -> float:
 
 
 def _find_crossing(t: np.ndarray, v: np.ndarray, level: float) -> float:
-    """When the rising signal ``v`` last passes ``level`` [s]."""
+    """Time at which the rising signal ``v`` last passes ``level`` [s]."""
     below = int(np.flatnonzero(v < level)[-1])
     pair = slice(below, below + 2)
     return float(np.interp(level, v[pair], t[pair]))

@@ -1,4 +1,4 @@
-"""What a case is, and how it is run on our simulator or on a peer.
+"""Cases, and their runs on our simulator or on a peer.
 
 A case makes a `Problem` (particles, model, step, what to watch), any simulator that can move particles turns it
 into a `Signal` (what was watched, over time, with the wall time it took), and the case judges the signal against
@@ -22,7 +22,7 @@ from physagent_jax.mpm import Model, State, stable_dt, step
 
 @dataclasses.dataclass(frozen=True)
 class Numerics:
-    """How a case is computed: what a work-precision study varies.
+    """Numerics of a case, which a work-precision study varies.
 
     Attributes:
         resolution: Cells along the case's own length (each case says which); None = the case's default.
@@ -82,7 +82,7 @@ class Problem:
 
 @dataclasses.dataclass(frozen=True)
 class Signal:
-    """What was watched: ``t`` [s] of shape (s,), ``values`` of shape (s, k), without the initial state.
+    """Watched values: ``t`` [s] of shape (s,), ``values`` of shape (s, k), without the initial state.
 
     Attributes:
         walls: Wall time of each run, compilation excluded [s].

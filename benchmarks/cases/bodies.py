@@ -1,4 +1,4 @@
-"""What cases share: a body of any material, and planes that bound it."""
+"""Parts that cases share: a body of any material, and planes that bound it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What elastic cases share: a tight grid, and a neo-Hookean body on it."""
+"""Parts that elastic cases share: a tight grid, and a neo-Hookean body on it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What manufactured solutions share: an exact map, the force that makes it true, and the distance from it.
+"""Parts that manufactured solutions share: an exact map, the force that makes it true, and the distance from it.
 
 A map x(X, t) solves the equations of motion of a material under the body force b = x_tt - Div P(F) / rho0.
 """

@@ -1,1 +1,1 @@
-"""How far the offline executor gets from wrong force fields, and what the two kinds of skill do."""
+"""Benchmark of the offline executor from wrong force fields, and of the two kinds of skill."""

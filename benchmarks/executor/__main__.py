@@ -1,4 +1,4 @@
-"""`python -m benchmarks.executor [--quick] --json OUT [--markdown MD]`: from wrong force fields to right motions.
+"""`python -m benchmarks.executor [--quick] [--json OUT] [--markdown MD]`: from wrong force fields to right motions.
 
 `starts` begins with spoilt force fields and lets the offline executor mend them, with perfect perception: planner and
 executor read the particles' motion. `kinds` compares body forces with velocity constraints.
@@ -9,16 +9,17 @@ from __future__ import annotations
 import dataclasses
 import sys
 from functools import partial
+from pathlib import Path
 from typing import Literal
 
 import tyro
 
 from benchmarks import harness
 from benchmarks.executor.kinds import COMPARISONS, compare_kind
-from benchmarks.executor.markdown import document
+from benchmarks.executor.markdown import PAGE
 from benchmarks.executor.scenes import prepare, run_rounds
 from benchmarks.executor.tasks import FAULTS, TASKS, Task
-from benchmarks.harness import Job, Row
+from benchmarks.harness import RAW, Job, Row
 
 ROUNDS = 4  # the wrong start and three rewrites
 
@@ -27,6 +28,8 @@ ROUNDS = 4  # the wrong start and three rewrites
 class Command(harness.Command):
     """Measure the executor, or write the tables of an earlier run."""
 
+    json: Path = RAW / "executor.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["starts", "kinds"], ...] = ("starts", "kinds")
     """Which to measure."""
 
@@ -45,7 +48,7 @@ def main() -> int:
         chosen = COMPARISONS[::5] if command.quick else COMPARISONS
         return [Job(each.name, partial(compare_kind, each)) for each in chosen]
 
-    return harness.main(command, {"starts": list_starts, "kinds": list_kinds}, document)
+    return harness.main(command, {"starts": list_starts, "kinds": list_kinds}, PAGE)
 
 
 def measure_start(task: Task, fault: str) -> list[Row]:

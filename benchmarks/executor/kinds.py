@@ -28,7 +28,7 @@ class Comparison:
 
     Attributes:
         effect: "stretch", "squeeze", "blow" or "twist".
-        object: Of `scenes`.
+        object: Name of an object of `scenes`.
         kind: "force", "ends", "plates", "instant".
     """
 
@@ -182,7 +182,7 @@ def _measure_turn(x: np.ndarray, axis: np.ndarray) -> float:
 
 
 def _measure_collateral(clip: Clip, comparison: Comparison, axis: Vector) -> Row:
-    """How far the whole goes and turns at the end, which none of these asks for but the blow."""
+    """Shift and turn of the whole at the end; only the blow asks for them."""
     x = clip.x
     size = float(np.ptp(x[0], axis=0).max())
     moved = (x[-1].mean(0) - x[0].mean(0)) / size

@@ -76,7 +76,7 @@ class Setting:
 
 @dataclasses.dataclass(frozen=True)
 class Clip:
-    """What came of a force field.
+    """Outcome of a force field.
 
     Attributes:
         config: The scene.
@@ -94,7 +94,7 @@ class Clip:
     max_J: float
 
     def report(self, windows: Sequence[tuple[int, int]] = ()) -> MotionReport:
-        """What perfect perception would say of it."""
+        """Report that perfect perception would give."""
         return report_true_motion(
             self.x, frame_dt=self.config.timing.frame_dt, camera=self.camera, windows=windows
         )

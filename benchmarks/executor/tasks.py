@@ -23,7 +23,7 @@ class Task:
 
     Attributes:
         name: Unique.
-        object: Of `benchmarks.executor.scenes`.
+        object: Name of an object of `benchmarks.executor.scenes`.
         sentence: What is asked for.
         expectations: The same for the judge; directions are the names of `DirectionTable`.
         actions: A force field that means it: type, direction's name, magnitude, first and last frame.
@@ -42,7 +42,7 @@ class Task:
     world: str = "free"
 
     def expect(self, brief: SceneBrief) -> tuple[ExpectedMotion, ...]:
-        """What the sentence asks for, in the scene's directions."""
+        """Motions that the sentence asks for, in the scene's directions."""
         table = brief.directions
         whole = {"window": (0.0, LAST), "words": self.sentence}
         return tuple(

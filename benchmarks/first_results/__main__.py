@@ -1,4 +1,4 @@
-"""`python -m benchmarks.first_results --json OUT --data DIR [--sheets DIR] [--markdown MD]`: twenty-four sentences.
+"""`python -m benchmarks.first_results [--json OUT] --data DIR [--sheets DIR] [--markdown MD]`: twenty-four sentences.
 
 Runs the command-line job for each sentence in a process of its own and gathers what was asked, simulated, perceived and
 true, what the planner says of each, and what is odd. What a viewer sees is written by hand (`seen.json`). Objects that
@@ -18,11 +18,10 @@ import tyro
 
 from benchmarks import harness
 from benchmarks.first_results.catalogue import CASES, THINGS, Case, name_case
-from benchmarks.first_results.markdown import document
+from benchmarks.first_results.markdown import PAGE
 from benchmarks.first_results.running import run_case
 from benchmarks.first_results.sheets import write_sheets
-from benchmarks.first_results.viewing import read_remarks
-from benchmarks.harness import Job, Row
+from benchmarks.harness import RAW, Job, Row
 from benchmarks.harness.machine import circumstances
 from physagent_jax.scene.presets import PresetName
 
@@ -33,6 +32,8 @@ ROOT = Path(__file__).resolve().parents[2]
 class Command(harness.Command):
     """Run the sentences, or write the page of an earlier run."""
 
+    json: Path = RAW / "first-results.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["sentences"], ...] = ("sentences",)
     """There is one; give no names to write the page alone."""
     out: Path = Path("runs/first")
@@ -58,8 +59,7 @@ def main() -> int:
         if (file := files[case.thing]) is not None
     ]
     about = {"left_out": left_out, "command": hide_folders(str(circumstances()["command"]), command)}
-    page = partial(document, remarks=read_remarks())
-    code = harness.main(command, {"sentences": lambda: jobs}, page, about)
+    code = harness.main(command, {"sentences": lambda: jobs}, PAGE, about)
     if command.sheets is not None:
         write_sheets(command.sheets, json.loads(command.json.read_text())["sentences"]["rows"], command.out)
     return code

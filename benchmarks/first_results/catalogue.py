@@ -28,7 +28,7 @@ class Thing:
         credit: Where it is from, and its licence.
         file: Its name in the folder of data, or of what ``make`` writes.
         make: Writes it; None = it is in the folder of data.
-        options: Of the command line.
+        options: More options of the command line.
     """
 
     credit: str

@@ -1,103 +1,67 @@
-"""The measured part of docs/first-results.md; what people wrote around it stays."""
+"""Tables of docs/first-results.md."""
 
 from __future__ import annotations
 
 from collections import Counter
-from pathlib import Path
 
 from benchmarks.first_results.sheets import name_sheet
-from benchmarks.first_results.viewing import UNSEEN, VIEWS, Remarks, find_view, rank
-from benchmarks.harness import Row, link, number, one_line, provenance, table
+from benchmarks.first_results.viewing import UNSEEN, VIEWS, Remarks, find_view, rank, read_remarks
+from benchmarks.harness import Page, Result, Row, Tables, number, one_line, provenance, table
 
-BEGIN, END = "<!-- measured: begin -->\n", "<!-- measured: end -->\n"
-
-_CONFUSION = """
-## Verdicts against what a viewer sees
-
-The verdict of the run, from the pictures, and what the same planner says of the particles' true motion, which no agent
-is shown: each against whether the video shows what the sentence says.
-"""
-_SENTENCES_HEAD = """
-## The sentences
-
-Those first in which verdict and viewer disagree: a success that is none, or a failure that is one; then successes that
-are so in part.
-"""
 _SENTENCES = ("#", "object", "preset", "sentence", "viewer", "what a viewer sees")
 _SENTENCES += ("verdict", "from the truth", "rounds", "seconds", "frames")
 
-_SHEETS = """
-## Contact sheets
-
-"""
-
-_MOTION = """
-## Force fields and motion
-"""
 _FIELDS = ("#", "force field", "perceived: farthest, last turn", "truth", "particles", "substeps")
 
-_PERCEPTION = """
-## Perceived against true
-
-At the last frame: shift of the centroid [L], turn [degrees], and stretch along world x, y, z (perceived: the affine
-fit's; true: standard deviations over those at the start). Errors of shift and turn are the largest over the clip; a
-stretch is compared only where the object has hardly turned and all of it can be seen. *Seen* are the frames in which
-the shift was observable.
-"""
 _PERCEIVED = ("#", "shift: perceived", "true", "largest error", "turn: perceived", "true", "largest error")
 _PERCEIVED += ("stretch: perceived", "true", "error", "size, perceived over true", "seen")
 
-_ODDITIES = """
-## Oddities
 
-Found in the truth and in the runs' own files, by `benchmarks/first_results/oddities.py`; "not passed" are the planner's
-checks, of the pictures and of the truth.
+def write_tables(result: Result, remarks: Remarks | None = None) -> Tables:
+    """The tables of docs/first-results.md.
 
-"""
-
-
-def document(result: dict, json_path: Path, target: Path, *, remarks: Remarks) -> str:
-    """``target``'s text with the measured part put between its two marks; the measured part alone if it has none."""
-    text = (
-        BEGIN
-        + f"\nEvery row is in [{json_path.name}]({link(json_path, target)}).\n"
-        + _measured(result, remarks)
-        + END
-    )
-    if not target.is_file() or BEGIN not in (held := target.read_text()):
-        return text
-    before, rest = held.split(BEGIN, 1)
-    return before + text + rest.split(END, 1)[1]
-
-
-def _measured(result: dict, remarks: Remarks) -> str:
-    text = provenance(result, ("sentences",))
+    Args:
+        result: The sections.
+        remarks: What viewers have seen; None = what `seen.json` says.
+    """
+    tables = {"runs": provenance(result, ("sentences",))}
     if "sentences" not in result:
-        return text
-    left_out = sorted({name for run in result["sentences"]["runs"] for name in run["left_out"]})
+        return tables
     rows = result["sentences"]["rows"]
+    left_out = sorted({name for run in result["sentences"]["runs"] for name in run["left_out"]})
     missing = [name for name in left_out if not any(row["object"] == name for row in rows)]
     if missing:
-        text += f"\nLeft out, because there was no file: {', '.join(missing)}.\n"
+        tables["runs"] += f"\nLeft out, because there was no file: {', '.join(missing)}.\n"
+    remarks = read_remarks() if remarks is None else remarks
     views = {row["case"]: find_view(row, remarks) for row in rows}
-    text += _CONFUSION + _count_verdicts(rows, views)
     sheets = {row["case"]: name_sheet(index) for index, row in enumerate(rows)}
     ordered = sorted(rows, key=lambda row: (rank(row["verdict"], views[row["case"]][0]), row["case"]))
-    text += _SENTENCES_HEAD + table(_SENTENCES, [_sentence(row, views, sheets) for row in ordered])
-    text += _SHEETS + "".join(
-        f"![Frames of the videos](images/{name})\n\n" for name in dict.fromkeys(sheets.values())
-    )
     made = [row for row in rows if row["video"] is not None]
-    text += _MOTION + table(_FIELDS, [_field(row) for row in made])
-    text += _PERCEPTION + table(_PERCEIVED, [_perception(row) for row in made])
+    return tables | {
+        "verdicts": _count_verdicts(rows, views),
+        "sentences": table(_SENTENCES, [_sentence(row, views, sheets) for row in ordered]),
+        "sheets": "\n\n".join(
+            f"![Frames of the videos](images/{name})" for name in dict.fromkeys(sheets.values())
+        ),
+        "fields": table(_FIELDS, [_field(row) for row in made]),
+        "perception": table(_PERCEIVED, [_perception(row) for row in made]),
+        "oddities": _list_oddities(rows, made),
+    }
+
+
+def _list_oddities(rows: list[Row], made: list[Row]) -> str:
+    """Oddities of each run; those of all runs, and runs without any, have a line each."""
     first = made[0]["oddities"] if len(made) > 1 else []
     common = [words for words in first if all(words in row["oddities"] for row in made)]
-    text += _ODDITIES + (f"- **All rows**: {one_line('; '.join(common))}\n" if common else "")
-    return text + "".join(_odd(row, common) for row in rows) + "\n"
+    told = {f"{_number(row)}, {row['object']}": _describe_oddities(row, common) for row in rows}
+    text = f"- **All**: {one_line('; '.join(common))}\n" if common else ""
+    text += "".join(f"- **{name}**: {words}.\n" for name, words in told.items() if words)
+    plain = "; ".join(name for name, words in told.items() if not words)
+    return text + (f"- **{plain}**: nothing.\n" if plain else "")
 
 
 def _count_verdicts(rows: list[Row], views: dict[str, tuple[str, str]]) -> str:
-    """How often each verdict meets each view."""
+    """Counts of each verdict with each view."""
     lines = []
     for judge, key in (("from the pictures", "verdict"), ("from the truth", "true_verdict")):
         counts = Counter((row[key], views[row["case"]][0]) for row in rows if key in row)
@@ -151,18 +115,24 @@ def _perception(row: Row) -> list:
     return [_number(row), *shown, f"{errors['frames_observed']} of {row['frames']}"]
 
 
-def _odd(row: Row, common: list[str]) -> str:
-    start = f'- **{_number(row)}, {row["object"]}, "{row["sentence"]}"**: '
+def _describe_oddities(row: Row, common: list[str]) -> str:
     if row["video"] is None:
-        return f"{start}{row['verdict'].lower()}: {one_line(row['message'])}\n"
-    lines = [*(words for words in row["oddities"] if words not in common)]
+        return f"{row['verdict'].lower()}: {one_line(row['message'])}".rstrip(".")
+    lines = [_shorten_warning(words) for words in row["oddities"] if words not in common]
     lines += [*(f"unsure: {words}" for words in row["unsure"])]
     if row["not_understood"]:
         lines.append(f"not understood: {', '.join(row['not_understood'])}")
     lines += [*(f"not passed: {check}" for check in row["failed_checks"])]
     unpassed = [check for check in row["true_failed_checks"] if check not in row["failed_checks"]]
     lines += [*(f"not passed, from the truth: {check}" for check in unpassed)]
-    return start + (one_line("; ".join(line.rstrip(".") for line in lines)) if lines else "nothing") + ".\n"
+    return one_line("; ".join(line.rstrip(".") for line in lines))
+
+
+def _shorten_warning(words: str) -> str:
+    """A warning without what follows its first clause; anything else as it is."""
+    if not words.startswith("warning: "):
+        return words
+    return ": ".join(words.split(": ")[:2])
 
 
 def _actions(field: dict) -> list[str]:
@@ -192,3 +162,11 @@ def _motion(centroid, rotation) -> str:
     moved = "not observable" if centroid is None else "({:+.2f} {:+.2f} {:+.2f}) L".format(*centroid)
     turned = "turn not observable" if rotation is None else f"{rotation:.0f} deg"
     return f"{moved}, {turned}"
+
+
+PAGE = Page(
+    "first-results",
+    "python -m benchmarks.first_results --data DIR --sheets docs/images",
+    write_tables,
+    ("physagent_jax",),
+)

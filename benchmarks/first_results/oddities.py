@@ -1,4 +1,4 @@
-"""What a viewer of a run would wonder at, found in the truth and in the run's own files, so that nothing is hidden."""
+"""Oddities of a run, found in the truth and in the run's own files, so that nothing is hidden."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SHIFT, SPIN, STRETCH = 0.1, 15.0, 0.1  # errors of perception worth a word [L, d
 
 
 def find_pieces(x: np.ndarray, reach: float) -> np.ndarray:
-    """Which piece each particle belongs to, the largest is 0, shape (n,).
+    """Piece that each particle belongs to, shape (n,); the largest is 0.
 
     Args:
         x: Positions [m], shape (n, 3).
@@ -47,7 +47,7 @@ def find_oddities(run: FinishedRun) -> list[str]:
 
 
 def pieces(x: np.ndarray, record: SimulationRecord) -> Iterator[str]:
-    """What is not joined to the body, or no longer; ``x`` are the positions [m], shape (T, n, 3)."""
+    """Matter that is not joined to the body, or no longer; ``x`` are the positions [m], shape (T, n, 3)."""
     x = np.asarray(x, float)
     reach, length = REACH * record.dx, np.ptp(x[0], axis=0).max()
     start, end = find_pieces(x[0], reach), find_pieces(x[-1], reach)
@@ -70,7 +70,7 @@ def pieces(x: np.ndarray, record: SimulationRecord) -> Iterator[str]:
 
 
 def simulation(record: SimulationRecord) -> Iterator[str]:
-    """What the simulator had to do, and how matter was deformed."""
+    """Repairs by the simulator, and extreme deformation of matter."""
     least, most = min(record.min_volume_ratio), max(record.max_volume_ratio)
     if least < CRUSHED:
         yield f"matter is pressed to {least:.2g} of its volume somewhere"
@@ -84,7 +84,7 @@ def simulation(record: SimulationRecord) -> Iterator[str]:
 
 
 def perception(report: MotionReport, record: SimulationRecord) -> Iterator[str]:
-    """What perception could not see, or saw wrongly."""
+    """Things that perception could not see, or saw wrongly."""
     if record.truth is not None:
         errors = compare(report, record.truth)
         for name, bar, words in (

@@ -37,7 +37,7 @@ def run_case(case: Case, name: str, thing: Sequence[str], out: Path) -> Row:
 
     Args:
         case: The sentence.
-        name: Of the case, and of its folder.
+        name: Name of the case and of its folder.
         thing: The object's options of the command line.
         out: Folder of the runs' folders.
     """
@@ -64,7 +64,7 @@ def run_case(case: Case, name: str, thing: Sequence[str], out: Path) -> Row:
 
 
 def gather(run: FinishedRun, summary: dict) -> Row:
-    """What came of a run; ``summary`` is what the command line said of it."""
+    """Row of a run; ``summary`` is the output of its command line."""
     best = run.best
     assert best and best.motion and best.simulation and best.judgement and best.force_field, run.problems
     report, truth, judgement = best.motion, best.simulation.truth, best.judgement
@@ -101,7 +101,7 @@ def gather(run: FinishedRun, summary: dict) -> Row:
 
 
 def judge_truth(run: FinishedRun) -> Judgement:
-    """What the planner says of the best round's true motion: whether a viewer with perfect eyes would agree.
+    """Verdict of the planner on the best round's true motion, as of a viewer with perfect eyes.
 
     Raises:
         ValueError: Told of the perceived motion, it does not say again what it said in the run.

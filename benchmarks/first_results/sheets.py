@@ -25,7 +25,7 @@ def write_sheets(folder: Path, rows: Sequence[Row], runs: Path) -> list[Path]:
     """Writes ``first-results-1.jpg`` and so on.
 
     Args:
-        folder: Of the sheets.
+        folder: Folder of the sheets.
         rows: All rows, in order.
         runs: Folder of the runs' folders.
 

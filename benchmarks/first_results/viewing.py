@@ -1,4 +1,4 @@
-"""What is seen in a video, written by hand and kept with the video's digest: of another video it says nothing."""
+"""Remarks on videos, written by hand and kept with the video's digest: they hold for no other video."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ UNSEEN = "not looked at"
 
 
 class Remark(Strict):
-    """What is said of a sentence's video by who looked at it.
+    """Remark on a sentence's video by a viewer.
 
     Attributes:
         video: Digest of the video; None = the sentence was refused, and there is none.
@@ -53,7 +53,7 @@ def find_view(row: Row, remarks: Remarks) -> tuple[str, str]:
 
 
 def rank(verdict: str, view: str) -> int:
-    """How plainly verdict and viewer disagree: 0 = one says yes, the other no; 1 = a success that is one in part."""
+    """Rank of disagreement of verdict and viewer: 0 = one says yes, the other no; 1 = a success only in part."""
     if view == UNSEEN:
         return 2
     success = verdict == "SUCCESS"

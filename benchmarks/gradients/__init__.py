@@ -1,1 +1,1 @@
-"""What the gradient of a simulation costs, what it is made of, and how exact it is."""
+"""Benchmark of the gradient of a simulation: its cost, its parts and its precision."""

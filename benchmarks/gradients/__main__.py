@@ -1,4 +1,4 @@
-"""`python -m benchmarks.gradients --json OUT [--markdown OUT] [--quick]`: what the gradient of a simulation costs.
+"""`python -m benchmarks.gradients [--json OUT] [--markdown OUT] [--quick]`: what the gradient of a simulation costs.
 
 The elastic cube that is dropped on a floor (`benchmarks.peers.drop`), eight particles per cell. "forward" is what the
 product runs: `simulate`, with its window and kernels. "value and gradient" is `jax.value_and_grad` through `replay` of
@@ -16,6 +16,7 @@ from __future__ import annotations
 import dataclasses
 import sys
 from functools import partial
+from pathlib import Path
 from typing import Literal
 
 import tyro
@@ -23,17 +24,19 @@ import tyro
 from benchmarks import harness
 from benchmarks.gradients.cost import CASES, measure_cost
 from benchmarks.gradients.cube import MATERIALS
-from benchmarks.gradients.markdown import PARTS, document
+from benchmarks.gradients.markdown import PAGE, PARTS
 from benchmarks.gradients.peers import ORDERS, ROUNDS, measure_peers
 from benchmarks.gradients.precision import HORIZONS, measure_precision
 from benchmarks.gradients.profile import PROFILED, measure_profile
-from benchmarks.harness import Job
+from benchmarks.harness import RAW, Job
 
 
 @dataclasses.dataclass(frozen=True)
 class Command(harness.Command):
     """Measure what gradients cost, and how exact they are."""
 
+    json: Path = RAW / "gradients.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["cost", "precision", "peers", "materials", "growth", "profile"], ...] = PARTS
     """Which to measure."""
     repeats: int = 3
@@ -51,7 +54,7 @@ def main() -> int:
         "growth": lambda: _list_growth(command),
         "profile": lambda: _list_profiles(command),
     }
-    return harness.main(command, parts, document)
+    return harness.main(command, parts, PAGE)
 
 
 def _list_costs(command: Command) -> list[Job]:

@@ -59,7 +59,7 @@ def measure_peers(
 
 
 def _run(code: str, options: list[str], repeats: int, cores: int) -> Row | None:
-    """What a process that runs ``code`` tells, with what it took each time and the caches then; None if it fails."""
+    """Answer of a process that runs ``code``, with its times and the caches then; None if it fails."""
     python = sys.executable if code == "ours" else os.environ.get(PYTHON_VARIABLE, sys.executable)
     command = [python, "-m", "benchmarks.peers.gradient", "--code", code, *options]
     with (

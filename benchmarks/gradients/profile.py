@@ -1,4 +1,4 @@
-"""What a substep and its reverse are made of, beside the least that the machine must do for them.
+"""Profile of a substep and its reverse, beside the least that the machine must do for them.
 
 Each stage of `mpm.step` and its derivative is jitted alone on the cube's state. The floor is counted, not timed: bytes
 are the arrays that a stage must read and write once, operations those that XLA counts in the stage of the reference
@@ -32,11 +32,11 @@ PROFILED = ((20_000, 200), (200_000, 50))  # particles, substeps of the whole th
 
 @dataclasses.dataclass(frozen=True)
 class Machine:
-    """What this machine can do at best.
+    """Best rates of this machine.
 
     Attributes:
-        bandwidth: Of a copy, read and write together [bytes/s].
-        operations: Of a matrix product in single precision [1/s].
+        bandwidth: Bandwidth of a copy, read and write together [bytes/s].
+        operations: Rate of a matrix product in single precision [1/s].
     """
 
     bandwidth: float

@@ -14,14 +14,13 @@ from typing import Any
 from rich.console import Console
 
 from benchmarks.harness.machine import circumstances
+from benchmarks.harness.pages import Page, Result, fill_page
 from benchmarks.harness.workers import call_all
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
 from physagent_jax.run.lock import FolderLock
 
 Row = dict[str, Any]
-Rows = list[Row]
-Result = dict[str, Any]
 console = Console(stderr=True)
 _NAMES_TOLD = 5  # of jobs, to who names none of them
 
@@ -31,9 +30,9 @@ class Command:
     """Options that every benchmark has; each adds its ``parts``, which it measures."""
 
     json: Path
-    """File of the rows; those of other parts are kept."""
+    """File of the raw rows; those of other parts are kept."""
     markdown: Path | None = None
-    """Also write the tables here."""
+    """Also fill the places for tables of this page."""
     parts: tuple[str, ...] = ()
     """Which parts to measure; none = only write the tables."""
     only: tuple[str, ...] = ()
@@ -46,12 +45,12 @@ class Command:
 
 @dataclasses.dataclass(frozen=True)
 class Job:
-    """What is measured whole or not at all.
+    """Measurement that is done whole or not at all.
 
     Attributes:
         name: Unique in its part.
         measure: Does it, and returns its rows.
-        group: Of jobs that compile the same programs; "" = none.
+        group: Name of the jobs that compile the same programs; "" = none.
     """
 
     name: str
@@ -62,17 +61,19 @@ class Job:
 def main(
     command: Command,
     parts: Mapping[str, Callable[[], Iterable[Job]]],
-    document: Callable[[Result, Path, Path], str],
+    page: Page,
     about: Mapping[str, Any] | None = None,
     workers: int = 1,
     prepare: Callable[[], object] | None = None,
 ) -> int:
     """Measures what ``command`` asks for, writes the rows after every job, and then the tables.
 
+    `benchmarks.evidence` makes of the rows the summary that is kept, and the page.
+
     Args:
         command: The options.
         parts: The jobs of each part; a part that is not asked for is not called.
-        document: The tables' text, of the rows, their file, and the file that the text is for.
+        page: Maker of the tables, for ``command.markdown``.
         about: More to note of this run, beside `circumstances`.
         workers: As for `call_all`.
         prepare: As for `call_all`.
@@ -89,7 +90,7 @@ def main(
     try:
         noted = {**(about or {}), **({"workers": workers} if workers > 1 else {})}
         call = partial(call_all, workers=workers, prepare=prepare)
-        return _measure(command, parts, document, noted, call)
+        return _measure(command, parts, page, noted, call)
     finally:
         lock.release()
 
@@ -102,7 +103,7 @@ def say(text: str) -> None:
 def _measure(
     command: Command,
     parts: Mapping[str, Callable[[], Iterable[Job]]],
-    document: Callable[[Result, Path, Path], str],
+    page: Page,
     about: Mapping[str, Any],
     call: Callable,
 ) -> int:
@@ -124,7 +125,7 @@ def _measure(
     wanted = {part: jobs for part, jobs in plan.items() if any(_is_wanted(job, command) for job in jobs)}
     bad = sum(_do_jobs(command, part, jobs, result, about, call) for part, jobs in wanted.items())
     if command.markdown is not None:
-        write_text(command.markdown, document(result, command.json, command.markdown))
+        write_text(command.markdown, fill_page(command.markdown, page.tables(page.condense(result))))
     if plan:
         say(f"{bad} row(s) fail" if bad else "no row fails")
     print(command.json)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from benchmarks.harness.command import say
 from physagent_jax.core.errors import UserError
 
 
@@ -21,3 +22,13 @@ def import_pyplot() -> Any:
     import matplotlib.pyplot as plt
 
     return plt
+
+
+def can_plot() -> bool:
+    """Whether figures can be drawn; where they cannot, this is said, before anything is measured."""
+    try:
+        import_pyplot()
+    except UserError as error:
+        say(str(error))
+        return False
+    return True

@@ -1,4 +1,4 @@
-"""What a figure was measured on: kept beside it in every JSON."""
+"""Provenance of figures, kept beside them in every JSON."""
 
 from __future__ import annotations
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
-_PROVENANCE = ("seconds", "command, machine, load at the start, revision")
-_FEW = 2  # commands that a cell may name; more of them are listed behind the table
+from benchmarks.harness.pages import count_rows, read_runs
+
+_PROVENANCE = ("seconds", "machine, load at the start, revision")
+_FEW = 3  # revisions that a cell names
+_NOT_KEPT = "revision not recorded"
 
 
 def table(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
@@ -22,50 +23,47 @@ def provenance(
     parts: Sequence[str],
     counts: Mapping[str, Callable[[list[dict]], Any]] | None = None,
 ) -> str:
-    """What each part was measured with, and which parts are missing.
+    """Rows, seconds, machine and revisions of each part, and which parts are missing. Commands are in the summary.
 
     Args:
         result: The sections.
         parts: All parts there are.
         counts: More columns, made of a part's rows.
     """
-    counts, lines, lists = counts or {}, [], ""
-    for part in (part for part in parts if part in result):
+    counts, lines = counts or {}, []
+    shown = [part for part in parts if part in result]
+    machines = list(dict.fromkeys(run["machine"] for part in shown for run in read_runs(result[part])))
+    letters = {machine: chr(ord("A") + index) for index, machine in enumerate(machines)}
+    for part in shown:
         section = result[part]
-        used = [
-            run for i, run in enumerate(section["runs"]) if any(row["run"] == i for row in section["rows"])
-        ]
+        used = read_runs(section)
         quick = " (quick: not to be quoted)" if any(run["quick"] for run in used) else ""
         stopped = "" if section["complete"] else " (stopped before its end)"
         figures = [count(section["rows"]) for count in counts.values()]
         seconds = round(sum(run["seconds"] for run in used), 1)  # 0: not known
-        origins = _describe_origins(used)
-        origin = "; then ".join(origins)
-        if len(origins) > _FEW:
-            origin = f"{len(origins)} commands, below"
-            lists += f"\nThe commands of {part}:\n\n" + "".join(f"- {each}\n" for each in origins)
-        lines.append([part + quick + stopped, len(section["rows"]), *figures, seconds or "", origin])
+        origin = _describe_origins(used, letters)
+        lines.append([part + quick + stopped, count_rows(section), *figures, seconds or "", origin])
+    text = table(["part", "rows", *counts, *_PROVENANCE], lines)
+    text += "".join(f"\n{letter}: {machine}.\n" for machine, letter in letters.items())
     absent = [part for part in parts if part not in result]
-    missing = f"\nNot measured yet: {', '.join(absent)}.\n" if absent else ""
-    return table(["part", "rows", *counts, *_PROVENANCE], lines) + lists + missing
+    return text + (f"\nNot measured yet: {', '.join(absent)}.\n" if absent else "")
 
 
-def _describe_origins(runs: Sequence[Mapping[str, Any]]) -> list[str]:
-    """A text per command and machine: what was begun again is named once, with all of its loads and revisions."""
+def _describe_origins(runs: Sequence[Mapping[str, Any]], letters: Mapping[str, str]) -> str:
+    """A text per machine, with the loads and the revisions of its runs."""
     same: dict[tuple, list[Mapping[str, Any]]] = {}
     for run in runs:
-        same.setdefault((run["command"], run["machine"], run.get("remark")), []).append(run)
+        same.setdefault((run["machine"], run.get("remark")), []).append(run)
     texts = []
-    for (command, machine, remark), mine in same.items():
-        loads = ", ".join(str(run["load_average"][0]) for run in mine)
-        revisions = ", ".join(dict.fromkeys(str(run["git_revision"]) for run in mine))
-        texts.append(f"`{command}`; {machine}; {loads}; {revisions}" + (f". {remark}" if remark else ""))
-    return texts
-
-
-def link(path: Path, target: Path) -> str:
-    """``path`` as ``target``, a file, links to it."""
-    return Path(os.path.relpath(path.resolve(), target.resolve().parent)).as_posix()
+    for (machine, remark), mine in same.items():
+        loads = sorted({run["load_average"][0] for run in mine})
+        load = f"{loads[0]}" if len(loads) == 1 else f"{loads[0]} to {loads[-1]}"
+        revisions = list(dict.fromkeys(run["git_revision"] or _NOT_KEPT for run in mine))
+        named = (
+            ", ".join(revisions) if len(revisions) <= _FEW else f"{len(revisions)}, the last {revisions[-1]}"
+        )
+        texts.append(f"{letters[machine]}; {load}; {named}" + (f". {remark}" if remark else ""))
+    return "; then ".join(texts)
 
 
 def number(value: float | None) -> str:

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.headtohead --json OUT [--markdown MD] [--data DIR] [--quick]`: methods against each other.
+"""`python -m benchmarks.headtohead [--json OUT] [--markdown MD] [--data DIR] [--quick]`: methods against each other.
 
 Every method gets the same budget on the same tasks and the same simulator, counted in forward-equivalents; what it is
 to be judged by is read from the particles and never shown to it (oracles apart, which are named so). `methods` is the
@@ -23,7 +23,7 @@ import tyro
 import physagent_jax as pa
 from baselines.tasks import TaskSpec, load_tasks, split_available
 from benchmarks import harness
-from benchmarks.harness import Job
+from benchmarks.harness import RAW, Job
 from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, MATERIALS, METHODS, list_distillers
 from benchmarks.headtohead.jobs import (
@@ -35,7 +35,7 @@ from benchmarks.headtohead.jobs import (
     list_neighbours,
     list_similarities,
 )
-from benchmarks.headtohead.markdown import document
+from benchmarks.headtohead.markdown import PAGE
 from benchmarks.headtohead.plot import plot
 from physagent_jax.core.errors import UserError
 from physagent_jax.metrics.clip_similarity import TransformersClip
@@ -49,6 +49,8 @@ TASKS = Path(__file__).resolve().parents[1] / "tasks"
 class Command(harness.Command):
     """Compare the methods, or write the tables of an earlier run."""
 
+    json: Path = RAW / "head-to-head.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[
         Literal[
             "methods",
@@ -103,6 +105,8 @@ class Command(harness.Command):
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
+    if command.plots is not None and not harness.can_plot():
+        return 2
     pa.enable_compile_cache()
     try:
         specs, left_out = list_tasks(command)
@@ -127,7 +131,7 @@ def main() -> int:
     }
     about = {"left_out": left_out, "budget": budget}
     try:
-        code = harness.main(command, parts, document, about, command.workers, pa.enable_compile_cache)
+        code = harness.main(command, parts, PAGE, about, command.workers, pa.enable_compile_cache)
     except UserError as error:
         print(f"headtohead: {error}", file=sys.stderr)
         return 2

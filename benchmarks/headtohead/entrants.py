@@ -1,4 +1,4 @@
-"""Who takes part in which table: methods with their options, by the label of their row."""
+"""Entrants of each table: methods with their options, by the label of their row."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ class Entrant:
     """A row of a table.
 
     Attributes:
-        label: Of the row.
+        label: Label of the row.
         method: Name in the registry.
-        options: Of the method.
+        options: Options of the method.
         question: What the row is there for, in a few words.
     """
 

@@ -142,7 +142,7 @@ def fit_material(
 
 
 def transfer(setting: str, row: Row, spec: TaskSpec, data: Path | None) -> list[Row]:
-    """What the force field that a fit found with the own material does with another; a refusal stays one."""
+    """Row of a force field, found with the own material and judged with another; a refusal stays one."""
     marks = []
     for last in row["marks"][-1:]:
         judged = judge_field(ForceField.model_validate(last["force_field"]), _make(spec, data, setting))

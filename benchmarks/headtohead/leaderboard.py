@@ -28,15 +28,15 @@ class Entry(Strict):
     Attributes:
         method: As in the tables.
         task, split: Which task, of which split.
-        seed: Of what was random.
+        seed: Seed of all that was random.
         oracle: Whether the target was looked at.
         budget, spent: Forward-equivalents that were given and used.
         seconds: Wall time; None = not told.
         success: What the judge said.
         error: Largest miss [tolerances]; None = it could not be simulated.
         force_field: What was found.
-        target_hash: Of the target that it was judged by.
-        revision: Of the code that simulated it.
+        target_hash: Hash of the target that it was judged by.
+        revision: Revision of the code that simulated it.
     """
 
     method: str

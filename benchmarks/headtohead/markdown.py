@@ -1,17 +1,26 @@
-"""The tables of the head-to-head: success, error and cost per method, with intervals."""
+"""Tables of docs/head-to-head.md: success, error and cost per method, with intervals."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from collections import Counter
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from benchmarks.harness import link, number, provenance, table
-from benchmarks.headtohead import texts
+from benchmarks.harness import (
+    Page,
+    Result,
+    Rows,
+    Tables,
+    condense_section,
+    make_lines,
+    number,
+    provenance,
+    read_lines,
+    table,
+)
 from benchmarks.headtohead.entrants import ABLATION_ROWS, LOCAL, METHODS
 from benchmarks.headtohead.statistics import (
     average_tasks,
@@ -40,55 +49,52 @@ PARTS = (
 REFERENCE = "physagent"
 
 
-def document(result: dict[str, Any], json_path: Path, target: Path) -> str:
-    """The tables as Markdown."""
-    text = (
-        f"# Head to head\n\n{texts.MEANING}\nEvery row is in [{json_path.name}]({link(json_path, target)}); what made "
-        "them stands at the end.\n"
-    )
-    if "methods" in result:
-        rows = choose_split(result["methods"]["rows"])
-        text += "\n## Methods\n\n" + _tell_splits(rows) + _write_families(rows) + _write_costs(rows)
-        text += texts.MARKS + _write_marks(rows)
-        picture = target.parent / "images" / "headtohead-success.png"
-        if picture.exists():
-            text += f"\n![Success against budget]({link(picture, target)})\n"
-        text += _write_seeds(rows)
-        text += _write_pairs(rows) + _state_findings(rows)
-        if mended := [row for row in result["methods"]["rows"] if row["split"] != rows[0]["split"]]:
-            text += texts.DEVELOPMENT + _write_marks(mended)
-    if "ablation" in result:
-        rows = choose_ablation(result)
-        text += "\n## What skills, feedback and numbers are worth\n\n" + _tell_splits(rows)
-        text += _write_marks(rows)
-    if "iterations" in result:
-        rows = result["iterations"]["rows"]
-        text += (
-            "\n## Rounds\n\nSuccess after so many simulations: the first guess, then rewrites. "
-            + _tell_splits(rows)
-        )
-        text += _write_marks(rows)
-    if "distillation" in result:
-        rows = result["distillation"]["rows"]
-        text += texts.DISTILLED + _write_families(rows) + _write_costs(rows)
-    if "materials" in result:
-        text += texts.MATERIALS + _write_materials(result["materials"]["rows"], result)
-    if neighbours := choose_neighbours(result):
-        text += texts.NEIGHBOURS + _write_neighbours(neighbours)
-    if "gradients" in result:
-        text += texts.GRADIENTS + _write_gradients(result["gradients"]["rows"])
-    if "clipsim" in result:
-        text += texts.CLIPSIM + _write_similarities(result["clipsim"]["rows"])
-    if "verify" in result:
-        text += _write_checks(result["verify"]["rows"])
-    return (
-        text
-        + texts.STOPS
-        + texts.ELSEWHERE
-        + table(["work", "what it optimises", "what it reports", "source"], texts.REPORTS)
-        + "\n## Runs\n"
-        + provenance(result, PARTS)
-    )
+def write_tables(summary: Result) -> Tables:
+    """The tables of docs/head-to-head.md, of a summary."""
+    return {**read_lines(summary), "runs": provenance(summary, PARTS)}
+
+
+def condense(result: Result) -> Result:
+    """The lines of the tables: all rows are 200 times as much. Some are made of the rows of several parts."""
+    return {
+        part: condense_section(section, make_lines(_list_tables(part, result)))
+        for part, section in result.items()
+    }
+
+
+def _list_tables(part: str, result: Result) -> Tables:
+    """The tables that stand with a part."""
+    rows = result[part]["rows"]
+    if part == "methods":
+        return _list_comparison(rows)
+    if part == "ablation":
+        chosen = choose_ablation(result)
+        return {part: _tell_splits(chosen) + _write_marks(chosen)}
+    if part == "iterations":
+        return {part: _tell_splits(rows) + _write_marks(rows)}
+    if part == "distillation":
+        return {part: _write_families(rows), "distillation, costs": _write_costs(rows)}
+    if part == "materials":
+        return {part: _write_materials(rows, result)}
+    if part == "neighbourhood":
+        return {part: _write_neighbours(choose_neighbours(result))}
+    shows = {"gradients": _write_gradients, "clipsim": _write_similarities, "verify": _write_checks}
+    return {part: shows[part](rows)}
+
+
+def _list_comparison(rows: Rows) -> Tables:
+    chosen = choose_split(rows)
+    tables = {
+        "methods": _tell_splits(chosen) + _write_families(chosen),
+        "costs": _write_costs(chosen),
+        "marks": _write_marks(chosen),
+        "seeds": _write_seeds(chosen),
+        "pairs": _write_pairs(chosen),
+        "findings": _state_findings(chosen),
+    }
+    if mended := [row for row in rows if row["split"] != chosen[0]["split"]]:
+        tables["development"] = _write_marks(mended)
+    return tables
 
 
 def choose_ablation(result: dict[str, Any]) -> list[dict]:
@@ -117,7 +123,7 @@ def choose_neighbours(result: dict[str, Any]) -> list[dict]:
 
 
 def _tell_splits(rows: list[dict]) -> str:
-    """How many of the tasks methods were developed on: these flatter."""
+    """Number of tasks that methods were developed on: these flatter."""
     tasks = {row["task"]: row["split"] for row in rows}
     seen = sum(split == "development" for split in tasks.values())
     if not seen:
@@ -148,15 +154,14 @@ def find_last_mark(rows: list[dict]) -> float:
 def format_share(values: tuple[float, float, float]) -> str:
     """A share with its interval in per cent."""
     value, low, high = (100 * each for each in values)
-    return f"{value:.0f} % ({low:.0f}–{high:.0f})"
+    return f"{value:.0f}% ({low:.0f}–{high:.0f})"
 
 
 def _write_checks(rows: list[dict]) -> str:
-    """How many stored force fields were found again, and by how much the others differ."""
+    """Number of stored force fields that were found again, and the differences of the others."""
     others = [row for row in rows if not row["good"]]
     good = len(rows) - len(others)
-    text = "\n## Verified\n\n"
-    text += f"{good} of {len(rows)} stored force fields, simulated again, have the error that they had.\n"
+    text = f"{good} of {len(rows)} stored force fields, simulated again, have the error that they had.\n"
     if others:
         turned = sum((row["again"] <= 1) != (row["stored"] <= 1) for row in others) or "none"
         most = max(abs(row["again"] - row["stored"]) for row in others)
@@ -170,7 +175,7 @@ def _name(label: str, rows: list[dict]) -> str:
 
 
 def _state_findings(rows: list[dict]) -> str:
-    """What the comparison says, in words; empty where methods that the words are about have not been measured."""
+    """Findings of the comparison in words; empty where a method that they name has not been measured."""
     groups, last = group(rows), find_last_mark(rows)
     blind = [f"{name}, all types" for name in ("adam", "lbfgs", "levenberg_marquardt", "smoothed_adam")]
     told = [f"{name}, responses" for name in ("adam", "lbfgs", "levenberg_marquardt")]
@@ -205,10 +210,8 @@ def _state_findings(rows: list[dict]) -> str:
     missed = len(tasks - set().union(*(find_solved(mine, last) for mine in groups.values())))
     ours = find_solved(groups[REFERENCE], last)
     theirs = set().union(*(find_solved(groups[label], last) for label in told))
-    return f"""
-### What was found
-
-- After one simulation `{REFERENCE}` solves {share([REFERENCE], 1.0)} of the tasks, chance {share(["random"], 1.0)};
+    return f"""- After one simulation `{REFERENCE}` solves {share([REFERENCE], 1.0)} of the tasks,
+  chance {share(["random"], 1.0)};
   after {before:g}, {share([REFERENCE], before)} and {share(["random"], before)};
   after {last:g}, {share([REFERENCE])} and {share(["random"])}.{longer[0]}
 - With {last:g} simulations, optimisers that are told by the target and by the object's responses what acts, when and
@@ -249,7 +252,8 @@ def _write_seeds(rows: list[dict]) -> str:
     if not lines:
         return ""
     head = ["method", "seeds", "tasks solved", "by seed", "by every seed", "by some"]
-    return texts.SEEDS.format(mark=many[-1], tasks=len({row["task"] for row in rows})) + table(head, lines)
+    tasks = len({row["task"] for row in rows})
+    return f"With {many[-1]:g} simulations, of {tasks} tasks:\n" + table(head, lines)
 
 
 def _write_families(rows: list[dict]) -> str:
@@ -260,7 +264,7 @@ def _write_families(rows: list[dict]) -> str:
         cells = []
         for family in families:
             solved = [success for of, success, _ in average_tasks(mine, last).values() if of == family]
-            cells.append(f"{np.mean(solved):.0%} of {len(solved)}" if solved else "")
+            cells.append(f"{np.mean(solved):.0%}" if solved else "")
         error = estimate(mine, last, 2, lambda values: float(np.median(values)))
         lines.append(
             [
@@ -270,7 +274,8 @@ def _write_families(rows: list[dict]) -> str:
                 f"{error[0]:.2f} ({error[1]:.2f}–{error[2]:.2f})",
             ]
         )
-    return table(["method", *families, "all", "error"], lines)
+    counts = {family: len({row["task"] for row in rows if row["family"] == family}) for family in families}
+    return table(["method", *(f"{name} ({count})" for name, count in counts.items()), "all", "error"], lines)
 
 
 def _write_costs(rows: list[dict]) -> str:
@@ -304,11 +309,7 @@ def _write_costs(rows: list[dict]) -> str:
         "effort [m/s]",
         "refused",
     ]
-    said = (
-        f"Medians over tasks, up to {last:g} forward-equivalents; seconds with what had to be compiled for the "
-        "first of a task's methods, on one core where fits ran side by side."
-    )
-    return f"\n{said}\n" + table(head, lines)
+    return f"Medians over tasks, up to {last:g} forward-equivalents:\n" + table(head, lines)
 
 
 def _write_materials(rows: list[dict], result: dict[str, Any]) -> str:
@@ -348,9 +349,9 @@ def _write_neighbours(rows: list[dict]) -> str:
             for smooth, budget in itertools.product(kinds.values(), budgets):
                 alike = [row for row in here if row["smooth"] == smooth]
                 count = len(average_tasks(alike, budget))
-                cells.append(f"{len(find_solved(alike, budget))} of {count}" if count else "")
+                cells.append(f"{len(find_solved(alike, budget))}/{count}" if count else "")
             missed = sorted(average_tasks(here, last).keys() - find_solved(here, last))
-            names = ", ".join(missed) if split == "development" else "not told: it is the test split"
+            names = ", ".join(missed) if split == "development" else "not told"
             lines.append([label, split, *cells, names if missed else "none"])
     counted = [f"{kind}, {budget:g}" for kind, budget in itertools.product(kinds, budgets)]
     return table(["method, start", "split", *counted, "missed"], lines)
@@ -425,4 +426,20 @@ def _write_pairs(rows: list[dict]) -> str:
         "p (McNemar, Holm)",
         "p of the error (Wilcoxon, Holm)",
     ]
-    return f"\n### Against {REFERENCE}\n" + table(head, lines)
+    return table(head, lines)
+
+
+PAGE = Page(
+    "head-to-head",
+    "python -m benchmarks.headtohead --data DIR --parts methods ablation iterations",
+    write_tables,
+    (
+        "baselines",
+        "benchmarks/tasks",
+        *(
+            f"physagent_jax/{part}"
+            for part in ("agents", "forces", "kernels", "mpm", "perception", "simulation")
+        ),
+    ),
+    condense,
+)

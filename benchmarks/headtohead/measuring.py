@@ -63,7 +63,7 @@ def measure(entrant: Entrant, task: Task, marks: Sequence[float], seed: int, bud
 
 
 def judge_marks(result: FitResult, task: Task, marks: Sequence[float]) -> list[dict[str, Any]]:
-    """Where the method stood at each mark, by its own choice, and what the judge says of it."""
+    """State of the method at each mark, by its own choice, with the verdict of the judge."""
     known: dict[str, dict[str, Any]] = {}
     rows = []
     for mark in marks:

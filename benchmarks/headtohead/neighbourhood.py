@@ -1,4 +1,4 @@
-"""Whether a local method solves a task from where it is nearly solved.
+"""Starts near a solution, from which a local method should solve its task.
 
 A method that misses from the neighbourhood of a force field which is a success is broken; one that misses from afar, as
 in the comparison of all methods, may only have been too far away. The neighbourhood is around the task's witness: each

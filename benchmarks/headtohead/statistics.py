@@ -30,7 +30,7 @@ def read_mark(row: Mapping[str, Any], mark: float) -> tuple[float, float]:
 
 
 def read_budget(row: Mapping[str, Any]) -> float:
-    """What the fit was given: the last mark at which a row says anything; a refusal says the same at all."""
+    """Budget of a fit: the last mark of its row; a refusal holds at all marks."""
     return float(row["marks"][-1]["mark"]) if row["marks"] else math.inf
 
 
@@ -76,7 +76,7 @@ def count_by_seed(rows: Rows, mark: float) -> dict[int, int]:
 
 
 def read_cost(row: Mapping[str, Any], mark: float) -> dict[str, float]:
-    """What a fit had spent, how long it had taken [s] and what it had tried by a mark."""
+    """Costs of a fit by a mark: forward-equivalents, seconds and evaluations."""
     if read_budget(row) <= mark or row["spent"] <= mark:
         return {"spent": row["spent"], "seconds": row["seconds"], "evaluations": row["evaluations"]}
     made = [(0.0, 0.0), *((spent, seconds) for spent, seconds, _ in row["trace"] if spent <= mark)]
@@ -92,10 +92,10 @@ def estimate(
     """A figure over the tasks and its 95 % interval.
 
     Args:
-        rows: Of one method.
-        mark: Of the budget.
+        rows: Rows of one method.
+        mark: Mark of the budget.
         pick: 1 = success, 2 = error.
-        reduce: Of the values per task.
+        reduce: Figure that is made of the values per task.
 
     Raises:
         ValueError: No row had the budget.

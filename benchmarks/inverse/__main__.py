@@ -1,4 +1,4 @@
-"""`python -m benchmarks.inverse [--quick] --json OUT [--markdown MD] [--images DIR]`: numbers found again from tracks.
+"""`python -m benchmarks.inverse [--quick] [--json OUT] [--markdown MD] [--images DIR]`: numbers found from tracks.
 
 A hidden scene is simulated, 64 points of its surface are followed over ten frames, and its numbers are sought from a
 wrong start by gradients through the simulator: `exact` with the tracks as they are, `noise` with some added, `finer`
@@ -20,10 +20,10 @@ import tyro
 
 import physagent_jax as pa
 from benchmarks import harness
-from benchmarks.harness import Job, Row
+from benchmarks.harness import RAW, Job, Row
 from benchmarks.inverse.experiment import EXACT, Data
 from benchmarks.inverse.landscape import SLICES, measure_slice
-from benchmarks.inverse.markdown import PARTS, document
+from benchmarks.inverse.markdown import PAGE, PARTS
 from benchmarks.inverse.measuring import ADAM, LEVENBERG_MARQUARDT, measure_fit, prepare
 from benchmarks.inverse.plot import plot_convergence, plot_landscape
 from benchmarks.inverse.problems import HIDDEN, PROBLEMS, SMOOTH, Problem
@@ -36,6 +36,8 @@ QUICK = ("initial velocity",)  # problems
 class Command(harness.Command):
     """Solve the inverse problems, or write the tables of an earlier run."""
 
+    json: Path = RAW / "inverse.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["exact", "noise", "finer", "unidentifiable", "landscape"], ...] = PARTS
     """Which to measure."""
     images: Path | None = None
@@ -45,6 +47,8 @@ class Command(harness.Command):
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
+    if command.images is not None and not harness.can_plot():
+        return 2
     pa.enable_compile_cache()
     problems = [each for each in PROBLEMS if not command.quick or each.name in QUICK]
     first = {each.name: next(iter(each.starts)) for each in (*problems, *SMOOTH, *HIDDEN)}
@@ -71,7 +75,7 @@ def main() -> int:
     parts: dict[str, Callable[[], list[Job]]] = dict(
         zip(PARTS, (list_exact, list_noise, list_finer, list_hidden, list_slices))
     )
-    code = harness.main(command, parts, document)
+    code = harness.main(command, parts, PAGE)
     if command.images is not None:
         result = json.loads(command.json.read_text())
         plot_convergence(result, command.images)

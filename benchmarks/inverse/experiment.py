@@ -24,12 +24,12 @@ DIFFERENCE = 0.02  # of a coordinate's scale: step of a Jacobian's differences
 
 @dataclasses.dataclass(frozen=True)
 class Data:
-    """How the tracks were made.
+    """Origin of the tracks.
 
     Attributes:
         finer: Times as many cells along an axis, and substeps, as the search has.
         noise: Standard deviation of each coordinate, in shares of the object's longest side.
-        seed: Of the noise.
+        seed: Seed of the noise.
     """
 
     finer: int = 1
@@ -78,7 +78,7 @@ class Experiment:
         return clean + data.noise * problem.block.extent * drawn
 
     def compute_residuals(self, u: np.ndarray) -> np.ndarray:
-        """What the tracks are off by, in `UNIT`, shape (m,); one simulation.
+        """Residuals of the tracks in `UNIT`, shape (m,); one simulation.
 
         Raises:
             Failed: It cannot be simulated.

@@ -32,7 +32,7 @@ class Failed(Exception):
 
 
 class Fit(Protocol):
-    """What is fitted: residuals r, and the gradient of |r|^2 / 2, by coordinates u of shape (p,)."""
+    """Function that is fitted: residuals r, and the gradient of |r|^2 / 2, by coordinates u of shape (p,)."""
 
     def compute_residuals(self, u: np.ndarray) -> np.ndarray:
         """Shape (m,); raises `Failed`."""
@@ -104,7 +104,7 @@ def descend_in_stages(
         fit: What is fitted.
         start: Coordinates, shape (p,).
         stages: What is sought in each, shape (p,) of bool.
-        search: Of a fit, from coordinates, all those of that fit; which ones they are, is handed on.
+        search: Search of a fit, from all coordinates of that fit and the mask of those that are sought.
     """
     u = np.array(start)
     for sought in stages:
@@ -128,7 +128,7 @@ def descend_levenberg_marquardt(
     Args:
         fit: What is fitted.
         start: Coordinates, shape (p,).
-        scale: Of the coordinates, shape (p,): the damping is the same for all in these.
+        scale: Scale of the coordinates, shape (p,): the damping is the same for all in these.
         steps: At most.
     """
     u, damping, growth = np.array(start), None, 2.0
@@ -178,7 +178,7 @@ def descend_adam(fit: Fit, start: np.ndarray, count: int, steps: int = ADAM_STEP
     Args:
         fit: What is fitted.
         start: Coordinates, shape (p,).
-        count: Of residuals.
+        count: Number of residuals.
         steps: Gradients at most.
     """
     schedule = optax.cosine_decay_schedule(RATE, steps, alpha=0.01)

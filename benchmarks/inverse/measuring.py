@@ -164,7 +164,7 @@ def find_identified(experiment: Experiment, u: np.ndarray) -> tuple[Identifiabil
 
 
 def describe(found: Identifiability, least: float) -> Row:
-    """What of it a row keeps."""
+    """Part of a fit that a row keeps."""
     return {
         "least": least,
         "condition": found.condition,

@@ -69,7 +69,7 @@ class Problem:
 
     @property
     def stages(self) -> tuple[np.ndarray, ...]:
-        """Which coordinates are sought, one after the other, shape (p,) of bool each."""
+        """Masks of the coordinates that are sought, one after the other, shape (p,) of bool each."""
         early = np.concatenate([np.full(each.size, each.name in self.first) for each in self.unknowns])
         return (early, np.ones_like(early)) if self.first else (np.ones_like(early),)
 

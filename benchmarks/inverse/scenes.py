@@ -37,12 +37,12 @@ class Block:
 
     Attributes:
         material: What it is made of; nominal where it is sought.
-        substeps: Of a frame; the step must suit all that is tried.
+        substeps: Substeps of a frame; the step must suit all that is tried.
         frame_dt: [s].
-        cells: Of the block along each axis.
+        cells: Cells of the block along each axis.
         low: Its low corner [cells].
         gravity: [m/s^2].
-        velocity: Of all of it at the start [m/s].
+        velocity: Velocity of all matter at the start [m/s].
         floor: Coulomb's coefficient of the floor; None = there is none.
         constraints: What is done to it.
     """

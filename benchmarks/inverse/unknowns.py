@@ -1,4 +1,4 @@
-"""What is sought, in coordinates u in which a search is well scaled.
+"""Unknowns, in coordinates u in which a search is well scaled.
 
 As PAC-NeRF and GIC have it (GIC's `simulator/estimator.py`: powers of ten for moduli, yield stress and viscosities, a
 bounded map for Poisson's ratio, degrees for the friction angle, plain components for the velocity): a change of u by 1
@@ -24,7 +24,7 @@ class Unknown:
 
     Attributes:
         name: A field of `MaterialParameters`, or "velocity", "gravity", "impulse" or "friction".
-        unit: Of its values; "" = none.
+        unit: Unit of its values; "" = none.
         chart: "log": value = e^u; "bounded": value = unit_size / (1 + e^-u); "linear": value = unit_size u.
         unit_size: As above.
         tolerance: Within which it is found.

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.language [--quick] --json OUT [--markdown MD]`: sentences read as a person reads them.
+"""`python -m benchmarks.language [--quick] [--json OUT] [--markdown MD]`: sentences read as a person reads them.
 
 What a sentence says was written by hand before the parser was made to read it. A third of the first author's
 sentences and half of the others', by their hash, are test splits: no rule is made for them, and they are not looked at
@@ -10,13 +10,14 @@ from __future__ import annotations
 import dataclasses
 import sys
 from functools import partial
+from pathlib import Path
 from typing import Literal
 
 import tyro
 
 from benchmarks import harness
-from benchmarks.harness import Job, Row
-from benchmarks.language.markdown import document
+from benchmarks.harness import RAW, Job, Row
+from benchmarks.language.markdown import PAGE, PARTS
 from benchmarks.language.notation import FILES, LIMIT, Sentence, read_sentences
 from benchmarks.language.score import get_answer, make_scene, score
 from physagent_jax.agents.context import AgentContext
@@ -30,23 +31,28 @@ from physagent_jax.forces.description import describe_skills
 class Command(harness.Command):
     """Read the sentences, or write the tables of an earlier run."""
 
-    parts: tuple[Literal["sentences"], ...] = ("sentences",)
-    """There is one."""
-    own_words: bool = False
-    """Without the readings that second readers added to the first, the second and the seventh author's."""
+    json: Path = RAW / "language.json"
+    """File of the raw rows; those of other parts are kept."""
+    parts: tuple[Literal["sentences", "own_words"], ...] = PARTS
+    """own_words: without the readings that second readers added to the first, the second and the seventh author's."""
 
 
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
+    parts = {part: partial(_list_jobs, command.quick, part == "own_words") for part in PARTS}
+    return harness.main(command, parts, PAGE)
+
+
+def _list_jobs(quick: bool, own_words: bool) -> list[Job]:
     jobs = []
     for author in FILES:
-        sentences = read_sentences(author, command.own_words)[:: 4 if command.quick else 1]
+        sentences = read_sentences(author, own_words)[:: 4 if quick else 1]
         for split in ("development", "test"):
             chosen = [sentence for sentence in sentences if sentence.split == split]
             if chosen:
                 jobs.append(Job(f"{author} author, {split}", partial(read_split, chosen)))
-    return harness.main(command, {"sentences": lambda: jobs}, document)
+    return jobs
 
 
 def read_split(sentences: list[Sentence]) -> list[Row]:
@@ -57,7 +63,7 @@ def read_split(sentences: list[Sentence]) -> list[Row]:
 
 
 def read_one(sentence: Sentence) -> Row:
-    """What the parser makes of a sentence, beside what a person does."""
+    """Row of a sentence: the answer of the parser beside that of a person."""
     brief = make_scene(sentence.object_name)
     reply = compile_sentence(sentence.text, brief)
     fields = score(sentence, reply, brief)

@@ -97,7 +97,7 @@ class Sentence:
 
     @property
     def split(self) -> str:
-        """Which split: "test" for the author's share that is held back, by the hash; "development" for the others."""
+        """Name of the split, by the hash: "test" for the held-back share, "development" for the others."""
         share = FILES[self.author][1]
         held_back = share > 0 and hashlib.sha256(self.text.encode()).digest()[0] % share == 0
         return "test" if held_back else "development"

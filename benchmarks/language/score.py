@@ -63,7 +63,7 @@ AXES = ("stretch", "squeeze", "sway")  # either sense is the same
 
 
 def make_scene(object_name: str) -> SceneBrief:
-    """What the parser is told of the object: a clip of two seconds, seen by a camera that looks along +y."""
+    """Scene that the parser is told of: a clip of two seconds, seen by a camera that looks along +y."""
     kind = KINDS.get(object_name) or guess_kind(object_name)
     table = DirectionTable(
         right=(1, 0, 0), left=(-1, 0, 0), up=(0, 0, 1), down=(0, 0, -1), toward=(0, -1, 0), away=(0, 1, 0)
@@ -294,6 +294,6 @@ def _is_world_right(reading: Reading, reply: SemanticReply, brief: SceneBrief) -
 
 
 def _is_anchor_right(reading: Reading, reply: SemanticReply, brief: SceneBrief) -> bool:
-    """What the sentence says; nothing said may also be told in so many words."""
+    """Whether the hold is the one that is expected; the usual one need not be named."""
     usual = "base" if brief.anchored else "none"
     return (reply.anchor.kind or usual) == (reading.anchor or usual)

@@ -101,7 +101,7 @@ def make_peer(name: str) -> Peer:
 
 @dataclasses.dataclass(frozen=True)
 class Found:
-    """Where a peer can run.
+    """Availability of a peer.
 
     Attributes:
         python: The interpreter; None = this one.

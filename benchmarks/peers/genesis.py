@@ -46,7 +46,7 @@ class GenesisMPM:
         self.substeps = substeps
 
     def available(self) -> str | None:
-        """Why Genesis cannot be used, or None."""
+        """Reason why Genesis cannot be used, or None."""
         for package in ("genesis-world", "torch"):
             try:
                 importlib.metadata.version(package)
@@ -158,7 +158,7 @@ class GenesisMPM:
 
 
 def unsupported(scene: PeerScene) -> str | None:
-    """What of ``scene`` Genesis has no counterpart for, or None."""
+    """Part of ``scene`` that Genesis has no counterpart for, or None."""
     if scene.material not in _MODELS:
         return f"the material {scene.material.value} differs from Genesis' own."
     for name in ("volume", "density", "youngs_modulus", "poissons_ratio"):

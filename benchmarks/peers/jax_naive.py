@@ -26,7 +26,7 @@ class JaxNaive:
     name = "jax_naive"
 
     def available(self) -> str | None:
-        """Why JAX cannot be used, or None."""
+        """Reason why JAX cannot be used, or None."""
         return None if importlib.util.find_spec("jax") else "jax is not installed"
 
     def version(self) -> str:

@@ -38,7 +38,7 @@ class Ours:
 
 
 def make_schedule(model: Model, state: State, frames: int, steps: int, dt: float) -> Schedule:
-    """How ``frames`` frames of ``steps`` substeps of ``dt`` [s] are simulated."""
+    """Schedule of ``frames`` frames of ``steps`` substeps of ``dt`` [s]."""
     made = simulate(model, state, frame_count=frames + 1, frame_dt=steps * dt, substep_dt=dt)
     return Schedule.of(model, made)
 

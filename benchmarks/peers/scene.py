@@ -29,7 +29,7 @@ class Material(enum.StrEnum):
 
 
 class Contact(enum.StrEnum):
-    """What happens to grid velocities behind a plane.
+    """Effect of a plane on grid velocities behind it.
 
     STICKY: they vanish. SLIP: their normal part vanishes. SEPARATE: their normal part vanishes if it points
     into the solid, and the tangential part then loses up to friction times what was removed (Coulomb).

@@ -27,7 +27,7 @@ class TaichiMLS:
     """Runs a `PeerScene` with Taichi on a CPU. One at a time in a process: each `load` starts Taichi anew.
 
     Args:
-        threads: Of the CPU; None = what the environment variable TI_CPU_MAX_NUM_THREADS says, or all.
+        threads: Threads of the CPU; None = what the environment variable TI_CPU_MAX_NUM_THREADS says, or all.
     """
 
     name = "taichi_mls"
@@ -36,7 +36,7 @@ class TaichiMLS:
         self.threads = threads
 
     def available(self) -> str | None:
-        """Why Taichi cannot be used, or None."""
+        """Reason why Taichi cannot be used, or None."""
         if importlib.util.find_spec("taichi") is None:
             return "taichi is not installed; `pip install taichi==1.7.4`, which exists up to Python 3.13"
         return None

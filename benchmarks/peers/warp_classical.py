@@ -35,7 +35,7 @@ class WarpClassical:
         self.device = device
 
     def available(self) -> str | None:
-        """Why Warp cannot be used, or None."""
+        """Reason why Warp cannot be used, or None."""
         if importlib.util.find_spec("warp") is None:
             return "warp-lang is not installed; install the extra 'peers'"
         return None

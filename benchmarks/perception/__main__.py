@@ -1,4 +1,4 @@
-"""`python -m benchmarks.perception --json OUT [--markdown OUT] [--quick]`: how right is what perception says?"""
+"""`python -m benchmarks.perception [--json OUT] [--markdown OUT] [--quick]`: how right is what perception says?"""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ import dataclasses
 import sys
 from collections.abc import Iterable
 from functools import partial
+from pathlib import Path
 from typing import Literal
 
 import tyro
 
 from benchmarks import harness
-from benchmarks.harness import Job, Row, number
-from benchmarks.perception.markdown import document
+from benchmarks.harness import RAW, Job, Row, number
+from benchmarks.perception.markdown import PAGE
 from benchmarks.perception.measure import measure
 from benchmarks.perception.motions import MOTIONS
 from benchmarks.perception.scenes import BACKGROUNDS, DISTANCES, NOISES, OBJECTS, compose, film
@@ -31,6 +32,8 @@ QUICK = (
 class Command(harness.Command):
     """Show perception motions that are known."""
 
+    json: Path = RAW / "perception.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["clips"], ...] = ("clips",)
     """There is one."""
 
@@ -38,7 +41,7 @@ class Command(harness.Command):
 def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
-    return harness.main(command, {"clips": lambda: make_jobs(command.quick)}, document)
+    return harness.main(command, {"clips": lambda: make_jobs(command.quick)}, PAGE)
 
 
 def make_jobs(quick: bool) -> list[Job]:

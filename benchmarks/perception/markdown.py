@@ -1,56 +1,38 @@
-"""docs/perception.md, of the rows alone."""
+"""Tables of docs/perception.md."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 
-from benchmarks.harness import Row, Rows, link, one_line, provenance, table
+from benchmarks.harness import Page, Result, Row, Rows, Tables, drop_fields, one_line, provenance, table
 
-_MEANING = """Known motions of three objects, moved Gaussian by Gaussian without a simulation and drawn by the product's
-renderer at three distances (2.4, 3.2 and 4.4 body lengths; 400 x 300 pixels, 24 frames), before three backgrounds:
-*plain*, white without a surface; *picture*, a slanted wall with a busy picture; *room*, a floor that the object touches
-and a wall, depth everywhere. Noise *camera*: depth with a deviation of 0.12 % of z^2, 2 % of the pixels dropped and
-half of those at jumps in depth, colours with a deviation of 2 of 255. Every motion and object is seen before each
-background, with distances and noise taking turns.
-
-*Displacement* is the largest error of the centroid over the clip in true body lengths, *direction* the angle between
-perceived and true at the farthest, *rotation* the angle of the rotation that leads from perceived to true at the end
-(axis and angle together), *stretch* the larger error along two directions across the line of sight, *outline's stretch*
-that of the outline's lengths to the right and up, *frequency* that of a swing. *Within* is the share of clips within
-the limit, of those where the figure is given; *not observable*, of all where it should be; *covered*, the share whose
-error is within the half width that the report states.
-"""
-
+KEYS = ("background", "noise", "distance", "object", "motion")
 Figure = tuple[str, str, float, str, str, Callable[[Row], bool]]
 FIGURES: tuple[Figure, ...] = (
-    ("displacement", "3 %", 0.03, "displacement", "displacement_stated", lambda row: True),
+    ("displacement", "3%", 0.03, "displacement", "displacement_stated", lambda row: True),
     ("direction", "5 deg", 5.0, "direction", "", lambda row: row["has_direction"]),
     ("rotation in the plane", "4 deg", 4.0, "rotation", "", lambda row: row["in_plane"]),
     ("rotation out of it", "8 deg", 8.0, "rotation", "", lambda row: not row["in_plane"]),
     ("rotation's angle", "8 deg", 8.0, "angle", "rotation_stated", lambda row: True),
     ("rotation's axis", "", np.inf, "axis", "axis_stated", lambda row: row["turns"]),
-    ("stretch", "8 %", 0.08, "stretch", "stretch_stated", lambda row: True),
-    ("outline's stretch, unturned", "8 %", 0.08, "outline", "outline_stated", lambda row: not row["turns"]),
-    ("frequency", "5 %", 0.05, "frequency", "frequency_stated", lambda row: row["swings"]),
+    ("stretch", "8%", 0.08, "stretch", "stretch_stated", lambda row: True),
+    ("outline's stretch, unturned", "8%", 0.08, "outline", "outline_stated", lambda row: not row["turns"]),
+    ("frequency", "5%", 0.05, "frequency", "frequency_stated", lambda row: row["swings"]),
 )
 
 
-def document(result: dict, json_path: Path, target: Path) -> str:
-    """The tables as Markdown."""
-    text = f"# Perception\n\n{_MEANING}\nEvery row is in [{json_path.name}]({link(json_path, target)}).\n"
-    text += provenance(result, ("clips",))
+def write_tables(result: Result) -> Tables:
+    """The tables of docs/perception.md."""
     rows = result["clips"]["rows"] if "clips" in result else []
-    if not rows:
-        return text
-    text += "\n## All clips\n" + _summarise(rows)
-    for key in ("background", "noise", "distance", "object"):
-        text += f"\n## By {key}\n" + _compare_by(rows, key)
-    return (
-        text + "\n## By motion\n" + _compare_by(rows, "motion") + "\n## What is wrong\n" + _list_wrong(rows)
-    )
+    tables = {"runs": provenance(result, ("clips",))}
+    if rows:
+        tables["all"] = _summarise(rows)
+        tables |= {f"by {key}": _compare_by(rows, key) for key in KEYS}
+        tables["worst"] = _list_wrong(rows)
+    return tables
 
 
 def summarize(rows: Rows, figure: Figure) -> dict[str, float | int | None]:
@@ -76,7 +58,7 @@ def _compute_share(values: list[bool]) -> float | None:
 
 
 def _to_percent(value: float | None) -> str:
-    return "" if value is None else f"{100 * value:.0f} %"
+    return "" if value is None else f"{100 * value:.0f}%"
 
 
 def _to_text(value: float | None) -> str:
@@ -143,3 +125,12 @@ def _list_wrong(rows: Rows) -> str:
             if badness(row) > 1
         ],
     )
+
+
+PAGE = Page(
+    "perception",
+    "python -m benchmarks.perception",
+    write_tables,
+    ("physagent_jax/perception", "physagent_jax/render"),
+    partial(drop_fields, left_out=("text",)),
+)

@@ -1,4 +1,4 @@
-"""What perception says of a clip against what happened."""
+"""Errors of perception on clips whose motion is known."""
 
 from __future__ import annotations
 

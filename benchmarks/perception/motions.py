@@ -22,7 +22,7 @@ class Motion:
         shift: d at phase s in [0, 1] [body lengths], shape (3,).
         turn: Rotation vector at phase s [deg], shape (3,).
         factors: Stretch along right, away and up at phase s, shape (3,).
-        frequency: Of a swing [1 / clip]; None if it does not swing.
+        frequency: Frequency of a swing [1 / clip]; None if it does not swing.
         in_plane: Whether all turning is in the picture plane.
     """
 

@@ -119,7 +119,7 @@ def compose(sight: Sight, background: str, noise: str, seed: int) -> tuple[np.nd
         background: One of `BACKGROUNDS`: white without a surface, as the product's own pictures; a slanted wall with a
             busy picture on it; a floor on which the object's lowest point touches down, and a wall behind.
         noise: One of `NOISES`.
-        seed: Of pictures and noise.
+        seed: Seed of pictures and noise.
 
     Returns:
         Pictures, uint8, shape (T, H, W, 3), and z-depth [m], nan or 0 where there is none, shape (T, H, W).

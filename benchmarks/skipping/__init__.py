@@ -1,1 +1,1 @@
-"""What the simulator leaves out because a scene does not need it: what that saves, and that it changes nothing."""
+"""Benchmark of work that the simulator leaves out: what it saves, and that it changes nothing."""

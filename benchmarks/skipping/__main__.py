@@ -1,4 +1,4 @@
-"""`python -m benchmarks.skipping [--quick] --json OUT [--markdown MD] [--only NAME ...]`: what is not computed.
+"""`python -m benchmarks.skipping [--quick] [--json OUT] [--markdown MD] [--only NAME ...]`: what is not computed.
 
 Every skip of the simulator runs twice, in interleaved warm rounds: once as the product runs, once with the work
 forced in. A row says what that saves, and how far the two answers are apart; the command fails if they disagree.
@@ -9,15 +9,16 @@ from __future__ import annotations
 import dataclasses
 import sys
 from functools import partial
+from pathlib import Path
 
 import jax
 import tyro
 
 from benchmarks import harness
-from benchmarks.harness import Job
+from benchmarks.harness import RAW, Job
 from benchmarks.skipping.base import QUICK, Sizes, Skip
 from benchmarks.skipping.catalogue import GROUPS
-from benchmarks.skipping.markdown import document
+from benchmarks.skipping.markdown import PAGE
 from benchmarks.skipping.measure import row
 
 
@@ -25,6 +26,8 @@ from benchmarks.skipping.measure import row
 class Command(harness.Command):
     """Measure what each skip saves, and check that it changes nothing."""
 
+    json: Path = RAW / "skipping.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[str, ...] = tuple(GROUPS)
     """Groups of skips, by their title."""
 
@@ -34,7 +37,7 @@ def main() -> int:
     command = tyro.cli(Command)
     sizes = QUICK if command.quick else Sizes()
     parts = {title: partial(_list_jobs, skips, sizes) for title, skips in GROUPS.items()}
-    return harness.main(command, parts, document)
+    return harness.main(command, parts, PAGE)
 
 
 def _list_jobs(skips: tuple[Skip, ...], sizes: Sizes) -> list[Job]:

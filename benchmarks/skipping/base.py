@@ -1,4 +1,4 @@
-"""What a skip is: the same answer computed two ways, once with work left out and once with it forced in."""
+"""Skips: the same answer computed two ways, once with work left out and once with it forced in."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ROUND_OFF = 1e-6  # what float32 may differ by, over the largest value, unless a
 
 
 class State(enum.StrEnum):
-    """Whether the product leaves the work out."""
+    """State of a skip: whether the product leaves the work out."""
 
     SKIPPED = "skipped"
     MISSING = "not skipped yet"  # the lean way is written by hand, in the benchmark
@@ -27,12 +27,12 @@ class State(enum.StrEnum):
 
 @dataclasses.dataclass(frozen=True)
 class Sizes:
-    """How much is computed.
+    """Sizes of the scenes.
 
     Attributes:
-        particles: Of most rows; also Gaussians, where pictures are made.
+        particles: Particles of most rows; also Gaussians, where pictures are made.
         cells: Along a side of the domain.
-        substeps: Of one run.
+        substeps: Substeps of one run.
         rounds: In which the two ways take turns; fewer if they are slow (`measure.FEWEST`).
         seconds: What the rounds of a row may take [s].
         sample: A turn lasts at least so long, by as many runs as it takes: other work on the machine comes in slices
@@ -129,7 +129,7 @@ class Skip:
 
 
 def finished(way: Way) -> Any:
-    """What a run of ``way`` gives, once it is there."""
+    """Result of a run of ``way``, once it is there."""
     return jax.block_until_ready(way.run())
 
 

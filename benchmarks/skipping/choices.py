@@ -1,4 +1,4 @@
-"""Where both ways are right and the cheaper one has to show its error: precision, and the length of the step."""
+"""Choices of which both ways are right: precision and the length of the step, with their errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a material's law spares: singular values, return mappings, trips through memory."""
+"""Skips of a material's law: singular values, return mappings, trips through memory."""
 
 from __future__ import annotations
 

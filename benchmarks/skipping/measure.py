@@ -100,7 +100,7 @@ def timed(pair: Pair, sizes: Sizes) -> tuple[dict[str, Any], tuple[Any, Any]]:
 
 
 def verdict(ratios: list[float]) -> str:
-    """What the rounds' times without the skip over those with it say: "saves", "costs", or nothing.
+    """Verdict on the rounds' times without the skip over those with it: "saves", "costs", or nothing.
 
     By the sign test: if there were no difference, each round would go either way with equal chance. It asks nothing of
     the distribution, so that a few rounds disturbed by other work on the machine do not decide.

@@ -1,4 +1,4 @@
-"""What Gaussians and files spare: harmonics and rotations that nobody sees, files that nobody asked for."""
+"""Skips of Gaussians and files: harmonics and rotations that nobody sees, files that nobody asked for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the loop over substeps spares: empty nodes, accounts that nobody asked for, steps that would be wasted."""
+"""Skips of the loop over substeps: empty nodes, accounts that nobody asked for, steps that would be wasted."""
 
 from __future__ import annotations
 

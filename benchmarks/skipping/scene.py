@@ -93,7 +93,7 @@ def reading(result: tuple) -> Answer:
 
 
 def read_motion(state: State) -> dict[str, np.ndarray]:
-    """What a substep changes. Not C: it is the rate of F, and as a difference across a cell mostly round-off."""
+    """Arrays that a substep changes. Not C: it is the rate of F, and as a difference across a cell mostly round-off."""
     return {name: np.asarray(getattr(state, name)) for name in ("x", "v", "F")}
 
 

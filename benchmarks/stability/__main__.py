@@ -1,4 +1,4 @@
-"""`python -m benchmarks.stability [--quick] --json OUT [--markdown MD]`: attempts to break the simulator.
+"""`python -m benchmarks.stability [--quick] [--json OUT] [--markdown MD]`: attempts to break the simulator.
 
 Parts, each a section of the JSON (those not asked for are kept, so that parts can be run one by one):
 
@@ -18,17 +18,18 @@ import math
 import sys
 from collections.abc import Callable, Iterator
 from functools import partial
+from pathlib import Path
 from typing import Literal
 
 import jax
 import tyro
 
 from benchmarks import harness
-from benchmarks.harness import Job
+from benchmarks.harness import RAW, Job
 from benchmarks.stability import matrix
 from benchmarks.stability.criteria import Result, examine
 from benchmarks.stability.dt_crit import CONFIGURATIONS, FORMS, SUBJECTS, measure
-from benchmarks.stability.markdown import PARTS, document
+from benchmarks.stability.markdown import PAGE, PARTS
 from benchmarks.stability.scenario import Scenario
 from physagent_jax.kernels import programs
 
@@ -40,6 +41,8 @@ _QUICK = {"critical": 2, "matrix": 12, "pairwise": 6, "stiffness": 3, "degenerat
 class Command(harness.Command):
     """Try to break the simulator, and write down what happened."""
 
+    json: Path = RAW / "stability.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[Part, ...] = PARTS  # type: ignore[assignment]
     """Which parts to run."""
 
@@ -48,7 +51,7 @@ def main() -> int:
     """Runs the command line."""
     command = tyro.cli(Command)
     parts = {part: partial(_list_jobs, part, command.quick) for part in PARTS}
-    return harness.main(command, parts, document)
+    return harness.main(command, parts, PAGE)
 
 
 def _list_jobs(part: Part, quick: bool) -> list[Job]:

@@ -1,4 +1,4 @@
-"""What must hold in every frame, and the verdict on a run.
+"""Criteria that must hold in every frame, and the verdict on a run.
 
 P1 finite; P2 inside; P3 det F in range; P4 no energy from nowhere; P5 momentum balances; P6 the grid has the
 particles' mass. (P7 to P10 compare runs: `settling`, `matrix`, `equivalence`.)
@@ -46,10 +46,10 @@ Verdict = Literal["pass", "refused", "FAIL"]
 
 @dataclasses.dataclass
 class Result:
-    """What became of a run.
+    """Outcome of a run.
 
     Attributes:
-        name: Of the scenario.
+        name: Name of the scenario.
         verdict: "refused" if it ended with a `UserError`.
         message: The error's, or the criteria that failed, with numbers.
         failed: Their names.
@@ -113,7 +113,7 @@ def watch(scenario: Scenario, run: Run, frames: Iterable[Frame], result: Result)
 
 
 class _Book:
-    """What is summed over the frames of a run, in double precision."""
+    """Sums over the frames of a run, in double precision."""
 
     def __init__(self, scenario: Scenario, run: Run):
         self.scenario, self.run = scenario, run

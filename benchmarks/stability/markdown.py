@@ -1,58 +1,43 @@
-"""docs/stability.md from the JSON: no figure is typed by hand."""
+"""Tables of docs/stability.md."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from functools import partial
-from pathlib import Path
 
-from benchmarks.harness import link, one_line, provenance, table
-from benchmarks.stability.dt_crit import CONFIGURATIONS, REQUIRED
+from benchmarks.harness import Page, Result, Row, Tables, one_line, provenance, table
+from benchmarks.stability.dt_crit import CONFIGURATIONS
 
 VERDICTS = ("pass", "refused", "FAIL")
 PARTS = ("critical", "matrix", "pairwise", "stiffness", "degenerate")
-
-_HEAD = """# Stability
-
-What was tried to break the simulator, as measured; every row is in [{name}]({link}), written by `python -m
-benchmarks.stability`. A run *passes* if it meets the criteria below in every frame, is *refused* if it ends with an
-error in words, and *fails* otherwise: a wrong result without a word is a failure.
-"""
-
-_CRITERIA = """
-Criteria: P1 everything is finite; P2 particles stay inside, and almost none is stopped at the last line of defence;
-P3 det F in range; P4 no energy from nowhere (by the ledger); P5 linear and angular momentum balance, and pushes,
-blows and torques give what was asked for; P6 the grid has the particles' mass; P7 damped matter comes to rest; P8 a
-step above the bound is refused, or, if forced, healthy or ended in words; P9 features that are not used change
-nothing; P10 neither does the order of particles or a shift by whole cells. `benchmarks/stability/criteria.py` has the
-bars and their reasons.
-"""
-
-_CRITICAL = """
-## Critical step over the closed-form bound
-
-Lone particles, a drifting spray of them, a plate one cell thick and a block, float64; "MLS / classical form". The
-step is bisected until a strain of one in a million no longer grows a thousandfold. Required: at least {required}.
-"2+" is stable at twice the bound.
-"""
+_LEFT_OUT = ("name", "failed", "good")  # the name is the job's
+_FIGURES = ("substeps", "lowest_loss", "momentum", "retries")
 
 
-def document(result: dict, json_path: Path, target: Path) -> str:
-    """The text of docs/stability.md."""
-    text = _HEAD.format(name=json_path.name, link=link(json_path, target))
-    text += provenance(result, PARTS, {verdict.lower(): partial(_count, verdict) for verdict in VERDICTS})
-    text += _CRITERIA
+def write_tables(result: Result) -> Tables:
+    """The tables of docs/stability.md."""
+    counts = {verdict.lower(): partial(_count, verdict) for verdict in VERDICTS}
+    tables = {"runs": provenance(result, PARTS, counts)}
     if "critical" in result:
-        text += _write_critical(result["critical"]["rows"])
-    for part, title in (
-        ("matrix", "Materials x forces x magnitudes, automatic step"),
-        ("stiffness", "E from 1e3 to 1e9 Pa, automatic step"),
-        ("pairwise", "Pairs of everything else"),
-        ("degenerate", "Degenerate inputs, and runs that must agree"),
-    ):
-        if part in result:
-            text += _write_part(title, result[part]["rows"], whole=part == "degenerate")
-    return text
+        tables["critical"] = _write_critical(result["critical"]["rows"])
+    for part in (part for part in PARTS[1:] if part in result):
+        tables[part] = _write_part(result[part]["rows"], whole=part == "degenerate")
+    return tables
+
+
+def condense(result: Result) -> Result:
+    """The rows with the figures that the page compares."""
+    return {
+        part: section | {"rows": [_condense_row(row) for row in section["rows"]]}
+        for part, section in result.items()
+    }
+
+
+def _condense_row(row: Row) -> Row:
+    kept = {key: value for key, value in row.items() if key not in _LEFT_OUT}
+    if "figures" in row:
+        kept["figures"] = {name: value for name, value in row["figures"].items() if name in _FIGURES}
+    return kept
 
 
 def _count(verdict: str, rows: list[dict]) -> int:
@@ -60,7 +45,6 @@ def _count(verdict: str, rows: list[dict]) -> int:
 
 
 def _write_critical(rows: list[dict]) -> str:
-    text = _CRITICAL.format(required=REQUIRED)
     found: dict[str, dict] = defaultdict(dict)
     for row in rows:
         ratio = f"{row['ratio']:.0f}+" if row["unlimited"] else f"{row['ratio']:.3f}"
@@ -72,27 +56,36 @@ def _write_critical(rows: list[dict]) -> str:
         ]
         for subject, ratios in found.items()
     ]
-    text += table(("material", *CONFIGURATIONS), lines)
+    text = table(("material", *CONFIGURATIONS), lines)
     least = min(rows, key=lambda row: row["ratio"])
     return text + (
         f"\nLeast: {least['ratio']:.3f} ({least['subject']}, {least['configuration']}, {least['form']}).\n"
     )
 
 
-def _write_part(title: str, rows: list[dict], whole: bool) -> str:
+def _write_part(rows: list[dict], whole: bool) -> str:
     """Rows in full where they are few and telling; else what was refused or failed, and the extremes."""
-    text = f"\n## {title}\n\n"
+    text = ""
     shown = rows if whole else [row for row in rows if row["verdict"] == "FAIL"]
     if not whole:
         text += f"{len(rows)} runs{'' if shown else ', none fails'}. {_describe_extremes(rows)}\n"
         refused = [row for row in rows if row["verdict"] == "refused"]
         if refused:
             text += f"\nRefused ({len(refused)}), for example:\n\n"
-            text += "".join(f"- {row['name']}: {one_line(row['message'])}\n" for row in refused[:6])
+            text += "".join(f"- {row['job']}: {one_line(row['message'])}\n" for row in refused[:3])
     if shown:
-        lines = [[row["name"], row["verdict"], one_line(row["message"])] for row in shown]
-        text += table(("run", "verdict", "what happened"), lines)
+        text += table(("run", "of", "verdict", "what happened"), _gather(shown))
     return text
+
+
+def _gather(rows: list[dict]) -> list[tuple[str, str, str, str]]:
+    """A line for the runs that differ by what their names end with, after a colon, alone."""
+    gathered: dict[tuple[str, str, str], list[str]] = {}
+    for row in rows:
+        name, _, of = row["job"].rpartition(": ")
+        key = name or row["job"], row["verdict"], one_line(row["message"])
+        gathered.setdefault(key, []).append(of if name else "")
+    return [(name, ", ".join(filter(None, of)), *said) for (name, *said), of in gathered.items()]
 
 
 def _describe_extremes(rows: list[dict]) -> str:
@@ -107,3 +100,12 @@ def _describe_extremes(rows: list[dict]) -> str:
         f"{steps:,} substeps; the worst gain of energy is {max(0.0, -least):.1e} of what was supplied, the worst "
         f"momentum error {momentum:.1e} M v; in {redone} runs the simulator redid frames with a smaller step."
     )
+
+
+PAGE = Page(
+    "stability",
+    "python -m benchmarks.stability",
+    write_tables,
+    ("physagent_jax/mpm", "physagent_jax/kernels"),
+    condense,
+)

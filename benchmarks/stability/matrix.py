@@ -1,4 +1,4 @@
-"""What the stress matrix consists of."""
+"""Scenarios of the stress matrix."""
 
 from __future__ import annotations
 

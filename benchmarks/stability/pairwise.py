@@ -41,7 +41,7 @@ def covering_array(
 
 
 def uncovered(axes: Mapping[str, Sequence[Any]], rows: Iterable[Mapping[str, Any]]) -> int:
-    """How many pairs of values ``rows`` leave out."""
+    """Number of pairs of values that ``rows`` leave out."""
     missing = set(_list_pairs([list(range(len(axis))) for axis in axes.values()]))
     for row in rows:
         missing -= set(_list_row_pairs([list(axes[name]).index(row[name]) for name in axes]))

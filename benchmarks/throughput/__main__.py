@@ -1,4 +1,4 @@
-"""`python -m benchmarks.throughput [--quick] --json OUT [--markdown MD]`: seconds per substep and per job.
+"""`python -m benchmarks.throughput [--quick] [--json OUT] [--markdown MD]`: seconds per substep and per job.
 
 The same particles in ours and in every peer that is available, each in a process of its own, in interleaved rounds
 of warm substeps: medians and spreads. Parts, each a section of the JSON (those not asked for are kept):
@@ -22,13 +22,15 @@ from __future__ import annotations
 import dataclasses
 import sys
 from functools import partial
+from pathlib import Path
 from typing import Literal
 
 import tyro
 
 from benchmarks import harness
+from benchmarks.harness import RAW
 from benchmarks.throughput import job, parts, same_job
-from benchmarks.throughput.markdown import PARTS, document
+from benchmarks.throughput.markdown import PAGE, PARTS
 
 Part = Literal["same_law", "same_job", "materials", "sizes", "grids", "stages", "memory", "job", "error"]
 _JOBS = {
@@ -47,6 +49,8 @@ _JOBS = {
 class Command(harness.Command):
     """Measure what substeps and jobs cost, ours and peers'."""
 
+    json: Path = RAW / "throughput.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[Part, ...] = PARTS  # type: ignore[assignment]
     """Which parts to measure; none = only write the tables."""
 
@@ -57,7 +61,7 @@ def main() -> int:
     sizes = parts.QUICK if command.quick else parts.Sizes()
     jobs = {part: partial(make, sizes) for part, make in _JOBS.items()}
     jobs["same_job"] = lambda: same_job.jobs(sizes, command.json)
-    return harness.main(command, jobs, document)
+    return harness.main(command, jobs, PAGE)
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ CHUNK = 50  # substeps by which a peer's seconds are extrapolated, five times
 
 
 def job(sizes: Sizes) -> list[Job]:
-    """What a whole clip costs: ours with the automatic step, peers with the customary fixed one."""
+    """Cost of a whole clip: ours with the automatic step, peers with the customary fixed one."""
     jobs = [
         Job(f"ours, {law.value}", partial(_measure_own_job, law, sizes)) for law in (DEFAULT, Material.JELLY)
     ]
@@ -40,7 +40,7 @@ def job(sizes: Sizes) -> list[Job]:
 
 
 def error(sizes: Sizes) -> list[Job]:
-    """How far the same clip is from a finer one: heights of the mass centre, every substep run, nothing timed.
+    """Error of the same clip against a finer one: heights of the mass centre, every substep run, nothing timed.
 
     The reference is ours with `FINER` times the cells and as many particles in each.
     """

@@ -64,7 +64,7 @@ class Contender:
 
 @dataclasses.dataclass(frozen=True)
 class Effort:
-    """How long is measured.
+    """Effort of a measurement.
 
     Attributes:
         rounds: Each code's turns.
@@ -283,6 +283,6 @@ def compare(rows: list[dict[str, Any]]) -> None:
 
 
 def _name_counterpart(row: dict[str, Any]) -> str:
-    """What a row is set against: ours as the product runs, or as unsorted where the particles of all are."""
+    """Row that a row is compared with: ours as the product runs, or unsorted where all particles are."""
     everybody = row["order"] == "random" and not row["code"].startswith("ours")
     return "ours, unsorted" if everybody else "ours"

@@ -1,4 +1,4 @@
-"""What is measured of our simulator alone: its stages and a whole job."""
+"""Measurements of our simulator alone: its stages and a whole job."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What each part measures: every function yields rows, groups of contenders at a time."""
+"""Measurements of each part: every function yields rows, groups of contenders at a time."""
 
 from __future__ import annotations
 
@@ -29,19 +29,19 @@ DEFAULT = Material.NEO_HOOKEAN  # our default jelly; that of every peer is fixed
 
 @dataclasses.dataclass(frozen=True)
 class Sizes:
-    """How much is simulated.
+    """Sizes of what is simulated.
 
     Attributes:
         main: Particles of most parts.
         strict: Particles of the part `same_law`.
         grids: Particles of the part `grids`.
         sizes: Particles of the part `sizes`.
-        cells: Of the part `grids`.
-        frames: Of the job.
+        cells: Cells of the part `grids`.
+        frames: Frames of the job.
         finer: Times as many cells, level by level, of the reference in the part `same_job`.
         effort: How long.
         laws: Beside the jellies, in the parts `materials` and `stages`.
-        threads: Of the codes that can have several, ascending; () = one, and all.
+        threads: Threads of the codes that can have several, ascending; () = one, and all.
     """
 
     main: int = 200_000

@@ -2,109 +2,67 @@
 
 from __future__ import annotations
 
-from benchmarks.harness import Row, Rows, number, one_line, table
-from benchmarks.peers.drop import DT
-from benchmarks.peers.flight import CELLS, FRAME_DT, FRAMES, YOUNGS_MODULUS
+from benchmarks.harness import Row, Rows, Tables, number, one_line, table
+from benchmarks.peers.flight import CELLS
 from benchmarks.throughput.same_job import ENOUGH
 
-_LAW = """
-## The same law, equal threads
+_LAW_NAMES = {"neo_hookean": "neo-Hookean", "jelly": "fixed corotated"}
 
-{particles:,} particles of the dropped cube. All codes have the same law, the same number of threads (Warp has one on a
-CPU) and the same particles in the same order, sorted by cell or random; the floor is the domain's frictionless wall,
-which all have. "x ours": over ours with as many threads and
-the same order.
-"""
-_LAW_COLUMNS = (
-    "code",
-    "threads",
-    "order",
-    "ms / substep",
-    "fastest, slowest",
-    "x ours",
-    "busy cores",
-    "load",
-)
+_ORDERS = ("sorted", "random")
 
-_LAW_NAMES = {"neo_hookean": "Neo-Hookean", "jelly": "Fixed corotated"}
-
-_JOB = """
-## The same job, and its error
-
-A cube of 12 cells' side is thrown, stretches and twists in free flight for {duration:g} s, about two periods
-(`benchmarks/peers/flight.py`: nothing touches it, so that errors converge; {cells} cells along the domain,
-{particles:,} particles on a lattice, neo-Hookean, {modulus:g} Pa). *Customary* is the fixed step of {dt:g} s; *bound*
-each code's own: the shortest step that ours takes by itself, 0.7 times that for Warp's stress form, and shortened to
-fit a frame; *automatic* ours as it is used. Seconds are of the whole clip, warm: loading and compiling, which each
-code does at another time, are left out (set-up in the tables below). Jobs shorter than 5 s are run three times, and
-the median counts. *Error*: root mean square distance of the mean positions of 64 blocks of matter from the
-reference's, over {frames} frames. "x ours": seconds and error over those of ours, automatic, with as
-many threads and the same order.
-"""
-_JOB_COLUMNS = ("code", "threads", "order", "step", "dt [s]", "substeps", "seconds", "range", "error [mm]")
-_JOB_COLUMNS += ("x ours: seconds", "x ours: error", "load")
-
-_REFERENCE = """
-### The reference
-
-Ours in float64 with the automatic step, finer and finer; *change* is the distance from the level before. {verdict}
-Warp, of another stress form, at its own bound, tends to the same end:
-"""
 _REFERENCE_COLUMNS = ("code", "cells", "particles", "substeps", "dt [s]", "change [mm]", "error [mm]")
 
 
 def same_law(rows: Rows) -> str:
-    """Substeps, by law."""
-    text = _LAW.format(particles=rows[0]["particles"])
-    for law in dict.fromkeys(row["law"] for row in rows):
-        members = [row for row in rows if row["law"] == law]
-        base = {
-            (row["threads"], row["order"]): row["median_ms"]
-            for row in members
-            if row["code"].startswith("ours") and row["median_ms"]
-        }
-        text += f"\n### {_LAW_NAMES.get(law, law)}\n" + table(
-            _LAW_COLUMNS, [_make_substep_line(row, base) for row in members]
-        )
-    return text
+    """Times of substeps, a line for each code, number of threads and order, and columns for each law."""
+    laws = list(dict.fromkeys(row["law"] for row in rows))
+    base = {
+        (row["law"], row["threads"], row["order"]): row["median_ms"]
+        for row in rows
+        if row["code"].startswith("ours") and row["median_ms"]
+    }
+    lines: dict[tuple, dict[str, list]] = {}
+    for row in rows:
+        key = row["code"].removesuffix(", unsorted"), row["threads"], row["order"]
+        ours = base.get((row["law"], row["threads"], row["order"]))
+        lines.setdefault(key, {})[row["law"]] = [
+            format_time(row),
+            number(row["median_ms"] / ours if ours and row["median_ms"] else None),
+        ]
+    heads = [head for law in laws for head in (f"{_LAW_NAMES.get(law, law)} [ms]", "x ours")]
+    return table(
+        ("code", "threads", "order", *heads),
+        [
+            [*key, *(cell for law in laws for cell in found.get(law, ["", ""]))]
+            for key, found in lines.items()
+        ],
+    )
 
 
-def _make_substep_line(row: Row, base: dict) -> list:
-    start = [row["code"].removesuffix(", unsorted"), row["threads"], row["order"]]
+def format_time(row: Row) -> str:
+    """The median with the fastest and the slowest round, and what there is to remark."""
     if row["median_ms"] is None:
-        return [*start, one_line(row["message"]), "", "", "", ""]
-    ours = base.get((row["threads"], row["order"]))
+        return one_line(row["message"])
     remark = one_line(row["message"] or row["note"])
-    figures = [number(row["median_ms"]) + (f" ({remark})" if remark else "")]
-    figures += [f"{number(row['min_ms'])} to {number(row['max_ms'])}"]
-    figures += [number(row["median_ms"] / ours if ours else None)]
-    return [*start, *figures, number(row["busy"]), number(row["load_average"])]
+    text = f"{number(row['median_ms'])} ({number(row['min_ms'])} to {number(row['max_ms'])})"
+    return f"{text}: {remark}" if remark else text
 
 
-def same_job(rows: Rows) -> str:
-    """The whole job, what it is set against, and the headline figures."""
+def same_job(rows: Rows) -> Tables:
+    """The whole job with the headline figures, and the reference that it is set against."""
     reference = [row for row in rows if row["double"] or row["cells"] != CELLS]
     timed = [row for row in rows if row not in reference]
-    first = reference[0]
-    text = _JOB.format(
-        duration=FRAMES * FRAME_DT,
-        cells=first["cells"],
-        particles=first["particles"],
-        modulus=YOUNGS_MODULUS,
-        dt=DT,
-        frames=FRAMES,
-    )
     base = {
         (row["threads"], row["order"]): row
         for row in timed
         if row["code"] == "ours" and row["step"] == "automatic" and row["seconds"]
     }
-    text += _write_headline([(row, base.get((row["threads"], row["order"]))) for row in timed])
-    text += table(
-        _JOB_COLUMNS, [_make_clip_line(row, base.get((row["threads"], row["order"]))) for row in timed]
-    )
-    text += _REFERENCE.format(verdict=_judge_reference(reference, timed))
-    return text + table(_REFERENCE_COLUMNS, [_make_level_line(row) for row in reference])
+    pairs = [(row, base.get((row["threads"], row["order"]))) for row in timed]
+    return {
+        "same_job": _write_headline(pairs) + _compare_clips(pairs),
+        "reference": f"{_judge_reference(reference, timed)}\n"
+        + table(_REFERENCE_COLUMNS, [_make_level_line(row) for row in reference]),
+    }
 
 
 def _write_headline(pairs: list[tuple[Row, Row | None]]) -> str:
@@ -125,17 +83,37 @@ def _write_headline(pairs: list[tuple[Row, Row | None]]) -> str:
     return text
 
 
-def _make_clip_line(row: Row, ours: Row | None) -> list:
-    start = [row["code"], row["threads"], row["order"], row["step"]]
+def _compare_clips(pairs: list[tuple[Row, Row | None]]) -> str:
+    """A line for each code, number of threads and step, and columns for each order."""
+    lines: dict[tuple, dict[str, list]] = {}
+    for row, ours in pairs:
+        substeps = "" if row["substeps"] is None else f"{row['substeps']:,}"
+        key = row["code"], row["threads"], row["step"], substeps
+        lines.setdefault(key, {})[row["order"]] = _make_clip_cells(row, ours)
+    columns = [
+        f"{order}: {head}" for order in _ORDERS for head in ("seconds", "x ours", "error [mm] (x ours)")
+    ]
+    cells = [
+        [*key, *(cell for order in _ORDERS for cell in found.get(order, [""] * 3))]
+        for key, found in lines.items()
+    ]
+    return table(("code", "threads", "step", "substeps", *columns), cells)
+
+
+def _make_clip_cells(row: Row, ours: Row | None) -> list[str]:
+    """Seconds, and seconds and error over ours."""
     if row["seconds"] is None:
-        return [*start, "", "", one_line(row["message"]), *[""] * 5]
+        return [one_line(row["message"]), "", ""]
+    seconds = f"{number(row['seconds'])} ({' to '.join(map(number, dict.fromkeys(row['range'])))})"
     ratio = "" if ours is None else number(row["seconds"] / ours["seconds"])
-    figures = [steps(row), f"{row['substeps']:,}", number(row["seconds"])]
-    figures += [" to ".join(map(number, row["range"]))]
-    known = row["error"] is not None
-    figures += [_format_millimetres(row["error"]) if known else one_line(row["message"]), ratio]
-    figures += [number(row["error"] / ours["error"]) if known and ours and ours["error"] else ""]
-    return [*start, *figures, number(row["load_average"])]
+    if row["error"] is None:
+        return [seconds, ratio, one_line(row["message"])]
+    error = _format_millimetres(row["error"])
+    return [
+        seconds,
+        ratio,
+        f"{error} ({number(row['error'] / ours['error'])})" if ours and ours["error"] else error,
+    ]
 
 
 def _judge_reference(reference: Rows, timed: Rows) -> str:

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.verdicts [--quick] --json OUT [--markdown MD]`: does the planner say what a person would?
+"""`python -m benchmarks.verdicts [--quick] [--json OUT] [--markdown MD]`: does the planner say what a person would?
 
 Clips of right and wrong motions are simulated and rendered (once: they are kept in ``--clips``), and each is judged for
 its sentence by the offline agents, with the true trajectories in place of perception, and from its pictures. Fails if
@@ -16,11 +16,11 @@ from pathlib import Path
 import tyro
 
 from benchmarks import harness
-from benchmarks.harness import Job
+from benchmarks.harness import RAW, Job
 from benchmarks.verdicts.catalogue import list_clips
 from benchmarks.verdicts.clip import Clip
 from benchmarks.verdicts.figures import SIGHTS, find_excess
-from benchmarks.verdicts.markdown import document
+from benchmarks.verdicts.markdown import PAGE
 from benchmarks.verdicts.sheets import write_sheets
 from benchmarks.verdicts.things import THINGS, list_things
 from benchmarks.verdicts.work import Part, do_all
@@ -32,6 +32,8 @@ JOBS = 16  # of each part
 class Command(harness.Command):
     """Simulate clips and judge them, or write the tables of an earlier run."""
 
+    json: Path = RAW / "verdicts.json"
+    """File of the raw rows; those of other parts are kept."""
     parts: tuple[Part, ...] = ("clips", "truth", "pictures")
     """clips: make those that are missing, and measure whether they move as labelled; truth: judge the true motion;
     pictures: judge what is seen."""
@@ -54,7 +56,7 @@ def main() -> int:
     every: tuple[Part, ...] = ("clips", "truth", "pictures")
     parts = {part: partial(_list_jobs, command, clips, part) for part in every}
     missing = sorted(THINGS.keys() - set(list_things(command.data)))
-    code = harness.main(command, parts, document, {"left_out": missing})
+    code = harness.main(command, parts, PAGE, {"left_out": missing})
     result = json.loads(command.json.read_text()) if command.json.is_file() else {}
     if command.sheets is not None:
         by_name = {clip.name: clip for clip in clips}

@@ -1,4 +1,4 @@
-"""What stands behind the object: nothing, a painted wall and floor, or a wall with a photo; with its depth."""
+"""Backgrounds of the object: nothing, a painted wall and floor, or a wall with a photo; with its depth."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _paint(across: np.ndarray, flat: np.ndarray, floor: np.ndarray) -> np.ndarra
 
 
 def _clutter(across: np.ndarray, flat: np.ndarray, floor: np.ndarray) -> np.ndarray:
-    """Where there is no photo: posters, discs and stains of many colours, as a full shelf has them."""
+    """Painted wall in place of a photo: posters, discs and stains of many colours, as a full shelf has them."""
     rng = np.random.default_rng(8)
     colour = _paint(across, flat, floor)
     for _ in range(120):

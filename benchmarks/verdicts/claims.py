@@ -1,4 +1,4 @@
-"""What a motion's words say, in numbers, and whether the particles do it: labels rest on this.
+"""Claims of a motion's words in numbers, held against the particles: labels rest on this.
 
 A clip whose true motion is not the labelled one says nothing about the planner: it is listed and not judged. The
 numbers come with the motions (`motions`), the measures are taken here from the particles alone; neither the planner's
@@ -92,7 +92,7 @@ class Shift:
         direction: Unit vector.
         low, high: [L].
         start, end: [s].
-        part: Of the object.
+        part: Part of the object.
         against: Another part, whose own way is taken off; None = none.
         aside: Share of the way that it may go to the side.
     """
@@ -107,7 +107,7 @@ class Shift:
     aside: float = ASIDE
 
     def find_fault(self, seen: Seen) -> str | None:
-        """What is not as it is said; None if it is."""
+        """Departure from what is said; None if there is none."""
         way = seen.measure_shift(self.part) - (seen.measure_shift(self.against) if self.against else 0.0)
         way = way[seen.find_frame(self.end)] - way[seen.find_frame(self.start)]
         along = float(way @ self.direction)
@@ -126,7 +126,7 @@ class Reach:
     Attributes:
         direction: Unit vector.
         low, high: [L].
-        part: Of the object.
+        part: Part of the object.
         start, end: [s].
         back: Share of the way that may be left at the end.
     """
@@ -140,7 +140,7 @@ class Reach:
     back: float = math.inf
 
     def find_fault(self, seen: Seen) -> str | None:
-        """What is not as it is said; None if it is."""
+        """Departure from what is said; None if there is none."""
         way = seen.measure_shift(self.part) @ np.asarray(self.direction)
         far = float(way[seen.find_frame(self.start) : seen.find_frame(self.end) + 1].max())
         if not self.low <= far <= self.high:
@@ -158,7 +158,7 @@ class Turn:
         axis: Unit vector, right-hand rule.
         low, high: [degrees].
         start, end: [s].
-        part: Of the object.
+        part: Part of the object.
         against: Another part, whose own turn is taken off; None = none.
     """
 
@@ -171,7 +171,7 @@ class Turn:
     against: Part | None = None
 
     def find_fault(self, seen: Seen) -> str | None:
-        """What is not as it is said; None if it is."""
+        """Departure from what is said; None if there is none."""
         turn = seen.measure_turn(self.part) - (seen.measure_turn(self.against) if self.against else 0.0)
         turned = turn[seen.find_frame(self.end)] - turn[seen.find_frame(self.start)]
         about = float(turned @ np.asarray(self.axis))
@@ -192,7 +192,7 @@ class Resize:
     high: float
 
     def find_fault(self, seen: Seen) -> str | None:
-        """What is not as it is said; None if it is."""
+        """Departure from what is said; None if there is none."""
         ends = np.percentile(seen.x[[0, -1]] @ np.asarray(self.direction), (1, 99), axis=1)
         first, last = ends[1] - ends[0]
         change = float(last / first - 1)
@@ -206,7 +206,7 @@ class Still:
     """Nothing moves."""
 
     def find_fault(self, seen: Seen) -> str | None:
-        """What is not as it is said; None if it is."""
+        """Departure from what is said; None if there is none."""
         way = float(np.linalg.norm(seen.x - seen.x[0], axis=2).mean(1).max())
         return f"it moves by {way:.2f} L" if way > STILL else None
 
@@ -216,7 +216,7 @@ class Broken:
     """Flies to pieces."""
 
     def find_fault(self, seen: Seen) -> str | None:
-        """What is not as it is said; None if it is."""
+        """Departure from what is said; None if there is none."""
         spread = seen.measure_spread()
         return None if spread > SPREAD else f"it gets {spread:.2f} times as wide, and is whole"
 
@@ -226,7 +226,7 @@ class Gone:
     """Has left the picture by the end."""
 
     def find_fault(self, seen: Seen) -> str | None:
-        """What is not as it is said; None if it is."""
+        """Departure from what is said; None if there is none."""
         left = float(seen.covered[-1] / max(seen.covered[0], 1))
         return f"{100 * left:.0f} % of it are in the last picture" if left > GONE else None
 
@@ -235,7 +235,7 @@ Claim = Shift | Reach | Turn | Resize | Still | Broken | Gone
 
 
 def find_faults(claims: Iterable[Claim], seen: Seen, tips: bool = False) -> list[str]:
-    """What is not as it is said, a line each; nothing if the motion is the labelled one.
+    """Departures from what is said, a line each; nothing if the motion is the labelled one.
 
     Args:
         claims: What is said. What flies to pieces, or leaves the picture, is held to that alone.

@@ -35,8 +35,8 @@ class Clip:
         thing: The object's noun.
         sentence: What is asked.
         motion: What is shown.
-        tag: Of the sentence, for the name.
-        variant: Of the motion, for the name.
+        tag: Tag of the sentence, for the name.
+        variant: Variant of the motion, for the name.
         wrong: How the motion is wrong; None = it is right.
         world: Where the object is, as those who read the sentence are told.
         held: Whether its foot is held, likewise.

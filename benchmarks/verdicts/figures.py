@@ -19,7 +19,7 @@ def get_rows(result: Mapping[str, Any], part: str, **wanted: object) -> list[Row
 
 
 def count_false(rows: Iterable[Row], label: str) -> tuple[int, int]:
-    """How many clips of this label are judged otherwise, and how many there are."""
+    """Number of clips of this label that are judged otherwise, and of all with it."""
     mine = [row for row in rows if row["label"] == label]
     return sum(not row["right"] for row in mine), len(mine)
 

@@ -1,4 +1,4 @@
-"""What the product makes of a clip: the sentence read, the motion perceived or known, and the verdict."""
+"""Judgements of the product on a clip: the sentence read, the motion perceived or known, and the verdict."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def judge(clip: Clip, sight: Sight, clips: Path, data: Path | None) -> Row:
 
 
 def describe(clip: Clip) -> Row:
-    """What a row says of its clip."""
+    """Fields of a row about its clip."""
     return {
         "clip": clip.name,
         "object": clip.thing,
@@ -82,7 +82,7 @@ def describe(clip: Clip) -> Row:
 
 
 def make_brief(clip: Clip) -> SceneBrief:
-    """What those who read the sentence are told."""
+    """Scene that agents who read the sentence are told of."""
     thing = THINGS[clip.thing]
     camera = CameraConfig(azimuth_degrees=thing.azimuth)
     return SceneBrief(
@@ -139,7 +139,7 @@ def hash_sight(sight: Sight, data: Path | None) -> str:
 
 
 def _describe_reading(reply: SemanticReply) -> list[str]:
-    """What is expected of the sentence, a line each, and what was not understood."""
+    """Expectations of the sentence, a line each, and words that were not understood."""
     lines = [_describe_motion(motion) for motion in reply.expectations]
     return [*lines, *(f"unsure: {text}" for text in reply.unsure)]
 

@@ -41,11 +41,11 @@ class Push:
     """The same acceleration for all of a part.
 
     Attributes:
-        direction: Of the acceleration.
+        direction: Direction of the acceleration.
         strength: [L/s^2].
         start, end: [s].
         part: What it acts on: "all" or a third of the object.
-        frequency: Of a sine that multiplies it [Hz]; 0 = none.
+        frequency: Frequency of a sine that multiplies it [Hz]; 0 = none.
     """
 
     direction: Direction
@@ -101,7 +101,7 @@ class Wring:
         side: The end, as a direction along one axis; the turn is about that axis too.
         velocity: Right-hand rule about ``side`` [degrees/s].
         start, end: [s].
-        depth: Of the slab, as a share of the extent.
+        depth: Depth of the slab, as a share of the extent.
     """
 
     side: Direction
@@ -117,7 +117,7 @@ class Press:
 
     Attributes:
         side: The end, as a direction along one axis.
-        way: Of the plate, as a share of the extent.
+        way: Way of the plate, as a share of the extent.
         duration: How long it moves [s].
         hold: Until when it then stays [s].
     """
@@ -159,7 +159,7 @@ Parts = tuple[Cause | Claim, ...]
 
 @dataclasses.dataclass(frozen=True)
 class Motion:
-    """What happens in a clip.
+    """Motion of a clip.
 
     Attributes:
         words: What a viewer sees, for people who check labels.
@@ -168,7 +168,7 @@ class Motion:
         lifted: Clear height above the ground at the start [L].
         held: Whether the object's foot is held.
         seconds: Length of the clip.
-        drag: Of the air [1/s].
+        drag: Drag of the air [1/s].
         near: Whether the camera shows the object's surroundings only, so that what goes far leaves the picture.
     """
 
@@ -183,12 +183,12 @@ class Motion:
 
     @property
     def causes(self) -> tuple[Cause, ...]:
-        """What acts."""
+        """Forces and constraints that act."""
         return tuple(part for part in self.parts if isinstance(part, Cause))
 
     @property
     def claims(self) -> tuple[Claim, ...]:
-        """What the particles do, if the motion is what its words say."""
+        """Claim on the particles, if the motion is what its words say."""
         return tuple(part for part in self.parts if isinstance(part, Claim))
 
     def plus(self, words: str, *parts: Cause | Claim) -> Motion:
@@ -257,7 +257,7 @@ def blow(direction: Direction, speed: float, at: float = 0.0, part: Part = "all"
 
 
 def find_rise(speed: float) -> float:
-    """How high a blow upwards takes what lies on the ground [L]."""
+    """Height to which a blow upwards takes what lies on the ground [L]."""
     left = max(speed - BLOW * GRAVITY, 0.0)
     return 0.5 * left * BLOW + left**2 / (2 * GRAVITY)
 

@@ -40,7 +40,7 @@ class Recording:
         depth: z-depth of what is covered [m], 0 elsewhere, float32, shape (T, H, W).
         camera: Where it was taken from.
         ground: Height of the ground, or of what may lie below [m].
-        middle: Of the object at the start [m], shape (3,).
+        middle: Middle of the object at the start [m], shape (3,).
     """
 
     particles: np.ndarray
@@ -57,7 +57,7 @@ def record(name: str, motion: Motion, clips: Path, data: Path | None) -> Recordi
     """The clip of an object and a motion: read from ``clips``, or simulated, rendered and kept there.
 
     Args:
-        name: Of the object.
+        name: Name of the object.
         motion: What happens.
         clips: Folder of clips.
         data: Folder of captured objects.
@@ -72,7 +72,7 @@ def record(name: str, motion: Motion, clips: Path, data: Path | None) -> Recordi
 
 
 def find_file(name: str, motion: Motion, clips: Path, data: Path | None) -> Path:
-    """Where the clip is kept, or will be; arguments as of `record`."""
+    """Folder of the clip, made or not; arguments as of `record`."""
     return clips / f"{name}-{hash_scene(_scene(name, motion, clips, data)[0], motion)}.npz"
 
 
@@ -82,7 +82,7 @@ def _scene(name: str, motion: Motion, clips: Path, data: Path | None) -> tuple[S
 
 
 def hash_scene(scene: SceneConfig, motion: Motion) -> str:
-    """What two clips have in common that look the same: not where the object's file lies, nor words."""
+    """Facts that clips of the same look share: not the place of the object's file, nor words."""
     # Without what is as it is by default: a new field of scenes does not make all clips anew.
     data = scene.model_dump(mode="json", exclude={"source": {"path"}, "prompt": True}, exclude_defaults=True)
     text = json.dumps([VERSION, motion.near, data], sort_keys=True)

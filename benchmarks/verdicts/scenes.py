@@ -120,7 +120,7 @@ def make_scene(thing: Thing, source: Source, body: Body, motion: Motion) -> Scen
 
 
 def _material(thing: Thing, motion: Motion) -> Material:
-    """What moves as a rigid body does may be soft, which is cheap: nothing strains it."""
+    """Softer material for what moves as a rigid body: it is cheap, and nothing strains it."""
     causes, whole = motion.causes, all(getattr(cause, "part", "all") == "all" for cause in motion.causes)
     if motion.world == "ground" or motion.held or not whole:
         return thing.make_material()

@@ -25,7 +25,7 @@ def write_sheets(
     """Writes clips with what is said of them.
 
     Args:
-        folder: Of the sheets.
+        folder: Folder of the sheets.
         clips: Each with the row of its verdict, if there is one.
         recordings: Folder of clips.
         data: Folder of captured objects and a photo.

@@ -1,4 +1,4 @@
-"""What is done with each clip, by this process or by others."""
+"""Work on each clip, by this process or by others."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def do(part: Part, clip: Clip, *, folder: Path, data: Path | None, made: bool) -
 
 @cache
 def _check(thing: str, motion: Motion, folder: Path, data: Path | None) -> list[str]:
-    """What is not as it is said; several sentences share a motion, and all parts ask."""
+    """Departures from what is said; several sentences share a motion, and all parts ask."""
     held = record(thing, motion, folder, data)
     x = held.particles @ find_axes(THINGS[thing]).T  # as the viewer has them
     return find_faults(motion.claims, Seen(x, (held.alpha > 0).sum((1, 2)), FRAME_DT), motion.held)

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from baselines.agents import make_scene_brief
-from baselines.methods import make_method
+from baselines.methods import METHODS, make_method
 from baselines.methods.physsplat_f import forget_skills
 from baselines.protocol import Budget
-from baselines.run import main, read_options
+from baselines.run import TASKS, main, read_options
+from baselines.tasks import load_tasks
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.targets import Distance, Target, hash_target
@@ -122,6 +123,20 @@ def test_bad_options_are_refused_in_one_line(tasks, tmp_path, capsys, options, m
 def test_unknown_tasks_are_refused(tasks, tmp_path, capsys):
     assert main(["--method", "adam", "--task", "a-smal-push", "--tasks", str(tasks)]) == 2
     assert "a-small-push" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["nonsense", "adams"])
+def test_a_method_that_there_is_not_lists_those_that_there_are(tmp_path, capsys, name):
+    assert main(["--method", name, "--task", "any"]) == 2
+    error = capsys.readouterr().err
+    assert all(known in error for known in METHODS.entries) and len(error.splitlines()) == 1
+    assert ("Did you mean `adam`" in error) == (name == "adams")
+
+
+def test_a_task_that_there_is_not_lists_those_that_there_are(capsys):
+    assert main(["--method", "adam", "--task", "qqq"]) == 2
+    error = capsys.readouterr().err
+    assert all(spec.name in error for spec in load_tasks(TASKS)) and "Did you mean" not in error
 
 
 def test_options_are_read_as_json_or_text():

@@ -1,6 +1,5 @@
 """The sentences, what is said of their videos, the contact sheets, and the page."""
 
-import functools
 import json
 from collections import Counter
 from pathlib import Path
@@ -13,7 +12,6 @@ from pydantic import ValidationError
 from benchmarks.first_results import markdown
 from benchmarks.first_results.__main__ import ROOT, Command, hide_folders
 from benchmarks.first_results.catalogue import CASES, KINDS, THINGS, name_case
-from benchmarks.first_results.markdown import BEGIN, END
 from benchmarks.first_results.oddities import find_pieces, pieces, simulation
 from benchmarks.first_results.sheets import FRAMES, MOST_BYTES, WIDTH, encode_jpeg, write_sheets
 from benchmarks.first_results.viewing import UNSEEN, Remark, find_view, hash_video, rank, read_remarks
@@ -238,7 +236,10 @@ REMARKS = {
     "03-robot": Remark(video="another", viewer="yes", remark="It turned once."),
     "04-robot": Remark(video=None, viewer="no", remark="There is nothing to see."),
 }
-document = functools.partial(markdown.document, remarks=REMARKS)
+
+
+def document(result):
+    return "\n\n".join(markdown.write_tables(result, REMARKS).values())
 
 
 @pytest.fixture
@@ -256,23 +257,23 @@ def result():
     return {"sentences": {"runs": [run | {"left_out": ["cow"]}], "complete": True, "rows": rows}}
 
 
-def test_the_page_has_revision_perception_errors_and_oddities(result, tmp_path):
-    text = document(result, tmp_path / "first.json", tmp_path / "first.md")
-    assert "| sentences | 4 | 1.0 | `c`; m; 0.1; abc |" in text and "no file: cow." in text
+def test_the_page_has_revision_perception_errors_and_oddities(result):
+    text = document(result)
+    assert "| sentences | 4 | 1.0 | A; 0.1; abc |" in text and "A: m." in text and "no file: cow." in text
     assert "| 01 | not seen | (+0.10 +0.00 +0.00) | not seen | 60 | 80 | 20 " in text
     assert "| (1.00 1.00 1.20) | (1.00 1.00 1.10) | 0.1 | 0.98 | 40 of 50 |" in text
-    assert "- **All rows**: seen by all" in text
-    assert 'robot, "spin it"**: hands fly off; not passed: is it still? expected yes, observed no.' in text
-    assert '- **02, robot, "spin it"**: unsure: which way.' in text
+    assert "- **All**: seen by all" in text
+    assert "- **01, robot**: hands fly off; not passed: is it still? expected yes, observed no." in text
+    assert "- **02, robot**: unsure: which way." in text
     assert "not passed, from the truth: far? expected a, observed b." in text
-    assert """- **04, robot, "spin it"**: refused: no motion in 'be'""" in text
+    assert "- **04, robot**: refused: no motion in 'be'." in text
     for table in text.split("\n\n"):
         lines = [line.count("|") for line in table.splitlines() if line.startswith("|")]
         assert len(set(lines)) <= 1
 
 
-def test_the_page_counts_and_lists_where_verdict_and_viewer_disagree(result, tmp_path):
-    text = document(result, tmp_path / "first.json", tmp_path / "first.md")
+def test_the_page_counts_and_lists_where_verdict_and_viewer_disagree(result):
+    text = document(result)
     for line in (
         "| SUCCESS from the pictures | 0 | 0 | 0 | 1 | 1 |",
         "| REFUSED from the pictures | 0 | 0 | 1 | 0 | 1 |",
@@ -291,10 +292,10 @@ def test_the_page_counts_and_lists_where_verdict_and_viewer_disagree(result, tmp
     assert text.count("(images/first-results-1.jpg)") == 4  # three rows, and the sheet itself
 
 
-def test_what_people_wrote_around_the_measured_part_stays(result, tmp_path):
-    target = tmp_path / "first.md"
-    target.write_text(f"# Title\n{BEGIN}old\n{END}## Remarks\n")
-    text = document(result, tmp_path / "first.json", target)
-    assert text.startswith("# Title\n") and text.endswith("## Remarks\n") and "old" not in text
-    target.write_text(text)
-    assert document(result, tmp_path / "first.json", target) == text
+def test_runs_without_oddities_share_a_line_and_warnings_end_with_their_first_clause(result):
+    first, second = result["sentences"]["rows"][:2]
+    quiet = dict(failed_checks=[], true_failed_checks=[], oddities=[], unsure=[])
+    loud = dict(quiet, oddities=["warning: it would fall: it is held"])
+    result["sentences"]["rows"] = [first | quiet, second | quiet, first | loud | {"case": "05-robot"}]
+    text = markdown.write_tables(result, REMARKS)["oddities"]
+    assert text == "- **05, robot**: warning: it would fall.\n- **01, robot; 02, robot**: nothing.\n"

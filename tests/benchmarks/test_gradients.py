@@ -1,13 +1,11 @@
 """The table of what gradients cost."""
 
-from pathlib import Path
-
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from benchmarks.gradients.cube import MATERIALS, make_cube
-from benchmarks.gradients.markdown import document
+from benchmarks.gradients.markdown import write_tables
 from benchmarks.gradients.profile import Machine, count_bytes, count_operations, measure_profile, reverse
 from benchmarks.peers.scene import Material
 
@@ -39,7 +37,7 @@ def test_the_page_shows_ratio_aim_and_memory_and_what_is_missing():
         "load_average": [0.1],
         "git_revision": "r",
     }
-    page = document({"cost": {"runs": [run], "complete": True, "rows": [row]}}, Path("a.json"), Path("b.md"))
+    page = "\n".join(write_tables({"cost": {"runs": [run], "complete": True, "rows": [row]}}).values())
     assert "| 20,000 | 200 | 1.5 | 6 | 4 (3.9 to 4.1) | 5 |  | 2 | 1, 9 |" in page
     assert "Not measured yet: precision" in page
 

@@ -1,15 +1,17 @@
 """The harness: which jobs are done, what is kept of a file, and how tables look."""
 
 import dataclasses
+import importlib
 import json
 import os
+import sys
 import time
 from functools import partial
 
 import pytest
 
 from benchmarks import harness
-from benchmarks.harness import Job, provenance, table
+from benchmarks.harness import Job, Page, provenance, table
 from benchmarks.harness.machine import circumstances
 from benchmarks.harness.workers import call_all
 
@@ -35,12 +37,14 @@ class Bench:
         options = {"parts": ("slow", "fast")} | options
         command = harness.Command(json=self.path, markdown=self.path.with_suffix(".md"), **options)
         return harness.main(
-            command, {part: lambda part=part: self.jobs(part) for part in ("slow", "fast")}, self.document
+            command,
+            {part: lambda part=part: self.jobs(part) for part in ("slow", "fast")},
+            Page("bench", "bench", self.write_tables),
         )
 
-    def document(self, result, json_path, target):
+    def write_tables(self, result):
         self.documents += 1
-        return f"{json_path.name} for {target.name}" + provenance(result, ("slow", "fast", "absent"))
+        return {"runs": provenance(result, ("slow", "fast", "absent"))}
 
     @property
     def result(self):
@@ -173,30 +177,44 @@ def test_what_there_is_not_is_refused_before_anything_is_done(bench, capsys):
 def test_the_document_says_where_its_rows_come_from(bench):
     bench.run(quick=True)
     text = bench.path.with_suffix(".md").read_text()
-    assert text.startswith("out.json for out.md\n| part | rows | seconds |")
+    assert text.startswith("<!-- table: runs -->\n| part | rows | seconds |")
     assert "| slow (quick: not to be quoted) | 3 |" in text and "Not measured yet: absent." in text
 
 
 def test_a_part_that_was_stopped_says_so_and_rows_of_two_runs_name_both():
     run = dict(command="c", machine="m", load_average=[1.5], git_revision="r", quick=False, seconds=2.0)
     rows = [{"run": 0}, {"run": 2}]
-    later = run | {"git_revision": "s", "remark": "Busy."}
+    later = run | {"git_revision": None, "remark": "Busy."}
     section = {"runs": [run, run, later], "complete": False, "rows": rows}
     text = provenance({"part": section}, ("part",), {"both": len})
     assert (
-        "| part (stopped before its end) | 2 | 2 | 4.0 | `c`; m; 1.5; r; then `c`; m; 1.5; s. Busy. |" in text
+        "| part (stopped before its end) | 2 | 2 | 4.0 | A; 1.5; r; then A; 1.5; revision not recorded. Busy. |"
+        in text
     )
+    assert text.endswith("\nA: m.\n")
 
 
-def test_many_commands_of_a_part_are_listed_behind_the_table():
-    run = dict(machine="m", load_average=[1.5], git_revision="r", quick=False, seconds=2.0)
-    runs = [run | {"command": name} for name in "abc"]
+def test_loads_and_revisions_of_one_machine_stand_together():
+    run = dict(command="c", machine="m", quick=False, seconds=2.0)
+    runs = [
+        run | {"load_average": [load], "git_revision": name} for load, name in zip((2.0, 0.5, 1.0), "abb")
+    ]
     section = {"runs": runs, "complete": True, "rows": [{"run": index} for index in range(3)]}
-    text = provenance({"part": section}, ("part",))
-    assert "| part | 3 | 6.0 | 3 commands, below |" in text
-    assert text.endswith(
-        "\n\nThe commands of part:\n\n" + "".join(f"- `{name}`; m; 1.5; r\n" for name in "abc")
+    other = section | {"runs": [each | {"machine": "n"} for each in runs]}
+    text = provenance({"one": section, "two": other}, ("one", "two"))
+    assert (
+        "| one | 3 | 6.0 | A; 0.5 to 2.0; a, b |" in text
+        and "| two | 3 | 6.0 | B; 0.5 to 2.0; a, b |" in text
     )
+    assert text.endswith("\nA: m.\n\nB: n.\n")
+
+
+def test_a_summary_says_how_many_rows_were_measured():
+    run = dict(command="c", machine="m", load_average=[1.5], git_revision="r", quick=False, seconds=2.0)
+    section = {"runs": [run, run], "complete": True, "rows": [{"run": 1} for _ in range(5)]}
+    summary = harness.condense_section(section, [{"all": 5}])
+    assert summary == {"runs": [run], "complete": True, "measured": 5, "rows": [{"all": 5}]}
+    assert "| part | 5 | 2.0 |" in provenance({"part": summary}, ("part",))
 
 
 def test_tables_are_as_wide_as_their_columns():
@@ -216,6 +234,27 @@ def test_every_benchmark_has_the_same_options():
     common = {field.name for field in dataclasses.fields(harness.Command)}
     for command in (Accuracy, Stability, Throughput):
         assert common <= {field.name for field in dataclasses.fields(command)}
+
+
+@pytest.mark.parametrize(
+    ("module", "option"),
+    [
+        ("headtohead.__main__", "--plots"),
+        ("distillation", "--plots"),
+        ("accuracy.__main__", "--plot"),
+        ("inverse.__main__", "--images"),
+    ],
+)
+def test_figures_without_matplotlib_are_refused_before_anything_is_measured(
+    tmp_path, monkeypatch, capsys, module, option
+):
+    main = importlib.import_module(f"benchmarks.{module}").main
+    rows = tmp_path / "rows.json"
+    monkeypatch.setitem(sys.modules, "matplotlib", None)  # an import of it fails
+    monkeypatch.setattr(harness, "main", lambda *_, **__: pytest.fail("something was measured"))
+    monkeypatch.setattr(sys, "argv", ["bench", "--json", str(rows), option, str(tmp_path / "images")])
+    assert main() == 2 and "plots need matplotlib" in " ".join(capsys.readouterr().err.split())
+    assert not rows.exists()
 
 
 def test_workers_return_what_calls_one_after_another_return(tmp_path):
@@ -269,13 +308,11 @@ def meet(made, wanted):
 
 
 def make_rows(value):
-    """What a job of several workers returns: found by its name in another process."""
+    """Rows of a job of several workers: found by its name in another process."""
     return [{"value": value}]
 
 
-def write_nothing(result, json_path, target):
-    """A document."""
-    return ""
+NOTHING = Page("nothing", "nothing", lambda result: {})
 
 
 def test_rows_of_workers_are_kept_in_the_jobs_order(tmp_path):
@@ -283,9 +320,9 @@ def test_rows_of_workers_are_kept_in_the_jobs_order(tmp_path):
     path = tmp_path / "out.json"
     jobs = [Job(f"job {i}", partial(make_rows, i)) for i in range(4)]
     command = harness.Command(json=path, parts=("part",), only=("job 2",))
-    assert harness.main(command, {"part": lambda: jobs}, write_nothing) == 0
+    assert harness.main(command, {"part": lambda: jobs}, NOTHING) == 0
     command = harness.Command(json=path, parts=("part",), resume=True)
-    assert harness.main(command, {"part": lambda: jobs}, write_nothing, workers=2) == 0
+    assert harness.main(command, {"part": lambda: jobs}, NOTHING, workers=2) == 0
     section = json.loads(path.read_text())["part"]
     assert [(row["job"], row["value"], row["run"]) for row in section["rows"]] == [
         ("job 0", 0, 1),

@@ -2,7 +2,6 @@
 
 import json
 import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,7 +13,7 @@ from benchmarks.headtohead import leaderboard, measuring
 from benchmarks.headtohead.__main__ import TASKS, main
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS
 from benchmarks.headtohead.jobs import NOTHING, list_gradients, list_materials, list_similarities, verify
-from benchmarks.headtohead.markdown import choose_ablation, document
+from benchmarks.headtohead.markdown import choose_ablation, condense, write_tables
 from benchmarks.headtohead.measuring import judge_marks, measure
 from benchmarks.headtohead.neighbourhood import STRONGER, TURNED, perturb
 from physagent_jax.core.errors import MissingPackageError, UserError
@@ -94,8 +93,13 @@ class Reddish:
         return rgb.mean((1, 2, 3)) / 255.0
 
 
+def write_page(result):
+    """All tables, of rows."""
+    return "\n\n".join(write_tables(condense(result)).values())
+
+
 def test_pictures_of_stored_fields_and_of_nothing_are_compared_with_the_sentence(tmp_path, monkeypatch):
-    """What does nothing scores as its first frame; what stretches the object does not; what cannot run says so."""
+    """A still clip scores as its first frame; one that stretches the object does not; one that cannot run says so."""
     monkeypatch.setattr(TransformersClip, "load", lambda folder: Reddish())
     (spec,) = [spec for spec in load_tasks(TASKS) if spec.name == "stretch-jelly-wide"]
     stretch = Action(action_type=ActionType.SCALE, vector=(1, 0, 0), magnitude=1.6)
@@ -110,9 +114,7 @@ def test_pictures_of_stored_fields_and_of_nothing_are_compared_with_the_sentence
     assert still["label"] == NOTHING and abs(still["mean"] - still["still"]) < 1e-4
     run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
     rows = [each | {"run": 0} for (each,) in made]
-    page = document(
-        {"clipsim": {"runs": [run], "complete": True, "rows": rows}}, Path("a.json"), Path("b.md")
-    )
+    page = write_page({"clipsim": {"runs": [run], "complete": True, "rows": rows}})
     assert f"| adam (oracle) | 1 | {moved['mean']:.4f} | {moved['still']:.4f} |" in page
 
 
@@ -135,8 +137,8 @@ def test_what_was_found_with_one_material_is_judged_with_another(tmp_path):
     assert refused["brought"] and refused["marks"] == []
     run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
     section = {"runs": [run], "complete": True, "rows": [each | {"run": 0} for each in (same, harder)]}
-    page = document({"materials": section}, Path("a.json"), Path("b.md"))
-    assert "| adam (oracle) |  |  | 100 % (100–100) |  |" in page
+    page = write_page({"materials": section})
+    assert "| adam (oracle) |  |  | 100% (100–100) |  |" in page
 
 
 def test_a_refusal_is_a_row_and_a_missing_package_is_none():
@@ -224,16 +226,14 @@ def test_the_page_names_missed_tasks_of_development_only():
     afar.append(make_row("test", True, True, "cma"))
     run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
     parts = {"neighbourhood": rows, "methods": afar}
-    page = document(
-        {part: {"runs": [run], "complete": True, "rows": mine} for part, mine in parts.items()},
-        Path("a.json"),
-        Path("b.md"),
+    summary = condense(
+        {part: {"runs": [run], "complete": True, "rows": mine} for part, mine in parts.items()}
     )
-    page = page[page.index("Are the local methods broken?") :]
+    page = write_tables(summary)["neighbourhood"]
     assert "| method, start | split | smooth, 30 | smooth, 100 | others, 30 | others, 100 | missed |" in page
-    assert "| adam, near | development | 0 of 1 |  | 1 of 1 |  | development-True |" in page
-    assert "| adam, near | test | 0 of 1 |  |  |  | not told" in page and "test-True" not in page
-    assert "| adam, responses | test | 0 of 1 | 1 of 1 |  |  | none |" in page and "cma" not in page
+    assert "| adam, near | development | 0/1 |  | 1/1 |  | development-True |" in page
+    assert "| adam, near | test | 0/1 |  |  |  | not told" in page and "test-True" not in page
+    assert "| adam, responses | test | 0/1 | 1/1 |  |  | none |" in page and "cma" not in page
 
 
 @pytest.mark.parametrize("size", [0.45, 1.0, 1.5])
@@ -280,21 +280,17 @@ def test_the_page_has_success_cost_and_pairs():
         "git_revision": "r",
     }
     rows = [make_row("physagent", False, True), make_row("adam", True, False)]
-    page = document(
-        {"methods": {"runs": [run], "complete": True, "rows": rows}}, Path("a.json"), Path("b.md")
-    )
-    assert "| adam (oracle) | 0% of 1 | 0 % (0–0) |" in page
-    assert "| physagent | 0 % (0–0) | 100 % (100–100) |" in page
+    page = write_page({"methods": {"runs": [run], "complete": True, "rows": rows}})
+    assert "| method | drop (1) | all | error |" in page and "| adam (oracle) | 0% | 0% (0–0) |" in page
+    assert "| physagent | 0% (0–0) | 100% (100–100) |" in page
     assert (
         "Not measured yet: ablation, iterations, distillation, materials, neighbourhood, gradients, clipsim, verify"
         in page
-        and "Against physagent" in page
+        and "that physagent alone solves" in page
     )
-    assert "How much is chance" not in page
+    assert "by every seed" not in page
     rows += [make_row("adam", True, True) | {"seed": 1}]
-    page = document(
-        {"methods": {"runs": [run], "complete": True, "rows": rows}}, Path("a.json"), Path("b.md")
-    )
+    page = write_page({"methods": {"runs": [run], "complete": True, "rows": rows}})
     assert "| adam (oracle) | 2 | 0.5 | 0 to 1 | 0 | 1 |" in page and "| physagent | 2" not in page
 
 
@@ -325,9 +321,7 @@ def test_a_gradient_is_timed_beside_a_simulation_with_its_residuals(monkeypatch)
     run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
     longer = row | dict(run=0, plain_seconds=8.0, gradient_seconds=16.0, ratio=2.0)
     rows = [row | {"run": 0}, longer, longer | {"family": "sway"}]
-    page = document(
-        {"gradients": {"runs": [run], "complete": True, "rows": rows}}, Path("a.json"), Path("b.md")
-    )
+    page = write_page({"gradients": {"runs": [run], "complete": True, "rows": rows}})
     assert "| drop | 2 | 5 | 12 | 3.00 (2.00 to 4.00) | 2.40 |" in page
     assert "| all | 3 | 8 | 16 | 2.00 (2.00 to 4.00) | 2.22 |" in page
 
@@ -362,9 +356,7 @@ def test_the_page_says_in_words_what_its_rows_say():
     run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
 
     def write(rows):
-        return document(
-            {"methods": {"runs": [run], "complete": True, "rows": rows}}, Path("a.json"), Path("b.md")
-        )
+        return write_page({"methods": {"runs": [run], "complete": True, "rows": rows}})
 
     more = [row | {"marks": [{"mark": 100.0, "success": True, "error": 0.5}]} for row in rows]
     rows += [row for row in more if row["label"] == "adam, responses"]
@@ -375,4 +367,4 @@ def test_the_page_says_in_words_what_its_rows_say():
         in page
     )
     assert "1 of 4 tasks are solved by nobody" in page
-    assert "What was found" not in write([row for row in rows if row["label"] != "hybrid"])
+    assert "After one simulation" not in write([row for row in rows if row["label"] != "hybrid"])

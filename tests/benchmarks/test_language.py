@@ -1,4 +1,4 @@
-"""How a reply is held against what a person understands."""
+"""Replies held against what a person understands."""
 
 import collections
 

@@ -9,7 +9,7 @@ import pytest
 from benchmarks.skipping import __main__ as command
 from benchmarks.skipping.base import Pair, Sizes, Skip, State, Way, disagreement
 from benchmarks.skipping.catalogue import GROUPS, SKIPS
-from benchmarks.skipping.markdown import document
+from benchmarks.skipping.markdown import write_tables
 from benchmarks.skipping.measure import FEWEST, NOT_MEASURABLE, answers, judge, row, verdict
 
 TINY = Sizes(
@@ -119,7 +119,7 @@ def run(monkeypatch, skips, *arguments):
 
 
 def test_the_command_fails_with_its_worst_row_and_keeps_the_others(monkeypatch, tmp_path):
-    out, page = tmp_path / "out.json", tmp_path / "docs" / "skipping.md"
+    out = tmp_path / "out.json"
     assert run(monkeypatch, ROWS, "--json", out, "--only", "same") == 0
     assert run(monkeypatch, ROWS, "--json", out, "--only", "nothing") == 2
     assert run(monkeypatch, ROWS, "--json", out, "--only", "astray", "broken") == 1
@@ -129,15 +129,15 @@ def test_the_command_fails_with_its_worst_row_and_keeps_the_others(monkeypatch, 
     assert [entry["run"] for entry in rows] == [0, 1, 1]
     assert [entry["good"] for entry in rows] == [True, False, False]
     monkeypatch.setattr("benchmarks.skipping.markdown.GROUPS", {"Made up": tuple(ROWS.values())})
-    text = document(result, out, page)
-    assert "(../out.json)" in text and text.count("quick: not to be quoted") == 1
+    text = "\n".join(write_tables(result).values())
+    assert text.count("quick: not to be quoted") == 1
     assert "3 rows. Failing: astray, broken." in text
     assert "Not skipped yet: astray." in text and "Not measured yet: gravity" in text
     assert "| broken | skipped |  |  | **failed**: ValueError: cannot / be built |" in text
     assert "**FAILS**: `x` differs by 0.001" in text
 
 
-def test_every_line_of_the_tables_has_as_many_columns(monkeypatch, tmp_path):
+def test_every_line_of_the_tables_has_as_many_columns(monkeypatch):
     names = ["same", "astray", "broken"]
     rows = [row(ROWS[name], TINY) | {"run": 0, "job": name} for name in names]
     rows.append(rows[0] | {"name": "error", "disagreement": None, "lean_error": 0.01, "full_error": 0.02})
@@ -145,8 +145,7 @@ def test_every_line_of_the_tables_has_as_many_columns(monkeypatch, tmp_path):
     skips = (*ROWS.values(), made_up("error"))
     monkeypatch.setattr("benchmarks.skipping.markdown.GROUPS", {"Made up": skips})
     section = {"runs": [about], "complete": True, "rows": rows}
-    text = document({"Made up": section}, tmp_path / "out.json", tmp_path / "skipping.md")
-    table = text.split("## Made up")[1]
-    lines = [line for line in table.splitlines() if line.startswith("|")]
+    text = write_tables({"Made up": section})["made up"]
+    lines = [line for line in text.splitlines() if line.startswith("|")]
     assert len(lines) == 2 + len(rows) and {line.count("|") for line in lines} == {11}
     assert "errors 0.01 and 0.02" in text and "- **same** leaves out a thing. Without: the thing." in text

@@ -9,7 +9,7 @@ from benchmarks.peers import Contact, Material
 from benchmarks.peers.drop import CELLS, DT, FLOOR, SIDE, drop, floor_as_wall
 from benchmarks.peers.ours import Ours, build
 from benchmarks.throughput import measure, parts
-from benchmarks.throughput.markdown import PARTS, document
+from benchmarks.throughput.markdown import PARTS, write_tables
 from benchmarks.throughput.measure import Contender, Effort, compare, interleaved
 from benchmarks.throughput.ours import job, stages
 
@@ -96,7 +96,7 @@ def row(code, law, group, median, threads=1, **rest):
     return blank | dict(group=group, median_ms=median, min_ms=median, max_ms=median, setup_seconds=1.0) | rest
 
 
-def test_the_document_has_the_rows_and_says_what_falls_short(tmp_path):
+def test_the_tables_have_the_rows_and_say_what_falls_short():
     jelly = [
         row("ours", Material.NEO_HOOKEAN, "jelly", 10.0),
         row("ours", Material.NEO_HOOKEAN, "jelly", 8.0, threads=2),
@@ -126,7 +126,7 @@ def test_the_document_has_the_rows_and_says_what_falls_short(tmp_path):
     coarse = finer | dict(code="ours", particles=200_000, cells=100, heights=[0.5, 0.103])
     warp = coarse | dict(code="warp_classical", heights=[0.5, 0.104])
     result = {"materials": section(*jelly), "job": section(own, peer), "error": section(finer, coarse, warp)}
-    text = document(result, tmp_path / "out.json", tmp_path / "docs" / "throughput.md")
+    text = "\n\n".join(write_tables(result).values())
     assert "Not measured yet: same_law, same_job, sizes, grids, stages, memory." in text and len(PARTS) == 9
     assert (
         "| Warp, each code's default jelly | 14 | 18.8 (1 thread, ours 2); 15.0 (one thread each) | reached |"
@@ -138,7 +138,23 @@ def test_the_document_has_the_rows_and_says_what_falls_short(tmp_path):
     assert "600 (extrapolated from 250 substeps) |  | 60 |" in text
     assert "no larger error than Warp's: 2.12 mm against 2.83 mm, reached." in text
     assert "| ours | 100 | 200,000 | 400 | 0.0004 to 0.0005 | 2.12 | 3 |" in text
-    assert "(../out.json)" in text
     run["quick"] = True
-    quick = document(result, tmp_path / "out.json", tmp_path / "docs" / "throughput.md")
+    quick = "\n\n".join(write_tables(result).values())
     assert "quick: not to be quoted" in quick and "| reached |" not in quick and "Falls short" not in quick
+
+
+def test_sizes_stand_side_by_side():
+    """A line for each code, with its time, that over our default, and what there is to remark."""
+    rows = [
+        row("ours", Material.NEO_HOOKEAN, "sizes", 2.0) | {"particles": 1000},
+        row("genesis", Material.JELLY, "sizes", 8.0, note="a | wall") | {"particles": 1000},
+        row("ours", Material.NEO_HOOKEAN, "sizes", 20.0),
+        row("genesis", Material.JELLY, "sizes", None, message="skipped"),
+    ]
+    compare(rows[:2])
+    compare(rows[2:])
+    run = dict(command="c", machine="m", git_revision="r", quick=False, seconds=1.0, load_average=[0.1])
+    text = write_tables({"sizes": {"runs": [run], "complete": True, "rows": rows}})["sizes"]
+    assert "| code | law | threads | 1,000 | 200,000 |" in text
+    assert "| ours | neo_hookean | 1 | 2 (1) | 20 (1) |" in text
+    assert "| genesis | jelly | 1 | 8 (4) | skipped |" in text and "\ngenesis: a / wall.\n" in text
