@@ -136,6 +136,7 @@ def link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> i
     full = np.zeros_like(followed.xy)
     shown = np.zeros_like(followed.visible)
     full[span], shown[start : reached + 1] = followed.xy[span], followed.visible[start : reached + 1]
+    shown &= np.isfinite(full).all(-1)
     path.tracks = np.concatenate([path.tracks, full], 1)
     path.visible = np.concatenate([path.visible, shown], 1)
     return reached
