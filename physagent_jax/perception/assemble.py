@@ -10,7 +10,7 @@ from physagent_jax.perception import lift
 from physagent_jax.perception.extents import measure_lengths
 from physagent_jax.perception.fit import Affine, estimate_hidden_spread
 from physagent_jax.perception.follow import Path
-from physagent_jax.perception.reasons import CUT, GONE, LOOSE, LOST, NO_DEPTH
+from physagent_jax.perception.reasons import CUT, GONE, LOOSE, LOST, NO_DEPTH, NO_SIZE
 from physagent_jax.perception.unobservable import touches_border
 from physagent_jax.perception.windows import Frames
 from physagent_jax.render.camera import Camera
@@ -29,6 +29,8 @@ ACROSS_OFF, DEPTH_OFF = 0.03, 0.12
 """How far the first guess of the centre is off, across the view and, from the rim, along it [body lengths]."""
 FULL_TILT = 20.0
 """Turned out of the picture plane by this, the fit's stretch behind the visible surface is not believed [deg]."""
+MOST_EXTENT = 1e3
+"""A visible surface that is longer is none of the object: its depth is wrong [body lengths]."""
 INDEPENDENT_VIEWS = 4.0
 """Neighbouring frames err alike: so many of a clip's views count."""
 
@@ -72,6 +74,7 @@ def assemble(
     corners = np.stack([lift.measure_box(*seen, camera) for seen in zip(depth, masks, trusted)])
     edges = corners[:, 1] - corners[:, 0]
     size, center = float(edges[0].max()), lift.find_center(trusted[0], masks[0], camera)
+    beyond = edges.max(1) > MOST_EXTENT * size
     area, cut, out = masks.sum((1, 2)), *_find_leaving(masks)
     points = [lift.unproject_surface(d, camera)[::7] for d in trusted]
     outlines = [lift.unproject_mask(d, m, camera) for d, m in zip(trusted, masks)]
@@ -95,16 +98,16 @@ def assemble(
         centroid=centroid,
         poses=path.poses,
         chain=path.chain,
-        corners=np.where(cut[:, None, None], np.nan, (corners - center) / size),
-        box=np.where(cut[:, None], np.nan, np.maximum(edges / size, THINNEST)),
-        lengths=np.where(cut[:, None], np.nan, measure_lengths(outlines, directions) / size),
+        corners=np.where((cut | beyond)[:, None, None], np.nan, (corners - center) / size),
+        box=np.where((cut | beyond)[:, None], np.nan, np.maximum(edges / size, THINNEST)),
+        lengths=np.where((cut | beyond)[:, None], np.nan, measure_lengths(outlines, directions) / size),
         depth_shown=np.array(
             [len(p) > 3 and estimate_hidden_spread(p, forward) > LEAST_RELIEF * size for p in points]
         ),
         reasons={
             "centroid": why(gone, blind, (~np.isfinite(centroid[:, 0]), CUT)),
             "rotation": why(gone, blind, (loose, LOOSE), lost),
-            "box": why(gone, (cut, CUT), blind),
+            "box": why(gone, (cut, CUT), blind, (beyond, NO_SIZE)),
         },
     )
 

@@ -16,7 +16,7 @@ RIM_DEPTH = 0.15
 of two hundred pixels across a ball fall back by that."""
 NEAREST, FARTHEST = 1e-9, 1e9
 """Smaller and larger depths are marks for "no surface" [m]."""
-MOST_RATIO = 1e6
+MOST_RATIO = 1e3
 """Depths of one clip do not differ by more."""
 _KERNEL = np.ones((3, 3), np.uint8)
 

@@ -94,6 +94,9 @@ def perceive(
     z = lift.keep_possible_depth(estimate.z)
     found = _segment(rgb, z, backends.segmenter, prompt)
     masks = np.asarray(found.masks, bool)
+    for what, seen in (("depth estimator", z), ("segmenter", masks)):
+        if seen.shape != rgb.shape[:3]:
+            raise UserError(f"the {what} must give one value per pixel, {rgb.shape[:3]}", got=seen.shape)
     notes = [*estimate.notes, *([] if estimate.scale_known else [_NO_SCALE]), *found.notes]
     z = lift.fill_dropped(lift.keep_comparable_depth(z, masks[0]), masks)
     spans = _find_spans(len(rgb), windows)

@@ -10,6 +10,8 @@ import numpy as np
 
 _SHIFT = 4
 """Sub-pixel bits of OpenCV's drawing calls."""
+_FAR = 1e6
+"""Points that are farther off are drawn there: OpenCV takes integers of 32 bits [px]."""
 
 
 def draw_overlay(
@@ -74,7 +76,7 @@ def _draw_frame(rgb, masks, tracks, visible, colours, t: int, tail: int, most: i
 
 
 def _to_pixel(xy: np.ndarray) -> tuple[int, int]:
-    x, y = np.round((xy - 0.5) * 2**_SHIFT).astype(int)
+    x, y = np.round((np.clip(xy, -_FAR, _FAR) - 0.5) * 2**_SHIFT).astype(int)
     return int(x), int(y)
 
 
