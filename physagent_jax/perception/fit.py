@@ -13,7 +13,7 @@ from physagent_jax.core.rotations import polar
 NEIGHBOURS = 6
 """Points that a point is compared with."""
 LEAST_PULL = 1e-200
-"""So that points that coincide, which tell no more than where they go, get the rotation's own matrix."""
+"""Of the pull and of a residual's limit, so that points that coincide give a map too: they tell where they go."""
 ENOUGH = 40
 """With fewer points there are no neighbours to speak of."""
 
@@ -117,7 +117,7 @@ def _find_median(values: np.ndarray) -> np.ndarray:
 
 def huber(distance: np.ndarray, *, floor: float) -> np.ndarray:
     """Huber weights for residuals, full up to two robust standard deviations, at least ``floor``."""
-    limit = max(2 * 1.4826 * float(np.median(distance)), floor)
+    limit = max(2 * 1.4826 * float(np.median(distance)), floor, LEAST_PULL)
     return limit / np.maximum(distance, limit)
 
 

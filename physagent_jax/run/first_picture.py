@@ -11,7 +11,7 @@ from physagent_jax.gaussians.covariance import quats_scales_to_covariances
 from physagent_jax.perception.follow import FEWEST, place_seeds
 from physagent_jax.perception.lift import keep_trusted_depth
 from physagent_jax.perception.protocols import SegmentPrompt
-from physagent_jax.perception.reasons import FILLING, GONE
+from physagent_jax.perception.reasons import FILLING
 from physagent_jax.perception.unobservable import LEAST_PIXELS, explain_outline, measure_border_share, touches_border
 from physagent_jax.render import RenderedImage, render
 from physagent_jax.render.project import ALPHA_MIN, NEAR_PLANE
@@ -22,6 +22,10 @@ from physagent_jax.scene.config import SceneConfig
 
 OPAQUE = 0.5
 """Coverage from which a pixel is the object's; a haze of faint Gaussians hides nothing."""
+LEAST_LENGTH = 3.0
+"""A shorter object is hidden by the blur with which its Gaussians are drawn [px]."""
+PLAIN_SIZE = 0.05
+"""Gaussians that are no larger than this leave the object an outline [standard deviation over the object's length]."""
 PROMPT_OFF = 0.02
 """How far beside what is drawn a point of a prompt may lie [share of the picture's width]."""
 
@@ -43,6 +47,25 @@ def draw_first_picture(config: SceneConfig, body: Body) -> RenderedImage:
     )
     camera = make_reference_camera(config.camera, config.rendering, config.domain)
     return render(splats, camera, background=config.rendering.background)
+
+
+def is_in_doubt(body: Body) -> bool:
+    """Whether an object could fill the picture of a camera placed for it, or not show: found without a picture."""
+    opacities, scales = np.asarray(body.cloud.opacities), np.asarray(body.cloud.scales)
+    shown = opacities >= ALPHA_MIN
+    return not shown.any() or float(scales[shown].max()) > PLAIN_SIZE * body.extent
+
+
+def measure_length(config: SceneConfig, body: Body) -> float:
+    """Longer side of the object's box in perception's picture, from centres and typical sizes of its Gaussians [px]."""
+    camera = make_reference_camera(config.camera, config.rendering, config.domain)
+    seen = np.asarray(body.cloud.means, np.float64) @ camera.viewmat[:3, :3].T + camera.viewmat[:3, 3]
+    shown = (seen[:, 2] > NEAR_PLANE) & (np.asarray(body.cloud.opacities) >= ALPHA_MIN)
+    if not shown.any():
+        return 0.0
+    places = (seen[shown] @ camera.K.T)[:, :2] / seen[shown, 2:]
+    deviation = np.median(np.asarray(body.cloud.scales)[shown].max(1) / seen[shown, 2]) * camera.K[0, 0]
+    return float(np.ptp(places, axis=0).max() + 4 * deviation)
 
 
 def check_first_picture(
@@ -68,14 +91,14 @@ def check_first_picture(
     image = draw_first_picture(config, body)
     alpha, depth = np.asarray(image.alpha), np.asarray(image.depth)
     drawn, solid = alpha > 0, alpha >= OPAQUE
-    why = explain_outline(drawn)
-    if why == GONE:
+    if not drawn.any():
         _refuse_unseen(config, body)
-    if why not in ("", FILLING):
+    length = measure_length(config, body)
+    if drawn.sum() < LEAST_PIXELS or length < LEAST_LENGTH:
         raise UserError(
-            f"the motion could not be measured: the object is too small in perception's pictures, {LEAST_PIXELS} "
-            "pixels are the least",
-            got=f"{drawn.sum()} of {drawn.size} pixels",
+            "the motion could not be measured: the object is too small in perception's pictures, "
+            f"{LEAST_LENGTH:g} pixels are the least length",
+            got=f"{length:.2g} pixels, in pictures of {drawn.shape[1]} x {drawn.shape[0]}",
             do="Raise --resolution",
         )
     if explain_outline(solid) == FILLING:
