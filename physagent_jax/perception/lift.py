@@ -163,7 +163,7 @@ def measure_facing(depth: np.ndarray, xy: np.ndarray, camera: Camera, *, reach: 
 
 
 def measure_box(depth: np.ndarray, mask: np.ndarray, trusted: np.ndarray, camera: Camera) -> np.ndarray:
-    """Lowest and highest corner of the world-axis box around the visible surface [m], shape (2, 3); nan if none is known.
+    """Lowest and highest corner of the world-axis box around the visible surface [m], shape (2, 3); nan if unknown.
 
     Takes the whole mask: the trusted part is too small by the eroded rim. Where the rim's depth is that of what is
     behind the object, it counts as `RIM_DEPTH` behind the trusted depth beside it.
@@ -189,7 +189,7 @@ def measure_box(depth: np.ndarray, mask: np.ndarray, trusted: np.ndarray, camera
 
 
 def find_middle(points: np.ndarray) -> np.ndarray:
-    """Trimmed mean of points: without the outer tenth by distance from the median, shape (3,); nan if there are none."""
+    """Trimmed mean of points, without the outer tenth by distance from the median, shape (3,); nan without points."""
     if not len(points):
         return np.full(3, np.nan)
     distance = np.linalg.norm(points - np.median(points, axis=0), axis=1)
@@ -299,7 +299,8 @@ def _fill_nearest(depth: np.ndarray) -> np.ndarray:
 def find_center(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
     """The object's likely centre: the middle of its outline, at the depth of its rim; world [m], shape (3,).
 
-    It is nan if no depth is known. The mean of the visible surface lies too near. It would seem to travel when the object turns on the spot.
+    It is nan if no depth is known. The mean of the visible surface lies too near. It would seem to travel when the
+    object turns on the spot.
 
     Args:
         depth: Trusted depth [m], nan elsewhere, shape (H, W).

@@ -45,7 +45,9 @@ def draw_overlay(
 
 def _draw_frame(rgb, masks, tracks, visible, colours, t: int, tail: int, most: int) -> np.ndarray:
     outside = ~masks[t][..., None]
-    picture = np.where(outside, rgb[t] * 0.85 + 0.15 * 128, rgb[t]).astype(np.uint8, order="C")  # as OpenCV needs it
+    picture = np.where(outside, rgb[t] * 0.85 + 0.15 * 128, rgb[t]).astype(
+        np.uint8, order="C"
+    )  # as OpenCV needs it
     outline, _ = cv2.findContours(masks[t].astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     cv2.drawContours(picture, outline, -1, (20, 20, 30), 3, cv2.LINE_AA)
     cv2.drawContours(picture, outline, -1, (255, 255, 255), 1, cv2.LINE_AA)

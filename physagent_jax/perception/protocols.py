@@ -68,11 +68,15 @@ class SegmentPrompt:
             do = f"Stay within 0..{count - 1}"
             raise UserError("the prompt's frame is not in the clip", got=self.frame, do=do)
         if self.points is not None:
-            _check_points(np.asarray(self.points), self.labels, (width, height), picture, self.box is not None)
+            _check_points(
+                np.asarray(self.points), self.labels, (width, height), picture, self.box is not None
+            )
         if self.box is not None:
             _check_box(np.asarray(self.box), (width, height), picture)
         if self.mask is not None and np.shape(self.mask) != (height, width):
-            raise UserError(f"the prompt's mask must have the shape ({height}, {width})", got=np.shape(self.mask))
+            raise UserError(
+                f"the prompt's mask must have the shape ({height}, {width})", got=np.shape(self.mask)
+            )
         if self.mask is not None and not np.any(self.mask):
             raise UserError("the prompt's mask shows no object", do="Set its pixels to True")
 

@@ -13,7 +13,7 @@ from physagent_jax.render.camera import Camera
 LEAST_PIXELS = 8
 """Fewer pixels in frame 0 are no object, and fewer known depths tell no size [px]."""
 MOST_BORDER = 0.9
-"""An object on more of the border in frame 0 than this goes on beyond it, nobody knows how far [share of its pixels]."""
+"""An object on more of the border in frame 0 than this has an unknown size [share of the border's pixels]."""
 LEAST_EXTENT = 0.5
 """A surface that spans less than this is a point: its depth is too small to be told from zero [pixels at its depth]."""
 

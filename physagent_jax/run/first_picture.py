@@ -12,7 +12,12 @@ from physagent_jax.perception.follow import FEWEST, place_seeds
 from physagent_jax.perception.lift import keep_trusted_depth
 from physagent_jax.perception.protocols import SegmentPrompt
 from physagent_jax.perception.reasons import FILLING
-from physagent_jax.perception.unobservable import LEAST_PIXELS, explain_outline, measure_border_share, touches_border
+from physagent_jax.perception.unobservable import (
+    LEAST_PIXELS,
+    explain_outline,
+    measure_border_share,
+    touches_border,
+)
 from physagent_jax.render import RenderedImage, render
 from physagent_jax.render.project import ALPHA_MIN, NEAR_PLANE
 from physagent_jax.scene.body import Body
@@ -37,13 +42,17 @@ def draw_first_picture(config: SceneConfig, body: Body) -> RenderedImage:
         config: The scene, its camera placed.
         body: Its object.
     """
-    cloud, _ = buckets.pad_gaussians(body.cloud.of_least_degree(), body.binding)  # the program of later frames
+    cloud, _ = buckets.pad_gaussians(
+        body.cloud.of_least_degree(), body.binding
+    )  # the program of later frames
     splats = Splats(
         means=cloud.means,
         covariances=quats_scales_to_covariances(cloud.quats, cloud.scales),
         opacities=cloud.opacities,
         sh=cloud.sh,
-        rotations=jnp.broadcast_to(jnp.asarray(body.placement.rotation, cloud.means.dtype), (cloud.count, 3, 3)),
+        rotations=jnp.broadcast_to(
+            jnp.asarray(body.placement.rotation, cloud.means.dtype), (cloud.count, 3, 3)
+        ),
     )
     camera = make_reference_camera(config.camera, config.rendering, config.domain)
     return render(splats, camera, background=config.rendering.background)
@@ -113,8 +122,8 @@ def _find_weaknesses(mask: np.ndarray, depth: np.ndarray) -> tuple[str, ...]:
     notes = []
     if touches_border(mask):
         notes.append(
-            "the object reaches beyond the border of perception's picture: what is measured in body lengths goes by the "
-            "part that shows; its Gaussians may be too large for it"
+            "the object reaches beyond the border of perception's picture, and body lengths are those of the part that "
+            "shows; its Gaussians may be too large for it"
         )
     trusted = keep_trusted_depth(np.where(mask, depth, np.nan), mask)[0]
     seeds, _ = place_seeds(np.zeros((*mask.shape, 3), np.uint8), trusted)
@@ -169,7 +178,9 @@ def _check_prompt(prompt: SegmentPrompt, drawn: np.ndarray) -> None:
     y, x = np.nonzero(drawn)
     meant = False if prompt.mask is None else bool((np.asarray(prompt.mask, bool) & drawn).any())
     if prompt.points is not None:
-        labels = np.ones(len(prompt.points), bool) if prompt.labels is None else np.asarray(prompt.labels, bool)
+        labels = (
+            np.ones(len(prompt.points), bool) if prompt.labels is None else np.asarray(prompt.labels, bool)
+        )
         for px, py in np.asarray(prompt.points, float)[labels]:
             meant |= bool(np.hypot(x + 0.5 - px, y + 0.5 - py).min() <= max(PROMPT_OFF * width, 2.0))
     if prompt.box is not None:

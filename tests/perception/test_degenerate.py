@@ -143,7 +143,11 @@ def test_masks_that_show_nothing_are_measured_as_not_observable(size, frames):
         for name, depth in make_depths(frames, *size).items():
             masks = np.broadcast_to(mask, (frames, *size)).copy()
             report = see(colour_pictures(frames, *size), depth, segmenter=Given(masks))
-            if mask.sum() < 8 or mask.all() or name in ("none", "zero", "none at first", "infinite", "behind"):
+            if (
+                mask.sum() < 8
+                or mask.all()
+                or name in ("none", "zero", "none at first", "infinite", "behind")
+            ):
                 assert report.object_size == 0 and set(report.centroid) == {None}
                 assert "not observable" in report.text and report.onset_frame is None
 
@@ -174,7 +178,9 @@ def test_an_object_that_fills_the_picture_is_told():
     full = Given(np.ones((3, *PICTURE), bool))
     report = see(colour_pictures(3, *PICTURE), np.full((3, *PICTURE), 3.0), segmenter=full)
     assert report.quality.mask_fraction == 1 and report.quality.leaves_frame == 0
-    assert report.text == "In the initial frame, the object fills the picture, so its motion is not observable."
+    assert (
+        report.text == "In the initial frame, the object fills the picture, so its motion is not observable."
+    )
     assert set(report.windows[0].unobservable.values()) == {"the object fills the picture in frame 0"}
 
 
@@ -231,7 +237,20 @@ class _WildClip:
 
 @pytest.mark.parametrize(
     "kind",
-    ["nothing", "nan", "inf", "far off", "one place", "one line", "mirrored", "noise", "0", "1e-300", "-1", "1e300"],
+    [
+        "nothing",
+        "nan",
+        "inf",
+        "far off",
+        "one place",
+        "one line",
+        "mirrored",
+        "noise",
+        "0",
+        "1e-300",
+        "-1",
+        "1e300",
+    ],
 )
 def test_tracks_that_cannot_be_right(kind):
     masks = make_masks(*PICTURE)
@@ -354,7 +373,9 @@ def test_every_stage_alone(size):
 def check_stages(rgb: np.ndarray, mask: np.ndarray, raw: np.ndarray, camera) -> None:
     masks = np.stack([mask, mask])
     z = lift.keep_possible_depth(raw)
-    assert is_number_or_nan(z) and np.array_equal(DepthSensor().estimate(rgb, camera, raw).z, z, equal_nan=True)
+    assert is_number_or_nan(z) and np.array_equal(
+        DepthSensor().estimate(rgb, camera, raw).z, z, equal_nan=True
+    )
     z = lift.fill_dropped(lift.keep_comparable_depth(z, mask), masks)
     trusted, noise = lift.keep_trusted_depth(z[0], mask)
     known = bool(np.isfinite(trusted).any())
@@ -390,14 +411,18 @@ def check_stages(rgb: np.ndarray, mask: np.ndarray, raw: np.ndarray, camera) -> 
 
 def test_stages_without_any_series():
     nothing = np.full((4, 3), np.nan)
-    assert timing.find_onset(nothing[:, 0], 0.01) is None and timing.find_settling(nothing[:, 0], 0.01) is None
+    assert (
+        timing.find_onset(nothing[:, 0], 0.01) is None and timing.find_settling(nothing[:, 0], 0.01) is None
+    )
     assert timing.find_oscillation(nothing, DT, 0.01) is None
     assert timing.find_onset(np.zeros(1), 0.01) is None and timing.find_settling(np.zeros(1), 0.01) is None
     hard = uncertainty.Difficulty(pixel=0.1, noise=0.0, residual=0.0, turn=0.0, links=-1, travel=0.0)
     told = uncertainty.estimate_uncertainty(hard, [None, None], None, DT)
     assert told.rotation is told.stretch is told.axis is told.frequency is None
     tracks = np.full((2, 3, 2), 1e30)
-    drawn = draw_overlay(np.zeros((2, 4, 4, 3), np.uint8), np.zeros((2, 4, 4), bool), tracks, np.ones((2, 3), bool))
+    drawn = draw_overlay(
+        np.zeros((2, 4, 4, 3), np.uint8), np.zeros((2, 4, 4), bool), tracks, np.ones((2, 3), bool)
+    )
     assert drawn.shape == (2, 4, 4, 3)
 
 
@@ -451,7 +476,9 @@ def test_whatever_a_tracker_says_gives_a_report(data):
 
         def track(self, queries, until=None):
             rng = np.random.default_rng(seed)
-            xy = np.repeat(queries[None, :, 1:], count, axis=0) + rng.normal(0, spread, (count, len(queries), 2))
+            xy = np.repeat(queries[None, :, 1:], count, axis=0) + rng.normal(
+                0, spread, (count, len(queries), 2)
+            )
             return Tracks(xy, rng.uniform(size=xy.shape[:2]) >= lost, rng.uniform(size=xy.shape[:2]))
 
     depth = np.random.default_rng(seed).uniform(2.5, 3.5, (count, *size))

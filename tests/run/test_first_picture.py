@@ -10,7 +10,12 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.gaussians.formats.ply import write_ply
 from physagent_jax.perception.protocols import SegmentPrompt
-from physagent_jax.run.first_picture import check_first_picture, draw_first_picture, is_in_doubt, measure_length
+from physagent_jax.run.first_picture import (
+    check_first_picture,
+    draw_first_picture,
+    is_in_doubt,
+    measure_length,
+)
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import PromptChoice
 from physagent_jax.scene.body import make_body
@@ -18,8 +23,12 @@ from physagent_jax.scene.fuse import fuse
 from tests.run.specs import small
 from tests.scene.clouds import cloud_of
 
+pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")  # of few particles and loose pieces
+
 BALL = np.random.default_rng(0).normal(size=(1500, 3))
-BALL *= 0.5 * np.random.default_rng(1).uniform(size=(1500, 1)) ** (1 / 3) / np.linalg.norm(BALL, axis=1)[:, None]
+BALL *= (
+    0.5 * np.random.default_rng(1).uniform(size=(1500, 1)) ** (1 / 3) / np.linalg.norm(BALL, axis=1)[:, None]
+)
 POLE = BALL * [0.003, 0.003, 1]
 
 
@@ -32,8 +41,14 @@ def make_ready(path, cloud, *, resolution=64, **parts):
     return fuse(run.place(body)[0], body, ForceField()), body
 
 
-def test_an_object_of_ordinary_gaussians_is_let_through(tmp_path):
-    config, body = make_ready(tmp_path, cloud_of(BALL, scale=0.03))
+@pytest.fixture(scope="module")
+def ball(tmp_path_factory):
+    """The scene and the body of an ordinary ball."""
+    return make_ready(tmp_path_factory.mktemp("ball"), cloud_of(BALL, scale=0.03))
+
+
+def test_an_object_of_ordinary_gaussians_is_let_through(ball):
+    config, body = ball
     assert check_first_picture(config, body) == () and not is_in_doubt(body)
     image = draw_first_picture(config, body)
     assert image.rgb.shape == (64, 64, 3) and 0.05 < np.asarray(image.alpha > 0.5).mean() < 0.6
@@ -55,11 +70,13 @@ def test_what_cannot_be_measured_is_refused(cloud, words, do, tmp_path):
     assert is_in_doubt(body)
 
 
-def test_an_object_outside_of_the_picture_is_refused(tmp_path):
+def test_an_object_outside_of_the_picture_is_refused(ball):
     """The camera is placed for the object; a scene's own may look elsewhere, or stand in it."""
-    config, body = make_ready(tmp_path, cloud_of(BALL, scale=0.03))
+    config, body = ball
     aside = config.camera.model_copy(update=dict(target=tuple(np.add(config.camera.target, (50, 0, 0)))))
-    with pytest.raises(UserError, match="no Gaussian reaches perception's picture.*--azimuth and --elevation"):
+    with pytest.raises(
+        UserError, match="no Gaussian reaches perception's picture.*--azimuth and --elevation"
+    ):
         check_first_picture(config.model_copy(update=dict(camera=aside)), body)
     behind = config.camera.model_copy(
         update=dict(target=tuple(np.add(config.camera.target, (0, 50, 0))), azimuth_degrees=0.0)
@@ -69,7 +86,7 @@ def test_an_object_outside_of_the_picture_is_refused(tmp_path):
 
 
 def test_an_object_of_two_pixels_is_refused(tmp_path):
-    """A body of 1 m at d m spans 1 / d of the focal length, 32 / tan(20 degrees) pixels, whatever its Gaussians' blur."""
+    """A body of 1 m at d m spans 1 / d of the focal length, which is 32 / tan(20 degrees) pixels."""
     config, body = make_ready(tmp_path, cloud_of(BALL, scale=1e-4))
     focal = 32 / math.tan(math.radians(20))
     for pixels in (20.0, 2.0):
@@ -109,8 +126,8 @@ def test_an_object_that_the_border_cuts_off_is_warned_of(tmp_path):
         (SegmentPrompt(mask=np.eye(64, dtype=bool) & (np.arange(64) < 4)), False),
     ],
 )
-def test_a_prompt_beside_the_object_is_refused(prompt, found, tmp_path):
-    config, body = make_ready(tmp_path, cloud_of(BALL, scale=0.03))
+def test_a_prompt_beside_the_object_is_refused(prompt, found, ball):
+    config, body = ball
     if found:
         check_first_picture(config, body, prompt)
         return
@@ -125,7 +142,14 @@ def test_a_prompt_without_a_point_on_the_object_is_refused():
 
 def test_run_and_plan_refuse_before_anything_is_simulated(tmp_path, capsys):
     write_ply(tmp_path / "blob.ply", cloud_of(BALL, scale=1.0))
-    line = ["--object", str(tmp_path / "blob.ply"), "--prompt", "push it to the left", "--out", str(tmp_path / "out")]
+    line = [
+        "--object",
+        str(tmp_path / "blob.ply"),
+        "--prompt",
+        "push it to the left",
+        "--out",
+        str(tmp_path / "out"),
+    ]
     assert main(["run", *line, "--particles", "600", "--frames", "8", "--resolution", "64"]) == 2
     said = capsys.readouterr().err
     assert "fills perception's picture" in said and "simulating" not in said and "Traceback" not in said
