@@ -29,8 +29,8 @@ OPAQUE = 0.5
 """Coverage from which a pixel is the object's; a haze of faint Gaussians hides nothing."""
 LEAST_LENGTH = 3.0
 """A shorter object is hidden by the blur with which its Gaussians are drawn [px]."""
-PLAIN_SIZE = 0.05
-"""Gaussians that are no larger than this leave the object an outline [standard deviation over the object's length]."""
+PLAIN_SIZE, LARGEST_PLAIN = 0.06, 0.15
+"""The object has an outline if few of its Gaussians exceed the first, none the second [standard deviation over length]."""
 PROMPT_OFF = 0.02
 """How far beside what is drawn a point of a prompt may lie [share of the picture's width]."""
 
@@ -62,7 +62,10 @@ def is_in_doubt(body: Body) -> bool:
     """Whether an object could fill the picture of a camera placed for it, or not show: found without a picture."""
     opacities, scales = np.asarray(body.cloud.opacities), np.asarray(body.cloud.scales)
     shown = opacities >= ALPHA_MIN
-    return not shown.any() or float(scales[shown].max()) > PLAIN_SIZE * body.extent
+    if not shown.any():
+        return True
+    sizes = scales[shown].max(axis=1) / body.extent
+    return not (np.quantile(sizes, 0.95) <= PLAIN_SIZE and sizes.max() <= LARGEST_PLAIN)
 
 
 def measure_length(config: SceneConfig, body: Body) -> float:
