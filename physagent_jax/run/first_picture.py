@@ -30,7 +30,7 @@ OPAQUE = 0.5
 LEAST_LENGTH = 3.0
 """A shorter object is hidden by the blur with which its Gaussians are drawn [px]."""
 PLAIN_SIZE, LARGEST_PLAIN = 0.06, 0.15
-"""The object has an outline if few of its Gaussians exceed the first, none the second [standard deviation over length]."""
+"""Where few Gaussians exceed the first and none the second, there is an outline [standard deviation over length]."""
 PROMPT_OFF = 0.02
 """How far beside what is drawn a point of a prompt may lie [share of the picture's width]."""
 
@@ -64,7 +64,7 @@ def is_in_doubt(body: Body) -> bool:
     shown = opacities >= ALPHA_MIN
     if not shown.any():
         return True
-    sizes = scales[shown].max(axis=1) / body.extent
+    sizes = scales[shown].max(axis=1) / max(body.extent, 1e-12)
     return not (np.quantile(sizes, 0.95) <= PLAIN_SIZE and sizes.max() <= LARGEST_PLAIN)
 
 

@@ -37,7 +37,9 @@ def hide(report: MotionReport, first: int) -> MotionReport:
     fields = ("displacement", "path_length", "rotation_axis", "rotation_degrees", "stretch", "volume_ratio")
     lost = dict.fromkeys(fields) | {"unobservable": dict.fromkeys(fields, GONE)}
     series = ("centroid", "rotation_degrees", "volume_ratio", "rotation", "stretch", "box", "pieces")
-    ends = [p.model_copy(update=dict(centroid=cut(p.centroid), rotation=cut(p.rotation))) for p in report.parts]
+    ends = [
+        p.model_copy(update=dict(centroid=cut(p.centroid), rotation=cut(p.rotation))) for p in report.parts
+    ]
     windows = [w if w.last < first else w.model_copy(update=lost) for w in report.windows]
     changed = {name: cut(getattr(report, name)) for name in series}
     return report.model_copy(update=changed | {"parts": tuple(ends), "windows": tuple(windows)})
@@ -75,7 +77,9 @@ def test_a_clip_that_ends_in_the_dark_is_no_success(first):
         assert judge(sentence, reading, whole, brief()).judgement.verdict is Verdict.SUCCESS
         judgement = judge(sentence, reading, hide(whole, first), brief()).judgement
         assert judgement.verdict is Verdict.FAIL
-        assert f"not known in {COUNT - first} of {COUNT} frames, first in frame {first}" in judgement.suggestion
+        assert (
+            f"not known in {COUNT - first} of {COUNT} frames, first in frame {first}" in judgement.suggestion
+        )
 
 
 def test_a_frame_or_two_without_the_object_do_not_matter():

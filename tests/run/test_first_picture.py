@@ -1,15 +1,20 @@
 """The first picture before anything is simulated: what cannot be measured is refused, all else is let through."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
+from physagent_jax.agents.schema import Judgement
 from physagent_jax.cli import main
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.gaussians.formats.ply import write_ply
-from physagent_jax.perception.protocols import SegmentPrompt
+from physagent_jax.perception.backends import make_backends
+from physagent_jax.perception.protocols import Masks, Segmenter, SegmentPrompt
+from physagent_jax.perception.schema import MotionReport
+from physagent_jax.report.html import write_report
 from physagent_jax.run.first_picture import (
     check_first_picture,
     draw_first_picture,
@@ -20,7 +25,7 @@ from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import PromptChoice
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.fuse import fuse
-from tests.run.specs import small
+from tests.run.specs import made, small
 from tests.scene.clouds import cloud_of
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")  # of few particles and loose pieces
@@ -170,3 +175,20 @@ def test_the_picture_is_that_of_frame_0(robot_path):
     image = draw_first_picture(scene.config, body)
     recording = simulate_scene(scene)
     np.testing.assert_allclose(np.asarray(image.depth), recording.depth[0], atol=1e-4)
+
+
+def test_a_run_in_which_nothing_is_found_ends_with_a_report(robot_path, tmp_path):
+    """The object is drawn, but this segmenter does not find it: FAIL, "not observable", and all files."""
+
+    class Blind(Segmenter):
+        def segment(self, frames, prompt, depth=None):
+            return Masks(np.zeros(frames.shape[:3], bool))
+
+    backends = dataclasses.replace(make_backends(), segmenter=Blind())
+    spec = small(robot_path, frames=5, particles=300, resolution=48, rounds=1)
+    store = made(spec, tmp_path / "run", backends=backends)
+    assert store.manifest.verdict == "FAIL"
+    report = store.read("iterations/0/motion_report.json", MotionReport)
+    assert report is not None and set(report.centroid) == {None}
+    assert "not in the picture" in store.read("iterations/0/judgement.json", Judgement).suggestion
+    assert "not observable" in write_report(store.path).read_text()
