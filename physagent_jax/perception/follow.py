@@ -143,7 +143,7 @@ def link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> i
 
 def _clean(tracks: Tracks) -> Tracks:
     """Tracks that are visible only where they are numbers, nan elsewhere, with a confidence of 0 to 1."""
-    finite = np.isfinite(tracks.xy).all(-1)
+    finite = np.asarray(np.isfinite(tracks.xy).all(-1))
     sure = np.clip(np.nan_to_num(np.asarray(tracks.confidence, float), nan=0.0, posinf=1.0), 0.0, 1.0)
     xy = np.where(finite[..., None], tracks.xy, np.nan)
     return Tracks(xy, np.asarray(tracks.visible, bool) & finite, sure)

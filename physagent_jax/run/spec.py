@@ -195,8 +195,6 @@ class PromptChoice(Strict):
             raise ValueError("a prompt is points, a box, both, or a mask alone: give one of these")
         if self.labels is not None and len(self.labels) != len(self.points or ()):
             raise ValueError("`labels` are one per point: give as many, or none")
-        if self.labels is not None and not any(self.labels) and self.box is None:
-            raise ValueError("no point of the prompt is on the object: add one that is, or a box")
         if self.box is not None and not (self.box[0] < self.box[2] and self.box[1] < self.box[3]):
             raise ValueError(f"`box` is x0 y0 x1 y1 with x0 < x1 and y0 < y1 (got {self.box})")
         return self

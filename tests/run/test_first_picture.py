@@ -22,7 +22,6 @@ from physagent_jax.run.first_picture import (
     measure_length,
 )
 from physagent_jax.run.resolve import resolve
-from physagent_jax.run.spec import PromptChoice
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.fuse import fuse
 from tests.run.specs import made, small
@@ -140,9 +139,10 @@ def test_a_prompt_beside_the_object_is_refused(prompt, found, ball):
         check_first_picture(config, body, prompt)
 
 
-def test_a_prompt_without_a_point_on_the_object_is_refused():
-    with pytest.raises(ValueError, match="no point of the prompt is on the object"):
-        PromptChoice(points=((0.5, 0.5),), labels=(False,))
+def test_a_prompt_without_a_point_on_the_object_is_refused(ball):
+    prompt = SegmentPrompt(points=np.array([[32.0, 32.0]]), labels=np.array([False]))
+    with pytest.raises(UserError, match="no point of the prompt is on the object"):
+        check_first_picture(*ball, prompt)
 
 
 def test_run_and_plan_refuse_before_anything_is_simulated(tmp_path, capsys):
