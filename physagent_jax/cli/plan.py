@@ -24,7 +24,8 @@ class Plan:
     """Say what a sentence would do to an object, without simulating anything.
 
     Prints what should be seen and how much of it, the actions, the surroundings, what is held, how long the clip is,
-    what was assumed, and what was not understood. A sentence that `physagent run` would refuse is refused: exit code 2.
+    what was assumed, and what was not understood. What `physagent run` would refuse, a sentence or an object that its
+    pictures would not show, is refused: exit code 2.
     """
 
     prompt: tyro.conf.Positional[str]
@@ -56,11 +57,12 @@ class Plan:
         """Runs the command; returns the exit code."""
         from physagent_jax.cli.console import warn
         from physagent_jax.run.brief import make_brief
+        from physagent_jax.run.first_picture import check_first_picture, is_in_doubt
         from physagent_jax.run.loop import agents_of
         from physagent_jax.run.reading import read_for_scene
         from physagent_jax.run.resolve import resolve
         from physagent_jax.scene.body import make_body
-        from physagent_jax.scene.fuse import damp
+        from physagent_jax.scene.fuse import damp, fuse
 
         given = {name: value for name, value in vars(self).items() if value is not None}
         with report_as_options():
@@ -75,7 +77,12 @@ class Plan:
         template, placed = run.place(body, reply)
         after = make_brief(template, frames_fixed=run.frames_fixed)
         damped = damp(template, body)[1]
-        found = [*(str(each.message) for each in caught), *placed, *([damped] if damped else [])]
+        pictured = ()
+        if is_in_doubt(body):  # to draw a picture takes as long as all else
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)  # of steps, which nobody takes here
+                pictured = check_first_picture(fuse(template, body, reply.force_field), body)
+        found = [*(str(each.message) for each in caught), *placed, *([damped] if damped else []), *pictured]
         reply = reply.model_copy(update=dict(notes=(*reply.notes, *map(name_options, found))))
         if self.json_line:
             print(json.dumps({"object": body.reading, **to_json(reply, after)}))

@@ -10,6 +10,8 @@ from physagent_jax.perception import lift
 from physagent_jax.perception.extents import measure_lengths
 from physagent_jax.perception.fit import Affine, estimate_hidden_spread
 from physagent_jax.perception.follow import Path
+from physagent_jax.perception.reasons import CUT, GONE, LOOSE, LOST, NO_DEPTH, NO_SIZE
+from physagent_jax.perception.unobservable import touches_border
 from physagent_jax.perception.windows import Frames
 from physagent_jax.render.camera import Camera
 
@@ -27,17 +29,10 @@ ACROSS_OFF, DEPTH_OFF = 0.03, 0.12
 """How far the first guess of the centre is off, across the view and, from the rim, along it [body lengths]."""
 FULL_TILT = 20.0
 """Turned out of the picture plane by this, the fit's stretch behind the visible surface is not believed [deg]."""
+MOST_EXTENT = 1e3
+"""A visible surface that is longer is none of the object: its depth is wrong [body lengths]."""
 INDEPENDENT_VIEWS = 4.0
 """Neighbouring frames err alike: so many of a clip's views count."""
-CUT = "the object is cut off by the picture's border"
-GONE = "the object is not in the picture"
-LOST = "too few points could be followed"
-LOOSE = "the parts move too differently to share one rotation or stretch"
-
-
-def touches_border(mask: np.ndarray) -> bool:
-    """Whether the object reaches the picture's border."""
-    return bool(mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any())
 
 
 def _find_leaving(masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -76,12 +71,10 @@ def assemble(
         camera: The camera.
         directions: Along which extents are measured, unit vectors, shape (k, 3).
     """
-    nothing = np.full((2, 3), np.nan)
-    corners = np.stack(
-        [lift.measure_box(*seen, camera) if seen[1].any() else nothing for seen in zip(depth, masks, trusted)]
-    )
+    corners = np.stack([lift.measure_box(*seen, camera) for seen in zip(depth, masks, trusted)])
     edges = corners[:, 1] - corners[:, 0]
     size, center = float(edges[0].max()), lift.find_center(trusted[0], masks[0], camera)
+    beyond = edges.max(1) > MOST_EXTENT * size
     area, cut, out = masks.sum((1, 2)), *_find_leaving(masks)
     points = [lift.unproject_surface(d, camera)[::7] for d in trusted]
     outlines = [lift.unproject_mask(d, m, camera) for d, m in zip(trusted, masks)]
@@ -96,7 +89,8 @@ def assemble(
         """The first reason that holds, per frame."""
         return [next((reason for bad, reason in conditions if bad[t]), "") for t in range(len(masks))]
 
-    gone, lost = (area == 0, GONE), (np.array([p is None for p in path.poses]), LOST)
+    gone, blind = (area == 0, GONE), (~np.isfinite(trusted).any((1, 2)), NO_DEPTH)
+    lost = (np.array([p is None for p in path.poses]), LOST)
 
     return Frames(
         size=size,
@@ -104,16 +98,16 @@ def assemble(
         centroid=centroid,
         poses=path.poses,
         chain=path.chain,
-        corners=np.where(cut[:, None, None], np.nan, (corners - center) / size),
-        box=np.where(cut[:, None], np.nan, np.maximum(edges / size, THINNEST)),
-        lengths=np.where(cut[:, None], np.nan, measure_lengths(outlines, directions) / size),
+        corners=np.where((cut | beyond)[:, None, None], np.nan, (corners - center) / size),
+        box=np.where((cut | beyond)[:, None], np.nan, np.maximum(edges / size, THINNEST)),
+        lengths=np.where((cut | beyond)[:, None], np.nan, measure_lengths(outlines, directions) / size),
         depth_shown=np.array(
             [len(p) > 3 and estimate_hidden_spread(p, forward) > LEAST_RELIEF * size for p in points]
         ),
         reasons={
-            "centroid": why(gone, (~np.isfinite(centroid[:, 0]), CUT)),
-            "rotation": why(gone, (loose, LOOSE), lost),
-            "box": why(gone, (cut, CUT)),
+            "centroid": why(gone, blind, (~np.isfinite(centroid[:, 0]), CUT)),
+            "rotation": why(gone, blind, (loose, LOOSE), lost),
+            "box": why(gone, (cut, CUT), blind, (beyond, NO_SIZE)),
         },
     )
 

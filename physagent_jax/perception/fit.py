@@ -12,6 +12,8 @@ from physagent_jax.core.rotations import polar
 
 NEIGHBOURS = 6
 """Points that a point is compared with."""
+LEAST_PULL = 1e-200
+"""Of the pull and of a residual's limit, so that points that coincide give a map too: they tell where they go."""
 ENOUGH = 40
 """With fewer points there are no neighbours to speak of."""
 
@@ -86,7 +88,7 @@ def fit_affine(
         total = w.sum()
         a0, b0 = w @ a / total, w @ b / total
         x, y = a - a0, b - b0
-        pull = total * (prior * extent) ** 2
+        pull = max(total * (prior * extent) ** 2, LEAST_PULL)
         cross, square = (w[:, None] * y).T @ x, (w[:, None] * x).T @ x
         rotation = polar(cross if matrix is None else matrix)[0]  # of the cross covariance: Kabsch's
         matrix = (cross + pull * rotation) @ np.linalg.inv(square + pull * np.eye(3))
@@ -115,7 +117,7 @@ def _find_median(values: np.ndarray) -> np.ndarray:
 
 def huber(distance: np.ndarray, *, floor: float) -> np.ndarray:
     """Huber weights for residuals, full up to two robust standard deviations, at least ``floor``."""
-    limit = max(2 * 1.4826 * float(np.median(distance)), floor)
+    limit = max(2 * 1.4826 * float(np.median(distance)), floor, LEAST_PULL)
     return limit / np.maximum(distance, limit)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from physagent_jax.perception import lift
 from physagent_jax.perception.ends import Ends
 from physagent_jax.perception.fit import Affine, fit_affine
-from physagent_jax.perception.protocols import EncodedClip, Tracker
+from physagent_jax.perception.protocols import EncodedClip, Tracker, Tracks
 from physagent_jax.render.camera import Camera
 
 SEEDS = 300
@@ -109,7 +109,7 @@ def link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> i
     """Follows one set of seeds, writes what it finds into ``path``; returns the last frame that it reached."""
     start = reached = span.start
     queries = np.concatenate([np.full((len(seeds), 1), start), seeds], 1)
-    followed = clip.track(queries, until=span.stop)
+    followed = _clean(clip.track(queries, until=span.stop))
     before = lift.unproject(seeds, lift.sample(depths[start], seeds), camera)
     known = np.isfinite(before[:, 0])  # seeds at the rim of what broke up may have no depth
     face = lift.measure_facing(depths[start], seeds, camera)
@@ -139,6 +139,14 @@ def link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> i
     path.tracks = np.concatenate([path.tracks, full], 1)
     path.visible = np.concatenate([path.visible, shown], 1)
     return reached
+
+
+def _clean(tracks: Tracks) -> Tracks:
+    """Tracks that are visible only where they are numbers, nan elsewhere, with a confidence of 0 to 1."""
+    finite = np.asarray(np.isfinite(tracks.xy).all(-1))
+    sure = np.clip(np.nan_to_num(np.asarray(tracks.confidence, float), nan=0.0, posinf=1.0), 0.0, 1.0)
+    xy = np.where(finite[..., None], tracks.xy, np.nan)
+    return Tracks(xy, np.asarray(tracks.visible, bool) & finite, sure)
 
 
 def place_seeds(frame: np.ndarray, depth: np.ndarray, count: int = SEEDS) -> tuple[np.ndarray, np.ndarray]:

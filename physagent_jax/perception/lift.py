@@ -14,7 +14,39 @@ RIM_PIXELS = 4  # [px] from the trusted part in which a rim is looked for
 RIM_DEPTH = 0.15
 """[share of the object's width in the picture] by which a rim can lie behind the trusted depth beside it: the last four
 of two hundred pixels across a ball fall back by that."""
+NEAREST, FARTHEST = 1e-9, 1e9
+"""Smaller and larger depths are marks for "no surface" [m]."""
+MOST_RATIO = 1e3
+"""Depths of one clip do not differ by more."""
 _KERNEL = np.ones((3, 3), np.uint8)
+
+
+def keep_possible_depth(depth: np.ndarray) -> np.ndarray:
+    """``depth`` in single precision, nan where it cannot be a distance: not above 0, not finite, or beyond all scenes.
+
+    Renderers and cameras write 0, inf or a number like 1e10 where they see no surface.
+
+    Args:
+        depth: z-depth [m], of any shape.
+    """
+    depth = np.asarray(depth)
+    possible = (depth >= NEAREST) & (depth <= FARTHEST)
+    return np.where(possible, depth, np.nan).astype(np.float32)
+
+
+def keep_comparable_depth(depth: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """``depth`` without what is more than `MOST_RATIO` times nearer or farther than the object in frame 0.
+
+    Args:
+        depth: z-depth [m], nan where unknown, shape (T, H, W).
+        mask: The object in frame 0, shape (H, W).
+    """
+    known = depth[0][mask & np.isfinite(depth[0])]
+    if not len(known):
+        return depth
+    middle = float(np.median(known))
+    comparable = (depth >= middle / MOST_RATIO) & (depth <= middle * MOST_RATIO)
+    return np.where(comparable, depth, np.float32(np.nan))
 
 
 def fill_dropped(depth: np.ndarray, masks: np.ndarray) -> np.ndarray:
@@ -106,7 +138,7 @@ def unproject_surface(depth: np.ndarray, camera: Camera, corner: tuple[int, int]
 def sample(depth: np.ndarray, xy: np.ndarray) -> np.ndarray:
     """Bilinear depth at pixel positions [m], shape (N,); nan where any of the four pixels is."""
     h, w = depth.shape
-    x, y = np.nan_to_num(xy[:, 0], nan=-1.0) - 0.5, np.nan_to_num(xy[:, 1], nan=-1.0) - 0.5
+    x, y = (np.clip(np.nan_to_num(each, nan=-1.0), -1.0, max(h, w) + 1.0) - 0.5 for each in xy.T)
     x0, y0 = np.floor(x).astype(int), np.floor(y).astype(int)
     inside = (x0 >= 0) & (y0 >= 0) & (x0 < w - 1) & (y0 < h - 1)
     x0, y0 = np.clip(x0, 0, w - 2), np.clip(y0, 0, h - 2)
@@ -131,7 +163,7 @@ def measure_facing(depth: np.ndarray, xy: np.ndarray, camera: Camera, *, reach: 
 
 
 def measure_box(depth: np.ndarray, mask: np.ndarray, trusted: np.ndarray, camera: Camera) -> np.ndarray:
-    """Lowest and highest corner of the world-axis box around the visible surface [m], shape (2, 3).
+    """Lowest and highest corner of the world-axis box around the visible surface [m], shape (2, 3); nan if unknown.
 
     Takes the whole mask: the trusted part is too small by the eroded rim. Where the rim's depth is that of what is
     behind the object, it counts as `RIM_DEPTH` behind the trusted depth beside it.
@@ -152,34 +184,42 @@ def measure_box(depth: np.ndarray, mask: np.ndarray, trusted: np.ndarray, camera
         farthest = cv2.dilate(np.where(known, trusted, 0).astype(np.float32), np.ones((size, size), np.uint8))
         farthest[farthest == 0] = np.quantile(trusted[known], 0.99)
         surface = np.minimum(surface, farthest + np.float32(RIM_DEPTH * across))
-    return np.percentile(unproject_surface(surface, camera, corner=(x, y)), [0.03, 99.97], axis=0)
+    points = unproject_surface(surface, camera, corner=(x, y))
+    return np.percentile(points, [0.03, 99.97], axis=0) if len(points) else np.full((2, 3), np.nan)
 
 
 def find_middle(points: np.ndarray) -> np.ndarray:
-    """Trimmed mean of points: without the outer tenth by distance from the median, shape (3,)."""
+    """Trimmed mean of points, without the outer tenth by distance from the median, shape (3,); nan without points."""
+    if not len(points):
+        return np.full(3, np.nan)
     distance = np.linalg.norm(points - np.median(points, axis=0), axis=1)
     return points[distance <= np.quantile(distance, 0.9)].mean(axis=0)
 
 
 def measure_rim_depth(depth: np.ndarray, mask: np.ndarray) -> float:
-    """z-depth of the outline, where the surface turns away from the camera [m].
+    """z-depth of the outline, where the surface turns away from the camera [m]; nan if no depth is known.
 
     The outline of a round body runs around its middle, so its depth tells where the hidden half ends;
     that of a plate is the plate's own depth. A smooth surface meets its outline as
-    ``z = z_rim - c sqrt(d)``, d being the distance from it, which is fitted and extrapolated to d = 0.
+    ``z = z_rim - c sqrt(d)``, d being the distance from it, which is fitted and extrapolated to d = 0. An object with
+    no outline inside the picture, or none with known depth beside it, has the median depth.
 
     Args:
         depth: Trusted depth [m], nan elsewhere, shape (H, W).
         mask: The object, shape (H, W).
     """
+    known = np.isfinite(depth)
+    if not known.any():
+        return float("nan")
     reach = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 3)
-    near = np.isfinite(depth) & (reach < max(0.35 * reach.max(), 4.0))
+    near = known & (reach < max(0.35 * reach.max(), 4.0))
     bins = np.round(reach[near]).astype(int)
-    d, z = zip(*((b, np.median(depth[near][bins == b])) for b in np.unique(bins)))
+    d = np.unique(bins)
     if len(d) < 3:
-        return float(np.median(depth[np.isfinite(depth)]))
+        return float(np.median(depth[known]))
+    z = [np.median(depth[near][bins == b]) for b in d]
     slope, rim = np.polyfit(np.sqrt(d), z, 1)
-    front, back = np.percentile(depth[np.isfinite(depth)], [5, 100])
+    front, back = np.percentile(depth[known], [5, 100])
     return float(np.clip(rim, front, back + 0.5 * (back - front)))
 
 
@@ -225,7 +265,8 @@ def find_middle_across(
     across = np.stack([right, np.cross(sight / distance, right)])
     flat, cell = points @ across.T, distance / float(np.asarray(camera.K)[0, 0])
     low = flat.min(0)
-    index = np.floor((flat - low) / cell).astype(int) + 1
+    most = 4 * (camera.width + camera.height)  # what is so far off the rest is none of the object
+    index = np.floor(np.minimum((flat - low) / cell, most)).astype(int) + 1
     covered = np.zeros(index.max(0) + 2, np.uint8)
     covered[tuple(index.T)] = 1
     covered = cv2.morphologyEx(covered, cv2.MORPH_CLOSE, _KERNEL)  # where a cell fell between two pixels
@@ -258,14 +299,18 @@ def _fill_nearest(depth: np.ndarray) -> np.ndarray:
 def find_center(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
     """The object's likely centre: the middle of its outline, at the depth of its rim; world [m], shape (3,).
 
-    The mean of the visible surface lies too near. It would seem to travel when the object turns on the spot.
+    It is nan if no depth is known. The mean of the visible surface lies too near. It would seem to travel when the
+    object turns on the spot.
 
     Args:
         depth: Trusted depth [m], nan elsewhere, shape (H, W).
         mask: The object, shape (H, W).
         camera: The camera.
     """
-    across, middle = find_middle_across(unproject_mask(depth, mask, camera), depth, camera)
+    outline = unproject_mask(depth, mask, camera)
+    if not len(outline):
+        return np.full(3, np.nan)
+    across, middle = find_middle_across(outline, depth, camera)
     view = np.asarray(camera.viewmat, float)
     rim = measure_rim_depth(depth, mask) - view[2, 3]
     return np.linalg.solve(np.vstack([across, view[2, :3]]), [*middle, rim])

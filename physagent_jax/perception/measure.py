@@ -9,7 +9,7 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.perception import lift, timing
-from physagent_jax.perception.assemble import GONE, assemble, in_view, touches_border
+from physagent_jax.perception.assemble import assemble, in_view
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.extents import choose_directions, describe_extents, find_disagreement
 from physagent_jax.perception.follow import follow
@@ -18,14 +18,18 @@ from physagent_jax.perception.prompt import find_prompt
 from physagent_jax.perception.protocols import Masks, PerceptionBackends, Segmenter, SegmentPrompt
 from physagent_jax.perception.schema import Box, Matrix, MotionReport, Quality
 from physagent_jax.perception.uncertainty import Difficulty, estimate_uncertainty
+from physagent_jax.perception.unobservable import (
+    explain_depth,
+    explain_outline,
+    find_leaving_frame,
+    report_nothing,
+)
 from physagent_jax.perception.windows import Frames, measure_window
 from physagent_jax.perception.words import ViewerWords, describe_motion
 from physagent_jax.render.camera import Camera
 
 VISIBLE = 0.01
 """Least motion that counts as seen [body lengths]; one pixel, if that is more."""
-LEAST_PIXELS = 8
-"""Fewer pixels in frame 0 are no object [px]."""
 LEAST_TEXTURE = 0.5
 """Share of points on texture below which the report warns."""
 
@@ -83,20 +87,26 @@ def perceive(
         UserError: Shapes do not fit, or a window lies outside of the clip.
     """
     rgb = _check_input(rgb, depth, camera, windows)
+    if prompt is not None:
+        prompt.check_fit(rgb.shape[:3])
     backends = backends or make_backends()
     estimate = backends.depth.estimate(rgb, camera, depth)
-    z = estimate.z
+    z = lift.keep_possible_depth(estimate.z)
     found = _segment(rgb, z, backends.segmenter, prompt)
-    masks = found.masks
+    masks = np.asarray(found.masks, bool)
+    for what, seen in (("depth estimator", z), ("segmenter", masks)):
+        if seen.shape != rgb.shape[:3]:
+            raise UserError(f"the {what} must give one value per pixel, {rgb.shape[:3]}", got=seen.shape)
     notes = [*estimate.notes, *([] if estimate.scale_known else [_NO_SCALE]), *found.notes]
-    z = lift.fill_dropped(z, masks)
+    z = lift.fill_dropped(lift.keep_comparable_depth(z, masks[0]), masks)
     spans = _find_spans(len(rgb), windows)
-    if masks[0].sum() < LEAST_PIXELS:
-        return _report_nothing(rgb, masks, frame_dt, spans, notes)
     trusted, noise = zip(*(lift.keep_trusted_depth(d, m) for d, m in zip(z, masks)))
     trusted = np.stack(trusted)
     if estimate.uncertainty is not None:
         trusted = np.where(estimate.uncertainty <= LARGEST_UNCERTAINTY * z, trusted, np.float32(np.nan))
+    if why := explain_outline(masks[0]) or explain_depth(trusted[0], camera):
+        report = report_nothing(masks, why, frame_dt, spans, notes)
+        return Perception(report, masks, np.zeros((len(rgb), 0, 2)), np.zeros((len(rgb), 0), bool))
     path = follow(rgb, masks, trusted, camera, backends.tracker)
     if path.texture < LEAST_TEXTURE:
         notes.append(
@@ -111,7 +121,7 @@ def perceive(
         fit_residual=max((p.residual for p in path.poses if p is not None), default=0.0) / size,
         depth_noise=noise[0] / size,
         mask_fraction=float(masks[0].mean()),
-        leaves_frame=next((t for t, m in enumerate(masks) if touches_border(m)), None),
+        leaves_frame=find_leaving_frame(masks),
         notes=(*notes, *frames.weaknesses(in_view(masks))),
     )
     pixel = float(np.nanmedian(trusted[0]) / np.asarray(camera.K)[0, 0]) / size
@@ -256,47 +266,3 @@ def _measure_distances(frames: Frames, rest: np.ndarray, frame: int) -> np.ndarr
         return np.sqrt(np.mean(np.sum((pose(rest) - other(rest)) ** 2, axis=1))) / frames.size
 
     return np.array([distance(t) for t in range(len(frames.poses))])
-
-
-def _report_nothing(rgb, masks, frame_dt, spans, notes) -> Perception:
-    """The report of a clip whose first frame shows no object."""
-    count, why = len(rgb), f"{GONE} in frame 0"
-    nan = np.full((count, 3), np.nan)
-    frames = Frames(
-        0.0,
-        np.zeros(3),
-        nan,
-        [None] * count,
-        np.full(count, -1),
-        nan,
-        np.zeros(count, bool),
-        {topic: [why] * count for topic in ("centroid", "rotation", "box")},
-    )
-    quality = Quality(
-        tracks_kept=0.0,
-        fit_residual=0.0,
-        depth_noise=0.0,
-        mask_fraction=0.0,
-        leaves_frame=None,
-        notes=(*notes, "No object was found in frame 0, so there is nothing to compare with."),
-    )
-    report = MotionReport(
-        frame_count=count,
-        frame_dt=frame_dt,
-        object_size=0.0,
-        object_center=(0.0, 0.0, 0.0),
-        windows=tuple(measure_window(frames, *span) for span in spans),
-        centroid=(None,) * count,
-        rotation_degrees=(None,) * count,
-        volume_ratio=(None,) * count,
-        rotation=(None,) * count,
-        stretch=(None,) * count,
-        box=(None,) * count,
-        pieces=(None,) * count,
-        oscillation=None,
-        onset_frame=None,
-        settle_frame=None,
-        quality=quality,
-        text="No object is visible in the initial frame, so its motion is not observable.",
-    )
-    return Perception(report, masks, np.zeros((count, 0, 2)), np.zeros((count, 0), bool))

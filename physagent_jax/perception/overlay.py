@@ -10,6 +10,8 @@ import numpy as np
 
 _SHIFT = 4
 """Sub-pixel bits of OpenCV's drawing calls."""
+_FAR = 1e6
+"""Points that are farther off are drawn there: OpenCV takes integers of 32 bits [px]."""
 
 
 def draw_overlay(
@@ -43,7 +45,9 @@ def draw_overlay(
 
 def _draw_frame(rgb, masks, tracks, visible, colours, t: int, tail: int, most: int) -> np.ndarray:
     outside = ~masks[t][..., None]
-    picture = np.where(outside, rgb[t] * 0.85 + 0.15 * 128, rgb[t]).astype(np.uint8)
+    picture = np.where(outside, rgb[t] * 0.85 + 0.15 * 128, rgb[t]).astype(
+        np.uint8, order="C"
+    )  # as OpenCV needs it
     outline, _ = cv2.findContours(masks[t].astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     cv2.drawContours(picture, outline, -1, (20, 20, 30), 3, cv2.LINE_AA)
     cv2.drawContours(picture, outline, -1, (255, 255, 255), 1, cv2.LINE_AA)
@@ -74,7 +78,7 @@ def _draw_frame(rgb, masks, tracks, visible, colours, t: int, tail: int, most: i
 
 
 def _to_pixel(xy: np.ndarray) -> tuple[int, int]:
-    x, y = np.round((xy - 0.5) * 2**_SHIFT).astype(int)
+    x, y = np.round((np.clip(xy, -_FAR, _FAR) - 0.5) * 2**_SHIFT).astype(int)
     return int(x), int(y)
 
 

@@ -52,6 +52,51 @@ class SegmentPrompt:
         if self.labels is not None and (self.points is None or len(self.labels) != len(self.points)):
             raise UserError("`labels` are one per point", do="Give as many labels as points, or none")
 
+    def check_fit(self, shape: tuple[int, int, int]) -> None:
+        """Refuses a prompt that shows no object in a clip.
+
+        Args:
+            shape: Frames, height and width of the clip.
+
+        Raises:
+            UserError: Its frame is not in the clip; no point is on the object, or one outside of the picture; its box
+                is empty or outside of the picture; its mask is empty or of another size.
+        """
+        count, height, width = shape
+        picture = f"the picture of {width} x {height} pixels"
+        if not 0 <= self.frame < count:
+            do = f"Stay within 0..{count - 1}"
+            raise UserError("the prompt's frame is not in the clip", got=self.frame, do=do)
+        if self.points is not None:
+            _check_points(
+                np.asarray(self.points), self.labels, (width, height), picture, self.box is not None
+            )
+        if self.box is not None:
+            _check_box(np.asarray(self.box), (width, height), picture)
+        if self.mask is not None and np.shape(self.mask) != (height, width):
+            raise UserError(
+                f"the prompt's mask must have the shape ({height}, {width})", got=np.shape(self.mask)
+            )
+        if self.mask is not None and not np.any(self.mask):
+            raise UserError("the prompt's mask shows no object", do="Set its pixels to True")
+
+
+def _check_points(points: np.ndarray, labels, size: tuple[int, int], picture: str, boxed: bool) -> None:
+    """Refuses points that are none, or outside of the picture, or without a box all beside the object."""
+    if points.ndim != 2 or points.shape[1] != 2 or not len(points):
+        raise UserError("the prompt's points must have the shape (P, 2), P >= 1", got=points.shape)
+    if not ((points >= 0) & (points <= size)).all():
+        raise UserError(f"the prompt's points must lie in {picture}", got=points.tolist())
+    if labels is not None and not np.any(labels) and not boxed:
+        raise UserError("no point of the prompt is on the object", do="Add one that is, or a box")
+
+
+def _check_box(box: np.ndarray, size: tuple[int, int], picture: str) -> None:
+    """Refuses a box without area, or outside of the picture."""
+    if box.shape != (4,) or not ((box[:2] < box[2:]) & (box[:2] < size) & (box[2:] > 0)).all():
+        what = f"the prompt's box must be x0 y0 x1 y1 with x0 < x1 and y0 < y1, and reach into {picture}"
+        raise UserError(what, got=box.tolist())
+
 
 @dataclasses.dataclass(frozen=True)
 class Masks:
@@ -153,7 +198,7 @@ class Tracks:
     """Points followed through a clip.
 
     Attributes:
-        xy: Positions [px], shape (T, N, 2); meaningless where not visible.
+        xy: Positions [px], shape (T, N, 2); meaningless where not visible, nan allowed.
         visible: Whether the point was found in the frame, bool, shape (T, N).
         confidence: How far its position can be trusted, 0..1, shape (T, N).
     """

@@ -7,6 +7,8 @@ import numpy as np
 from physagent_jax.core.turning import find_turning_points
 from physagent_jax.perception.schema import Oscillation
 
+FEWEST_KNOWN = 5
+"""Frames with a known place below which nothing is said about swinging."""
 LEAST_REVERSALS = 2
 """Out, back beyond, and out again: fewer reversals are a single excursion."""
 
@@ -57,7 +59,7 @@ def find_oscillation(centroid: np.ndarray, frame_dt: float, threshold: float) ->
         The oscillation, None if there are fewer than two reversals.
     """
     known = np.isfinite(centroid[:, 0])
-    if known.sum() < 5:
+    if known.sum() < FEWEST_KNOWN:
         return None
     t = np.arange(len(centroid))
     path = np.stack([np.interp(t, t[known], c[known]) for c in centroid.T], 1)

@@ -8,6 +8,7 @@ import numpy as np
 
 from physagent_jax.core.rotations import polar, unwrap
 from physagent_jax.perception.fit import Affine
+from physagent_jax.perception.reasons import CUT, GONE, NO_DEPTH
 from physagent_jax.perception.schema import WindowMotion
 
 PATH_STEP = 0.005
@@ -73,12 +74,15 @@ class Frames:
                 f"Rotation and shape are unknown in {len(lost)} frames (first: {lost[0]}), because "
                 f"{self.reasons['rotation'][lost[0]]}; the centroid there is the visible surface's."
             )
-        out = [t for t, reason in enumerate(self.reasons["box"]) if reason]
+        out = [t for t, reason in enumerate(self.reasons["box"]) if reason in (CUT, GONE)]
         if out:
             notes.append(
                 "The object touches the picture's border or is out of it in "
                 f"{len(out)} frames (first: {out[0]})."
             )
+        blind = [t for t, reason in enumerate(self.reasons["centroid"]) if reason == NO_DEPTH]
+        if blind:
+            notes.append(f"Nothing is known in {len(blind)} frames (first: {blind[0]}), because {NO_DEPTH}.")
         if not self.depth_shown[0]:
             notes.append(
                 "The visible side has too little relief to show stretch along the viewing direction."

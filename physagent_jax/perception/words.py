@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from physagent_jax.perception.schema import MotionReport, WindowMotion
+from physagent_jax.perception.timing import FEWEST_KNOWN
 from physagent_jax.render.camera import Camera
 
 Vectorlike = Sequence[float] | np.ndarray
@@ -161,6 +162,8 @@ def _describe_volume(w: WindowMotion) -> str:
 
 def _describe_swing(report: MotionReport, words: ViewerWords) -> str:
     o = report.oscillation
+    if o is None and sum(c is not None for c in report.centroid) < min(FEWEST_KNOWN, report.frame_count):
+        return "Whether the motion is periodic is not observable."
     if o is None:
         return "The motion is not periodic."
     return (

@@ -34,6 +34,7 @@ from physagent_jax.render.camera import Camera
 from physagent_jax.run.agent_calls import AgentCalls
 from physagent_jax.run.artifacts import write_best, write_rollout, write_verdict
 from physagent_jax.run.brief import make_brief
+from physagent_jax.run.first_picture import check_first_picture
 from physagent_jax.run.key_frames import VideoKeyFrames
 from physagent_jax.run.manifest import Stages, find_best_round
 from physagent_jax.run.observer import Observer
@@ -45,6 +46,7 @@ from physagent_jax.run.resolve import ResolvedRun
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.run.store import PLAIN_VIDEO, PROBE, RunStore
 from physagent_jax.scene.body import Body, make_body
+from physagent_jax.scene.camera import make_reference_camera
 from physagent_jax.scene.coarse import coarsen
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import CameraConfig, SceneConfig
@@ -143,6 +145,7 @@ def run_loop(
             with loop.tell_warnings():
                 config = fuse(template, body, reply.force_field)
             check_cost(estimate_cost(config, body, run.spec.save.video_size), limits or Limits())
+            loop.check_pictures(config, body)
         except UserError as error:
             loop.refuse(reading, error)
         store.begin()
@@ -277,6 +280,19 @@ class _Loop:
         if (note := damp(self._template, body)[1]) is not None:
             self.observer.assumed(note)
         return self._template
+
+    def check_pictures(self, config: SceneConfig, body: Body) -> None:
+        """Refuses a scene that perception could not measure, and warns of one that it can measure in part.
+
+        Raises:
+            UserError: Nothing could be measured (`run.first_picture`).
+        """
+        camera = make_reference_camera(config.camera, config.rendering, config.domain)
+        with self._watch("prepare"):
+            notes = check_first_picture(config, body, self._make_segment_prompt(camera))
+        self._warnings += notes
+        for note in notes:
+            self.observer.warned(note)
 
     def probe(self, template: SceneTemplate, body: Body, reply: SemanticReply) -> ForceField:
         """The best force field of rounds on a coarse version of the scene; the sentence's if there is none."""

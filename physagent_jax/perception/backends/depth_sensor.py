@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.perception.lift import keep_possible_depth
 from physagent_jax.perception.protocols import Depth, DepthEstimator
 from physagent_jax.render.camera import Camera
 
@@ -22,5 +23,4 @@ class DepthSensor(DepthEstimator):
         """The channel itself, with "no surface" as nan."""
         if measured is None:
             raise UserError("the depth sensor has no depth channel", do="Choose a model that estimates depth")
-        depth = np.asarray(measured, np.float32)
-        return Depth(np.where(np.isfinite(depth) & (depth > 0), depth, np.float32(np.nan)), notes=(_NOTE,))
+        return Depth(keep_possible_depth(measured), notes=(_NOTE,))

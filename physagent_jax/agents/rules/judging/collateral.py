@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterable
 
 from physagent_jax.agents.rules import tolerances
-from physagent_jax.agents.rules.judging.comparing import make_limit_check
+from physagent_jax.agents.rules.judging.comparing import make_limit_check, make_unseen_check
 from physagent_jax.agents.rules.judging.seen import View
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind
 from physagent_jax.agents.vectors import add, clamp, cross, dot, norm, normalise, scale
@@ -55,13 +55,14 @@ def check_collateral(view: View) -> list[Check]:
     """Checks of everything that was not asked for; they name the first expectation, for want of a better one."""
     asked = [e for e in view.expectations if e.kind is not MotionKind.STILL]
     if not asked:
-        return _check_whole(view) + _check_picture(view, asked)
+        return _check_whole(view) + _check_picture(view, asked) + _check_observed(view)
     return [
         *_check_aside(view, asked),
         *_check_turning(view, asked),
         *_check_deformation(view, asked),
         *_check_whole(view),
         *_check_picture(view, asked),
+        *_check_observed(view),
         *_check_early(view, asked),
     ]
 
@@ -334,6 +335,8 @@ def _check_picture(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     leaves = view.report.quality.leaves_frame
     if leaves == 0:
         return []  # it is cut off by the camera, not by its motion
+    if all(place is None for place in view.report.centroid):
+        return []  # nobody knows
     far = any(e.strength >= _VIOLENT and e.kind in _TRAVELS for e in asked)
     limit = max((_LATE if far else 0.95) * view.last, 1.0)
     value = float(view.last + 1 if leaves is None else leaves)
@@ -352,6 +355,18 @@ def _check_picture(view: View, asked: list[ExpectedMotion]) -> list[Check]:
             remedy="act more gently: it leaves the picture",
         )
     ]
+
+
+def _check_observed(view: View) -> list[Check]:
+    """No success for a clip of which a lasting part is not observable; where it leaves the picture is judged there."""
+    if view.report.quality.leaves_frame:
+        return []
+    unseen = [t for t, place in enumerate(view.report.centroid) if place is None]
+    if len(unseen) < _LASTING:
+        return []
+    index = _blame(view)
+    why = f"its place is not known in {len(unseen)} of {view.report.frame_count} frames, first in frame {unseen[0]}"
+    return [make_unseen_check(index, view.expectations[index], why, "is it seen throughout?")]
 
 
 def _check_early(view: View, asked: list[ExpectedMotion]) -> list[Check]:
