@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from physagent_jax.kernels import programs
+from physagent_jax.kernels.forks import refuse_fork
 from physagent_jax.mpm import kernels
 from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.conform import conform
@@ -47,10 +48,12 @@ def simulate(
             and order passes from frame to frame, so what follows is the same as if all were simulated.
 
     Raises:
-        UserError: The input cannot be simulated (`checks.check_start`), ``substep_dt`` is above the stable bound
+        UserError: This process was forked from one that computes; the input cannot be simulated
+            (`checks.check_start`), ``substep_dt`` is above the stable bound
             and not forced, or a frame fails even with steps 2**MAX_RETRIES times smaller (the message says what
             the check saw).
     """
+    refuse_fork()
     programs.release_programs()
     model, state = conform(model, state)
     check_start(model, state, frame_dt=frame_dt, substep_dt=substep_dt, safety=safety)
