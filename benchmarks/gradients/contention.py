@@ -54,7 +54,9 @@ def main() -> int:
         }
         stack.enter_context(keep_busy(command.busy))
         for way in WAYS:
-            pairs = [[workers[count].submit(run, way).result() for count in workers] for _ in range(command.rounds)]
+            pairs = [
+                [workers[count].submit(run, way).result() for count in workers] for _ in range(command.rounds)
+            ]
             print(describe(way, command, np.array(pairs)), flush=True)
     return 0
 

@@ -32,6 +32,7 @@ class Once(Generic[_Out]):
         call_in_forked(self._locks.clear)
 
     def __call__(self, *arguments: Any) -> _Out:
+        """The result of the one call with these arguments."""
         if arguments not in self._results:
             with self._locks.setdefault(arguments, threading.RLock()):
                 if arguments not in self._results:

@@ -21,9 +21,15 @@ from numba.extending import intrinsic
 from physagent_jax.kernels.numbers import INLINE, OPTIONS
 from physagent_jax.kernels.words import add_word, read_clock, read_shared, write_shared
 
-BALANCE, UNTIL, REST = 0, 8, 9  # [ns]: brought less cost; the clock until which nobody is asked; how long that lasts
+BALANCE, UNTIL, REST = (
+    0,
+    8,
+    9,
+)  # [ns]: brought less cost; the clock until which nobody is asked; how long that lasts
 MOST = 8_000_000  # [ns] of balance that is remembered: what was brought long ago says little
-LEAST = -4_000_000  # [ns] of balance at which helpers are not asked any more: about the time for which a core is taken
+LEAST = (
+    -4_000_000
+)  # [ns] of balance at which helpers are not asked any more: about the time for which a core is taken
 SHORTEST_REST, LONGEST_REST = 50_000_000, 400_000_000  # [ns]; twice as long each time
 _NAME = "physagent_account"
 

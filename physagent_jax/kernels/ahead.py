@@ -118,7 +118,7 @@ def _listen(process: subprocess.Popen[str]) -> None:
 
 
 def _forget() -> None:
-    """In a forked process: the others are its parent's, and end with that, so that nothing may hold their pipes open."""
+    """Lets a forked process know of no others: they are its parent's, and end when nobody holds their pipes open."""
     global _changed
     nowhere = os.open(os.devnull, os.O_RDWR)
     for process in set(running.values()):

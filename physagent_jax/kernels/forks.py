@@ -1,4 +1,4 @@
-"""Refusal of forked processes in which JAX would hang: a fork has none of the threads with which its parent computed."""
+"""Refusal of forked processes in which JAX would hang: they have none of the threads with which the parent computes."""
 
 from __future__ import annotations
 

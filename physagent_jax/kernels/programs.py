@@ -35,7 +35,9 @@ _TUNING = (b"prefer-", b"fast-")  # how to generate code, not which instructions
 compiled_count = looked_at = 0
 _REPLACED = "replaced"  # attribute: JAX's own function in place of which one of ours is called
 _lock = make_lock()  # for counts, and for what replaces JAX's functions
-_redirecting = make_lock(awaited=True)  # stderr: a process that was forked meanwhile would write into a file that is gone
+_redirecting = make_lock(
+    awaited=True
+)  # stderr: a process forked meanwhile would write into a file that is gone
 
 
 def release_programs(mappings: int | None = None) -> bool:

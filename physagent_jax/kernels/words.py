@@ -20,7 +20,13 @@ from physagent_jax.kernels import ffi
 
 _WORD, _INT = ir.IntType(64), ir.IntType(32)
 _MACHINE = platform.machine().lower()
-_FUTEX_NUMBERS = {"x86_64": 202, "amd64": 202, "aarch64": 98, "arm64": 98, "riscv64": 98}  # of the system call
+_FUTEX_NUMBERS = {
+    "x86_64": 202,
+    "amd64": 202,
+    "aarch64": 98,
+    "arm64": 98,
+    "riscv64": 98,
+}  # of the system call
 _FUTEX = _FUTEX_NUMBERS.get(_MACHINE) if sys.platform.startswith("linux") else None
 _FUTEX_WAIT, _FUTEX_WAKE = 128, 129  # within one process
 _NAP = 50  # [us] of a thread that nobody can wake

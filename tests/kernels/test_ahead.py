@@ -192,7 +192,7 @@ assert os.getsid(process.pid) == process.pid != os.getsid(0)
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     helpers = subprocess.run(command, env=environment, capture_output=True, text=True).stdout.split()
     assert len(helpers) == 2
-    end = time.monotonic() + 30
+    end = time.monotonic() + 240
     while any(alive(int(helper)) for helper in helpers) and time.monotonic() < end:
         time.sleep(0.05)
     assert not any(alive(int(helper)) for helper in helpers)

@@ -177,7 +177,9 @@ def test_the_account_of_helpers():
         rests.append(account.words[account.REST])
         account.words[account.UNTIL] = 1  # it is long ago
         assert not settle(0, 0)
-    assert rests[0] == account.SHORTEST_REST and rests[1] == 2 * rests[0] and rests[-1] == account.LONGEST_REST
+    assert (
+        rests[0] == account.SHORTEST_REST and rests[1] == 2 * rests[0] and rests[-1] == account.LONGEST_REST
+    )
     assert not settle(100 * most, 0) and account.words[account.BALANCE] == most
     assert account.words[account.REST] == 0  # all is well again: the next rest is a short one
     assert not settle(0, most + least // 2) and settle(0, least)
