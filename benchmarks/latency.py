@@ -13,7 +13,7 @@ import time
 import numpy as np
 from numba import njit
 
-from physagent_jax.kernels.team import add_word, read_shared
+from physagent_jax.kernels.words import add_word, read_shared
 
 SHARED = 100e-9
 """[s] below which two cores have a cache in common: some 50 ns on server processors, and 150 or more where not."""

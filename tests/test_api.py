@@ -18,18 +18,15 @@ SMALL = dict(frame_count=6, width=64, height=64)
 
 
 def test_importing_it_is_quick_and_loads_neither_jax_nor_numpy():
+    """A few modules of its own and of Python, and no other package: seconds would depend on the machine."""
     code = (
-        "import sys, time; begun = time.perf_counter(); import physagent_jax; "
-        "print(time.perf_counter() - begun, *({'jax', 'numpy', 'pydantic'} & set(sys.modules)))"
+        "import sys; before = set(sys.modules); import physagent_jax; new = set(sys.modules) - before\n"
+        "packages = {name.split('.')[0] for name in new} - set(sys.stdlib_module_names)\n"
+        "print(len(new), *packages)"
     )
-    runs = [
-        subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, check=True
-        ).stdout.split()
-        for _ in range(3)
-    ]
-    assert min(float(seconds) for seconds, *_ in runs) < 0.3
-    assert all(len(run) == 1 for run in runs)
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    count, *packages = run.stdout.split()
+    assert packages == ["physagent_jax"] and int(count) < 60
 
 
 def test_every_name_is_there_and_no_other():

@@ -16,13 +16,14 @@ import logging
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
-from functools import cache
 from typing import Any, Literal
 
 import jax
 from jax.core import Tracer
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.once import once
+from physagent_jax.kernels.forks import refuse_fork
 
 Kernels = Literal["auto", "reference", "cpu"]
 log = logging.getLogger(__name__)
@@ -41,7 +42,12 @@ def use_kernels(choice: Kernels) -> Iterator[None]:
 
 @contextmanager
 def use_device_of(array: Any) -> Iterator[None]:
-    """Lets what is computed within be made for the device on which ``array`` lies; JAX's own choice if it is traced."""
+    """Lets what is computed within be made for the device on which ``array`` lies; JAX's own choice if it is traced.
+
+    Raises:
+        UserError: This process was forked from one that computes.
+    """
+    refuse_fork()
     known = isinstance(array, jax.Array) and not isinstance(array, Tracer)
     device = next(iter(array.devices())) if known else None
     with (
@@ -94,7 +100,7 @@ def _explain_missing() -> str:
     return numba_missing()
 
 
-@cache
+@once
 def numba_missing() -> str:
     """Why Numba's kernels cannot be had; "" if they can."""
     try:

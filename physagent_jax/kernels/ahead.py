@@ -12,8 +12,9 @@ import select
 import signal
 import subprocess
 import sys
-from threading import Lock
+from threading import Condition
 
+from physagent_jax.core.once import call_in_forked, make_lock
 from physagent_jax.kernels import import_kernels, use_cpu
 from physagent_jax.kernels.threads import core_count
 
@@ -22,7 +23,9 @@ Targets = dict[str, tuple[str, ...]]
 
 _LOOK = 0.1  # seconds between two looks at whether a kernel is done
 running: dict[str, subprocess.Popen[str]] = {}
-_reading = Lock()
+_heard: set[subprocess.Popen[str]] = set()  # those to which some thread listens
+_lock = make_lock(awaited=True)  # of `running` and `_heard`
+_changed = Condition(_lock)
 
 
 def start_compiling(targets: Targets) -> None:
@@ -31,10 +34,11 @@ def start_compiling(targets: Targets) -> None:
         return
     from physagent_jax.kernels import store  # needs Numba, without which there is nothing to do
 
-    missing = {
-        name: made for name, made in targets.items() if name not in running and not store.is_stored(name)
-    }
-    if missing:
+    absent = {name: made for name, made in targets.items() if not store.is_stored(name)}
+    with _changed:
+        missing = {name: made for name, made in absent.items() if name not in running}
+        if not missing:
+            return
         script = f"from physagent_jax.kernels import ahead; ahead.compile_all({missing!r}, parent=0)"
         process = subprocess.Popen(
             [sys.executable, "-c", script],
@@ -88,12 +92,43 @@ def _compile(name: str, module: str, *arguments: str) -> None:
 
 def wait_for(name: str) -> None:
     """Returns when nobody is compiling ``name``; whoever failed has left it to the caller."""
-    with _reading:
-        while name in running:
-            process = running[name]
-            done = process.stdout.readline().strip() if process.stdout else ""
-            ended = [each for each in running if running[each] is process]
-            for each in [done] if done else ended:
-                running.pop(each, None)
-            if process not in running.values():
-                process.communicate()
+    with _changed:
+        while (process := running.get(name)) is not None:
+            if process in _heard:
+                _changed.wait()
+            else:
+                _listen(process)
+
+
+def _listen(process: subprocess.Popen[str]) -> None:
+    """Notes the next kernel that a process has compiled, or that it has ended; others are free to ask meanwhile."""
+    _heard.add(process)
+    _changed.release()
+    try:
+        done = process.stdout.readline().strip() if process.stdout else ""
+    finally:
+        _changed.acquire()
+        _heard.discard(process)
+        _changed.notify_all()
+    ended = [each for each in running if running[each] is process]
+    for each in [done] if done else ended:
+        running.pop(each, None)
+    if process not in running.values():
+        process.communicate()
+
+
+def _forget() -> None:
+    """Lets a forked process know of no others: they are its parent's, and end when nobody holds their pipes open."""
+    global _changed
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for process in set(running.values()):
+        for pipe in (process.stdin, process.stdout):
+            if pipe is not None:
+                os.dup2(nowhere, pipe.fileno())
+    os.close(nowhere)
+    running.clear()
+    _heard.clear()
+    _changed = Condition(_lock)  # without the parent's threads that wait
+
+
+call_in_forked(_forget)

@@ -12,7 +12,6 @@ a kernel takes to compile.
 from __future__ import annotations
 
 import ctypes
-from functools import cache
 from typing import Any
 
 import jax
@@ -24,6 +23,7 @@ from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.once import once
 from physagent_jax.kernels import ahead, store
 from physagent_jax.kernels.numbers import NO_WRAPPERS
 
@@ -43,15 +43,21 @@ _VERSION_WORD = 3  # XLA_FFI_Api_Version.major_version and .minor_version, withi
 _VERSION = 0 + (1 << 32)  # 0.1, the oldest that all supported versions of jaxlib accept
 
 
-@cache
+@once
 def register_target(name: str, function) -> str:
     """Makes ``function``, a handler, callable as ``jax.ffi.ffi_call(name, ...)`` on CPU, compiled if need be."""
-    ahead.wait_for(name)
-    handler = store.load_or_compile(name, HANDLER, function)
+    handler = _make_handler(name, function)
     new_capsule = ctypes.pythonapi.PyCapsule_New
     new_capsule.restype, new_capsule.argtypes = ctypes.py_object, (ctypes.c_void_p,) + (ctypes.c_char_p,) * 2
     jax.ffi.register_ffi_target(name, new_capsule(handler.address, None, None), platform="cpu")
     return name
+
+
+@once
+def _make_handler(name: str, function):
+    """The compiled handler, kept as long as XLA may call it; made once, as XLA refuses another under the same name."""
+    ahead.wait_for(name)
+    return store.load_or_compile(name, HANDLER, function)
 
 
 def check_operands(

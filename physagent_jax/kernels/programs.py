@@ -8,14 +8,16 @@ import os
 import re
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from threading import Lock
 from typing import Any
 
 import jax
-from jax._src import compilation_cache
+from jax._src import compilation_cache, lru_cache
 from jax._src.core import trace_state_clean
+
+from physagent_jax.core.files import write_bytes
+from physagent_jax.core.once import make_lock
 
 log = logging.getLogger(__name__)
 
@@ -31,7 +33,11 @@ _MISMATCH = re.compile(rb"[^\n]*cpu_aot_loader[^\n]*Target machine feature \+([\
 _TUNING = (b"prefer-", b"fast-")  # how to generate code, not which instructions a processor has
 
 compiled_count = looked_at = 0
-_reading = Lock()
+_REPLACED = "replaced"  # attribute: JAX's own function in place of which one of ours is called
+_lock = make_lock()  # for counts, and for what replaces JAX's functions
+_redirecting = make_lock(
+    awaited=True
+)  # stderr: a process forked meanwhile would write into a file that is gone
 
 
 def release_programs(mappings: int | None = None) -> bool:
@@ -47,7 +53,8 @@ def release_programs(mappings: int | None = None) -> bool:
     global looked_at
     if not trace_state_clean() or (mappings is None and compiled_count - looked_at < LOOK):
         return False
-    looked_at = compiled_count
+    with _lock:
+        looked_at = compiled_count
     if count_mappings() <= (SHARE * count_granted() if mappings is None else mappings):
         return False
     log.info("compiled programs are let go: they take too many memory mappings")
@@ -71,7 +78,9 @@ def count_granted() -> int:
 def _count(event: str, duration_secs: float, **_) -> None:
     del duration_secs
     global compiled_count
-    compiled_count += event == "/jax/core/compile/backend_compile_duration"
+    if event == "/jax/core/compile/backend_compile_duration":
+        with _lock:
+            compiled_count += 1
 
 
 jax.monitoring.register_event_duration_secs_listener(_count)
@@ -85,7 +94,14 @@ def keep_on_disk(folder: Path) -> None:
     config: Any = jax.config  # its flags are not typed
     config.update("jax_compilation_cache_dir", str(folder))
     config.update("jax_persistent_cache_min_compile_time_secs", 0.1)
-    read = compilation_cache.get_executable_and_time
+    with _lock:
+        compilation_cache.get_executable_and_time = _guard(compilation_cache.get_executable_and_time, folder)
+        lru_cache.LRUCache.put = _write_at_once(lru_cache.LRUCache.put)
+
+
+def _guard(read: Any, folder: Path) -> Callable:
+    """JAX's ``read``, which answers with what is whole and made for this machine."""
+    read = getattr(read, _REPLACED, read)
 
     def guarded(key: str, *arguments):
         path = folder / f"{key}-cache"
@@ -105,7 +121,23 @@ def keep_on_disk(folder: Path) -> None:
             path.unlink()
         return None, None
 
-    compilation_cache.get_executable_and_time = guarded
+    setattr(guarded, _REPLACED, read)
+    return guarded
+
+
+def _write_at_once(write: Any) -> Callable:
+    """JAX's ``write``, which makes each file elsewhere and renames it: other processes may be reading the folder."""
+    write = getattr(write, _REPLACED, write)
+
+    def put(cache: Any, key: str, value: bytes) -> None:
+        path = Path(cache.path) / f"{key}-cache"
+        if cache.eviction_enabled or "://" in str(cache.path):
+            write(cache, key, value)
+        elif not path.exists():
+            write_bytes(path, value)
+
+    setattr(put, _REPLACED, write)
+    return put
 
 
 @contextlib.contextmanager
@@ -120,7 +152,7 @@ def compare_machine() -> Iterator[list[str]]:
     meanwhile is passed on.
     """
     foreign: list[str] = []
-    with _reading:
+    with _redirecting:
         try:
             stderr = os.dup(2)
         except OSError:  # there is none

@@ -15,13 +15,15 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numba
-from numba import cfunc
+from numba.core import sigutils
+from numba.core.ccallback import CFunc
 from numba.core.compiler_lock import global_compiler_lock
 
+from physagent_jax.core.once import once
 from physagent_jax.kernels.folders import describe_processor, make_private_folder
 
 log = logging.getLogger(__name__)
@@ -62,18 +64,26 @@ def load_or_compile(target: str, signature, function):
 
 
 def _compile_in(folder: Path | None, signature, function):
-    with global_compiler_lock, _keep_numba_in(folder):
-        return cfunc(signature, cache=folder is not None)(function)
+    """`numba.cfunc`, with its files in ``folder``; None = it is compiled for this process alone."""
+    made = CFunc(function, sigutils.normalize_signature(signature), locals={}, options={})
+    if folder is not None:
+        with _keep_numba_in(folder):
+            made.enable_caching()
+    made.compile()
+    return made
 
 
 @contextlib.contextmanager
-def _keep_numba_in(folder: Path | None) -> Iterator[None]:
-    before = numba.config.CACHE_DIR  # type: ignore[attr-defined]
-    numba.config.CACHE_DIR = str(folder or before)  # type: ignore[attr-defined]
-    try:
-        yield
-    finally:
-        numba.config.CACHE_DIR = before  # type: ignore[attr-defined]
+def _keep_numba_in(folder: Path) -> Iterator[None]:
+    """Lets Numba look for the files of what is decorated within in ``folder``: a setting of the whole process."""
+    config: Any = numba.config
+    with global_compiler_lock:
+        before = config.CACHE_DIR
+        config.CACHE_DIR = str(folder)
+        try:
+            yield
+        finally:
+            config.CACHE_DIR = before
 
 
 def seal(folder: Path) -> None:
@@ -102,7 +112,7 @@ def _remove(folder: Path) -> None:
         shutil.rmtree(away, ignore_errors=True)
 
 
-@cache
+@once
 def find_folder() -> Path:
     """A folder that belongs to exactly these sources, where they lie, and this processor.
 

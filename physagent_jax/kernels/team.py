@@ -6,7 +6,9 @@ the end. Threads of our own would have to be woken, for 20 to 50 us, while XLA's
 would be more of them than cores.
 
 XLA promises neither when a helper begins nor that it does. So nobody waits for one that has not: an iteration is
-waited for only once somebody has taken it, and a helper that comes too late finds the team closed.
+waited for only once somebody has taken it, and a helper that comes too late finds the team closed. Whoever waits
+long sleeps (`words`), and where other programs run so that helpers cost more than they bring, none are asked
+(`account`).
 
 A core begins with its own part of each loop, the same one in every call, and then takes what others have left of
 theirs: what a kernel wrote is mostly still in the cache of the core that reads it in the next one.
@@ -16,8 +18,6 @@ theirs: what a kernel wrote is mostly still in the cache of the core that reads 
 
 from __future__ import annotations
 
-import os
-import platform
 import sys
 
 from llvmlite import ir
@@ -25,19 +25,31 @@ from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from physagent_jax.kernels import ffi
+from physagent_jax.kernels import account, ffi
 from physagent_jax.kernels.numbers import BODY, INLINE, OPTIONS, split_range
+from physagent_jax.kernels.words import (
+    add_word,
+    pause,
+    read_clock,
+    read_own_clock,
+    read_shared,
+    sleep_while,
+    wake_all,
+)
 
 _WORD, _BYTE = ir.IntType(64), ir.IntType(8)
 
 # A team is a block of memory of which these are the words. What different threads write lies in lines of its own.
+# Kernels get the address of a seat, which says where the block is: the leader's, which lies first, or the helpers'.
 _LINE = 8  # words
-_FRAME, _REFERENCES, _INSIDE = 0, 1, _LINE
+_LEADS, _HELPS = 0, 1
+_FRAME, _SIZE, _REFERENCES, _WAITED = 2, 3, 4, 5  # the last: by the leader [ns]
+_INSIDE, _ASLEEP = _LINE, _LINE + 1  # threads that may look at operands, and those that may have to be woken
 _DONE = 2 * _LINE  # a line for each loop: iterations that are done
 _MOST_LOOPS = 3
 _TAKEN = _DONE + _MOST_LOOPS * _LINE  # a line for each part of each loop: iterations that somebody has begun
-_CLOSED = 1 << 32  # added to the number of helpers inside
-_PATIENCE = 2000  # looks at a word before the core is offered to others
+_CLOSED = 1 << 32  # added to the number of threads inside
+_PATIENCE = 400  # looks at a word before a thread goes to sleep: as long as it takes to wake it
 
 
 @njit(**BODY)
@@ -54,37 +66,55 @@ def run_in_team(frame, number, kernel):
     """
     if ffi.answer_query(frame):
         return 0
-    size = ffi.get_attribute(frame, 0)
-    helpers, team = size - 1, _allocate(_TAKEN + _MOST_LOOPS * size * _LINE)
-    ffi.write_word(team, _FRAME, frame)
-    ffi.write_word(team, _REFERENCES, 1 + helpers)
+    team = _make_team(frame, ffi.get_attribute(frame, 0))
+    helpers = 0 if account.is_resting() else team_size(team) - 1
     for _ in range(helpers):
+        add_word(team, _REFERENCES, 1)
         if not _schedule(frame, team, number, kernel):
             _release(team)
     kernel(frame, number, team)
-    add_word(team, _INSIDE, _CLOSED)
+    add_word(team, _INSIDE, _CLOSED - 1)
     # Helpers have nothing left to do, but may still look at the operands.
     _wait_until(team, _INSIDE, _CLOSED, False)
+    if helpers > 0:
+        account.note_wait(ffi.read_word(team, _WAITED))
     _release(team)
     return 0
 
 
+@njit(**OPTIONS)
+def _make_team(frame, size):
+    """A team of its leader alone."""
+    team = _allocate(_TAKEN + _MOST_LOOPS * size * _LINE)
+    ffi.write_word(team, _LEADS, team)
+    ffi.write_word(team, _HELPS, team)
+    ffi.write_word(team, _FRAME, frame)
+    ffi.write_word(team, _SIZE, size)
+    ffi.write_word(team, _REFERENCES, 1)
+    ffi.write_word(team, _INSIDE, 1)
+    return team
+
+
 @njit(**INLINE)
-def team_size(team):
+def team_size(seat):
     """How many threads the team has at most."""
-    return ffi.get_attribute(ffi.read_word(team, _FRAME), 0)
+    return ffi.read_word(ffi.read_word(seat, 0), _SIZE)
 
 
 @njit(**OPTIONS)
-def share_loop(team, loop, count):
+def share_loop(seat, loop, count):
     """Those of 0..``count`` - 1 that fall to this thread; goes on when all of them are done, by whomever.
 
+    Between two loops, and after the last one, a kernel must not look at what operands and results hold: by then the
+    call may be over, for a helper that slept.
+
     Args:
-        team: As a kernel gets it.
+        seat: The team, as a kernel gets it.
         loop: Number of the loop within the kernel, from 0.
         count: Iterations. Each is done once; the caller must not leave the loop within one.
     """
-    parts, core, done = team_size(team), _find_core(), _DONE + loop * _LINE
+    team = ffi.read_word(seat, 0)
+    parts, core, done = team_size(seat), _find_core(), _DONE + loop * _LINE
     for turn in range(parts):
         part = (core + turn) % parts
         taken = _TAKEN + (loop * parts + part) * _LINE
@@ -92,28 +122,71 @@ def share_loop(team, loop, count):
         i = first + add_word(team, taken, 1)
         while i < last:
             yield i
-            add_word(team, done, 1)
+            if add_word(team, done, 1) == count - 1:
+                _wake_sleepers(team, done)
             i = first + add_word(team, taken, 1)
-    _wait_until(team, done, count, True)
+    _wait_until(seat, done, count, True)
 
 
 @njit(**OPTIONS)
-def _wait_until(team, index, value, at_least):
-    """Returns when a word is ``value``, or more if ``at_least``."""
-    looks = 0
-    word = read_shared(team, index)
-    while word < value if at_least else word != value:
-        looks += 1
-        _pause(looks % _PATIENCE == 0)
+def _wait_until(seat, index, value, at_least):
+    """Returns when a word of the team is ``value``, or more if ``at_least``."""
+    team = ffi.read_word(seat, 0)
+    if not _is_reached(team, index, value, at_least):
+        begun = read_clock()
+        looks = 0
+        while looks < _PATIENCE and not _is_reached(team, index, value, at_least):
+            looks += 1
+            pause()
+        if looks == _PATIENCE:
+            _sleep_until(seat, team, index, value, at_least)
+        if seat == team:
+            ffi.write_word(team, _WAITED, ffi.read_word(team, _WAITED) + read_clock() - begun)
+
+
+@njit(**OPTIONS)
+def _sleep_until(seat, team, index, value, at_least):
+    """`_wait_until`, asleep. A helper is not inside meanwhile: the call may end without it."""
+    if seat != team:
+        _leave(team)
+    add_word(team, _ASLEEP, 1)
+    while not _is_reached(team, index, value, at_least):
         word = read_shared(team, index)
+        if (word < value) if at_least else (word != value):
+            sleep_while(team, index, word)
+    add_word(team, _ASLEEP, -1)
+    if seat != team:
+        add_word(team, _INSIDE, 1)
+
+
+@njit(**INLINE)
+def _is_reached(team, index, value, at_least):
+    word = read_shared(team, index)
+    return (word >= value) if at_least else (word == value)
+
+
+@njit(**INLINE)
+def _wake_sleepers(team, index):
+    """Wakes those who wait for what a word is now."""
+    if read_shared(team, _ASLEEP) > 0:
+        wake_all(team, index)
+
+
+@njit(**OPTIONS)
+def _leave(team):
+    """Counts a helper out; the last one wakes the leader, which waits for that."""
+    if add_word(team, _INSIDE, -1) == _CLOSED + 1:
+        _wake_sleepers(team, _INSIDE)
 
 
 @njit(**OPTIONS)
 def _help(team, number, kernel):
-    """What a helper does."""
+    """Does a helper's part."""
     if add_word(team, _INSIDE, 1) < _CLOSED:
-        kernel(ffi.read_word(team, _FRAME), number, team)
-    add_word(team, _INSIDE, -1)
+        begun = read_own_clock()
+        kernel(ffi.read_word(team, _FRAME), number, team + 8 * _HELPS)
+        account.note_work(read_own_clock() - begun)
+    _leave(team)
     _release(team)
 
 
@@ -202,41 +275,3 @@ def _find_core(typing):
         return builder.select(builder.icmp_signed("<", core, _WORD(1 << 31)), core, _WORD(0))
 
     return types.int64(), generate
-
-
-@intrinsic
-def add_word(typing, team, index, value):
-    """Adds to a word that threads share, and returns what it was; what either did before, the next one sees."""
-
-    def generate(context, builder, signature, arguments):
-        place = ffi.find_word(builder, *arguments[:2])
-        return builder.atomic_rmw("add", place, arguments[2], "acq_rel")
-
-    return types.int64(types.int64, types.int64, types.int64), generate
-
-
-@intrinsic
-def read_shared(typing, team, index):
-    """A word that threads share, with what was done before it was written."""
-
-    def generate(context, builder, signature, arguments):
-        return builder.load_atomic(ffi.find_word(builder, *arguments), "acquire", 8)
-
-    return types.int64(types.int64, types.int64), generate
-
-
-@intrinsic
-def _pause(typing, long):
-    """Lets a core know that this thread waits; ``long``: and the system, which may have others to run."""
-
-    def generate(context, builder, signature, arguments):
-        if platform.machine().lower() in ("x86_64", "amd64"):
-            kind = ir.FunctionType(ir.VoidType(), [])
-            builder.call(builder.module.declare_intrinsic("llvm.x86.sse2.pause", (), kind), [])
-        if hasattr(os, "sched_yield"):
-            with builder.if_then(arguments[0], likely=False):
-                kind = ir.FunctionType(ir.IntType(32), [])
-                builder.call(cgutils.get_or_insert_function(builder.module, kind, "sched_yield"), [])
-        return context.get_dummy_value()
-
-    return types.void(types.boolean), generate

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from physagent_jax.kernels import programs
+from physagent_jax.kernels.forks import refuse_fork
 from physagent_jax.mpm import kernels
 from physagent_jax.mpm.checks import check_start
 from physagent_jax.mpm.conform import conform
@@ -50,10 +51,12 @@ def simulate(
         tell_limits: Whether to warn of what the method does badly in this model (`limits.find_limits`).
 
     Raises:
-        UserError: The input cannot be simulated (`checks.check_start`), ``substep_dt`` is above the stable bound
+        UserError: This process was forked from one that computes; the input cannot be simulated
+            (`checks.check_start`), ``substep_dt`` is above the stable bound
             and not forced, or a frame fails even with steps 2**MAX_RETRIES times smaller (the message says what
             the check saw).
     """
+    refuse_fork()
     programs.release_programs()
     model, state = conform(model, state)
     check_start(model, state, frame_dt=frame_dt, substep_dt=substep_dt, safety=safety)

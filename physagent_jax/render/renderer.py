@@ -15,6 +15,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.kernels import Kernels, find_platform, threads, use_cpu
+from physagent_jax.kernels.forks import refuse_fork
 from physagent_jax.render.camera import Camera
 from physagent_jax.render.layout import TileLayout
 from physagent_jax.render.project import Projected, project
@@ -113,6 +114,7 @@ def choose_pair_capacity(splats: Splats, camera: Camera) -> int:
     Raises:
         UserError: The Gaussians overlap so many tiles that the image does not fit into memory.
     """
+    refuse_fork()
     return round_up(int(_count_pairs(_project(splats, camera), camera.width, camera.height)))
 
 
@@ -148,6 +150,7 @@ def rasterize(
         tiles = int(np.prod(make_tile_grid(camera.width, camera.height, tile_size)))
         lanes = 1 if find_platform() == "cpu" else tiles
     layout = TileLayout(camera.width, camera.height, tile_size, lanes)
+    refuse_fork()
     projected = _project(splats, camera)
     background = _cast(background, splats.means.dtype)
     return draw(projected, background, capacity, layout, use_cpu(kernels))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from physagent_jax.core.recent import Recent
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces import calibration
 from physagent_jax.scene.anchor import select_anchored
@@ -24,20 +25,13 @@ TOUCHING = 1.5  # cells above the lowest nodes that the ground holds
 
 Matrix = tuple[Vector, Vector, Vector]
 
-_recent: list[tuple[Body, str, Matrix | None]] = []  # rounds of a run differ in what acts only
-_MOST_RECENT = 4
+_recent: Recent[Matrix | None] = Recent(4)  # rounds of a run differ in what acts only
 
 
 def find_compliance(body: Body, material: Material, anchor: Anchor) -> Matrix | None:
     """`measure_compliance`, remembered from one round to the next."""
     key = material.model_dump_json() + anchor.model_dump_json()
-    for its_body, known, found in _recent:
-        if its_body is body and known == key:
-            return found
-    found = measure_compliance(body, material, anchor)
-    _recent.append((body, key, found))
-    del _recent[:-_MOST_RECENT]
-    return found
+    return _recent.find(body, key, lambda: measure_compliance(body, material, anchor))
 
 
 def measure_compliance(body: Body, material: Material, anchor: Anchor) -> Matrix | None:

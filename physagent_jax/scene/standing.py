@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import math
 
+from physagent_jax.core.recent import Recent
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compliance import measure_lean
 from physagent_jax.scene.config import Material, MaterialModel
@@ -18,8 +19,7 @@ from physagent_jax.scene.world import explain_toppling
 
 FLOWS = (MaterialModel.FLUID, MaterialModel.DRUCKER_PRAGER, MaterialModel.SNOW)
 MOST_LEAN = 0.25  # by which its weight may turn or strain an object, to first order; beyond, it falls over or collapses
-_recent: list[tuple[Body, Material, float]] = []
-_MOST_RECENT = 4
+_recent: Recent[float] = Recent(4)
 
 
 def make_stand(
@@ -69,9 +69,4 @@ def find_bearing_modulus(body: Body, material: Material) -> float:
 
 def _measure_lean(body: Body, material: Material) -> float:
     """`measure_lean`, remembered: scenes of an object differ in what acts, and it takes longer than they do."""
-    for known, its_material, lean in _recent:
-        if known is body and its_material == material:
-            return lean
-    _recent.append((body, material, measure_lean(body, material)))
-    del _recent[:-_MOST_RECENT]
-    return _recent[-1][-1]
+    return _recent.find(body, material, lambda: measure_lean(body, material))

@@ -8,14 +8,18 @@ from contextlib import contextmanager
 
 import jax
 
+from physagent_jax.core.once import make_lock
+
 _COMPILE_EVENTS = "/jax/core/compile/"
 _compile_seconds = 0.0
+_lock = make_lock()  # programs are compiled in several threads
 
 
 def _listen(event: str, duration_secs: float, **_: str | int) -> None:
     global _compile_seconds
     if event.startswith(_COMPILE_EVENTS):
-        _compile_seconds += duration_secs
+        with _lock:
+            _compile_seconds += duration_secs
 
 
 jax.monitoring.register_event_duration_secs_listener(_listen)

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.fuzz.classes import named, shares
-from tests.fuzz.contract import Fault, Outcome, Result, check
+from tests.fuzz.contract import STARVED, Fault, Outcome, Result, check
 
 COLUMNS = ("accepted", "refused", *(str(fault) for fault in Fault))
 CHUNK = 40  # cases that a worker is handed at a time
@@ -218,7 +218,7 @@ class _Worker:
         case = named(name).case(seed, index)
         try:
             self._pipe.send((name, seed, index))
-            if self._pipe.poll(case.seconds + MERCY):
+            if self._pipe.poll(STARVED * case.seconds + MERCY):
                 return self._pipe.recv()
             result = Result(Outcome.FAILED, Fault.HANG, "native code that no signal stops")
         except (EOFError, OSError):

@@ -29,6 +29,7 @@ from physagent_jax.core.errors import UserError
 
 MEMORY = 4 * 2**30  # [bytes] of address space that one case may take, in arrays, stacks and mappings
 RESIDENT = 1.5 * 2**30  # [bytes] by which one case may raise the process's peak
+STARVED = 8  # times a case's limit that it may take while other programs have the processor
 PATIENCE = 20.0  # [s] beyond a case's limit until code that no signal stops ends the process
 BYSTANDER = "somebody-elses.txt"
 
@@ -79,7 +80,7 @@ class Case:
         own: Names that the product may make or change; folders with all that is in them.
         refusals: Exceptions that count as a refusal.
         must_refuse: Why accepting it would be an error in silence; "" = it may be accepted.
-        seconds: The limit [s].
+        seconds: The limit [s], of processor time.
     """
 
     what: str
@@ -190,18 +191,22 @@ def _find_noise(caught: list[warnings.WarningMessage]) -> Result | None:
 def limited(seconds: float, memory: int = MEMORY) -> Iterator[None]:
     """Ends the block with `Overtime` after ``seconds`` and with MemoryError beyond ``memory`` more bytes.
 
-    Python code is stopped by a signal. Native code that does not come back ends the process, with a traceback.
+    Where other programs leave this process less of a processor, it has up to `STARVED` times as long. Python
+    code is stopped by a signal. Native code that does not come back ends the process, with a traceback.
     """
     if threading.current_thread() is not threading.main_thread():
         raise RuntimeError("cases run in the main thread: signals end those that hang")
 
+    began, used = time.perf_counter(), time.process_time()
+
     def stop(signum, frame):
-        raise Overtime
+        if time.process_time() - used > seconds or time.perf_counter() - began > STARVED * seconds:
+            raise Overtime
 
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     wanted = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize() + memory
     earlier = signal.signal(signal.SIGALRM, stop)
-    faulthandler.dump_traceback_later(seconds + PATIENCE, exit=True)
+    faulthandler.dump_traceback_later(STARVED * seconds + PATIENCE, exit=True)
     resource.setrlimit(resource.RLIMIT_AS, (wanted if hard < 0 else min(wanted, hard), hard))
     signal.setitimer(signal.ITIMER_REAL, seconds, 0.5)
     try:

@@ -94,7 +94,7 @@ def stopped(base, out, what: str, at: int, limit: float = LIMIT) -> tuple[int, s
         at=at,
     )
     code, errors = ended(process, limit)
-    deadline = time.monotonic() + 5
+    deadline = time.monotonic() + LIMIT
     while children_of_session(process.pid) and time.monotonic() < deadline:
         time.sleep(0.1)
     assert not children_of_session(process.pid), "helper processes stayed behind"
@@ -120,12 +120,11 @@ def test_one_signal_stops_in_one_line_and_the_run_can_be_taken_up(what, exit_cod
 @pytest.mark.parametrize("what", ["int2", "term2"])
 def test_two_signals_end_at_once(what, base, tmp_path):
     """However it ends, it leaves nothing half-written and no process."""
-    begun = time.monotonic()
-    code, errors = stopped(base, tmp_path / "run", what, at=2, limit=60)
+    code, errors = stopped(base, tmp_path / "run", what, at=2)
     assert code in (130, 143, -signal.SIGINT, -signal.SIGTERM), errors
     assert "Traceback" not in errors
-    assert time.monotonic() - begun < 60
     whole(tmp_path / "run")
+    assert not (tmp_path / "run" / "report.html").exists()
 
 
 @pytest.mark.slow
@@ -137,9 +136,9 @@ def test_a_signal_at_any_moment_ends_without_a_traceback(seconds, number, base, 
     process = start(base, ["run", "--object", base / seeds.OBJECT, "--prompt", PROMPT, "--out", out, *RUN])
     time.sleep(seconds)
     process.send_signal(number)
-    code, errors = ended(process, 60)
+    code, errors = ended(process)
     assert code in (0, 128 + number, -number), errors
-    assert seconds < 2 or "Traceback" not in errors  # before `main` begins nobody can catch it
+    assert "Traceback" not in errors or ", in main" not in errors  # before `main` begins nobody can catch it
     code, errors = run(base, out)
     assert code == 0, errors
     same(out, base / "undisturbed")

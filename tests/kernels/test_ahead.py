@@ -4,8 +4,10 @@ import io
 import os
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -15,6 +17,7 @@ from physagent_jax.cli import main  # noqa: E402  (after the check for Numba)
 from physagent_jax.kernels import ahead, store  # noqa: E402
 from physagent_jax.mpm.kernels import AHEAD as TRANSFERS  # noqa: E402
 from physagent_jax.render.kernels import AHEAD as BLENDING  # noqa: E402
+from tests.kernels.processes import ran  # noqa: E402
 
 P2G, G2P, BLEND = "physagent_p2g_float32", "physagent_g2p_float32", "physagent_blend"
 TARGETS = TRANSFERS | BLENDING
@@ -33,7 +36,7 @@ def begun(tmp_path, monkeypatch):
 
         def __init__(self, command, **_):
             scripts.append(command[-1])
-            self.stdout = io.StringIO(f"{BLEND}\n{P2G}\n")
+            self.stdin, self.stdout = None, io.StringIO(f"{BLEND}\n{P2G}\n")
 
         def communicate(self):
             scripts.append("over")
@@ -63,6 +66,76 @@ def test_waiting_ends_with_the_kernel_or_the_process(begun):
     assert "over" not in begun
     ahead.wait_for(G2P)
     assert not ahead.running and begun[1:] == ["over"]
+
+
+def test_threads_that_begin_together_begin_one_process(begun):
+    ask_all(lambda: ahead.start_compiling(TARGETS))
+    assert len(begun) == 1
+
+
+def test_a_kernel_that_is_done_waits_for_no_other(begun):
+    """Whoever listens for a kernel that takes long lets others have what it hears."""
+    ahead.start_compiling(TARGETS)
+    process = next(iter(ahead.running.values()))
+    listening, go_on = threading.Event(), threading.Event()
+    lines = iter([f"{BLEND}\n", f"{P2G}\n"])
+
+    def readline():
+        line = next(lines, "")
+        if line.startswith(P2G):
+            listening.set()
+            assert go_on.wait(60)
+        return line
+
+    process.stdout = SimpleNamespace(readline=readline)
+    thread = threading.Thread(target=ahead.wait_for, args=(G2P,), daemon=True)
+    thread.start()
+    assert listening.wait(60)
+    ask_all(lambda: ahead.wait_for(BLEND))  # the thread goes on listening for G2P
+    go_on.set()
+    ask_all(lambda: ahead.wait_for(P2G))
+    thread.join(60)
+    assert not thread.is_alive() and not ahead.running and begun[1:] == ["over"]
+
+
+def ask_all(call):
+    """Calls from several threads; one that waits for ever fails the test."""
+    threads = [threading.Thread(target=call, daemon=True) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60)
+    assert not any(thread.is_alive() for thread in threads)
+
+
+FORK_BESIDE = """
+import os, subprocess, sys
+from physagent_jax.kernels import ahead
+helper = subprocess.Popen(
+    [sys.executable, "-c", "import sys; print('first', flush=True); sys.stdin.read()"],
+    stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+)
+ahead.running.update(first=helper, second=helper)
+ahead.wait_for("first")
+child, waiter = os.pipe()
+if (pid := os.fork()) == 0:
+    assert not ahead.running
+    ahead.wait_for("second")
+    os.read(child, 1)
+    os._exit(0)
+helper.stdin.close()  # what ends the helper, unless the forked process keeps its pipe open
+assert helper.wait(60) == 0
+assert set(ahead.running) == {"second"}
+os.write(waiter, b".")
+sys.exit(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="one process only")
+def test_helpers_are_their_parents_and_not_a_forked_processs():
+    """It neither waits for them nor keeps them alive."""
+    code, _, err = ran(FORK_BESIDE)
+    assert code == 0, err
 
 
 def test_commands_that_play_begin_before_they_read_their_arguments(begun):
@@ -119,7 +192,7 @@ assert os.getsid(process.pid) == process.pid != os.getsid(0)
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     helpers = subprocess.run(command, env=environment, capture_output=True, text=True).stdout.split()
     assert len(helpers) == 2
-    end = time.monotonic() + 30
+    end = time.monotonic() + 240
     while any(alive(int(helper)) for helper in helpers) and time.monotonic() < end:
         time.sleep(0.05)
     assert not any(alive(int(helper)) for helper in helpers)

@@ -3,6 +3,8 @@
 import logging
 import os
 import re
+import sys
+import threading
 
 import jax
 import jax.numpy as jnp
@@ -109,6 +111,71 @@ def test_what_is_read_from_disk_is_whole_and_says_nothing(tmp_path):
     assert code == 0 and again == value
     assert len(lines) == min(len(kept), len(damages)) and all("compiled again" in line for line in lines)
     assert ran(script) == (0, value, "")
+
+
+TWICE = """
+import threading
+import jax, jax.numpy as jnp
+from pathlib import Path
+from physagent_jax.kernels import programs
+threads = [threading.Thread(target=programs.keep_on_disk, args=(Path("{folder}"),)) for _ in range(4)]
+[thread.start() for thread in threads], [thread.join() for thread in threads]
+jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+print(float(jax.jit(lambda x: jnp.cumsum(jnp.sin(x) @ x.T, 0).sum())(jnp.ones((50, 60)))))
+"""
+
+
+def test_asking_several_times_for_one_folder_is_as_good_as_once(tmp_path):
+    """Before, the first program that was read from disk waited for itself."""
+    code, value, err = ran(TWICE.format(folder=tmp_path))
+    assert code == 0 and not err
+    assert ran(TWICE.format(folder=tmp_path)) == (0, value, "")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limit on the size of files")
+def test_half_a_program_is_never_under_its_name(tmp_path):
+    """Where the disk is full, or another process reads while this one writes."""
+    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))\n"
+    code, value, err = ran(limit + COMPUTE.format(folder=tmp_path))
+    assert code == 0 and "cannot write" in err
+    assert not list(tmp_path.iterdir())
+    assert ran(COMPUTE.format(folder=tmp_path)) == (0, value, "")
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="the system has no fork")
+@pytest.mark.filterwarnings("ignore:os.fork")
+def test_a_process_forked_while_a_program_is_read_keeps_its_stderr(capfd):
+    """Forking waits until stderr is what it was: what is written meanwhile goes into a file that is gone then."""
+    reading, forks = threading.Event(), threading.Event()
+
+    def read():
+        with programs.compare_machine():
+            reading.set()
+            forks.wait(60)
+
+    os.register_at_fork(before=forks.set)
+    thread = threading.Thread(target=read)
+    thread.start()
+    assert reading.wait(60)
+    child = os.fork()
+    if child == 0:
+        os.write(2, b"from the child\n")
+        with programs.compare_machine():
+            os.write(2, b"and more\n")
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
+    thread.join()
+    assert capfd.readouterr().err == "from the child\nand more\n"
+
+
+def test_programs_compiled_in_threads_are_all_counted():
+    before = programs.compiled_count
+    threads = [
+        threading.Thread(target=lambda shape=shape: jax.jit(lambda x: x + 1)(jnp.ones((3, 5 + shape, 7))))
+        for shape in range(8)
+    ]
+    [thread.start() for thread in threads], [thread.join() for thread in threads]
+    assert programs.compiled_count >= before + 8
 
 
 def test_a_program_for_another_processor_is_compiled_again(tmp_path, monkeypatch, caplog):

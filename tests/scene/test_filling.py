@@ -183,9 +183,9 @@ def test_degenerate_covariances_neither_hang_nor_break_it(scale):
     cloud = sphere_shell(0.5, 3000)
     scales = np.array(cloud.scales)
     scales[::10] = scale
-    start = time.perf_counter()
+    start = time.process_time()  # of which other programs take none
     particles = fill(dataclasses.replace(cloud, scales=scales), Filling(cells=40), dx=0.1)
-    assert time.perf_counter() - start < 20
+    assert time.process_time() - start < 20
     assert np.isfinite(particles.x).all() and np.isfinite(particles.volume).all()
     if scale == 0.0:
         assert particles.volume.sum() == pytest.approx(4 / 3 * np.pi * 0.5**3, rel=0.05)
@@ -194,9 +194,9 @@ def test_degenerate_covariances_neither_hang_nor_break_it(scale):
 def test_many_runaway_gaussians_stay_within_the_budget():
     cloud = sphere_shell(0.5, 30_000)
     cloud = dataclasses.replace(cloud, scales=np.full((30_000, 3), 1e9, np.float32))
-    start = time.perf_counter()
+    start = time.process_time()
     fill(cloud, Filling(cells=64), dx=0.1)
-    assert time.perf_counter() - start < 60
+    assert time.process_time() - start < 60
 
 
 def test_physgaussians_volumes_are_those_of_the_touched_cells():
@@ -276,9 +276,9 @@ def test_no_particle_sticks_out_of_the_cow_by_more_than_a_cell(spot):
 
 
 def test_two_hundred_thousand_particles_take_seconds(spot):
-    start = time.perf_counter()
+    start = time.process_time()
     particles = fill(spot[0], Filling(cells=96, particles_per_cell=2, max_particles=200_000), dx=0.1)
-    assert time.perf_counter() - start < 15
+    assert time.process_time() - start < 15
     assert particles.count == 200_000
 
 

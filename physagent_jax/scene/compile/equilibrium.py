@@ -23,6 +23,7 @@ import jax
 import numpy as np
 
 from physagent_jax.core.arrays import to_device
+from physagent_jax.core.recent import Recent
 from physagent_jax.mpm import Model, State
 from physagent_jax.mpm.boundaries.contact import TOUCH
 from physagent_jax.mpm.materials import FixedCorotated, Hencky, NeoHookean
@@ -56,10 +57,7 @@ class Equilibrium:
     largest_strain: float
 
 
-_recent: list[
-    tuple[str, Body, Equilibrium]
-] = []  # rounds of a run differ in what acts, not in how the object stands
-_MOST_RECENT = 4
+_recent: Recent[Equilibrium] = Recent(4)  # rounds of a run differ in what acts, not in how the object stands
 
 
 def balance_weight(
@@ -75,12 +73,12 @@ def balance_weight(
         return None
     same = {"force_field", "scaling", "forces", "camera", "rendering", "timing", "prompt", "preset", "ledger"}
     key = config.model_dump_json(exclude=same)
-    for known, its_body, found in _recent:
-        if known == key and its_body is body:
-            return found
+    return _recent.find(body, key, lambda: _find_or_warn(model, state, held, config))
+
+
+def _find_or_warn(model: Model, state: State, held: np.ndarray, config: c.SceneConfig) -> Equilibrium:
+    """`find_equilibrium`, with a word if it is a poor one."""
     found = find_equilibrium(model, state, held, config)
-    _recent.append((key, body, found))
-    del _recent[:-_MOST_RECENT]
     if found.residual > POOR:
         warnings.warn(
             f"the object cannot bear its own weight as it was captured ({found.residual:.0%} of gravity is left): it "
