@@ -57,7 +57,7 @@ class Materials:
             return None
         uv = np.asarray(self._document.read_accessor(attributes[name], normalise=True), np.float64)[:, :2]
         sampler = self._tree["samplers"][texture["sampler"]] if "sampler" in texture else {}
-        across, down = (_WRAPS.get(sampler.get(key), "repeat") for key in ("wrapS", "wrapT"))
+        across, down = (_WRAPS.get(sampler.get(key, 10497), "repeat") for key in ("wrapS", "wrapT"))
         return Texture(pixels, _transform(uv, transform), (across, down))
 
     def _read_picture(self, source: int | None) -> np.ndarray | None:
