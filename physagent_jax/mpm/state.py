@@ -73,7 +73,8 @@ class Model:
         gravity: [m/s^2], shape (3,); None = none (skipped).
         mass: Particle mass [kg], shape (n,).
         volume: Rest volume [m^3], shape (n,).
-        materials: One `Material` per contiguous block of particles, in particle order.
+        materials: One `Material` per contiguous block of particles, in particle order. All share one velocity field:
+            where blocks or pieces touch they stick, and neither slide nor part again (`mpm.limits`).
         forces: Body-force terms (`mpm.protocols.BodyForce`), summed.
         boundaries: `mpm.protocols.Boundary`, applied to grid velocities in order.
         constraints: `mpm.protocols.Constraint`, later ones win.

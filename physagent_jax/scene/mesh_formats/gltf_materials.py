@@ -57,8 +57,8 @@ class Materials:
             return None
         uv = np.asarray(self._document.read_accessor(attributes[name], normalise=True), np.float64)[:, :2]
         sampler = self._tree["samplers"][texture["sampler"]] if "sampler" in texture else {}
-        across, down = (_WRAPS.get(sampler.get(key), "repeat") for key in ("wrapS", "wrapT"))
-        return Texture(pixels, _transform(uv, transform), (across, down))
+        wrap = _read_wrap(sampler.get("wrapS")), _read_wrap(sampler.get("wrapT"))
+        return Texture(pixels, _transform(uv, transform), wrap)
 
     def _read_picture(self, source: int | None) -> np.ndarray | None:
         if source is None:
@@ -91,6 +91,12 @@ def _find_source(texture: Any) -> int | None:
     """Index of a texture's picture; None = only one that cannot be decoded."""
     webp = texture.get("extensions", {}).get("EXT_texture_webp", {})
     return webp.get("source", texture.get("source"))
+
+
+def _read_wrap(code: int | None) -> Wrap:
+    if code is None or code not in _WRAPS:
+        return "repeat"
+    return _WRAPS[code]
 
 
 def _transform(uv: np.ndarray, transform: Any) -> np.ndarray:
