@@ -58,12 +58,16 @@ def _describe_origins(runs: Sequence[Mapping[str, Any]], letters: Mapping[str, s
     for (machine, remark), mine in same.items():
         loads = sorted({run["load_average"][0] for run in mine})
         load = f"{loads[0]}" if len(loads) == 1 else f"{loads[0]} to {loads[-1]}"
-        revisions = list(dict.fromkeys(run["git_revision"] or _NOT_KEPT for run in mine))
-        named = (
-            ", ".join(revisions) if len(revisions) <= _FEW else f"{len(revisions)}, the last {revisions[-1]}"
-        )
+        named = _name_revisions([run["git_revision"] for run in mine])
         texts.append(f"{letters[machine]}; {load}; {named}" + (f". {remark}" if remark else ""))
     return "; then ".join(texts)
+
+
+def _name_revisions(revisions: Sequence[str | None]) -> str:
+    """A few by their names, more by the last; those that were not recorded too."""
+    known = [name for name in dict.fromkeys(revisions) if name]
+    text = ", ".join(known) if len(known) <= _FEW else f"{len(known)} revisions, the last {known[-1]}"
+    return ", ".join(filter(None, (text, "" if all(revisions) else _NOT_KEPT)))
 
 
 def number(value: float | None) -> str:

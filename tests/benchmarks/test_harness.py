@@ -209,6 +209,17 @@ def test_loads_and_revisions_of_one_machine_stand_together():
     assert text.endswith("\nA: m.\n\nB: n.\n")
 
 
+def test_many_revisions_are_counted_and_those_that_were_not_kept_are_told():
+    def name(*revisions):
+        run = dict(command="c", machine="m", quick=False, seconds=2.0, load_average=[1.0])
+        runs = [run | {"git_revision": revision} for revision in revisions]
+        rows = [{"run": index} for index in range(len(runs))]
+        return provenance({"one": {"runs": runs, "complete": True, "rows": rows}}, ("one",))
+
+    assert "A; 1.0; a, b |" in name("a", "b", "a") and "A; 1.0; revision not recorded |" in name(None)
+    assert "A; 1.0; 4 revisions, the last d, revision not recorded |" in name("a", "b", None, "c", "d")
+
+
 def test_a_summary_says_how_many_rows_were_measured():
     run = dict(command="c", machine="m", load_average=[1.5], git_revision="r", quick=False, seconds=2.0)
     section = {"runs": [run, run], "complete": True, "rows": [{"run": 1} for _ in range(5)]}
