@@ -31,7 +31,7 @@ Change = Callable[[ForceField], ForceField]
 
 
 def keep_as_it_is(force_field: ForceField) -> ForceField:
-    """What an agent wrote is what is simulated."""
+    """Return an agent's force field unchanged, for the simulation."""
     return force_field
 
 
@@ -48,7 +48,7 @@ class PictureFrames:
 
 
 class Sight(Protocol):
-    """Who looks at a clip for the agents."""
+    """The viewer of a clip on behalf of the agents."""
 
     def look(
         self, evaluator: Evaluator, field: ForceField, note: str, windows: Sequence[tuple[int, int]]
@@ -74,7 +74,7 @@ class PictureSight(Sight):
 
 
 def make_scene_brief(scene: CompiledScene) -> SceneBrief:
-    """What agents are told of a task's scene; the clip's length is the task's."""
+    """The brief of a task's scene for agents; the clip's length is the task's."""
     config = scene.config
     source, timing, anchor = config.source, config.timing, config.anchor
     stands = config.always_gravity and config.gravity[2] < 0
@@ -95,7 +95,7 @@ def make_scene_brief(scene: CompiledScene) -> SceneBrief:
 
 
 def read_sentence(evaluator: Evaluator, agents: Agents | None = None) -> SemanticReply:
-    """What the semantic agent makes of the task's sentence; nothing is simulated.
+    """Read the task's sentence with the semantic agent; nothing is simulated.
 
     Raises:
         UserError: Nothing in it can be understood.

@@ -36,7 +36,7 @@ class Alternatives:
 
     Attributes:
         weights: w, shape (alternatives,).
-        terms: Of each alternative, what would act.
+        terms: The terms of each alternative that would act.
         instead: What acts.
     """
 
@@ -63,7 +63,7 @@ class Alternatives:
 
 
 def compile_alternatives(scene: CompiledScene, others: Sequence[ForceField]) -> Alternatives:
-    """What ``others``, at least one, would change of the scene's own force field.
+    """Compile the changes that ``others``, at least one, would make to the scene's own force field.
 
     Args:
         scene: With its own force field.

@@ -55,7 +55,7 @@ class Evaluator:
         rng: For everything random in a method.
         evaluations: What has been tried, in order.
         spent: Forward-equivalents.
-        model_calls, tokens: Of language or video models; methods count them here.
+        model_calls, tokens: Calls and tokens of language or video models; methods count them here.
     """
 
     def __init__(
@@ -114,7 +114,7 @@ class Evaluator:
         return known[-1] if known else None
 
     def score(self, force_field: ForceField, note: str = "") -> Score:
-        """How far ``force_field`` misses the target, for one simulation.
+        """The miss of ``force_field`` from the target, for one simulation.
 
         Raises:
             BudgetSpent: There is nothing left.

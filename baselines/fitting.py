@@ -31,7 +31,7 @@ class Begun:
 
     Attributes:
         field: What acts.
-        structure: Of its actions.
+        structure: Structure of its actions.
         base: The motion that they make.
     """
 

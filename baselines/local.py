@@ -1,4 +1,4 @@
-"""What methods have in common that minimise the distance to the target, and local ones that descend from starts."""
+"""Shared parts of methods that minimise the distance to the target, and local ones that descend from starts."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class OracleMethod(Method):
             )
 
     def make_unknowns(self, evaluator: Evaluator, template: ForceField) -> Parametrisation:
-        """What is sought of force fields like ``template``."""
+        """The unknowns of force fields like ``template``."""
         return Parametrisation(template, evaluator.task.frame_count, self.windows)
 
     def draw(self, evaluator: Evaluator, template: ForceField) -> ForceField:
@@ -110,7 +110,7 @@ class LocalMethod(OracleMethod):
         raise NotImplementedError
 
     def count_unknowns(self, start: ForceField) -> int:
-        """How many numbers are sought from ``start``."""
+        """The number of unknowns from ``start``."""
         return (5 if self.windows else 3) * (len(start.actions) + len(start.constraints))
 
     def search(self, evaluator: Evaluator) -> None:

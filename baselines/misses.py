@@ -1,4 +1,4 @@
-"""How far a force field misses a target: residuals, their sum of squares, and the same with the worst counting most."""
+"""The miss of a target: residuals, their sum of squares, and the same with the worst counting most."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ GOOD = 0.5 * ROOM**2
 
 @dataclasses.dataclass(frozen=True)
 class Score:
-    """How far a force field misses the target.
+    """The miss of a force field from the target.
 
     Attributes:
         loss: |r|^2 / 2; infinite where the simulation failed.

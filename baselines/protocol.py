@@ -1,4 +1,4 @@
-"""What a method is, what it may spend and what it leaves: all it tried, so that any stopping point can be read off.
+"""The protocol of a method: its budget, and all that it tried, so that any stopping point can be read off.
 
 Cost is counted in forward-equivalents: one plain simulation of the task is 1, whatever it is used for.
 """
@@ -24,7 +24,7 @@ class BudgetSpent(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class Budget:
-    """What a method may spend on a task.
+    """The budget of a method on a task.
 
     Attributes:
         forward_equivalents: Simulations, a gradient counted as `evaluation.GRADIENT_COST` of them. The evaluation that
@@ -49,7 +49,7 @@ class Evaluation:
     Attributes:
         force_field: What acted.
         spent: Forward-equivalents of the whole fit up to and with this one.
-        seconds: Likewise wall time [s].
+        seconds: Wall time at the same points [s].
         objective: What the method itself thinks of it, less is better; infinite where the simulation failed, None where
             the method has no opinion.
         note: What it was made for.
@@ -73,7 +73,7 @@ class FitResult:
         oracle: Whether the method read true particles.
         spent: Forward-equivalents.
         seconds: Wall time, with what had to be compiled [s].
-        model_calls, tokens: Of language or video models.
+        model_calls, tokens: Calls and tokens of language or video models.
     """
 
     method: str
@@ -150,7 +150,7 @@ class Method:
         Args:
             task: What to solve.
             budget: What may be spent.
-            seed: Of everything random.
+            seed: Seed of all random numbers.
             options: Fields of this method in place of its own.
             on_evaluation: Told of every evaluation as it is made.
 

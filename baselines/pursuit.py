@@ -185,7 +185,7 @@ def extend(evaluator: Evaluator, ranking: Ranking, field: ForceField, x: np.ndar
 
     Args:
         evaluator: Not charged.
-        ranking: Of the task.
+        ranking: Ranking of the task.
         field: What acts.
         x: Paths of all particles under it [m], shape (T, n, 3).
     """

@@ -1,4 +1,4 @@
-"""How near a method comes to a hidden force field, and which of its numbers the motion tells at all."""
+"""The recovery of a hidden force field, and the numbers of it that the motion identifies."""
 
 from __future__ import annotations
 

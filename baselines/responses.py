@@ -1,4 +1,4 @@
-"""How an object answers to each skill: what methods that read the truth can know before they search.
+"""The responses of an object to each skill: knowledge of methods that read the truth before they search.
 
 An object that floats or is held answers nearly in proportion to what acts, and at any time alike (a linear,
 time-invariant system) as long as it deforms little. One simulation per skill and axis then says, by superposition
@@ -63,7 +63,7 @@ SHORTER = 4
 
 @dataclasses.dataclass(frozen=True)
 class Slot:
-    """Where and when an action may act.
+    """A place and time at which an action may act.
 
     Attributes:
         first, last: Frames.
@@ -78,7 +78,7 @@ class Slot:
 
     @property
     def place(self) -> tuple[Region | None, Region | None]:
-        """Where, whenever."""
+        """The place, at any time."""
         return self.region, self.against
 
 
@@ -88,14 +88,14 @@ Structure = tuple[tuple[Skill, Slot], ...]
 
 @dataclasses.dataclass(frozen=True)
 class Responses:
-    """What an object does by itself, and what each skill adds.
+    """An object's motion by itself, and the response to each skill.
 
     Attributes:
         base: Motion without actions.
         drop: Whether it is let fall.
         rest: Motion without the fall either, where actions may do better without it: nothing is there to fall onto.
         mass: [kg], shape (n,).
-        stride: Of all particles, each so-many-th is there.
+        stride: Step between the particles that are kept.
         steps: By skill and place, what one along each axis adds at |M| = 1 when it acts from frame 0 on, a blow at
             frame 0, and a turn that is held from the first change on, as by `Base.compare`, shape
             (3, T, 2 + n, 3).
@@ -109,7 +109,7 @@ class Responses:
     rest: Base | None = None
 
     def superpose(self, skill: Skill, slot: Slot) -> np.ndarray:
-        """What a skill in a slot adds, shape (3, T, 2 + n, 3)."""
+        """The response to a skill in a slot, shape (3, T, 2 + n, 3)."""
         step = self.steps[skill, slot.place]
         begun = _delay(step, slot.first)
         if skill in (ActionType.IMPULSE, WRING) or slot.last >= step.shape[1] - 1:
@@ -176,13 +176,13 @@ def _adds_up(skill: Skill) -> bool:
 
 
 def _prolong(added: np.ndarray, short: int) -> np.ndarray:
-    """What the skill adds when it goes on acting, from what it adds when it acts for ``short`` frames (0 = all)."""
+    """Extend a response of ``short`` frames to a skill that goes on acting (0 = all)."""
     later = range(short, len(added), short) if short else ()
     return added + sum((_delay(added[None], frames)[0] for frames in later), np.zeros_like(added))
 
 
 def list_places(evaluator: Evaluator) -> list[tuple[Slot, Sequence[Skill]]]:
-    """Where something may act for the whole clip, and what.
+    """The places at which something may act for the whole clip, and the skills there.
 
     The whole; two ends that the target wants turned against each other; where the task's own first force field acts,
     and the ends that the target speaks of.

@@ -48,7 +48,7 @@ class Rollout:
 
 @dataclasses.dataclass(frozen=True)
 class Pictures:
-    """What a camera saw: all that a method without the truth is given.
+    """The pictures of a camera: the only input of a method without the truth.
 
     Attributes:
         rgb: uint8, shape (T, height, width, 3).
@@ -101,7 +101,7 @@ class Simulation:
         return _show(recording), _keep(recording)
 
     def compute_residuals(self, rollout: Rollout) -> np.ndarray:
-        """What is missed of the target, shape (m,)."""
+        """The residuals of the target, shape (m,)."""
         return np.asarray(self._residuals(rollout.x))
 
     def replay(self, rollout: Rollout, parameters: ForceFieldParameters) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Where local searches begin, and how several of them share a budget: for all optimisers alike.
+"""Starts of local searches, and the division of a budget among them: the same for all optimisers.
 
 What a force field is made of (types) and the numbers that it begins with are chosen apart, each by the task, by chance,
 by an expert, by the agents, by trying all or by the object's responses: who chooses what can then be compared.

@@ -1,4 +1,4 @@
-"""Which actions, when and where: combinations of skills, ranked by superposed responses without simulating them.
+"""Structures of force fields: combinations of skills, ranked by superposed responses without simulating them.
 
 Each gets the numbers that are best for it by the superposed paths. What is promised is no more than a good start: of
 stretches along other lines and on the ground it is a guess, which a search that simulates corrects.

@@ -29,7 +29,7 @@ class Base:
 
     Attributes:
         x: Paths [m], shape (T, n, 3).
-        centre: Of the mass [m], shape (T, 3).
+        centre: Centre of the mass [m], shape (T, 3).
         turn: Rotation of the whole from the first frame, shape (T, 3, 3).
         shape: Places about the centre in axes that turn with it [m], shape (T, n, 3).
     """
@@ -58,7 +58,7 @@ class Base:
         return (self.centre + way)[:, None] + jnp.einsum("tij,tnj->tni", turned, self.shape + shape)
 
     def compare(self, x: np.ndarray, mass: np.ndarray) -> np.ndarray:
-        """What paths have more than these, to be added up, shape (T, `HEADER` + n, 3).
+        """The difference of paths from these, to be added up, shape (T, `HEADER` + n, 3).
 
         By less than half a turn, or the other way round is nearer.
         """

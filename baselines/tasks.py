@@ -42,7 +42,7 @@ _WITNESSES = "witness.json"
 
 
 class SceneOptions(Strict):
-    """What surrounds the object, and how long the clip is.
+    """The object's surroundings, and the clip's length.
 
     Attributes:
         world: "ground" (it stands there, gravity acts) or "free" (it floats).
@@ -62,12 +62,12 @@ class TaskSpec(Strict):
         name: Unique; it decides which split the task belongs to.
         sentence: What is asked for, in the viewer's words: left is -x, away from us +y, up +z.
         family: Kind of motion.
-        object: Of `baselines.objects`.
+        object: Object of `baselines.objects`.
         scene: What surrounds it.
         target: What the sentence means, for the judge; no method sees it.
-        target_hash: Of the target, so that a changed one is noticed.
+        target_hash: Target hash of the target, so that a changed one is noticed.
         expert: Force field that the scenes of published codes have for this kind of motion; None = none.
-        hidden: Of a recovery task: the force field that made the target; no method sees it.
+        hidden: The force field that made the target of a recovery task; no method sees it.
         begin: Where a method that needs a first force field begins; None = `START`.
     """
 
@@ -192,8 +192,8 @@ class Task:
     Attributes:
         spec: Its definition.
         loaded: The object, in the domain.
-        camera: Of all of its clips.
-        material: Of the object.
+        camera: Camera of all of its clips.
+        material: Material of the object.
     """
 
     spec: TaskSpec
@@ -208,7 +208,7 @@ class Task:
 
     @property
     def start(self) -> ForceField:
-        """Where a method that needs a first force field begins."""
+        """The first force field of a method that needs one."""
         return self.spec.begin or START
 
     @property
@@ -252,7 +252,7 @@ class Task:
         return np.stack([np.asarray(frame.state.x) for frame in frames])
 
     def judge(self, x: np.ndarray) -> TaskJudgement:
-        """What the judge says of true positions of the model's particles [m], shape (frames, n, 3)."""
+        """Judge true positions of the model's particles [m], shape (frames, n, 3)."""
         return judge(self.target, x, self.mass, self.frame_dt)
 
     def measure_effort(self, force_field: ForceField, x: np.ndarray) -> float:

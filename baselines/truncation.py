@@ -17,7 +17,7 @@ from physagent_jax.mpm import Model, Schedule, State, replay
 
 @dataclasses.dataclass(frozen=True)
 class Truncation:
-    """How far a derivative goes back.
+    """The reach of a derivative into the past.
 
     Attributes:
         first: The state of this frame is taken as given, and frames up to it have no derivative.
@@ -55,7 +55,7 @@ def replay_truncated(
     Args:
         model: What to simulate; its numbers may be traced.
         state: At the start.
-        schedule: Of a simulation of it.
+        schedule: Schedule of a simulation of it.
         truncation: How far derivatives go back.
 
     Raises:

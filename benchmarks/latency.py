@@ -1,4 +1,4 @@
-"""How long a word takes from one core to another: whether the two have a cache in common.
+"""The latency of a word between two cores: it tells whether they share a cache.
 
 A virtual machine's cores may lie in one part of a processor at one moment and in two the next. What threads hand to
 each other then goes through memory, and a code that does so much is slower, at the same number of cores.

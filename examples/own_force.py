@@ -19,9 +19,9 @@ class Leash:
     """A spring from every particle to a point that walks along a circle; `mpm.protocols.BodyForce` says what is needed.
 
     Attributes:
-        center: Of the circle [m], shape (3,).
+        center: Center of the circle [m], shape (3,).
         radius: [m].
-        rate: Of the walk [rad/s].
+        rate: Rate of the walk [rad/s].
         stiffness: [1/s^2].
     """
 

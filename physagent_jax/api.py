@@ -70,7 +70,7 @@ def load_object(
         preset: "fast" or "paper": domain, grid, particles, frames.
         cells: Cells along a side of the domain; None = the preset's.
         max_particles: Particles at most; None = the preset's.
-        seed: Of everything random.
+        seed: Seed of all random numbers.
 
     Raises:
         UserError: The file cannot be used, or a value is out of range.
@@ -120,10 +120,10 @@ def build_scene(
             implies.
         camera: Fields of `run.spec.CameraChoice`.
         world: "ground" (it stands there, gravity acts) or "free" (it floats), unless the sentence says otherwise.
-        friction: Of the ground; None = that of a dry floor, and none in the free world.
+        friction: Friction of the ground; None = that of a dry floor, and none in the free world.
         frame_count: Frames of the clip; None = what the sentence asks for, else the preset's.
-        width: Of the pictures [px]; None = the preset's.
-        height: Likewise.
+        width: Width of the pictures [px]; None = the preset's.
+        height: Height of the pictures [px]; None = the preset's.
         ledger: Whether exchanged energy and momentum are recorded.
 
     Raises:

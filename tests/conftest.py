@@ -40,7 +40,7 @@ def compile_quickly() -> None:
 
 
 def pytest_configure(config):
-    """What one process of this run compiles, the others read: most of the suite's time goes into compiling."""
+    """Share compiled programs between processes: most of the suite's time goes into compiling."""
     compile_quickly()
     if _SHARED not in os.environ:
         os.environ[_SHARED] = folder = tempfile.mkdtemp(prefix="physagent-tests-")
@@ -50,7 +50,7 @@ def pytest_configure(config):
 
 @pytest.fixture(autouse=True, scope="module")
 def programs_let_go():
-    """What earlier modules have compiled is let go before one process runs out of memory mappings."""
+    """Release the programs of earlier modules before a process runs out of memory mappings."""
     yield
     programs.release_programs()
 

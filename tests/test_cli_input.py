@@ -1,4 +1,4 @@
-"""What comes in from the command line: odd paths, odd characters, options that mean nothing; and any terminal."""
+"""Command-line input: odd paths, odd characters, options that mean nothing; and any terminal."""
 
 import contextlib
 import io

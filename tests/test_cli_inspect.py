@@ -83,7 +83,7 @@ def test_a_mesh(cone):
 
 
 def test_the_command_line_begins_a_run(robot_path, tmp_path, capsys, monkeypatch):
-    """What is suggested is accepted by `physagent run`, and says the same of the object."""
+    """The suggested command is accepted by `physagent run`, and says the same of the object."""
     spaced = tmp_path / "a robot's copy.ply"
     spaced.write_bytes(robot_path.read_bytes())
     said = find_facts(spaced, opacity_threshold=0.1)
@@ -126,7 +126,7 @@ def test_what_is_not_known_is_said(robot_path, tmp_path, capsys):
 
 
 def test_options_go_first(cone):
-    """What somebody says is not guessed; a shape that says otherwise is mentioned."""
+    """The user's axis is not guessed; a shape that contradicts it is mentioned."""
     said = find_facts(cone, up="+z", kind="ficus")
     assert (said["up"]["axis"], said["up"]["source"], said["kind"]["kind"]) == ("+z", "option", "plant")
     assert "though the shape says +y" in said["up"]["reason"] and "--up +z --kind plant" in said["command"]

@@ -1,4 +1,4 @@
-"""What stands beside the package uses it as anybody could: no private names, and no part of the command line."""
+"""The use of the package from beside it: no private names, and no part of the command line."""
 
 import ast
 from pathlib import Path

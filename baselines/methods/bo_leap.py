@@ -33,7 +33,7 @@ class BOLeap(OracleMethod):
     Attributes:
         types: Who says what the actions are.
         confidence: Standard deviations by which the lower bound lies below the mean.
-        population: Of the generation from which the gradients begin.
+        population: Population of the generation from which the gradients begin.
         spread: Its standard deviation, in |M| v.
         patience: Steps without gain after which a descent ends.
     """

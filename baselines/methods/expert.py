@@ -1,4 +1,4 @@
-"""What experts have published for such a sentence, played as it is."""
+"""Published experts' force fields for such a sentence, simulated as they are."""
 
 from __future__ import annotations
 

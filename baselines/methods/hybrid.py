@@ -25,8 +25,8 @@ class Hybrid(Method):
 
     Attributes:
         polish: Which local method.
-        rounds: Of the agents; 1 = the sentence alone is read.
-        part: Of the budget that the rounds may take.
+        rounds: Rounds of the agents; 1 = the sentence alone is read.
+        part: Part of the budget that the rounds may take.
         windows: Whether windows are polished too.
     """
 

@@ -25,7 +25,7 @@ class LBFGS(LocalMethod):
         memory: Pairs that are kept.
         first: Length of the first step, in |M| v.
         shortest: Step at which it has converged.
-        probes: Of a line search, at most.
+        probes: Probes of a line search, at most.
     """
 
     memory: int = 10
@@ -104,7 +104,7 @@ def find_direction(gradient: np.ndarray, pairs: list[tuple[np.ndarray, np.ndarra
 
 
 def fit_parabola(value: float, slope: float, trial: float) -> float:
-    """Where the parabola through a value with its slope and a trial value at 1 has its least, within [0.1, 0.5]."""
+    """The minimum of the parabola through a value with its slope and a trial value at 1, within [0.1, 0.5]."""
     if not np.isfinite(trial) or slope >= 0:
         return 0.25
     return float(np.clip(-slope / (2.0 * (trial - value - slope)), 0.1, 0.5))

@@ -32,7 +32,8 @@ class LevenbergMarquardt(LocalMethod):
     """Options are those of `LocalMethod`, and these.
 
     Attributes:
-        damping: Of the first step, in shares of the greatest element of J^T J's diagonal; the same for all unknowns,
+        damping: Damping of the first step, in shares of the greatest element of J^T J's diagonal; the same for
+            all unknowns,
             which are of one size, so that those that hardly matter stay where they are.
         shortest: Step at which it has converged, in |M| v.
     """

@@ -32,8 +32,8 @@ class OmniPhysGSF(SdsMethod):
         stages: Parts of the clip.
         inner: Steps on a stage before the next; the published 30 leave a small budget on the first stage.
         epochs: How often all stages are gone through; the budget may hold fewer.
-        learning_rate: Of vectors, in |M| v.
-        logit_rate: Of what chooses the skill.
+        learning_rate: Learning rate of vectors, in |M| v.
+        logit_rate: Logit rate of what chooses the skill.
         preference: Logit of the start's own skill at first; the others begin at 0.
     """
 
@@ -117,7 +117,7 @@ class Choice:
     Attributes:
         start: Windows, regions and all else.
         vectors: |M| v of each action, shape (actions, 3).
-        logits: Of each action's skills, shape (actions, kinds); the greatest acts.
+        logits: Logits of each action's skills, shape (actions, kinds); the greatest acts.
     """
 
     start: ForceField
@@ -180,7 +180,7 @@ class Choice:
         return weights * (by_weights - (weights * by_weights).sum(1, keepdims=True))
 
     def _find_idle(self) -> np.ndarray:
-        """Which skills do not act, shape (actions, kinds)."""
+        """The inactive skills, shape (actions, kinds)."""
         return np.arange(len(KINDS)) != self.chosen[:, None]
 
     def _decode(self, kinds: np.ndarray, frame_count: int) -> ForceField:

@@ -22,7 +22,7 @@ class SmoothedAdam(Adam):
     """Options are those of `Adam`, and these.
 
     Attributes:
-        samples: Of a gradient, an even number.
+        samples: Samples of a gradient, an even number.
         width: Standard deviation of their scatter, in |M| v.
     """
 

@@ -30,7 +30,8 @@ def open_prior(name: str, weights: str, **options: Any) -> ScorePrior:
     Args:
         name: One of `PRIORS`.
         weights: Folder, or for a real prior also a hub id.
-        options: Of its class's `load`; ``settings`` may be a mapping of some fields of `SdsSettings`, the others are
+        options: Options of its class's `load`; ``settings`` may be a mapping of some fields of `SdsSettings`,
+            the others are
             the prior's own.
 
     Raises:

@@ -30,7 +30,7 @@ def distil(
         theta: The parameters, a pytree.
         prior: Who judges.
         prompt: What should be seen.
-        key: Of the prior's draws.
+        key: Random key of the prior's draws.
         still: As in `ScorePrior.gradient`.
     """
     video, pull = jax.vjp(render, theta)

@@ -24,11 +24,12 @@ class Comparison:
         prior: Whose gradients.
         toy: Whether that is the toy prior.
         draws: How many gradients, each of the prior's own number of draws.
-        cosine: Of the mean gradient with the true one; 1 points to the target as well as descent on the truth does.
-        cosines: Of each gradient, shape (draws,).
-        share_downhill: Of the gradients against which a step lessens the true loss: cosine above 0.
+        cosine: Cosine of the mean gradient with the true one; 1 points to the target as well as descent on the
+            truth does.
+        cosines: Cosines of each gradient, shape (draws,).
+        share_downhill: Share downhill of the gradients against which a step lessens the true loss: cosine above 0.
         mean: Mean gradient, shape (p,).
-        variance: Of each component over the draws, shape (p,).
+        variance: Variance of each component over the draws, shape (p,).
         signal_to_noise: |mean|^2 over the sum of the variances: 1 over it is about how many gradients a mean takes.
         true_gradient: Shape (p,).
     """
@@ -63,7 +64,7 @@ def compare_with_truth(
         force_field: Where.
         prior: Who looks.
         draws: Gradients.
-        seed: Of their noise.
+        seed: Seed of their noise.
         truncation: How far they go back; the true one goes all the way.
 
     Raises:

@@ -1,4 +1,4 @@
-"""What adapters to the video models of `diffusers` share: components, not pipelines; the encoder with a gradient.
+"""Shared parts of adapters to the video models of `diffusers`: components, not pipelines; a differentiable encoder.
 
 A prior is made of components that the caller has (`__init__`), or loads them (`load`) from a folder or a hub id that
 the caller names. Nothing is downloaded unless that is asked for.
@@ -38,7 +38,7 @@ class DiffusersPrior(abc.ABC):
     Args:
         denoiser: UNet or transformer.
         vae: Autoencoder; its mean is taken, not a sample.
-        scheduler: Of the model: its noise levels, and what the denoiser predicts.
+        scheduler: Scheduler of the model: its noise levels, and what the denoiser predicts.
         frames, size: Length of the clips and (height, width) [px] that the model is shown; others are made so, by
             leaving frames out and by bilinear interpolation.
         settings: How the gradient is estimated; None = the model's usual.
@@ -97,7 +97,8 @@ class DiffusersPrior(abc.ABC):
             weights: Folder with the model's subfolders, or a hub id.
             download: Whether what is not on this machine may be fetched from the hub.
             device: As in the class.
-            dtype: Of denoiser and text encoder: "float32", "float16" or "bfloat16". The autoencoder stays in single
+            dtype: Type of denoiser and text encoder: "float32", "float16" or "bfloat16". The autoencoder stays
+                in single
                 precision, in which its gradient is finite.
             embeddings: As in the class; with these no text encoder is loaded.
             options: Others of the class.
@@ -144,7 +145,7 @@ class DiffusersPrior(abc.ABC):
 
     @abc.abstractmethod
     def find_form(self) -> sds.Form:
-        """What the denoiser predicts."""
+        """The denoiser's prediction form."""
 
     @abc.abstractmethod
     def check_shape(self) -> None:
@@ -239,7 +240,7 @@ class DiffusersPrior(abc.ABC):
 
 
 def find_scheduled_form(scheduler: Any) -> sds.Form:
-    """What a denoiser predicts, by a DDPM-like scheduler's configuration.
+    """The denoiser's prediction form, from a DDPM-like scheduler's configuration.
 
     Raises:
         UserError: It is the clean sample.

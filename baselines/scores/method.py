@@ -1,4 +1,4 @@
-"""What the methods of score distillation share: a prior looks at the pictures, its pixel gradient goes back.
+"""Shared parts of score distillation: a prior looks at the pictures, its pixel gradient goes back.
 
 None reads the target. None has an objective either, for the loss of score distillation says nothing about how well a
 clip fits: the latest force field is the answer, as in the published methods.
@@ -67,7 +67,7 @@ class SdsMethod(Method):
         return Glance(evaluator, open_prior(self.prior, self.weights, **self.prior_options))
 
     def choose_start(self, evaluator: Evaluator) -> ForceField:
-        """Where to begin.
+        """Choose the start of the descent.
 
         Raises:
             UserError: There is no action to be improved.

@@ -1,4 +1,4 @@
-"""What a score prior is: it says in which direction the pixels of a clip should change to fit a sentence."""
+"""The protocol of a score prior: the direction in which a clip's pixels should change to fit a sentence."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Key = jax.Array | int
 
 @dataclasses.dataclass
 class Cost:
-    """What a prior has spent so far.
+    """The spending of a prior so far.
 
     Attributes:
         calls: Evaluations of the denoiser; guidance needs two per draw.
@@ -32,7 +32,7 @@ class ScorePrior(Protocol):
     Attributes:
         name: In the registry, `open_prior`.
         toy: Whether it was trained here on a few clips: nothing about video models follows from its results.
-        licence: Of the weights.
+        licence: Licence of the weights.
         cost: What it has spent.
     """
 
@@ -64,7 +64,7 @@ class ScorePrior(Protocol):
         Args:
             video: Colours in [0, 1], shape (T, H, W, 3).
             prompt: What should be seen.
-            key: Of the draws of noise and noise level.
+            key: Random key of the draws of noise and noise level.
             still: For priors that compare with a clip in which nothing moves, that clip, shape (T, H, W, 3); None =
                 the first frame, repeated.
 

@@ -23,7 +23,7 @@ PUBLISHED_GUIDANCE = 101.0
 
 
 class Form(enum.StrEnum):
-    """What a denoiser predicts.
+    """The prediction form of a denoiser.
 
     EPSILON: The noise e.
     V: alpha e - sigma x_0 (Salimans & Ho 2022).
@@ -63,7 +63,7 @@ class Level:
 
 @dataclasses.dataclass(frozen=True)
 class SdsSettings:
-    """How the gradient is estimated.
+    """The settings of the gradient's estimate.
 
     Attributes:
         guidance: s of classifier-free guidance, out = unconditional + s (conditional - unconditional); 1 = none.
@@ -93,7 +93,7 @@ class SdsSettings:
 
 @dataclasses.dataclass(frozen=True)
 class Draw:
-    """What is drawn for one evaluation.
+    """The random draws of one evaluation.
 
     Attributes:
         time: Position of the noise level in [0, 1].
@@ -120,7 +120,7 @@ def add_noise(clean: Any, noise: Any, level: Level) -> Any:
 
 
 def make_target(form: Form, clean: Any, noise: Any, level: Level) -> Any:
-    """What a perfect denoiser would answer if it knew the noise."""
+    """The answer of a perfect denoiser that knows the noise."""
     if form is Form.EPSILON:
         return noise
     if form is Form.V:
@@ -183,7 +183,7 @@ def repeat_first(video: np.ndarray) -> np.ndarray:
 
 
 def pick_frames(count: int, wanted: int) -> np.ndarray:
-    """Which of ``count`` frames a model of ``wanted`` frames is shown: spread evenly, shape (wanted,)."""
+    """The frames of ``count`` that a model of ``wanted`` frames gets: spread evenly, shape (wanted,)."""
     return np.linspace(0, count - 1, wanted).round().astype(int)
 
 

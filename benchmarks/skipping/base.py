@@ -30,7 +30,7 @@ class Sizes:
     """Sizes of the scenes.
 
     Attributes:
-        particles: Particles of most rows; also Gaussians, where pictures are made.
+        particles: Number of particles of most rows; also Gaussians, where pictures are made.
         cells: Along a side of the domain.
         substeps: Substeps of one run.
         rounds: In which the two ways take turns; fewer if they are slow (`measure.FEWEST`).

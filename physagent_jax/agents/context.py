@@ -1,4 +1,4 @@
-"""What an agent is told when it is called: the task, the skills, and everything that was tried before."""
+"""The context of an agent's call: the task, the skills, and every earlier attempt."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class KeyFrames(Protocol):
 
 @dataclass(frozen=True)
 class Observation:
-    """What was simulated in a round and what is seen of it; not judged yet.
+    """A simulated round and what is seen of it, not judged yet.
 
     Attributes:
         force_field: What was simulated.
@@ -55,7 +55,7 @@ class Round(Observation):
 
 @dataclass(frozen=True)
 class AgentContext:
-    """What every agent is called with.
+    """The context with which every agent is called.
 
     Attributes:
         prompt: The sentence.
@@ -73,5 +73,5 @@ class AgentContext:
 
     @property
     def expectations(self) -> tuple[ExpectedMotion, ...]:
-        """What the semantic agent expects to be seen; may be empty."""
+        """Motions that the semantic agent expects to be seen; may be empty."""
         return self.reading.expectations if self.reading else ()

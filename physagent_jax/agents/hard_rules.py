@@ -58,7 +58,7 @@ class Repair:
 
 @dataclass(frozen=True)
 class Context:
-    """What the rules may look at besides the force field.
+    """Facts that the rules may use besides the force field.
 
     Attributes:
         brief: The scene.
@@ -189,7 +189,7 @@ def no_stacking(entries: Entries, context: Context) -> tuple[Entries, list[str]]
 
 
 def gravity_makes_it_fall(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
-    """What falls from the start, falls by gravity: never by a push downwards with gravity and ground switched off.
+    """Let gravity make an object fall, never a downward push with gravity and ground switched off.
 
     In a world without gravity a later fall has to be a push: gravity would not wait for it.
     """
@@ -244,7 +244,7 @@ def window_in_clip(entries: Entries, context: Context) -> tuple[Entries, list[st
 
 
 def held_until_in_clip(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
-    """What was brought somewhere is held until a frame after its window and inside the clip, or let go."""
+    """Hold what was moved somewhere until a frame after its window and inside the clip, or release it."""
     reasons: list[str] = []
     end = float(context.brief.frame_count - 1)
     for group, index, item in _map_each(entries):

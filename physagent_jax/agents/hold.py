@@ -1,4 +1,4 @@
-"""What holds an object, against what is to happen to it.
+"""Holds against motions: whether a hold gives way, stays, or makes a motion impossible.
 
 A hold that only the object's kind implies gives way to a motion that needs the object free: it falls, rises, turns as
 a whole, or leaves its place (`ExpectedMotion.leaves_place`). What is bent, swayed, stretched or twisted keeps it, and
@@ -35,7 +35,7 @@ class HoldOrigin(enum.Enum):
 
 @dataclass(frozen=True)
 class Hold:
-    """What holds an object.
+    """The hold of an object.
 
     Attributes:
         place: Where it is held, as in `Anchor`.

@@ -1,4 +1,4 @@
-"""Which actions and constraints of a force field are meant to cause an expected motion."""
+"""The actions and constraints of a force field that are meant to cause an expected motion."""
 
 from __future__ import annotations
 

@@ -17,11 +17,11 @@ from physagent_jax.agents.trace import Reply
 
 
 class Agent(Protocol):
-    """What all roles have in common; agents derive from their role's protocol and so inherit the defaults."""
+    """The base of all roles; agents derive from their role's protocol and so inherit the defaults."""
 
     @property
     def name(self) -> str:
-        """Which implementation this is, with the model if it asks one: another name is another run."""
+        """The implementation's name, with its model if it asks one: another name is another run."""
         return type(self).__name__
 
 

@@ -1,4 +1,4 @@
-"""What agents exchange: the scene brief they read, the intent they extract, the judgement they pass.
+"""Schemas that agents exchange: the scene brief, the intent, the judgement.
 
 Pure data: no arrays, no jax. Frames are the unit of time, body lengths the unit of length.
 """
@@ -86,7 +86,7 @@ class SceneBrief(Strict):
 
 
 class AnchorRequest(Strict):
-    """What the prompt says about being held or let loose.
+    """A request of the prompt to hold or release the object.
 
     Attributes:
         kind: "base" (a slab at the foot), "top", "none" (explicitly free), or None (says nothing).
@@ -105,7 +105,7 @@ class ObstacleRequest(Strict):
     Attributes:
         kind: "wall" stands upright or hangs overhead across the way; "block" is a box beside the object.
         direction: Where it is, seen from the object (unit world vector).
-        distance: Of its face from the object's nearest side [body lengths].
+        distance: Distance of its face from the object's nearest side [body lengths].
         words: The words that led to it.
     """
 
@@ -116,7 +116,7 @@ class ObstacleRequest(Strict):
 
 
 class WorldRequest(Strict):
-    """What the sentence says about the surroundings; None = nothing.
+    """A request of the sentence about the surroundings; None = nothing.
 
     Attributes:
         gravity: "down", "up" (reversed) or "none".
@@ -186,7 +186,7 @@ class ExpectedMotion(Strict):
 
 
 class Evidence(Strict):
-    """Which words led to which value, for the report.
+    """The words that led to a value, for the report.
 
     Attributes:
         words: The words as they stand in the prompt.

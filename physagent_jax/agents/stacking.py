@@ -1,4 +1,4 @@
-"""How much acts together: the range of a magnitude holds for the sum of what acts at once along one line."""
+"""Simultaneous magnitudes: their range holds for the sum of what acts at once along one line."""
 
 from __future__ import annotations
 

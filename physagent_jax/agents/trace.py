@@ -1,4 +1,4 @@
-"""How an agent came to its answer, and what that cost. Empty for rules, which exchange no messages."""
+"""The path to an agent's answer, and its cost. Empty for rules, which exchange no messages."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Trace(Strict):
         raw_reply: The text that the answer was read from, as it came.
         validation_errors: Why earlier replies of this call were refused, one each.
         repairs: What was changed in the reply so that it could be used, a sentence each.
-        input_tokens, output_tokens: Of all messages of this call, as the provider counts them.
+        input_tokens, output_tokens: Tokens of all messages of this call, as the provider counts them.
         latency_seconds: Waited for the model [s].
     """
 
@@ -69,7 +69,7 @@ class Trace(Strict):
 
 @dataclass(frozen=True)
 class Reply(Generic[Value]):
-    """What an agent returns.
+    """An agent's answer.
 
     Attributes:
         value: The answer.

@@ -113,7 +113,7 @@ def _is_computing(arguments: list[str]) -> bool:
 
 
 def _to_user_error(error: UserError | OSError | MemoryError | ModuleNotFoundError) -> UserError:
-    """What to tell; the one place for refusals of the operating system that no reader or writer has foreseen."""
+    """Convert an operating system's refusal that no reader or writer has foreseen into a message."""
     if isinstance(error, UserError):
         return error
     if isinstance(error, ModuleNotFoundError):

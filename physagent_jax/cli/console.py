@@ -1,4 +1,4 @@
-"""What the commands say while they work: progress on standard error, results on standard output."""
+"""Console output: progress on standard error, results on standard output."""
 
 from __future__ import annotations
 

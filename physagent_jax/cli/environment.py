@@ -1,4 +1,4 @@
-"""What commands that compute need of their surroundings: checked, and set up, before they begin."""
+"""The environment of commands that compute: checked and set up before they begin."""
 
 from __future__ import annotations
 

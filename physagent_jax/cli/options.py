@@ -58,7 +58,7 @@ _BESIDE = {"out", "spec", "max_minutes", "max_memory", "overwrite", "json_line"}
 
 
 def to_spec(options: Mapping[str, Any]) -> RunSpec:
-    """What the ``options`` say, by the names of `Run`'s fields.
+    """Convert ``options`` to the names of `Run`'s fields.
 
     Raises:
         UserError: An option is missing, out of range, excluded by another or meaningless without it.

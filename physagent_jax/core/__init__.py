@@ -1,1 +1,1 @@
-"""What every layer rests on: errors, the schema base, pytrees, arrays, and files read and written with care."""
+"""The base of every layer: errors, the schema base, pytrees, arrays, and guarded reading and writing of files."""

@@ -25,11 +25,11 @@ class UserError(ValueError):
 
 
 class MissingPackageError(UserError):
-    """What was asked for needs a package that is not installed, whatever the input.
+    """A requested feature needs a package that is not installed, whatever the input.
 
     Args:
         what: What needs it, and the package.
-        extra: Of this project, with which it comes.
+        extra: Extra of this project, with which it comes.
     """
 
     def __init__(self, what: str, extra: str = ""):

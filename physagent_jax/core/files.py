@@ -77,7 +77,7 @@ def make_folders(folder: Path) -> list[Path]:
 
 
 def explain_write_error(path: str | Path, error: OSError) -> UserError:
-    """What to tell of an operating system's refusal to write ``path``."""
+    """Explain an operating system's refusal to write ``path``."""
     if error.errno in _FULL:
         remedy = "Make room and give the same command again"
     else:
@@ -86,7 +86,7 @@ def explain_write_error(path: str | Path, error: OSError) -> UserError:
 
 
 def find_leftovers(path: str | Path) -> list[Path]:
-    """What `replace_file` left beside ``path`` when a process was killed, if nobody is writing it now."""
+    """Files that `replace_file` left beside ``path`` when a process was killed, if nobody is writing it now."""
     path = Path(path)
     pattern = re.compile(re.escape(f".{path.stem}.") + _MARK + re.escape(path.suffix))
     try:

@@ -21,7 +21,7 @@ class Once(Generic[_Out]):
     What it raises is not kept: the next caller tries again.
 
     Args:
-        function: Of positional, hashable arguments.
+        function: Function of positional, hashable arguments.
     """
 
     def __init__(self, function: Callable[..., _Out]):

@@ -22,7 +22,7 @@ class Recent(Generic[_Out]):
         self._kept: tuple[tuple[object, Any, _Out], ...] = ()
 
     def find(self, thing: object, settings: Any, measure: Callable[[], _Out]) -> _Out:
-        """What ``measure`` gave for this very ``thing`` and equal ``settings``, or gives now."""
+        """The result of ``measure`` for this very ``thing`` and equal ``settings``, remembered or measured now."""
         for its_thing, its_settings, result in self._kept:
             if its_thing is thing and its_settings == settings:
                 return result

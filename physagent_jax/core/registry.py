@@ -1,4 +1,4 @@
-"""What can be chosen by name: each entry is imported when it is chosen, with whatever heavy package it needs."""
+"""Implementations chosen by name: each is imported when it is chosen, with whatever heavy package it needs."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ _COLLECTING = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
 
 
 def _list_parameters(factory: Callable[..., Any]) -> list[inspect.Parameter]:
-    """What ``factory`` is called with.
+    """Parameters with which ``factory`` can be called.
 
     A class that derives from a protocol and has no ``__init__`` of its own inherits `typing`'s until it is first made
     and `object`'s afterwards: both seem to take anything and take nothing.

@@ -1,4 +1,4 @@
-"""Where a path turns back."""
+"""Turning points of a path."""
 
 from __future__ import annotations
 

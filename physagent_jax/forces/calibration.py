@@ -1,4 +1,4 @@
-"""What a magnitude of 1 means, and what follows from it: the numbers that skills, camera, agents and report share.
+"""The meaning of a magnitude of 1: the numbers that skills, camera, agents and report share.
 
 Plain numbers, so that agents read them without arrays. Lengths are in body lengths (L, the object's longest extent)
 and times in clips (T) unless a unit is given. A skill at M = 1 does what is said here to a free object on which nothing
@@ -101,13 +101,13 @@ def find_reference_time(held: bool, duration: float) -> float:
 
     Args:
         held: Whether the object is held somewhere.
-        duration: Of the clip [s].
+        duration: Duration of the clip [s].
     """
     return HELD_TIME if held else min(duration, REFERENCE_TIME)
 
 
 def describe_meaning(skill: str) -> str:
-    """What M = 1 does, for people and language models.
+    """Describe the effect of M = 1, for people and language models.
 
     Args:
         skill: A name of `forces.schema.SkillScaling`: "translation", "scale", "impulse", "torque", "velocity",

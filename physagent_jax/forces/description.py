@@ -1,4 +1,4 @@
-"""What the skill library says of itself to whoever writes force fields: a text and a JSON schema.
+"""The skill library's description for authors of force fields: a text and a JSON schema.
 
 Both are made from `forces.schema`, so that a change there reaches every agent.
 """

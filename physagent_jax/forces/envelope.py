@@ -1,4 +1,4 @@
-"""How strong a term is over time.
+"""Time envelopes: the strength of a term over time.
 
 A substep needs the mean of the profile over [time, time + dt], not its value at one instant: then the
 impulses of consecutive substeps add up to the integral of the profile, whatever dt is. All four profiles
@@ -40,10 +40,11 @@ class Envelope:
     Attributes:
         kind: The shape, static.
         start, end: Window [s], scalars.
-        rise, fall: Of a ramp [s], scalars; 0 = at once. If they do not fit into the window, the lines meet
+        rise, fall: Rise and fall of a ramp [s], scalars; 0 = at once. If they do not fit into the window, the
+            lines meet
             below 1.
-        frequency: Of a sine [Hz], scalar.
-        phase: Of a sine at ``start`` [rad], scalar.
+        frequency: Frequency of a sine [Hz], scalar.
+        phase: Phase of a sine at ``start`` [rad], scalar.
         edge: Width of the smooth edges of a constant or a sine [s], scalar; None = hard. A ramp and a pulse have none
             but their own.
     """

@@ -1,4 +1,4 @@
-"""What a push or a blow needs where the object is held and bends.
+"""Compensation for pushes and blows of an object that is held and bends.
 
 With C the mean displacement per uniform acceleration (`scene.compliance`), a steady push a along v moves the centre by
 a v.C v, and a sudden one swings to up to twice that, less what damping takes. A blow dv sets the lowest mode going,

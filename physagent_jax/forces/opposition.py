@@ -1,4 +1,4 @@
-"""What a push, a blow or a turn needs in addition where friction and weight work against it.
+"""Compensation for pushes, blows and turns against which friction and weight work.
 
 The way s that M asks for is what counts: M = 1 means the same visible motion on the ground as in empty space. A push
 overcomes what opposes it and moves the object by what is left; when it ends, friction stops it. Weight is made up for
@@ -78,7 +78,7 @@ def find_rubbing(opposition: Opposition, axis):
 
 
 def describe_opposition(opposition: Opposition) -> str:
-    """What is made up for, in words."""
+    """Describe the compensated opposition in words."""
     parts = []
     if opposition.friction:
         parts.append(f"friction of {opposition.friction:.3g} m/s^2 (for pushes while they act)")

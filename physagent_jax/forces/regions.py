@@ -1,4 +1,4 @@
-"""Which particles a region means, and what acts on them alone."""
+"""Particles that a region selects, and terms that act on them alone."""
 
 from __future__ import annotations
 

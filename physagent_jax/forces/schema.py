@@ -163,7 +163,7 @@ class ForceField(Strict):
 
 
 class Opposition(Strict):
-    """What works against a motion of the whole object, and is made up for (`forces.opposition`).
+    """Friction and weight that oppose a motion of the whole object, and are compensated (`forces.opposition`).
 
     Attributes:
         friction: Deceleration of what slides over the ground [m/s^2].
@@ -171,7 +171,7 @@ class Opposition(Strict):
         turning: Angular deceleration by friction of what spins about the vertical [rad/s^2].
         tipping: Angular acceleration at which the weight holds it upright [rad/s^2].
         lever: Height of the mass centre over the feet [m], where friction acts; 0 for what rolls.
-        damping_rate: Of velocities [1/s].
+        damping_rate: Damping rate of velocities [1/s].
         travel: Way that a blow with M = 1 goes [m].
         time: In which it does where nothing stops it before [s].
     """
@@ -191,7 +191,7 @@ _ComplianceRow = tuple[_Compliance, _Compliance, _Compliance]
 
 
 class Holding(Strict):
-    """How far what is held somewhere gives way (`scene.compliance`); pushes and blows are scaled by it.
+    """The compliance of an object that is held somewhere (`scene.compliance`); it scales pushes and blows.
 
     Attributes:
         compliance: Mean displacement per uniform acceleration [s^2], rows answer the world's axes.
@@ -206,18 +206,18 @@ class Holding(Strict):
 
 
 class SkillScaling(Strict):
-    """What a magnitude of 1 means in SI units; recorded in a scene, so that it replays exactly.
+    """The meaning of a magnitude of 1 in SI units; recorded in a scene, so that it replays exactly.
 
     Attributes:
         translation: Acceleration [m/s^2].
         scale: Acceleration [m/s^2].
         impulse: Velocity change [m/s].
         torque: Angular acceleration [rad/s^2].
-        velocity: Of ``enforce_particle_translation`` and ``moving_plate`` [m/s].
-        rotation: Of ``enforce_particle_rotation`` [rad/s]; by default a quarter turn in two seconds.
+        velocity: Velocity of ``enforce_particle_translation`` and ``moving_plate`` [m/s].
+        rotation: Rate of ``enforce_particle_rotation`` [rad/s]; by default a quarter turn in two seconds.
         swing: How far to either side pushes to and fro swing it (`forces.swinging`) [m]; None = each of them is a push
             like any other.
-        damping_rate: Of velocities, where it is made up for [1/s].
+        damping_rate: Damping rate of velocities, where it is made up for [1/s].
         opposition: What works against the motion, which pushes, blows and turns of the whole object make up for;
             None = nothing.
         holding: How far it gives way where it is held, which pushes and blows of either kind go by; None = not known.

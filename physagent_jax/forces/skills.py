@@ -299,7 +299,7 @@ def _is_turned_meanwhile(action: Action, field: ForceField) -> bool:
 def _overcome_friction(
     action: Action, scaling: SkillScaling, bound: _Bound, stroke: Stroke | None, held_upright: bool
 ) -> list[PushCompensation | TurnCompensation]:
-    """What a push or a turn of the whole object adds over the ground."""
+    """The acceleration that overcomes ground friction for a push or a turn of the whole object."""
     opposition, vector, magnitude = scaling.opposition, bound.values.vector, bound.values.magnitude
     if opposition is None or action.region is not None:
         return []
@@ -374,7 +374,7 @@ class _Bound:
         return self.leaf(_direct(k, self.values))
 
     def stress_concentration(self) -> Array | float:
-        """How much more a `scale` strains the weakest section than it strains a uniform bar's middle; at least 1.
+        """The strain of a `scale` in the weakest section over that in a uniform bar's middle; at least 1.
 
         A pull grows along the object and is carried by its cross-section: a thin neck with much behind it
         would tear where a bar only stretches. Compared are the pull beyond a section over the section's

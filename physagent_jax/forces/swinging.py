@@ -46,7 +46,7 @@ class Stroke:
 def find_strokes(
     field: ForceField, values: Sequence[ActionParameters], scaling: SkillScaling, frame_dt: float
 ) -> dict[int, Stroke]:
-    """What each push that follows another, or is followed by one, gives, by its place in ``field.actions``.
+    """Velocity changes of successive pushes, by their place in ``field.actions``.
 
     Args:
         field: The force field.
@@ -127,5 +127,5 @@ def _go_on(speed, acceleration, drag: float, time, xp):
 
 
 def describe_swing(amplitude: float) -> str:
-    """What M = 1 does to and fro, in words."""
+    """Describe the effect of M = 1 on a to-and-fro motion."""
     return f"to and fro, a push of 1 swings it by {amplitude:.3g} m to either side"

@@ -26,7 +26,7 @@ _COINCIDENT = 1e-6
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Binding:
-    """Which particles each Gaussian follows, made in the rest pose.
+    """The particles that each Gaussian follows, chosen in the rest pose.
 
     Attributes:
         indices: Particles, shape (g, k), int32.

@@ -55,7 +55,7 @@ def cap_elongation(splats: Splats, rest_scales: np.ndarray, size: float) -> Spla
 def _limit_first(
     scales: np.ndarray, easy: np.ndarray, rest_ratio: np.ndarray, limit: np.ndarray
 ) -> np.ndarray:
-    """How long the longest axis may be [m], shape (n,); ``scales`` ascending, shape (n, 3)."""
+    """The largest allowed length of the longest axis [m], shape (n,); ``scales`` ascending, shape (n, 3)."""
     by_ratio = np.maximum(MOST_RATIO, rest_ratio) * np.minimum(scales[:, 1], limit)
     return np.maximum(easy, np.minimum(limit, by_ratio))
 

@@ -35,5 +35,5 @@ def splats_to_cloud(splats: Splats) -> GaussianCloud:
 
 
 def _count_drawn(opacities: jax.Array) -> int:
-    """How many Gaussians there are up to the last one that can be seen."""
+    """The number of Gaussians up to the last visible one."""
     return int(np.flatnonzero(np.asarray(opacities)).max(initial=-1)) + 1

@@ -57,7 +57,7 @@ def use_device_of(array: Any) -> Iterator[None]:
 
 
 def find_platform() -> str:
-    """Where JAX computes what does not lie anywhere yet: on its default device, if one is set, else its backend's."""
+    """The platform of new arrays: JAX's default device, if one is set, else its backend."""
     device: Any = jax.config.jax_default_device  # type: ignore[attr-defined]
     if device is None:
         return jax.default_backend()
@@ -85,7 +85,7 @@ def import_kernels(module: str):
 
 
 def describe_kernels(kernels: Kernels) -> str:
-    """What a run's manifest says of its kernels."""
+    """Describe the kernels in use, for a run's manifest."""
     if not use_cpu(kernels):
         return "reference"
     from physagent_jax.kernels.threads import thread_count
@@ -94,7 +94,7 @@ def describe_kernels(kernels: Kernels) -> str:
 
 
 def _explain_missing() -> str:
-    """Why there are no CPU kernels; "" if there are."""
+    """The reason why there are no CPU kernels; "" if there are."""
     if find_platform() != "cpu":
         return f"JAX runs on {find_platform()}"
     return numba_missing()
@@ -102,7 +102,7 @@ def _explain_missing() -> str:
 
 @once
 def numba_missing() -> str:
-    """Why Numba's kernels cannot be had; "" if they can."""
+    """The reason why Numba's kernels are unavailable; "" if they are available."""
     try:
         import_kernels("physagent_jax.kernels.lanes")
     except ImportError as error:

@@ -58,13 +58,13 @@ def is_resting():
 
 @njit(**INLINE)
 def note_work(nanoseconds):
-    """What a helper has worked."""
+    """Add a helper's work to the account."""
     add_word(_find_account(), BALANCE, nanoseconds)
 
 
 @njit(**OPTIONS)
 def note_wait(nanoseconds):
-    """What a call has waited for its helpers, as the last thing that it does with them."""
+    """Subtract a call's wait for its helpers, as the last step of the call."""
     account = _find_account()
     balance = add_word(account, BALANCE, -nanoseconds) - nanoseconds
     if balance > MOST:

@@ -69,7 +69,7 @@ def check_operands(
         kernel: Its name.
         operands: By name, traced or not.
         shapes: What the kernel expects of each.
-        dtype: Of those that ``others`` does not name.
+        dtype: Type of the operands that ``others`` does not name.
         others: Types of some.
 
     Raises:

@@ -301,7 +301,7 @@ def concatenate(typing, a, b):
 
 @intrinsic
 def split(typing, both):
-    """What `concatenate` has put together."""
+    """Split a value that `concatenate` made."""
     half = both.count // 2
     result = types.UniTuple(Lanes(both.dtype, half), 2)
 

@@ -1,4 +1,4 @@
-"""What the kernels share: constants of the right precision, splines, and the division of work."""
+"""Shared parts of kernels: constants of the right precision, splines, and the division of work."""
 
 # pyright: reportCallIssue=false
 

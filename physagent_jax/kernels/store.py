@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept from one process to the next.
+"""The store of compiled kernels between processes.
 
 Each kernel has a folder of its own: the files that Numba writes, and a seal with their digests. It is filled elsewhere
 and renamed, so that nobody finds half of one, and is read only if the seal holds: Numba itself would run whatever code

@@ -97,7 +97,7 @@ def _make_team(frame, size):
 
 @njit(**INLINE)
 def team_size(seat):
-    """How many threads the team has at most."""
+    """The largest number of threads in the team."""
     return ffi.read_word(ffi.read_word(seat, 0), _SIZE)
 
 

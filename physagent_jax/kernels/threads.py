@@ -1,4 +1,4 @@
-"""How many threads the CPU kernels use."""
+"""The number of threads of the CPU kernels."""
 
 from __future__ import annotations
 

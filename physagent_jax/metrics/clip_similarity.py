@@ -31,7 +31,7 @@ class PictureEncoder(Protocol):
 
 @dataclasses.dataclass(frozen=True)
 class ClipSimilarity:
-    """What a model says of a clip.
+    """A model's score of a clip.
 
     Attributes:
         mean: CLIPsim, in [-1, 1].
@@ -69,7 +69,7 @@ class TransformersClip:
     Args:
         model: `CLIPModel`.
         processor: `CLIPProcessor`: the model's own resizing, cropping, normalisation and tokens.
-        name: Of the weights.
+        name: Name of the weights.
     """
 
     def __init__(self, model: Any, processor: Any, name: str):

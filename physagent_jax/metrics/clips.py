@@ -74,7 +74,7 @@ class Clip:
         return self._maps[part]
 
     def turned(self, part: Part, axis: tuple[float, float, float]) -> jax.Array:
-        """How far a part has turned about a direction since frame 0 [degrees], shape (T,).
+        """The rotation of a part about a direction since frame 0 [degrees], shape (T,).
 
         The sum of what each frame turns it: of half a turn per frame at most. About one axis, that is the angle.
         """

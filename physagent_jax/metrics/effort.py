@@ -1,4 +1,4 @@
-"""How violent a solution is: the impulse that its force field hands to each kilogram."""
+"""The effort of a solution: the impulse that its force field gives to each kilogram."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which numbers of a force field its motion tells: eigenvalues of J^T J, with J the residuals' derivative."""
+"""Numbers of a force field that its motion identifies: eigenvalues of J^T J, J the residuals' derivative."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ residuals in tolerances, what is less passes for the same motion."""
 
 
 class Identifiability(Strict):
-    """What J^T J says.
+    """The spectrum of J^T J.
 
     Attributes:
-        names: Of the parameters.
-        eigenvalues: Of the scaled J^T J, largest first: the square of how far a change by the parameters' scale along
+        names: Names of the parameters.
+        eigenvalues: Eigenvalues of the scaled J^T J, largest first: the square of how far a change by the
+            parameters' scale along
             each direction moves the residuals.
         directions: Unit vectors in scaled parameters, row by row as the eigenvalues.
         condition: Largest over smallest singular value; None if the smallest is zero.
@@ -38,7 +39,7 @@ def find_identifiability(jacobian, names, scale, *, least: float = LEAST_CHANGE)
 
     Args:
         jacobian: Derivative of the residuals by the parameters, shape (m, p).
-        names: Of the parameters, p of them.
+        names: Names of the parameters, p of them.
         scale: A change of each parameter that matters, such as its range, shape (p,).
         least: How far the residuals must move for a direction to be identified.
 

@@ -1,4 +1,4 @@
-"""What each clause of a target measures on a clip: the same numbers for the judge and for what methods minimise."""
+"""Measures of a target's clauses on a clip: the same numbers for the judge and for methods that minimise."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Measure:
         seen: On the clip, scalar; may be traced.
         wanted: What the clause asks for.
         tolerance: By how much it may differ.
-        unit: Of all three.
+        unit: Unit of all three.
         parts: What it is made of, in tolerances, where that says more to a least-squares method than the number
             itself; zero where the target is hit.
     """

@@ -1,4 +1,4 @@
-"""Whether a cloud of particles hangs together: pieces, counted frame by frame."""
+"""Connected pieces of a particle cloud, counted frame by frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How near a force comes to the one that made the motion: magnitude in per cent, direction in degrees.
+"""Recovery of a known force: magnitude error in per cent, direction error in degrees.
 
 The measures of "Seeing the Wind from a Falling Leaf" (NeurIPS 2025), per action instead of per point in space.
 """
@@ -50,7 +50,7 @@ class RecoveryErrors(Strict):
     """Of a force field.
 
     Attributes:
-        actions: Of each hidden action.
+        actions: Errors of each hidden action.
         magnitude_percent: Mean over them.
         direction_degrees: Mean over those that were found; None if none was.
         missing: Hidden actions that were not found.

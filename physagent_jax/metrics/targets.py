@@ -1,4 +1,4 @@
-"""What a task asks for: clauses over the true paths of an object's particles. Pure data, no arrays.
+"""Targets of tasks: clauses over the true paths of an object's particles. Pure data, no arrays.
 
 A clause names what is measured (`metrics.measures` says how), of the whole object or of one end of it, in which frames,
 the value that is wanted and the tolerance: it is met where the value differs by at most the tolerance. Lengths are in
@@ -35,7 +35,7 @@ Angle = Annotated[float, Field(ge=-10_000.0, le=10_000.0)]
 
 
 class _Clause(Strict):
-    """What all clauses have.
+    """The base of all clauses.
 
     Attributes:
         window: First and last frame that are looked at, inclusive; what is measured is what happens between them.
@@ -56,7 +56,7 @@ class _Clause(Strict):
 
 
 class Direct(_Clause):
-    """Which way it goes: the angle between its displacement over the window and ``toward``.
+    """The angle between the object's displacement over the window and ``toward``.
 
     Attributes:
         toward: The direction that is wanted.
@@ -69,7 +69,7 @@ class Direct(_Clause):
 
 
 class Distance(_Clause):
-    """How far its mass centre goes from where it is in the window's first frame.
+    """The distance of the object's mass centre from its place in the window's first frame.
 
     Attributes:
         along: Direction that the way is measured along; None = the displacement's length.
@@ -85,7 +85,7 @@ class Distance(_Clause):
 
 
 class Turn(_Clause):
-    """How far it turns about an axis from how it is in the window's first frame, right-handed, beyond 180 degrees too.
+    """The right-handed rotation about an axis since the window's first frame, beyond 180 degrees too.
 
     Attributes:
         axis: Direction of the axis.
@@ -125,7 +125,7 @@ class Oscillation(_Clause):
 
     Attributes:
         along: The line.
-        target, tolerance: Of the amplitude [body lengths].
+        target, tolerance: Target and tolerance of the amplitude [body lengths].
         frequency: Wanted [Hz].
         frequency_tolerance: [Hz].
     """
@@ -200,7 +200,7 @@ class Integrity(_Clause):
 
 
 class Follow(Strict):
-    """Where a part is.
+    """The position of a part.
 
     Attributes:
         part: As for clauses.
@@ -239,7 +239,7 @@ Clause = Annotated[
 
 
 class Target(Strict):
-    """What a task asks for.
+    """The target of a task.
 
     Attributes:
         clauses: All of them have to be met.

@@ -1,4 +1,4 @@
-"""Whether particles did what a task asks for, and the same as residuals for methods that minimise.
+"""The judge of a task: verdicts from particles, and the same as residuals for methods that minimise.
 
 Both read `metrics.measures`, so that they cannot disagree: where all residuals are zero, the judge says success.
 """
@@ -29,7 +29,7 @@ class ClauseJudgement:
         seen: On the clip; NaN where the clip's positions are not finite.
         wanted: By the clause.
         tolerance: By how much it may differ.
-        unit: Of these three.
+        unit: Unit of these three.
         margin: 1 at the target, 0 at the tolerance's edge, negative outside.
     """
 
@@ -43,7 +43,7 @@ class ClauseJudgement:
 
 @dataclasses.dataclass(frozen=True)
 class TaskJudgement:
-    """What the judge says.
+    """The judge's verdict.
 
     Attributes:
         success: Whether all clauses are met.
@@ -82,7 +82,7 @@ def judge(target: Target, x, mass, frame_dt: float) -> TaskJudgement:
 
 
 def compute_residuals(target: Target, x, mass, frame_dt: float) -> jax.Array:
-    """What is missing, for methods that minimise half of its square, shape (m,).
+    """The shortfall as residuals, for methods that minimise half of its square, shape (m,).
 
     The misses in tolerances, less `ROOM` towards zero; for stored paths, the misses of all coordinates, without room,
     divided so that their norm is the root mean square distance in tolerances. Half the square is continuously

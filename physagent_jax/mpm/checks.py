@@ -1,4 +1,4 @@
-"""What is refused before the first frame: input that no step could make sense of."""
+"""Checks before the first frame: input that no step could handle is refused."""
 
 from __future__ import annotations
 

@@ -76,7 +76,7 @@ def conform(model: Model, state: State) -> tuple[Model, State]:
 
 
 def as_field(value: Any, like: jax.Array, what: str) -> jax.Array:
-    """What somebody's force, law or boundary has made, in the precision of ``like`` and of a shape that fits it.
+    """Convert the result of a user's force, law or boundary to the precision of ``like`` and a fitting shape.
 
     Raises:
         UserError: It does not fit.

@@ -1,4 +1,4 @@
-"""Why a frame cannot be trusted, whether another attempt is worth it, and what to say if not."""
+"""The diagnosis of a failed frame: its fault, whether another attempt is worth it, and the message if not."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MAX_SUBSTEPS = 100_000  # in one frame, retries included; more would look like a
 
 
 class Fault(enum.Enum):
-    """What an attempt at a frame suffers from."""
+    """A fault of an attempt at a frame."""
 
     LEFT = "the window was too small"
     CRUSHED = "matter is crushed to nothing"
@@ -36,11 +36,11 @@ class Breach:
 
 
 def find_breach(model: Model, health: Health, bound: float) -> Breach | None:
-    """Why a frame cannot be trusted, or None.
+    """Find the reason why a frame cannot be trusted, or None.
 
     Args:
         model: With the attempt's step and window.
-        health: Of its substeps.
+        health: Health of its substeps.
         bound: The stable step where it led [s]; infinite where the substep is forced, whatever it is.
     """
     fault, reason = _find_fault(model, health, bound)
@@ -78,7 +78,7 @@ def is_hopeless(breaches: Sequence[Breach], substeps: int, fixed: bool) -> bool:
 def explain_failure(
     index: int, breaches: Sequence[Breach], fixed: bool, model: Model, state: State
 ) -> UserError:
-    """What to raise for frame ``index``, begun at ``state``, when it is given up."""
+    """The error to raise when frame ``index``, begun at ``state``, is given up."""
     if fixed:
         return UserError(
             f"frame {index} fails with the forced substep: {breaches[-1].words}",

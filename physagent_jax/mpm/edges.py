@@ -53,7 +53,7 @@ def cut_to_window(
 
 
 def window_value(time: jax.Array, start: jax.Array, end: jax.Array, edge: jax.Array) -> jax.Array:
-    """How far a smooth window is open at ``time``, in [0, 1]; of the shape of ``start`` and ``end``."""
+    """The opening of a smooth window at ``time``, in [0, 1]; of the shape of ``start`` and ``end``."""
     return step_value(time, start, edge) - step_value(time, end, edge)
 
 

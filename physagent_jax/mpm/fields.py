@@ -1,4 +1,4 @@
-"""What the fields of a model, a state and their parts say of themselves, as metadata of the dataclasses.
+"""Metadata of the fields of models, states and their parts.
 
 Sorting, splitting over devices, and leaving out what does not act go by these marks. A part of one's own carries them
 as the built-in ones do: ``weight: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)``.

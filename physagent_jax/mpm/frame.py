@@ -63,7 +63,7 @@ class Frame:
 
 @dataclasses.dataclass(frozen=True)
 class Pace:
-    """How long frames and substeps are, as in `simulate`; ``fixed`` = the substep is forced."""
+    """The lengths of frames and substeps, as in `simulate`; ``fixed`` = the substep is forced."""
 
     frame_dt: float
     substep_dt: float | None
@@ -83,7 +83,7 @@ def next_frame(
 
     Args:
         model: What is simulated.
-        timetable: Of its parts.
+        timetable: Timetable of its parts.
         before: Where from.
         pace: As asked for.
         ledger: As for `advance`.
@@ -129,7 +129,7 @@ def next_frame(
 
 @dataclasses.dataclass(frozen=True)
 class FramePlan:
-    """How a frame is to be attempted.
+    """A plan for an attempt at a frame.
 
     Attributes:
         model: With the step and the grid window of the attempt.

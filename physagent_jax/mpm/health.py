@@ -1,4 +1,4 @@
-"""What substeps did at most: by it a frame is trusted or redone."""
+"""Extremes of the substeps of a frame, by which it is trusted or redone."""
 
 from __future__ import annotations
 
@@ -88,6 +88,6 @@ def measure_health(wall: int, grid: Grid, x, v, F, strain) -> Health:
 
 
 def count_outside(x: jax.Array, grid: Grid) -> jax.Array:
-    """How many particles have a stencil that is not wholly inside the window, int32."""
+    """The number of particles whose stencil is not wholly inside the window, int32."""
     low = jnp.floor(x / grid.dx - 0.5).astype(jnp.int32) - grid.origin
     return ((low < 0) | (low + 3 > jnp.asarray(grid.shape))).any(-1).sum(dtype=jnp.int32)

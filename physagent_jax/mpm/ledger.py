@@ -28,7 +28,7 @@ from physagent_jax.mpm.step import StepTrace, damp_affine, map_materials
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Exchange:
-    """What was exchanged with the surroundings, summed over substeps. Scalars but for the impulses, shape (3,).
+    """The exchange with the surroundings, summed over substeps. Scalars but for the impulses, shape (3,).
 
     Attributes:
         force_work: By body forces other than gravity [J].

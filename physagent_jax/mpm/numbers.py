@@ -49,8 +49,8 @@ def put_numbers(part: _Part, numbers: _Part | None, dtype: Any) -> _Part:
 
     Args:
         part: A registered dataclass.
-        numbers: Of the same class, as `take_numbers` makes them.
-        dtype: Of the numbers that the part gets.
+        numbers: Numbers of the same class, as `take_numbers` makes them.
+        dtype: Type of the numbers that the part gets.
     """
     if numbers is None:
         return part

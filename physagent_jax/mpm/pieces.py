@@ -9,7 +9,7 @@ CELL = 0.75  # of the simulation's: particles in cells that touch feel each othe
 
 
 def label_pieces(x: np.ndarray, dx: float) -> np.ndarray:
-    """Which piece each particle belongs to, the largest is 0, shape (n,); ``x`` [m], shape (n, 3)."""
+    """The piece of each particle, 0 = the largest, shape (n,); ``x`` [m], shape (n, 3)."""
     cells = np.floor(x / (CELL * dx)).astype(np.int64)
     cells -= cells.min(0)
     filled = np.zeros(cells.max(0) + 1, bool)

@@ -1,4 +1,4 @@
-"""What of a model takes part in a stretch of time.
+"""The parts of a model that act in a stretch of time.
 
 Forces, obstacles and prescribed motions have windows. Outside them they change nothing but would be computed in every
 substep all the same, so that each frame is run with a model that has only those whose windows it meets. Another set
@@ -19,14 +19,14 @@ _SLACK = 1e-3  # of the stretch: the clock is a sum of substeps, and may be off 
 
 @dataclasses.dataclass(frozen=True)
 class Acting:
-    """Which parts of a model may act, by their places in it."""
+    """The parts of a model that may act, by their places in it."""
 
     forces: tuple[int, ...]
     boundaries: tuple[int, ...]
     constraints: tuple[int, ...]
 
     def join(self, other: Acting) -> Acting:
-        """What is among these or those."""
+        """The union of these and those."""
         pairs = (
             (getattr(self, field.name), getattr(other, field.name)) for field in dataclasses.fields(self)
         )
@@ -47,7 +47,7 @@ Windows = tuple[tuple[np.ndarray, np.ndarray], ...]
 
 @dataclasses.dataclass(frozen=True)
 class Timetable:
-    """When the parts of a model may act: looked up once, asked for every frame.
+    """The times when parts of a model may act: looked up once, asked for every frame.
 
     Attributes:
         forces, boundaries, constraints: The windows of each, in the model's order.

@@ -1,4 +1,4 @@
-"""What plugs into `Model`: body forces, boundaries and constraints; registered dataclasses (pytrees).
+"""Protocols of the parts of `Model`: body forces, boundaries and constraints; registered dataclasses (pytrees).
 
 What there is one of per particle, and when a part acts, its fields say in their metadata (`mpm.fields`): `mpm.simulate`
 leaves out of a frame what does not act in it (`mpm.plan`), and sorts particles; `mpm.sharding` splits them.
@@ -54,7 +54,7 @@ class Boundary(Protocol):
 
 
 class Constraint(Protocol):
-    """What is done to chosen particles within a substep. Later constraints win over earlier ones."""
+    """A constraint on chosen particles within a substep. Later constraints win over earlier ones."""
 
     def before_p2g(self, model: Model, state: State) -> State:
         """Gives the constrained particles the v and C that P2G is to see."""

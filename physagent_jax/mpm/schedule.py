@@ -38,7 +38,7 @@ _UNROLLED = (
 
 @dataclasses.dataclass(frozen=True)
 class FrameSchedule:
-    """How a frame was simulated.
+    """The record of a simulated frame's steps.
 
     Attributes:
         grid: The window.
@@ -57,7 +57,7 @@ class FrameSchedule:
 
 @dataclasses.dataclass(frozen=True)
 class Schedule:
-    """How all frames after the first were simulated, in order."""
+    """The record of all frames after the first, in order."""
 
     frames: tuple[FrameSchedule, ...]
 

@@ -49,7 +49,7 @@ def rollout_sharded(
         model: As in `rollout`, with ``kernels`` "auto" or "reference". Body forces of one's own must sum over particles
             with `mpm.reductions.sum_particles`. Which particles the constraints hold must be known, not traced.
         state: The initial state.
-        devices: Of JAX, where to; None = all of the default backend.
+        devices: Devices to split over; None = all of the default backend.
         frame_count: As in `rollout`.
         substeps: Per frame.
 
@@ -85,7 +85,7 @@ def _run(
 
 
 def find_specs(split: tuple[Model, State]) -> tuple[Any, Any]:
-    """How each array of a model and a state lies on the mesh."""
+    """The partition of each array of a model and a state over the mesh."""
 
     def spec(path, leaf):
         return PartitionSpec(AXIS) if jnp.ndim(leaf) and find_owner(split, path) else PartitionSpec()
@@ -99,7 +99,7 @@ def _map_specs(function, specs):
 
 @dataclasses.dataclass(frozen=True)
 class ParticleLayout:
-    """Which particle lies where once split.
+    """The place of each particle after the split.
 
     Attributes:
         counts: Particles per material.

@@ -49,7 +49,7 @@ def update_order(order: np.ndarray | None, model: Model, state: State) -> np.nda
     Args:
         order: The present one: a particle in each place, shape (n,); None = as they are.
         model: Particles as they are.
-        state: Likewise.
+        state: The state of the same particles.
     """
     if (
         not kernels.use_cpu(model.kernels)

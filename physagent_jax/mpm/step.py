@@ -42,7 +42,7 @@ def step(model: Model, state: State) -> State:
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
 class StepTrace:
-    """What happened within a substep, for `mpm.ledger`; compiled away where nobody looks.
+    """The intermediate values of a substep, for `mpm.ledger`; compiled away where nobody reads them.
 
     Attributes:
         after_forces: Particles after body forces.

@@ -1,4 +1,4 @@
-"""How long a substep may be.
+"""The bound of the time step.
 
 An explicit MPM step is limited first by its worst-supported particle, one alone on its nodes, not by the
 bulk's sound speed. For quadratic B-splines and MLS stress, C' = -(4 / dx^2) tau(F) / rho0 whatever the

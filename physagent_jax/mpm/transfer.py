@@ -26,7 +26,7 @@ STOPPED = "stopped"
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Stencil:
-    """Where each particle touches the grid.
+    """The grid nodes and weights of each particle.
 
     Attributes:
         base: Window index of the lowest of the three nodes per axis, int32, shape (n, 3).
@@ -154,7 +154,7 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> Moved:
         grid: The window.
         x: Positions [m], shape (n, 3).
         v: Not used; a kernel may write the new ones in its place.
-        C: Likewise.
+        C: Not used, as ``v``.
         F: Deformation gradients, shape (n, 3, 3).
         velocity: Node velocities [m/s], shape (nx, ny, nz, 3).
         dt: [s].
@@ -190,7 +190,7 @@ def _differentiate_stop(low, high, primals, tangents):
 
 
 def find_stopped(low: float, high: float, x: jax.Array, v: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Which coordinates `stop` sets, and which velocities."""
+    """Find the coordinates that `stop` sets, and their velocities."""
     under, over = x < low, x > high
     return under | over, (under & (v <= 0)) | (over & (v >= 0))
 

@@ -138,13 +138,13 @@ class _Rider:
         return cls(center - lever, lever, camera.forward.astype(float))
 
     def turn(self, pose: Affine) -> np.ndarray:
-        """What carries the lever under a pose, shape (3, 3)."""
+        """The rotation that carries the lever under a pose, shape (3, 3)."""
         cosine = np.clip(self.forward @ pose.rotation @ self.forward, -1, 1)
         share = max(1 - np.degrees(np.arccos(cosine)) / FULL_TILT, 0.0)
         return share * pose.matrix + (1 - share) * pose.rotation
 
     def __call__(self, pose: Affine) -> np.ndarray:
-        """Where the centre is [m], shape (3,)."""
+        """The position of the centre [m], shape (3,)."""
         return pose(self.anchor) + self.turn(pose) @ self.lever
 
 

@@ -26,7 +26,7 @@ OPEN = 0.5
 
 @dataclasses.dataclass(frozen=True)
 class Background:
-    """Where the background is.
+    """The place of the background.
 
     Attributes:
         inverse: Inverse depth of the nearest background surface, 0 where there is none [1/m], shape (H, W).

@@ -1,4 +1,4 @@
-"""How long the object's outline is along the viewer's directions: stretch that the followed points may miss."""
+"""The lengths of the object's outline along the viewer's directions: stretch that the followed points may miss."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def _describe(length: np.ndarray, direction: np.ndarray, turns, blur: float, asl
 
 
 def _bound_turned(direction: np.ndarray, turn: np.ndarray, rest: float) -> float:
-    """How far a turn alone may alter a length ``rest``, relative to it.
+    """The largest relative change of a length ``rest`` by a turn alone.
 
     Turned by an angle, a length a shows as between a cos and a cos + b sin, b <= 1 being the extent across it.
     """
@@ -88,10 +88,10 @@ def _bound_turned(direction: np.ndarray, turn: np.ndarray, rest: float) -> float
 
 
 def find_disagreement(extents: tuple[Extent, ...], stretch: list[np.ndarray | None]) -> float:
-    """How far the affine fits' stretch lies from the extents' at most, beyond these' half widths.
+    """The largest distance of the affine fits' stretch from the extents', beyond the half widths of both.
 
     Args:
-        extents: Of the outline.
+        extents: Extents of the outline.
         stretch: Symmetric stretch tensor from frame 0 per frame, shape (3, 3), None where unknown.
     """
     off = [

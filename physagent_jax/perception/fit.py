@@ -75,7 +75,7 @@ def fit_affine(
         b: The same points after [m], shape (n, 3).
         trust: Weight of each point, shape (n,); equal by default.
         prior: Strength of the pull [extents].
-        iterations: Of reweighting.
+        iterations: Iterations of reweighting.
 
     Returns:
         The map.

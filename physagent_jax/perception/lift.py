@@ -250,7 +250,7 @@ def find_middle_across(
     visible surface's mean by true area takes part with `SURFACE_SHARE`.
 
     Args:
-        points: Of `unproject_mask` [m], shape (n, 3), n >= 1.
+        points: Points of `unproject_mask` [m], shape (n, 3), n >= 1.
         depth: Trusted depth [m], nan elsewhere, shape (H, W).
         camera: The camera.
 

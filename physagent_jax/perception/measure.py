@@ -252,7 +252,7 @@ def _find_largest_tilt(frames: Frames, camera: Camera) -> float:
 
 
 def _measure_distances(frames: Frames, rest: np.ndarray, frame: int) -> np.ndarray:
-    """How far the object is in each frame from where it is in ``frame`` [body lengths], shape (T,).
+    """The object's distance in each frame from its place in ``frame`` [body lengths], shape (T,).
 
     RMS distance of its points, which also sees it turn or stretch on the spot. Without a common pose: the
     centroid's distance or the change of the box's half edges, whichever is larger.

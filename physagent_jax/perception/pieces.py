@@ -1,4 +1,4 @@
-"""How many separate pieces of the object the pictures show."""
+"""The number of separate pieces of the object in the pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the object is in the first frame, for a segmenter that must be told."""
+"""The place of the object in the first frame, for a segmenter that needs a prompt."""
 
 from __future__ import annotations
 

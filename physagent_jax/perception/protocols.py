@@ -1,4 +1,4 @@
-"""What perception needs from a vision model, as protocols: pictures in, arrays out.
+"""Protocols of vision models for perception: pictures in, arrays out.
 
 Those in `backends` need no weights. The protocols are cut so that SAM 2, Depth Anything V2 and CoTracker 3 fit behind
 them; each says how. Pixel positions have pixel centres at +0.5, everywhere.
@@ -16,17 +16,17 @@ from physagent_jax.render.camera import Camera
 
 
 class Backend(Protocol):
-    """What all backends have in common; they derive from their protocol and so inherit the defaults."""
+    """The base of all backends; they derive from their protocol and so inherit the defaults."""
 
     @property
     def name(self) -> str:
-        """Which implementation this is, with its weights if it has any: another name is another run."""
+        """The implementation's name, with its weights if it has any: another name is another run."""
         return type(self).__name__
 
 
 @dataclasses.dataclass(frozen=True)
 class SegmentPrompt:
-    """Where the object is in one frame: by points, by a box, by both, or by a mask alone.
+    """The place of the object in one frame: by points, by a box, by both, or by a mask alone.
 
     Attributes:
         frame: The frame that the prompt speaks of.
@@ -100,7 +100,7 @@ def _check_box(box: np.ndarray, size: tuple[int, int], picture: str) -> None:
 
 @dataclasses.dataclass(frozen=True)
 class Masks:
-    """Where the object is.
+    """The object's masks.
 
     Attributes:
         masks: True on the object, bool, shape (T, H, W).
@@ -153,7 +153,7 @@ class Segmenter(Backend, Protocol):
 
 @dataclasses.dataclass(frozen=True)
 class Depth:
-    """How far away the surface behind each pixel is.
+    """The distance of the surface behind each pixel.
 
     Attributes:
         z: z-depth, not ray length, nan where there is no surface, float32, shape (T, H, W): in metres if

@@ -123,11 +123,11 @@ class Uncertainty(Strict):
     """Half widths of intervals that should hold the truth in nine of ten clips; None = not known.
 
     Attributes:
-        displacement: Of the centroid, at its worst over the clip [body lengths].
-        rotation: Of the rotation angle [deg].
-        axis: Of the direction of the rotation axis [deg].
-        stretch: Of the stretch along a direction across the line of sight [1].
-        frequency: Of the oscillation [Hz].
+        displacement: Half width of the centroid's displacement, at its worst over the clip [body lengths].
+        rotation: Half width of the rotation angle [deg].
+        axis: Half width of the direction of the rotation axis [deg].
+        stretch: Half width of the stretch along a direction across the line of sight [1].
+        frequency: Half width of the frequency of oscillation [Hz].
     """
 
     displacement: Number | None = None
@@ -138,7 +138,7 @@ class Uncertainty(Strict):
 
 
 class Quality(Strict):
-    """How far the report can be trusted.
+    """The trustworthiness of the report.
 
     Attributes:
         tracks_kept: Smallest fraction of tracks still followed in any frame while the object is in view;

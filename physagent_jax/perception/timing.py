@@ -1,4 +1,4 @@
-"""When the object moves, and whether it swings: onset, settling, reversals, frequency."""
+"""The timing of the object's motion: onset, settling, reversals, frequency."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def find_oscillation(centroid: np.ndarray, frame_dt: float, threshold: float) ->
 
 
 def _find_vertex(signal: np.ndarray, t: int) -> float:
-    """How far the turning point is from frame t, within half a frame: a parabola through it and its neighbours."""
+    """The offset of the turning point from frame t: the vertex of a parabola through three frames."""
     if t in (0, len(signal) - 1):
         return 0.0
     before, at, after = signal[t - 1 : t + 2]

@@ -1,4 +1,4 @@
-"""How far the report's figures may be off: half widths that should hold the truth in nine of ten clips.
+"""The uncertainty of the report's figures: half widths that should hold the truth in nine of ten clips.
 
 The widths have the form "floor + share of what makes the measurement hard". Turning is the largest part: the hidden
 side's middle is a guess, and each new link of tracks adds its own error.
@@ -22,16 +22,16 @@ HIDDEN = 0.07
 
 @dataclasses.dataclass(frozen=True)
 class Difficulty:
-    """What makes a clip hard to measure.
+    """The difficulty of measuring a clip.
 
     Attributes:
         pixel: Size of a pixel on the object [body lengths].
-        noise: Of depth, from pixel to pixel [body lengths].
+        noise: Noise of depth, from pixel to pixel [body lengths].
         residual: Largest RMS residual of the affine fits [body lengths].
         turn: Largest rotation out of the picture plane [deg].
         links: How often points were seeded anew.
         travel: Largest displacement [body lengths].
-        disagreement: Of the affine fits' stretch with the outline's, beyond what a turn explains [1].
+        disagreement: Disagreement of the affine fits' stretch with the outline's, beyond what a turn explains [1].
     """
 
     pixel: float

@@ -1,4 +1,4 @@
-"""What the measured frames say about a window of them."""
+"""Measurements within a window of frames."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ class Frames:
         reasons: Why a frame is not observable, keyed by "centroid", "rotation", "box"; each of length T.
         corners: Lowest and highest corner of the world-axis box around the visible surface, relative to ``center``
             [body lengths], shape (T, 2, 3); None if not measured.
-        lengths: Of the visible surface along further directions [body lengths], shape (T, k); None if not measured.
+        lengths: Lengths of the visible surface along further directions [body lengths], shape (T, k); None if
+            not measured.
     """
 
     size: float

@@ -30,7 +30,7 @@ class Block:
 
 
 def cast_at_block(block: Block, camera: Camera) -> tuple[np.ndarray, np.ndarray]:
-    """Where rays through the pixels' centres enter a block, by the slab method (Kay and Kajiya 1986).
+    """The entry points of rays through the pixels' centres into a block, by the slab method (Kay and Kajiya 1986).
 
     Returns:
         z-depth [m], inf where a ray misses it, shape (h, w); how bright what is met is, in [0, 1], shape (h, w).

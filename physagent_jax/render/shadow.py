@@ -28,7 +28,7 @@ DEEPEST = 0.1  # [sizes] below the ground; what is deeper is out of the light
 
 @dataclasses.dataclass(frozen=True)
 class ShadowMap:
-    """How much light is missing on the ground.
+    """The share of light that is missing on the ground.
 
     Attributes:
         low: Position of the first sample (x, y) [m], shape (2,).
@@ -60,7 +60,7 @@ def cast_shadow(splats: Splats, ground: float, size: float) -> ShadowMap | None:
     Args:
         splats: In world space.
         ground: Its height [m].
-        size: Of the object [m].
+        size: Size of the object [m].
 
     Returns:
         None if nothing is above the ground and near enough to darken it.

@@ -1,4 +1,4 @@
-"""What stands around an object in pictures for people: a ground with a grid, a contact shadow, a horizon.
+"""The surroundings of an object in pictures for people: a ground with a grid, a contact shadow, a horizon.
 
 Never for perception, which gets the plain picture. All of it follows from the camera and the Gaussians.
 """
@@ -31,7 +31,7 @@ SUNK = 0.035  # [sizes] below the ground from which on it hides what is drawn: c
 
 @dataclasses.dataclass(frozen=True)
 class Stage:
-    """Where an object stands.
+    """The place where an object stands.
 
     Attributes:
         ground: Height of the ground, whose normal is +z [m]; None = there is none, only a plain backdrop.
@@ -49,7 +49,7 @@ class Backdrop:
     """A stage without its object, from one camera; the same for all frames that this camera takes.
 
     Attributes:
-        stage, camera: Of what, from where.
+        stage, camera: The stage, and the camera that sees it.
         rgb: The picture, shape (h, w, 3), float32.
         levels: The same in levels of 8 bits, uint8.
         slope: Height that a ray gains per depth [1], shape (h, w).
@@ -92,7 +92,7 @@ def compose(image: RenderedImage, splats: Splats, backdrop: Backdrop) -> np.ndar
     Args:
         image: Rendered over black, from the backdrop's camera.
         splats: What was rendered; they cast the shadow.
-        backdrop: Of that camera.
+        backdrop: Backdrop of that camera.
 
     Returns:
         The picture, uint8, shape (h, w, 3).
@@ -145,7 +145,7 @@ def _draw_blocks(stage: Stage, camera: Camera, slope: np.ndarray, rgb: np.ndarra
 
 
 def _find_shown(backdrop: Backdrop, depth: np.ndarray, part) -> np.ndarray:
-    """What share of the object ground and blocks let through in a part of the picture, by where it is hit."""
+    """The share of the object that ground and blocks let through in a part of the picture, by where it is hit."""
     stage, shown = backdrop.stage, np.ones_like(depth)
     if backdrop.ground is not None and stage.ground is not None:
         height = (backdrop.camera.center[2] - stage.ground) + depth * backdrop.slope[part]

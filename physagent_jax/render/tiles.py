@@ -1,4 +1,4 @@
-"""Which Gaussians touch which tile of the image, front to back."""
+"""The Gaussians that touch each tile of the image, front to back."""
 
 from __future__ import annotations
 

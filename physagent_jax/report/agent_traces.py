@@ -1,4 +1,4 @@
-"""How the agents came to their answers: what was said, what was refused and repaired, what it cost."""
+"""The traces of the agents: messages, refusals, repairs, cost."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which curves the report shows: what moved (seen and true) and what the simulator computed."""
+"""The curves of the report: the seen and the true motion, and the simulator's own figures."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ _NOTICEABLE = 1e-4  # share of the largest flow of energy below which a curve wo
 
 
 def find_active_windows(force_field: ForceField | None, last_frame: int) -> list[tuple[float, float]]:
-    """When forces act, in frames, overlapping windows merged."""
+    """Find the frames in which forces act; overlapping windows are merged."""
     if force_field is None:
         return []
     timed = (*force_field.actions, *force_field.constraints)
@@ -159,7 +159,7 @@ def _plot_angular_momentum(record: SimulationRecord):
 
 
 def _plot_ledger(record: SimulationRecord):
-    """Where energy came from and went, and what pushed; nothing if it was not recorded."""
+    """Plot the exchange of energy and momentum; nothing if it was not recorded."""
     ledger = record.ledger
     if ledger is None:
         return []

@@ -1,4 +1,4 @@
-"""What a viewer should see, in words: for the page and for the terminal."""
+"""The expected motion in words, for the page and the terminal."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def describe_motion(expected: ExpectedMotion, table: DirectionTable) -> str:
 
 
 def list_details(expected: ExpectedMotion, table: DirectionTable, frame_dt: float | None) -> list[str]:
-    """How much, when, how often, of which part, and how it ends."""
+    """List amount, timing, repetition, part and ending of a motion."""
     measured = expected.amount is not None and expected.amount.unit != "seconds"
     details = [] if measured else [f"strength {format_fixed(expected.strength)}"]
     if expected.amount is not None:

@@ -48,7 +48,7 @@ STAGE_NAMES = {
 
 
 def make_scene_facts(scene: SceneConfig, record: SimulationRecord | None) -> list[Markup]:
-    """What was simulated and why with these values."""
+    """The table of the simulated scene, and the reasons for its values."""
     columns = [
         _make_column("Object", _list_object(scene, record)),
         _make_column("Material", _list_material(scene.material)),
@@ -71,7 +71,7 @@ def make_scene_facts(scene: SceneConfig, record: SimulationRecord | None) -> lis
 
 
 def make_simulation_facts(round_: FinishedRound) -> Markup:
-    """What the best rollout did."""
+    """The table of the best rollout."""
     record = round_.simulation
     if record is None:
         return note_missing(f"simulation.json of round {round_.number} is missing: no simulation facts.")
@@ -112,12 +112,12 @@ def make_simulation_facts(round_: FinishedRound) -> Markup:
 
 
 def make_cost_facts(manifest: Manifest) -> Markup:
-    """Where the time and the tokens went."""
+    """The table of seconds and tokens."""
     return div("columns cost", _make_stage_table(manifest.stages), _make_agent_table(manifest.agents))
 
 
 def describe_reproduction(manifest: Manifest) -> list[Child]:
-    """How to make the run again, and what it was made with."""
+    """Describe the way to make the run again, and the versions that made it."""
     return [
         tag("p", "The run was started with"),
         tag("pre", tag("code", manifest.command), class_="command"),
@@ -234,7 +234,7 @@ def _describe_anchor(anchor: Anchor) -> str:
 
 
 def describe_clip(scene: SceneConfig) -> str:
-    """How long the clip is."""
+    """Describe the clip's length."""
     timing = scene.timing
     return f"{format_plural(timing.frame_count, 'frame')}, {format_seconds((timing.frame_count - 1) * timing.frame_dt)}"
 
@@ -294,7 +294,7 @@ def _describe_stopped(particle_steps: int) -> str:
 
 
 def describe_reused_frames(frames: int) -> str:
-    """Which frames were not simulated again."""
+    """Describe the frames that were not simulated again."""
     return f"frames 0 to {frames - 1} of the round before, whose forces are the same until then"
 
 

@@ -51,7 +51,7 @@ _SCALED_BY = {
 
 @dataclasses.dataclass(frozen=True)
 class Setting:
-    """What a card needs to know about the scene.
+    """The facts about a scene that a card needs.
 
     Attributes:
         directions: The viewer's directions.
@@ -122,7 +122,7 @@ def make_force_cards(
 
 
 def _find_strokes(force_field: ForceField, setting: Setting) -> dict[int, Stroke]:
-    """What pushes to and fro give, as far as the scene is known."""
+    """The velocity changes of pushes to and fro, as far as the scene is known."""
     if setting.scaling is None or setting.frame_dt is None or setting.last_frame is None:
         return {}
     values = ForceFieldParameters.of(force_field, setting.last_frame + 1).actions
@@ -134,7 +134,7 @@ def _name_kind(item: Timed) -> str:
 
 
 def describe_effect(item: Timed, table: DirectionTable) -> str:
-    """What the item does, in the viewer's words, the sign of its magnitude taken into account."""
+    """Describe an item's effect in the viewer's words, with the sign of its magnitude."""
     sign = 1.0 if item.magnitude > 0 else -1.0
     pointing = tuple(sign * component for component in item.vector)
     if isinstance(item, VelocityConstraint):
@@ -254,7 +254,7 @@ def _show_previous(old: Timed | None, item: Timed, field: str, words: Callable[[
 
 
 def _place_magnitude(magnitude: float) -> float:
-    """Where a magnitude lies on the bar [%]."""
+    """The position of a magnitude on the bar [%]."""
     return 100 * min(1.0, max(0.0, (abs(magnitude) - MAGNITUDE_MIN) / (MAGNITUDE_MAX - MAGNITUDE_MIN)))
 
 

@@ -1,4 +1,4 @@
-"""What, where and when a force acts, in words."""
+"""A force's effect, place and time in words."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def describe_span(start: float, end: float) -> str:
 
 
 def describe_region(region: Region | None) -> str:
-    """Where an action acts."""
+    """Describe the region of an action."""
     if region is None:
         return "the whole object"
     if isinstance(region, BoxRegion):

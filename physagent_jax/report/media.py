@@ -87,7 +87,7 @@ def embed_player(
         group: Which plots' cursors follow it.
         frame_dt: Seconds per frame [s].
         folder: The page's folder, against which a video too large to embed is linked.
-        id_: Of the element, if another is to share its video.
+        id_: Identifier of the element, if another is to share its video.
         same_as: Id of the player that holds the same bytes already; the script then shares them.
     """
     if clip.frames is None:

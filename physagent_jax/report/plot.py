@@ -50,7 +50,7 @@ class Plot:
 
     Attributes:
         title: Above the plot.
-        unit: Of the y axis, in words.
+        unit: Unit of the y axis, in words.
         last_frame: Right end of the x axis.
         series: What is drawn.
         bands: Shaded (first, last) windows in frames.
@@ -137,7 +137,7 @@ class _Frame:
 
     @property
     def left(self) -> int:
-        """Where the axis begins: right of the widest label, in the larger type of narrow screens too."""
+        """The left end of the axis: right of the widest label, in the larger type of narrow screens too."""
         labels = [format_fixed(t, self.decimals) for t in place_ticks(self.low, self.high, self.step)]
         return 14 + 10 * max((len(label) for label in labels), default=0)
 

@@ -16,7 +16,7 @@ DECIMALS = 3
 
 
 def make_truth_table(report: MotionReport, truth: TrueMotion) -> Markup:
-    """What perception measured beside what the particles did, at the end of the clip and over it."""
+    """The table of perceived and true motion, at the end of the clip and over it."""
     head = ["measure", "perceived", "true", "difference", "unit"]
     rows = make_table(head, _list_rows(report, truth), numeric=(1, 2, 3))
     return div("truth", tag("p", NOTE, class_="truth-note"), rows)
@@ -63,7 +63,7 @@ def _list_rows(report: MotionReport, truth: TrueMotion) -> Iterator[list[str]]:
 
 
 def _list_stated_rows(report: MotionReport) -> Iterator[list[str]]:
-    """How far off perception says that it may be: the differences above should be smaller in nine of ten runs."""
+    """The rows of perception's stated uncertainty: the differences above should be smaller in nine of ten runs."""
     stated = report.uncertainty
     for name, value, unit in (
         ("displacement", stated.displacement, "body lengths"),

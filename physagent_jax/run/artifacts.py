@@ -1,4 +1,4 @@
-"""What the loop leaves in the run folder besides JSON: videos, motion, overlays, splats."""
+"""Files of a run besides JSON: videos, motion, overlays, splats."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What agents are told about a scene."""
+"""The brief of a scene for agents."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ class FinishedRound:
 
     @property
     def number(self) -> int:
-        """Which round it is, counted from 1."""
+        """The round's number, counted from 1."""
         return self.index + 1
 
     @property

@@ -1,4 +1,4 @@
-"""What holds a run's object, and whether that goes with what the sentence asks for."""
+"""The hold of a run's object, checked against the sentence's motions."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ def agents_of(spec: RunSpec) -> Agents:
 
 
 def backends_of(spec: RunSpec) -> PerceptionBackends:
-    """What perception sees with, as ``spec`` names it.
+    """The perception backends that ``spec`` names.
 
     Raises:
         UserError: As `agents_of`.
@@ -177,9 +177,9 @@ class _Series:
     Attributes:
         store: Where they are kept.
         template, body: What they have in common.
-        name: Of one of them.
+        name: Name of one of the files.
         judged: Told of every judgement.
-        camera: Of the round before; None = there is none.
+        camera: Camera of the round before; None = there is none.
     """
 
     store: RunStore
@@ -453,7 +453,7 @@ class _Loop:
         self._store.update(**costs, reused_frames=self._reused, **changes)
 
     def _make_segment_prompt(self, camera: Camera) -> SegmentPrompt | None:
-        """Which object is meant, in the pictures of ``camera``; None if the spec leaves it open."""
+        """The prompt that marks the object in the pictures of ``camera``; None if the spec gives none."""
         choice, preset = self._run.spec.perception.prompt, self._template.preset
         if choice is None:
             return None
@@ -464,7 +464,7 @@ class _Loop:
     def _make_context(
         self, reading: SemanticReply | None = None, rounds: Iterable[Round] = ()
     ) -> AgentContext:
-        """What an agent is told."""
+        """The context of an agent's call."""
         return AgentContext(self._run.spec.prompt, self._make_brief(), self._skills, reading, tuple(rounds))
 
     def _make_brief(self) -> SceneBrief:

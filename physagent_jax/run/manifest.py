@@ -59,15 +59,15 @@ class Stages(Strict):
 
 
 class AgentCost(Strict):
-    """What an agent has cost.
+    """The cost of an agent.
 
     Attributes:
         agent: Its role.
         implementation: Its name.
         calls: Those without an answer included.
         failed_calls: Those without an answer.
-        input_tokens, output_tokens: Of all calls; zero for the offline rules.
-        seconds: Of all calls [s].
+        input_tokens, output_tokens: Tokens of all calls; zero for the offline rules.
+        seconds: Time of all calls [s].
     """
 
     agent: str
@@ -87,8 +87,8 @@ class Manifest(Strict):
         files: What the run has written or is about to, relative to its folder; it touches nothing else there.
         command: How it was started.
         prompt: The sentence.
-        versions: Of this package and of what it computes with.
-        git_revision: Of the working tree, if it is one.
+        versions: Versions of this package and of what it computes with.
+        git_revision: Git revision of the working tree, if it is one.
         platform: Machine, processor, device kind.
         kernels: What the transfers were computed with (`kernels.describe_kernels`).
         seed: Master seed.

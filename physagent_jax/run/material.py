@@ -1,4 +1,4 @@
-"""What a run makes the object of: the kind's prior, a named material, or PhysGM's prediction."""
+"""The material of a run's object: the kind's prior, a named material, or PhysGM's prediction."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who looks on while a run is made."""
+"""Callbacks that observe the progress of a run."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from physagent_jax.agents.schema import Judgement, SemanticReply
 
 
 class Observer:
-    """What a user sees while it runs; override what is of interest."""
+    """Callbacks for a run's progress; override the ones of interest."""
 
     def stage(self, text: str) -> None:
         """A new stage begins."""

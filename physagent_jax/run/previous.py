@@ -23,7 +23,7 @@ def exists(path: Path) -> bool:
 
 
 def find_manifest(path: Path) -> Path:
-    """Where the replaced run's manifest is."""
+    """The path of the replaced run's manifest."""
     return path / _ASIDE / MANIFEST
 
 

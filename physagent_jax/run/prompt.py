@@ -1,4 +1,4 @@
-"""Where the object is in one frame, as a segmenter takes it: from shares of the picture to its pixels."""
+"""A prompt for a segmenter: from shares of the picture to pixels."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ def make_prompt(
     """The prompt for pictures of a size.
 
     Args:
-        choice: Of the spec.
-        width: Of the pictures [px].
-        height: Likewise.
+        choice: Choice of the spec.
+        width: Width of the pictures [px].
+        height: Height of the pictures [px].
         mask: That of ``choice``, of any size; see `read_mask`.
     """
     size = np.array([width, height], float)
@@ -44,10 +44,10 @@ def read_mask(
     """The mask that ``choice`` names, bool, shape (height, width); None if it names none.
 
     Args:
-        choice: Of the spec.
-        width: Of the pictures [px].
-        height: Likewise.
-        frame_count: Of the clip.
+        choice: Choice of the spec.
+        width: Width of the pictures [px].
+        height: Height of the pictures [px].
+        frame_count: Frame count of the clip.
         base_dir: Folder that a relative path starts from.
 
     Raises:

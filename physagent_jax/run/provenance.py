@@ -1,4 +1,4 @@
-"""Where a run comes from: versions, revision, platform, hashes."""
+"""The provenance of a run: versions, revision, platform, hashes."""
 
 from __future__ import annotations
 

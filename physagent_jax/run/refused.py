@@ -38,7 +38,7 @@ class RefusedReading(Strict):
 
 
 class RefusedReadings(Strict):
-    """What the file holds, in the order of the refusals."""
+    """The readings of refused sentences, in the order of the refusals."""
 
     readings: tuple[RefusedReading, ...] = ()
 

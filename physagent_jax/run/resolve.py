@@ -62,7 +62,7 @@ class ResolvedRun:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """What the run reads."""
+        """The files that the run reads."""
         return tuple(self.spec.files(self.base_dir).values())
 
     @property
@@ -96,7 +96,7 @@ class ResolvedRun:
         return make_stand(template, body, keep_material=self.spec.material.says_stiffness)
 
     def find_hold(self, reply: SemanticReply) -> Hold | None:
-        """What holds the object if the sentence says what is in ``reply``; None if nothing does."""
+        """The hold of the object, given the sentence's ``reply``; None if nothing holds it."""
         return find_hold(self.spec.anchor, self.template.source.kind, reply.anchor)
 
     def with_reply(self, reply: SemanticReply) -> SceneTemplate:
@@ -203,10 +203,10 @@ def resolve_preset(spec: RunSpec) -> Preset:
 def resolve_anchor(
     choice: AnchorChoice, kind: str, said: AnchorRequest | None = None, *, base_dir: str | Path = "."
 ) -> Anchor:
-    """What is held.
+    """Resolve the anchor: which particles are held.
 
     Args:
-        choice: Of the spec.
+        choice: Choice of the spec.
         kind: The object's.
         said: What the sentence says about holding, which "auto" goes by; None = it has not been read.
         base_dir: Folder that a relative path starts from.
@@ -283,7 +283,7 @@ def _make_camera(choice: CameraChoice, card: ObjectCard, source: Source, domain:
 
 
 def _describe_identity(template: SceneTemplate) -> dict:
-    """What names and defaults stand for: a later version, or another card, may mean something else by them."""
+    """The values behind names and defaults: a later version, or another card, may use other ones."""
     return {
         "preset": {name: getattr(template.preset, name).model_dump(mode="json") for name in _PRESET_PARTS},
         "source": template.source.model_dump(mode="json", exclude={"path"}),

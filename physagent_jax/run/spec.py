@@ -41,13 +41,13 @@ class ObjectChoice(Strict):
 
 
 class Overrides(Strict):
-    """What differs from the preset; None = nothing. Ranges are those of the scene's schema.
+    """Differences from the preset; None = nothing. Ranges are those of the scene's schema.
 
     Attributes:
         cells: Cells along a side of the domain.
         frame_count: Frames of the clip.
         max_particles: Particles at most.
-        width, height: Of the pictures [px].
+        width, height: Width and height of the pictures [px].
     """
 
     cells: int | None = None
@@ -58,7 +58,7 @@ class Overrides(Strict):
 
 
 class MaterialChoice(Strict):
-    """What the object is made of.
+    """The choice of a material.
 
     Attributes:
         name: A named material, or a constitutive model with the kind's values; None = the kind's prior.
@@ -93,7 +93,7 @@ class MaterialChoice(Strict):
 
 
 class AnchorChoice(Strict):
-    """What is held fixed.
+    """The choice of particles that are held.
 
     Attributes:
         kind: "auto" = what the sentence says, else what the object's kind implies unless a motion needs it free.
@@ -118,7 +118,7 @@ class AnchorChoice(Strict):
 
 
 class CameraChoice(Strict):
-    """Where the camera stands; its distance follows from what is to be seen.
+    """The choice of a camera; its distance follows from what is to be seen.
 
     Attributes:
         azimuth_degrees: About the vertical; None = the card's, else where the object's broad side is seen.
@@ -150,7 +150,7 @@ class Implementation(Strict):
 
 
 class AgentChoice(Strict):
-    """Who reads the sentence, who judges the motion, who rewrites the force field."""
+    """The choice of agents: one reads the sentence, one judges the motion, one rewrites the force field."""
 
     semantic: Implementation = Implementation(name="rules")
     planner: Implementation = Implementation(name="rules")
@@ -172,7 +172,7 @@ MOST_POINTS = 256
 
 
 class PromptChoice(Strict):
-    """Where the object is in one frame, for a segmenter that is told: by points, a box, both, or a mask alone.
+    """A prompt that marks the object in one frame: points, a box, both, or a mask alone.
 
     Shares of the picture rather than pixels, so that it holds at any resolution, that of coarse rounds too.
 
@@ -205,7 +205,7 @@ class PromptChoice(Strict):
 
 
 class PerceptionChoice(Strict):
-    """What finds the object in the pictures, how far away it is, and how its points move.
+    """The choice of backends: segmenter, depth estimator, tracker.
 
     Attributes:
         segmenter, depth, tracker: By name.
@@ -233,7 +233,7 @@ VideoSize = tuple[Annotated[int, Field(ge=16, le=4096)], Annotated[int, Field(ge
 
 
 class SaveChoice(Strict):
-    """What is left beside motion and report.
+    """The choice of files beside motion and report.
 
     Attributes:
         video_size: Width and height of the video for people [px]; None = there is none, only perception's pictures.
@@ -264,11 +264,11 @@ class RunSpec(Strict):
         camera: Where the camera stands.
         world: "ground": gravity acts and the object stands on the ground, unless the sentence says otherwise;
             "free": it floats in empty space, as in the paper; gravity and ground are there only for what falls.
-        friction: Of the ground; None = `calibration.FRICTION`, and none in the free world.
+        friction: Friction of the ground; None = `calibration.FRICTION`, and none in the free world.
         agents, perception: Who does what, by name.
         rounds: At most.
         probe: Whether force fields are first tried on a coarse version of the scene.
-        seed: Of everything random.
+        seed: Seed of all random numbers.
         ledger: Whether exchanged energy and momentum are recorded, frame by frame.
         save: What else is left.
     """
@@ -316,7 +316,7 @@ class RunSpec(Strict):
         )
 
     def identity(self) -> dict[str, Any]:
-        """What tells this run from others; where its files lie on the disk is not part of it."""
+        """The values that tell this run from others; the places of its files on the disk are not part of it."""
         paths: dict[str, Any] = {
             "object": {"path"},
             "material": {"physgm"},

@@ -58,7 +58,7 @@ class RunStore:
 
         Args:
             path: The folder.
-            manifest: Of the run that is asked for.
+            manifest: Manifest of the run that is asked for.
             overwrite: Whether it may replace another run. One that was stopped and is the same goes on.
             needed: Files that the run reads; it does not replace these.
 

@@ -1,4 +1,4 @@
-"""Which particles an `Anchor` holds."""
+"""The particles that an `Anchor` holds."""
 
 from __future__ import annotations
 

@@ -106,5 +106,5 @@ def _find_seen(points: np.ndarray, azimuth: float, cell: float) -> np.ndarray:
 
 
 def _measure_variety(colours: np.ndarray) -> float:
-    """How far colours (m, 3) are from their mean."""
+    """The mean distance of colours (m, 3) from their mean."""
     return float(np.sqrt(colours.var(axis=0).sum()))

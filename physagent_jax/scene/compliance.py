@@ -1,4 +1,4 @@
-"""How far a held object gives way: the probe that says what a push of it has to be.
+"""The compliance of a held object: the probe that scales a push of it.
 
 What is held bends as far as its shape and stiffness let it, which no closed form in its length alone tells: a plant
 gives way a hundred times more than a block of the same stuff. Linear elasticity on a coarse grid answers in a fraction
@@ -70,7 +70,7 @@ def measure_compliance(body: Body, material: Material, anchor: Anchor) -> Matrix
 
 
 def measure_lean(body: Body, material: Material) -> float:
-    """How far its own weight turns and strains a body that stands on the ground, to first order [1].
+    """The turn and strain of a standing body under its own weight, to first order [1].
 
     The displacement gradient's norm, which 5 % of the particles exceed; inversely proportional to the stiffness.
 

@@ -27,7 +27,7 @@ ROUND_UP = (
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
 class Stiffness:
-    """What the stiffness matrix is made of; see `scene.elasticity` for the tie.
+    """The parts of the stiffness matrix; see `scene.elasticity` for the tie.
 
     Attributes:
         grid: The window; ``form`` is `Model.stress_form`.
@@ -35,7 +35,7 @@ class Stiffness:
         mu, lam: Lame parameters times volume [J], shape (n,).
         tie, slope: Stiffness that ties nodes to the linear field of a particle [N/m], and against its slope [J].
         tied: Sum of the ties at the nodes [N/m], shape (nx, ny, nz, 1).
-        diagonal: Of the matrix [N/m], shape (nx, ny, nz, 3).
+        diagonal: Diagonal of the matrix [N/m], shape (nx, ny, nz, 3).
         cpu: Whether the CPU kernels do the transfers; static, so that the choice is part of the program.
     """
 
@@ -80,10 +80,10 @@ def solve(stiffness: Stiffness, force: jax.Array, free: jax.Array, share, rounds
     """Displacements [m] that answer ``force`` [N], and how many rounds these took.
 
     Args:
-        stiffness: Of the body.
+        stiffness: Stiffness of the body.
         force: Shape (nx, ny, nz, 3), zero where nothing can move.
         free: Components that can move, of the same shape.
-        share: Of the residual, measured by the diagonal's inverse, that is left.
+        share: Share of the residual, measured by the diagonal's inverse, that is left.
         rounds: At most.
     """
 

@@ -1,4 +1,4 @@
-"""What simulating a scene takes in time and memory, estimated before it is begun, and refused beyond a limit.
+"""The estimated time and memory of a simulation, refused beyond a limit before it begins.
 
 Least costs, for orders of magnitude: matter that is fast or stretched needs shorter steps and a larger grid.
 """
@@ -34,9 +34,9 @@ class Cost:
     """An estimate of what one simulation takes at least.
 
     Attributes:
-        substeps: Of all frames.
+        substeps: Substeps of all frames.
         seconds: Wall time on two cores [s].
-        memory: Of the host [bytes].
+        memory: Memory of the host [bytes].
         largest: What takes most of the time, and what takes most of the memory, in words.
     """
 
@@ -48,7 +48,7 @@ class Cost:
 
 @dataclasses.dataclass(frozen=True)
 class Limits:
-    """What a simulation may take.
+    """The limits of a simulation's time and memory.
 
     Attributes:
         minutes: Wall time, as estimated [min].

@@ -79,7 +79,7 @@ def compute_drag(ratio: float, mode: Mode) -> float:
 
 
 def find_slowdown(viscosity: float, material: Material, dx: float) -> float:
-    """How many times more substeps ``viscosity`` [Pa s] needs: s - 1 / s = 4 eta / (dx sqrt(rho k)).
+    """The factor of substeps that ``viscosity`` [Pa s] needs: s - 1 / s = 4 eta / (dx sqrt(rho k)).
 
     So says the bound of `mpm.timestep`, with k the material's stiffness at rest.
     """
@@ -88,7 +88,7 @@ def find_slowdown(viscosity: float, material: Material, dx: float) -> float:
 
 
 def find_scene_slowdown(config: SceneConfig, x: np.ndarray, volume: np.ndarray) -> float:
-    """How many times more substeps a scene needs for its damping ratio.
+    """The factor of substeps that a scene needs for its damping ratio.
 
     Args:
         config: The scene.

@@ -1,4 +1,4 @@
-"""How much matter the Gaussians put into each cell of a grid, and which cells they enclose."""
+"""The density of the Gaussians on a grid, and the cells that they enclose."""
 
 from __future__ import annotations
 

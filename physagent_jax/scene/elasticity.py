@@ -30,8 +30,8 @@ class GridElasticity:
     Attributes:
         weight: Particles x nodes, the interpolation weights, and ``spread`` its transpose.
         gradient: 3 particles x nodes, dH/du of the displacement gradient, and ``divergence`` its transpose.
-        height: Of the nodes above the domain's lower face [m], shape (m,).
-        mass: Of the nodes [kg], shape (m,).
+        height: Height of the nodes above the domain's lower face [m], shape (m,).
+        mass: Mass of the nodes [kg], shape (m,).
         dx: Their distance [m].
         light: Nodes that carry nothing, shape (m,).
     """

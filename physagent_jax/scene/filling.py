@@ -161,7 +161,7 @@ def _find_lacking(layer: np.ndarray, cells: np.ndarray, config: Filling) -> tupl
     """Solid cells that hold fewer particles than wanted, shape (n, 3), and how many they lack, shape (n,).
 
     Args:
-        layer: Of each cell.
+        layer: Layer of each cell.
         cells: Those of the Gaussians, shape (g, 3).
         config: How to fill.
     """
@@ -220,7 +220,7 @@ def _rank(counts: np.ndarray) -> np.ndarray:
 
 
 def _even_out(cells: np.ndarray, available: np.ndarray, count: int) -> np.ndarray:
-    """How many of each cell's ``available`` points to keep, spread as by `select_evenly`; at most ``count`` in all."""
+    """The number of each cell's ``available`` points to keep, spread as by `select_evenly`; ``count`` in all."""
     if available.sum() <= count:
         return available
     layers = np.cumsum([(available > taken).sum() for taken in range(available.max())])

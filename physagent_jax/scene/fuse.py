@@ -46,7 +46,7 @@ CAN_STAND = (MaterialModel.NEO_HOOKEAN, MaterialModel.FIXED_COROTATED, MaterialM
 
 @dataclasses.dataclass(frozen=True)
 class SceneTemplate:
-    """What is fused with a force field; the same for all rounds of a run.
+    """A scene without its force field; the same for all rounds of a run.
 
     Attributes:
         prompt: The sentence, for the record.
@@ -56,9 +56,10 @@ class SceneTemplate:
         anchor: What is held.
         camera: Direction and lens; with ``target`` None it is placed to show the expected motion.
         world: What surrounds the object.
-        friction: Of ground and obstacles.
+        friction: Friction of ground and obstacles.
         damping_rate: Drag of the surrounding air [1/s]; the preset's holds if it is larger.
-        damping_ratio: Of what nobody has chosen one for (`Material.damping_ratio`), as far as it costs few substeps.
+        damping_ratio: Damping ratio of what nobody has chosen one for (`Material.damping_ratio`), as far as it
+            costs few substeps.
         ledger: Whether exchanged energy and momentum are recorded.
     """
 
@@ -196,7 +197,7 @@ def stands(template: SceneTemplate, *, drop: bool) -> bool:
 
 
 def find_holding(template: SceneTemplate, body: Body) -> Holding | None:
-    """How far the held object gives way; None where it does not bend elastically or cannot be told."""
+    """Find the compliance of the held object; None where it does not bend elastically or cannot be told."""
     if template.material.model not in CAN_STAND:
         return None
     compliance = find_compliance(body, template.material, template.anchor)

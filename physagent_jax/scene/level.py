@@ -43,7 +43,7 @@ def level(source: Source, domain: Domain) -> Source:
 
 
 def explain_tilt(source: Source) -> str | None:
-    """What `level` has done to a source, in words; None = nothing."""
+    """Explain in words how `level` turned a source; None = not at all."""
     angle = float(np.hypot(*source.tilt))
     if angle == 0:
         return None

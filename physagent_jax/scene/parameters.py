@@ -44,7 +44,7 @@ class MaterialParameters:
         yield_stress, hardening_modulus, softening_modulus, cohesion, bulk_modulus: [Pa].
         plastic_viscosity: [Pa s].
         friction_angle: [degrees].
-        critical_compression, critical_stretch, hardening_coefficient, hardening_cap: Of snow.
+        critical_compression, critical_stretch, hardening_coefficient, hardening_cap: Parameters of snow.
     """
 
     density: Array | None = None
@@ -81,17 +81,17 @@ class MaterialParameters:
         )
 
     def get_given(self) -> dict[str, Array]:
-        """What is not None, by name."""
+        """The values that are not None, by name."""
         values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         return {name: value for name, value in values.items() if value is not None}
 
 
 class Scene(Protocol):
-    """What parameters are read from: a `CompiledScene`."""
+    """The source of parameters: a `CompiledScene`."""
 
     @property
     def config(self) -> c.SceneConfig:
-        """What it was compiled from."""
+        """The configuration that it was compiled from."""
         ...
 
     @property
@@ -101,7 +101,7 @@ class Scene(Protocol):
 
     @property
     def choice(self) -> np.ndarray:
-        """Which of the scene's materials each particle is of, shape (n,)."""
+        """The index of each particle's material in the scene, shape (n,)."""
         ...
 
     @property
@@ -111,7 +111,7 @@ class Scene(Protocol):
 
     @property
     def imposed(self) -> tuple[Any, ...]:
-        """What the scene's own constraints were compiled into, in their order."""
+        """The compiled forms of the scene's own constraints, in their order."""
         ...
 
 
@@ -122,14 +122,14 @@ class SceneParameters:
 
     Attributes:
         force_field: The vectors, magnitudes and windows of its actions and constraints.
-        forces: Of each of `SceneConfig.forces`: the compiled term (`forces.terms`) with nothing but its numbers, its
+        forces: The terms of `SceneConfig.forces`: each compiled (`forces.terms`) with its numbers alone, its
             envelope's among them.
-        constraints: Of each of `SceneConfig.constraints`, likewise (`PrescribedMotion`, `UniformAcceleration`).
-        materials: Of the scene's material, then of those of its regions.
+        constraints: The terms of `SceneConfig.constraints`, likewise (`PrescribedMotion`, `UniformAcceleration`).
+        materials: Numbers of the scene's material, then of those of its regions.
         friction: Coulomb's coefficient of each of `SceneConfig.boundaries`; None for one without friction.
         gravity: [m/s^2], shape (3,).
-        velocity: Of the object at the start [m/s], shape (3,), or one per particle, shape (n, 3).
-        damping_rate: Of all velocities [1/s]; what a damping ratio has been made into where the object is held.
+        velocity: Velocity of the object at the start [m/s], shape (3,), or one per particle, shape (n, 3).
+        damping_rate: Damping rate of all velocities [1/s]; the form of a damping ratio where the object is held.
     """
 
     force_field: ForceFieldParameters | None = None

@@ -27,7 +27,7 @@ class LoosePiece:
     """A piece that nothing joins to the rest.
 
     Attributes:
-        share: Of the particles.
+        share: Share of the particles.
         distance: From the rest [L].
     """
 
@@ -73,7 +73,7 @@ def join_pieces(particles: Particles, dx: float) -> tuple[Particles, tuple[Loose
 
 
 def explain_loose(pieces: tuple[LoosePiece, ...]) -> str | None:
-    """What the user should know of them."""
+    """Explain loose pieces to the user."""
     seen = [piece for piece in pieces if piece.share >= 1e-3]
     if not seen:
         return None

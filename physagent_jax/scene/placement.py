@@ -1,4 +1,4 @@
-"""Where the object stands: the similarity that brings a captured cloud into the simulation's domain."""
+"""The object's placement: the similarity that brings a captured cloud into the simulation's domain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a simulated scene is shown to people: on which stage, and from cameras that frame what really happened.
+"""The presentation of a simulated scene: its stage, and cameras that frame what really happened.
 
 Perception looks from the scene's own camera, which knows nothing of that.
 """
@@ -28,7 +28,7 @@ def find_stage(config: SceneConfig, centre: np.ndarray, size: float) -> Stage:
 
     Args:
         config: The scene.
-        centre: Of the object at first [m], shape (3,).
+        centre: Centre of the object at first [m], shape (3,).
         size: Its longest side [m].
     """
     still = [

@@ -1,4 +1,4 @@
-"""What an object of some kind is made of and whether it is held: defaults that a report can give reasons for.
+"""Priors by kind: material, damping and anchor, with reasons that a report can give.
 
 Stiffness is chosen for visible motion, not measured: at true scale a wooden guitar (E = 1e10 Pa) neither bends
 visibly nor allows a time step above a microsecond. With an object about 1 m long, a load of one body weight
@@ -292,14 +292,14 @@ def choose_damping_ratio(kind: str) -> float:
 
 
 def explain_damping_ratio(kind: str) -> str:
-    """Where `choose_damping_ratio` is from."""
+    """Explain the source of `choose_damping_ratio`'s value."""
     return PRIORS.get(kind, PRIORS[UNKNOWN]).damping_source
 
 
 def choose_anchor(
     kind: str, requested: Literal["base", "top", "none"] | None = None, words: str = ""
 ) -> Anchor:
-    """What is held: what the prompt asks for, else what the kind implies.
+    """Choose the anchor: what the prompt asks for, else what the kind implies.
 
     Args:
         kind: The object's kind.

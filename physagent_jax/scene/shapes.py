@@ -46,7 +46,7 @@ def build(
         patches: The parts.
         count: Gaussians in all (met up to rounding).
         seed: Seed of the sampling.
-        opacity: Of every Gaussian.
+        opacity: Opacity of every Gaussian.
         gloss: Strength of a white highlight.
     """
     rng = np.random.default_rng(seed)
@@ -84,7 +84,7 @@ def _sample(patch: Patch, count: int, rng: np.random.Generator, gloss: float):
 
 
 def _paint_highlight(normals: np.ndarray) -> np.ndarray:
-    """Where a viewer in front sees the key light mirrored, shape (n,)."""
+    """The highlight where a viewer in front sees the key light mirrored, shape (n,)."""
     halfway = np.array([-0.35, -0.75, 0.56])
     return np.maximum(normals @ (halfway / np.linalg.norm(halfway)), 0) ** 40
 

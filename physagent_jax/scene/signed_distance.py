@@ -204,7 +204,7 @@ def _round(point: np.ndarray) -> str:
 
 
 def winding_number(triangles: np.ndarray, axes: list[np.ndarray]) -> np.ndarray:
-    """How often the mesh winds about each point of a regular grid, from the crossings above the point.
+    """The winding number of the mesh at each point of a regular grid, from the crossings above the point.
 
     Args:
         triangles: Corners, shape (m, 3, 3).

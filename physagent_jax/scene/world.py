@@ -1,4 +1,4 @@
-"""What surrounds the object: gravity, the ground that it stands on, walls and blocks that a sentence names."""
+"""The surroundings: gravity, the ground, walls and blocks that a sentence names."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Obstacle:
     Attributes:
         kind: "wall" fills all that lies behind its face; "block" is a cube of `BLOCK_SIZE`.
         direction: Where it is, seen from the object, unit vector.
-        distance: Of its face from the object's nearest side [L].
+        distance: Distance of its face from the object's nearest side [L].
     """
 
     kind: Literal["wall", "block"]
@@ -40,7 +40,7 @@ class Obstacle:
 
 @dataclasses.dataclass(frozen=True)
 class World:
-    """What surrounds an object.
+    """The surroundings of an object.
 
     Attributes:
         gravity: Where to; "none" = it acts only on what a force field lets fall.
@@ -72,7 +72,7 @@ def build_boundaries(
         body: The object at rest.
         anchor: What of it is held.
         drop: Whether it falls: the ground is then `calibration.DROP_HEIGHT` below it.
-        friction: Of ground and obstacles.
+        friction: Friction of ground and obstacles.
     """
     boundaries: list[Boundary] = [DomainBox()]
     if world.ground or drop:
@@ -104,19 +104,19 @@ def _find_lowest_height(heights: np.ndarray) -> float:
 
 
 def find_footprint(body: Body) -> np.ndarray:
-    """Where the object's lowest `SOLE` are, seen from above [m], shape (m, 2)."""
+    """The object's lowest `SOLE`, seen from above [m], shape (m, 2)."""
     x = np.asarray(body.particles.x, float)
     return x[x[:, 2] <= find_foot(body) + SOLE * body.extent, :2]
 
 
 def find_overhang(body: Body) -> float:
-    """How far the mass centre is beyond the edge of what the object stands on [L]; negative = it stands."""
+    """The distance of the mass centre beyond the edge of the footprint [L]; negative = the object stands."""
     centre = np.average(body.particles.x[:, :2], axis=0, weights=body.particles.volume)
     return measure_overhang(find_footprint(body), centre) / body.extent
 
 
 def measure_overhang(feet: np.ndarray, centre: np.ndarray) -> float:
-    """How far ``centre`` (2,) is beyond the hull of ``feet`` (m, 2), both seen from above [m]; negative = inside."""
+    """The distance of ``centre`` (2,) beyond the hull of ``feet`` (m, 2), seen from above [m]; negative = inside."""
     try:
         hull = ConvexHull(feet)
     except (QhullError, ValueError):  # a point or an edge
@@ -143,7 +143,7 @@ def rolls(body: Body) -> bool:
 
 
 def explain_toppling(world: World, body: Body, anchor: Anchor, *, flows: bool) -> str | None:
-    """Why the object would fall over as it stands, in words; None if it stands, is held, or flows anyway."""
+    """Explain why the object would fall over as it stands; None if it stands, is held, or flows anyway."""
     if world.gravity != "down" or not world.ground or anchor.kind != "none" or flows:
         return None
     overhang = find_overhang(body)
@@ -158,7 +158,7 @@ def explain_toppling(world: World, body: Body, anchor: Anchor, *, flows: bool) -
 def find_opposition(
     world: World, body: Body, anchor: Anchor, *, drop: bool, friction: float, damping_rate: float, time: float
 ) -> Opposition | None:
-    """What works against motions of the whole object, in closed form; None where it is free or held.
+    """The opposition to motions of the whole object, in closed form; None where it is free or held.
 
     A spin over the ground is slowed by mu g r / R^2, with r the feet's mean distance from the axis through the mass
     centre and R the radius of gyration; an object stands upright with g b / R^2, b how far inside its foot the mass

@@ -1,4 +1,4 @@
-"""What one simulation did, as the schema of `simulation.json`."""
+"""The schema of `simulation.json`: the record of one simulation."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Ledger(Strict):
 
 
 class SimulationRecord(Strict):
-    """What one rollout did.
+    """The record of one rollout.
 
     Attributes:
         particle_count, gaussian_count: Sizes.

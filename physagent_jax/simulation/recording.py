@@ -1,4 +1,4 @@
-"""What is kept of a scene that is played: pictures, trajectories and books, frame by frame."""
+"""The recording of a simulated scene: pictures, trajectories and the ledger, frame by frame."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ class RestartCache:
         statistics: Sequence[FrameStatistics],
         restarts: dict[int, Frame],
     ) -> RestartCache:
-        """What is needed to go on from ``restarts``."""
+        """The state and history that are needed to continue from ``restarts``."""
         count = max(restarts, default=-1) + 1
         return RestartCache(
             scene.config,
@@ -129,7 +129,7 @@ class RestartCache:
 
 @dataclasses.dataclass(frozen=True)
 class Recording:
-    """What simulating and rendering a scene gives.
+    """The result of simulating and rendering a scene.
 
     Attributes:
         scene: What was simulated.

@@ -79,7 +79,7 @@ def _select_all_else(config: SceneConfig) -> SceneConfig:
 
 
 def _select_past(config: SceneConfig, instant: float) -> tuple:
-    """What of the force field can be noticed up to ``instant`` [frames], in its order: so sums round alike."""
+    """The force field that can act up to ``instant`` [frames], in its own order: so sums round alike."""
     field = config.force_field
     return _select_begun(field.actions, config, instant), _select_begun(field.constraints, config, instant)
 
@@ -100,7 +100,7 @@ def _select_begun(items: tuple[Timed, ...], config: SceneConfig, instant: float)
 
 
 def _collect_bounds(config: SceneConfig) -> set[float]:
-    """Where windows open and close [frames]."""
+    """The frames at which windows open and close."""
     bounds = {
         float(bound) for timed in _list_items(config.force_field) for bound in _get_window(timed, config)
     }

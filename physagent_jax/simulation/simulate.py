@@ -47,7 +47,7 @@ def simulate_scene(
         scene: What to simulate.
         watch: Charged with the time that simulating and rendering take.
         progress: Called after every frame.
-        restart_cache: Of the earlier scene's `Recording`.
+        restart_cache: Restart cache of the earlier scene's `Recording`.
 
     Raises:
         UserError: The scene cannot be simulated (`mpm.simulate` says why).
@@ -103,7 +103,7 @@ def find_shared_restart(scene: CompiledScene, cache: RestartCache | None) -> Fra
 def _share_frames(
     cache: RestartCache | None, begin: Frame | None
 ) -> tuple[list[FrameOutput], list[FrameStatistics], dict[int, Frame]]:
-    """What is known of the frames up to ``begin``."""
+    """The known frames up to ``begin``."""
     if cache is None or begin is None:
         return [], [], {}
     count = begin.index + 1

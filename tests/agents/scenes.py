@@ -77,7 +77,7 @@ def judge(
     scene: SceneBrief,
     field: ForceField | None = None,
 ) -> Round:
-    """What the offline planner makes of a report on the reading's force field, or on another one."""
+    """Judge a report on the reading's force field, or on another one, with the offline planner."""
     observation = Observation(field or reading.force_field, seen, Unseen())
     reply = RulePlanner().judge(asked(prompt, scene, reading), observation)
     assert reply.trace.is_empty
@@ -87,7 +87,7 @@ def judge(
 def rewrite(
     prompt: str, reading: SemanticReply, failed: Round, scene: SceneBrief, earlier: Iterable[Round] = ()
 ) -> Rewrite:
-    """What the offline executor makes of a failed round."""
+    """Rewrite the force field of a failed round with the offline executor."""
     reply = RuleExecutor().rewrite(asked(prompt, scene, reading, earlier), failed)
     assert reply.trace.is_empty
     return reply.value
@@ -227,7 +227,7 @@ def seen_in(
         turn: Rotation vector in each [deg].
         stretch: Stretch tensor reached in each.
         at_once: Whether it starts with its full speed, as after a blow.
-        options: Of `make_report`.
+        options: Options of `make_report`.
     """
     spans = list_windows(expectations, frame_count) or [(0, frame_count - 1)]
 

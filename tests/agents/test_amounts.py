@@ -1,4 +1,4 @@
-"""How far, by how much and from what height: quantities that compare with the object or with what came before."""
+"""Quantities that compare with the object or with what came before: lengths, amounts, heights."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""How sure counts and times are, against noise that is known."""
+"""The confidence of counts and times, against noise that is known."""
 
 import math
 import random

@@ -1,4 +1,4 @@
-"""What a second, simpler reading finds: words that no motion bears a trace of, and motions that do not go together.
+"""Findings of a second, simpler reading: words without a motion, and motions that do not go together.
 
 Beside each reading that is doubted stands a near neighbour that is not. Composed sentences are held against the
 readings of what they are composed of.
@@ -28,7 +28,7 @@ def see(kind: str, direction=None, window=(0, 49), words="", **more) -> Expected
 
 
 def doubt(prompt: str, *motions: ExpectedMotion, anchor=None, obstacles=()) -> list[str]:
-    """What is said of a sentence of which these motions were read."""
+    """The doubts about a sentence of which these motions were read."""
     outcome = Outcome(motions, (), anchor, obstacles, ground().directions)
     return find_disagreements(tokenise(prompt), find_mentions(prompt, NAMES), NAMES, outcome)
 

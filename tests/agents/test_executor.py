@@ -202,7 +202,7 @@ def test_a_prescribed_velocity_goes_where_the_sentence_says():
 
 
 def test_a_saturated_push_that_began_late_begins_earlier():
-    """Where it cannot last longer: from where its motion should begin, not before."""
+    """A saturated push that cannot last longer begins earlier: where its motion should begin, not before."""
     prompt = "spin it"
     late = with_magnitude(prompt, 1.6, active_time=(30.0, 48.0))
     answer, _ = rewritten(prompt, late, turn=(0, 0, 3.0))

@@ -187,7 +187,7 @@ def test_known_skills():
 
 
 def test_no_stacking():
-    """What acts at once along a line shares the range; what is left too weak goes."""
+    """Actions that act at once along a line share the range; one that is left too weak goes."""
     field, rules = mended(action(magnitude=1.0), action(magnitude=1.0))
     assert [a.magnitude for a in field.actions] == pytest.approx([1.0, 0.6]) and rules == ["no_stacking"]
     field, rules = mended(action(magnitude=1.4), action(vector=RIGHT, magnitude=-1.0))

@@ -1,4 +1,4 @@
-"""What holds an object, against what is to happen to it: single motions, and every sentence of the corpus."""
+"""Holds against motions: single motions, and every sentence of the corpus."""
 
 from __future__ import annotations
 

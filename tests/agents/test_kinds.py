@@ -1,4 +1,4 @@
-"""Which kind of skill carries out what: the rule, and that its result obeys the hard rules."""
+"""The choice between kinds of skill: the rule, and that its result obeys the hard rules."""
 
 import pytest
 

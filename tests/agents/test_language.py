@@ -199,7 +199,7 @@ def test_named_ends_are_parts():
     ],
 )  # fmt: skip
 def test_gravity_is_told(prompt, gravity):
-    """What the sentence says about gravity goes into the world; what falls upwards is expected there."""
+    """Gravity in the sentence goes into the world; an object that falls upwards is expected there."""
     reply = read(prompt, ground())
     assert reply.world.gravity == gravity
     falls = [e for e in reply.expectations if e.kind is MotionKind.FALL]
@@ -241,7 +241,7 @@ def test_holding_what_was_moved_keeps_it_there(prompt):
 
 
 def test_holding_before_letting_go_is_no_anchor():
-    """What is held and then let fall is not held in the clip."""
+    """A hold that ends in a fall is not a hold of the whole clip."""
     reply = read("hold the robot, then let it fall", ground())
     assert reply.anchor.kind is None and reply.force_field.default_drop
 
@@ -250,7 +250,7 @@ def test_holding_before_letting_go_is_no_anchor():
     "prompt", ["lift it, then release it", "it is lifted, then dropped", "lift it, then let it fall"]
 )
 def test_what_is_lifted_and_let_go_falls(prompt):
-    """Where gravity acts nothing pushes it down."""
+    """Nothing is pushed down where gravity acts."""
     reply = read(prompt, ground())
     assert [e.kind for e in reply.expectations] == [MotionKind.MOVE, MotionKind.FALL]
     assert [a.vector for a in reply.force_field.actions] == [UP]
@@ -263,7 +263,7 @@ def test_strokes_of_their_own():
 
 
 def test_the_other_way():
-    """What goes the other way goes opposite to what went before."""
+    """ "The other way" is opposite to the way before."""
     turns = [e for e in read("spin it, stop, spin it the other way", ground()).expectations if e.direction]
     assert turns[0].direction == (0, 0, 1) and turns[1].direction == (0, 0, -1)
 

@@ -160,7 +160,7 @@ def test_what_is_unclear(unclear, clear):
 
 
 def test_a_hold_before_a_release_is_how_long():
-    """What is held for a time and then let go of is done for that time."""
+    """A hold before a release is a duration."""
     (motion,) = read("stretch it to twice its width, hold for 2 seconds and release", ground()).expectations
     assert tell(motion) == "stretch right" and motion.released
     assert motion.window[1] == 50  # 2 s of 0.04 s
@@ -203,7 +203,7 @@ def test_what_is_not_done_holds_nothing():
 
 
 def test_forms_of_alike_verbs():
-    """What is taped is held, and what is tapped is struck."""
+    """A taped thing is held, and a tapped one is struck."""
     assert read("it is taped to the table", ground()).anchor.kind == "base"
     assert order("it is tapped from the left") == "hit right"
 

@@ -614,7 +614,7 @@ def test_what_goes_with_the_motion_is_allowed():
 
 
 def test_gravity_does_not_spoil_a_throw():
-    """What is thrown to the left falls meanwhile; the same fall without gravity is a wrong direction."""
+    """A throw to the left falls meanwhile; the same fall without gravity is a wrong direction."""
     seen = show(lambda t: (-0.02 * t, 0, -0.8 * (t / LAST) ** 2))
     thrown = expected(sudden=True)
     assert passes((thrown, expected(KINDS.FALL, None)), seen)
@@ -768,7 +768,7 @@ def test_wrong_kind_is_named():
     ],
 )
 def test_nothing_observable_fails_and_says_so(prompt, hidden):
-    """What cannot be seen is neither passed nor failed; the verdict is FAIL with the reason."""
+    """Unobservable clauses are neither passed nor failed; the verdict is FAIL with the reason."""
     reply = read(prompt)
     place = hidden.get("displacement", ZERO)
     seen = seen_in(reply.expectations, displacement=place, unobservable={k: "the mask was lost" for k in (

@@ -16,7 +16,7 @@ LEFT, RIGHT, UP = (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 
 
 def planned(prompt, **changes):
-    """What a sentence is read as, and what carries it out."""
+    """The reading of a sentence, and the skills that carry it out."""
     scene = brief(**(SECOND | changes))
     reply = read(prompt, scene)
     field = choose_kinds(reply.force_field, reply.expectations, scene).force_field
@@ -24,7 +24,7 @@ def planned(prompt, **changes):
 
 
 def travelled(constraint, frames):
-    """How far a prescribed velocity goes [body lengths]; `PRESCRIBED_TRAVEL` per clip of at most two seconds."""
+    """The distance of a prescribed velocity [body lengths]; `PRESCRIBED_TRAVEL` per clip of at most two seconds."""
     first, until = constraint.active_time
     return PRESCRIBED_TRAVEL * constraint.magnitude * (until - first) / frames
 
@@ -228,7 +228,7 @@ def test_a_thing_that_lands_aside_is_thrown_there():
 
 
 def test_a_throw_on_the_ground_rises_by_its_magnitude():
-    """What weight stops rises by M body lengths (`forces.opposition`); the fall is not measured by the rise."""
+    """A throw against weight rises by M body lengths (`forces.opposition`); the fall is not measured by the rise."""
     reply = read("throw it up by six tenths of its length; then it is back where it was", ground())
     (blow,) = reply.force_field.actions
     assert (blow.vector, blow.magnitude) == (UP, 0.6)

@@ -166,7 +166,7 @@ def test_a_view_belongs_to_its_turn():
 
 
 def test_manner_alone_is_denied():
-    """What must not be done too hard is done, less hard than what is done hard."""
+    """A denied "too hard" is done less hard than a "hard"."""
     denied, hard = (
         read(prompt, ground()).expectations[0]
         for prompt in ("do not push it too hard to the right", "push it too hard to the right")
@@ -251,7 +251,7 @@ def test_thanks_have_no_strength():
 
 
 def test_the_long_axis_is_the_object_s():
-    """What is longest across is stretched across."""
+    """The object is stretched across where it is longest across."""
     (motion,) = read(
         "stretch it along its long axis by a factor of 1.3", ground(long_axis=(1, 0, 0))
     ).expectations

@@ -1,4 +1,4 @@
-"""How long each push of a sway lasts, by what an oscillator does under them."""
+"""The length of each push of a sway, against an oscillator's response."""
 
 import math
 

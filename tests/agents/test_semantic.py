@@ -41,7 +41,7 @@ def test_directions_follow_the_camera(prompt, held, degrees):
      "推动机器人向左", "😀", "quickly", "the top of it", "\x00"],
 )  # fmt: skip
 def test_nonsense_is_refused_with_help(prompt):
-    """What names no motion is refused, with what was got and example sentences."""
+    """A sentence without a motion is refused, with what was got and example sentences."""
     with pytest.raises(UserError) as error:
         read(prompt)
     assert "push the robot to the left" in str(error.value)
@@ -109,12 +109,12 @@ def test_unknown_words_are_reported():
 
 
 def test_assumptions_are_noted():
-    """What the sentence leaves open is said."""
+    """Assumptions are noted where the sentence leaves something open."""
     assert read("push the robot").notes == ("'push': no direction given, assumed left.",)
 
 
 def test_an_axis_that_the_verb_brings_is_told_as_an_axis():
-    """What turns about the verb's own axis names it as such; what is thrown names a direction."""
+    """A turn about the verb's own axis names the axis; a throw names a direction."""
     (spin,) = [e for e in read("spin the robot").evidence if e.field.endswith("vector")]
     assert spin.why == "no axis given: it points up by default"
     (throw,) = [e for e in read("throw the robot").evidence if e.field.endswith("vector")]

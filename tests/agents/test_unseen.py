@@ -1,4 +1,4 @@
-"""What the pictures do not show is no success, whatever was asked, and no error."""
+"""Motions that the pictures do not show are no success and no error."""
 
 import numpy as np
 import pytest

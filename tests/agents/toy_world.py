@@ -29,7 +29,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 class ToyWorld:
-    """What a force field does, as a motion report.
+    """The motion report of a force field in a toy world.
 
     Attributes:
         gain: Factor on every response.
@@ -82,7 +82,7 @@ class ToyWorld:
         return places, angles, strains
 
     def _find_strokes(self, field: ForceField):
-        """What pushes to and fro give a free object."""
+        """The velocity changes of pushes to and fro on a free object."""
         if self.scene.anchored is not None:
             return {}
         count = self.scene.frame_count
@@ -120,7 +120,7 @@ class ToyWorld:
 
 
 def _drag_along(part: PartMotion, side) -> PartMotion:
-    """What an end shows of a motion that acts on the end towards ``side``: the far end hangs back."""
+    """The lag of the far end in a motion that acts on the end towards ``side``."""
     share = {1: 1.0, 0: 0.6, -1: 0.3}[round(sum(a * b for a, b in zip(part.direction, side)))]
     return part.model_copy(
         update={

@@ -278,7 +278,7 @@ def test_what_no_number_changes_ends_at_once():
 
 @pytest.mark.parametrize("name", ["levenberg_marquardt", "lbfgs"])
 def test_a_search_that_is_stuck_at_a_kink_begins_again_beside_it(name):
-    """Where r is flat beyond a kink next to the start, there is no way down; a step aside there is one."""
+    """A flat r beyond a kink leaves no way down; a step aside finds one."""
 
     class Ledge(Linear):
         def replay(self, rollout, parameters):

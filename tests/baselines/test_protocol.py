@@ -1,4 +1,4 @@
-"""What is read off a fit: which force field counts at a stopping point."""
+"""The force field that counts at a stopping point of a fit."""
 
 import math
 

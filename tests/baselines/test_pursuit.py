@@ -1,4 +1,4 @@
-"""What is left is explained by further actions, and the worst clause counts more: on bodies with a closed form."""
+"""Further actions explain the remainder, and the worst clause counts more: on bodies with a closed form."""
 
 from functools import partial
 

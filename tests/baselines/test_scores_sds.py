@@ -26,7 +26,7 @@ FORMS = pytest.mark.parametrize("form", list(sds.Form))
 
 
 def denoise(form, noisy, level, mean, spread):
-    """What the best denoiser of N(mean, spread^2) answers."""
+    """The answer of the best denoiser of N(mean, spread^2)."""
     scale = level.alpha**2 * spread**2 + level.sigma**2
     noise = level.sigma * (noisy - level.alpha * mean) / scale
     clean = mean + level.alpha * spread**2 * (noisy - level.alpha * mean) / scale

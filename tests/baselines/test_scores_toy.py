@@ -89,7 +89,7 @@ def test_clips_are_kept(tmp_path):
 
 @pytest.mark.filterwarnings("ignore:only:UserWarning")
 def test_clips_that_were_cut_off_go_on_as_if_they_had_not_been(tmp_path, monkeypatch, capsys):
-    """Which objects, motions and videos there are; the simulation is stood in for."""
+    """Interrupted clips continue: objects, motions and videos, with the simulation replaced by a stand-in."""
 
     def write_down(loaded, options):
         return np.full((1, 1, 1, 3), zlib.crc32(str(options).encode()) % 251, np.uint8)

@@ -1,4 +1,4 @@
-"""What a process does once is done once whoever asks, and no forked process waits for threads that it has not."""
+"""Work that a process does once is done once, and no forked process waits for threads that it lacks."""
 
 import os
 import threading
@@ -14,7 +14,7 @@ needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="the system has 
 
 
 def call_from_threads(function):
-    """What ``function`` returns to each of `THREADS` threads that call it at the same time."""
+    """The results of ``function`` in `THREADS` threads that call it at the same time."""
     results, together = [], threading.Barrier(THREADS)
 
     def ask(number):

@@ -1,4 +1,4 @@
-"""What is chosen by name: options that an implementation does not take, and what goes wrong inside one."""
+"""Choice by name: options that an implementation does not take, and errors inside one."""
 
 import dataclasses
 from typing import Protocol

@@ -1,4 +1,4 @@
-"""What the skill library tells agents of itself: made from the schema, complete, readable without arrays."""
+"""The skill library's description: made from the schema, complete, readable without arrays."""
 
 import json
 import subprocess

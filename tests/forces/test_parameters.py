@@ -187,7 +187,7 @@ def test_the_free_path_is_what_pushes_and_blows_add_up_to():
 
 
 def test_what_one_gives_is_within_what_a_viewer_expects():
-    """What viewers call plain does not follow from the skills; that M = 1 shows it does."""
+    """A magnitude of 1 gives a motion that viewers call plain."""
     plain = ExpectedMotion(kind=MotionKind.STRETCH, window=(0, 25))
     band = expect_strain(plain, squeeze=False)
     turn = expect_rotation(plain, 26, anchored=False)

@@ -1,4 +1,4 @@
-"""What M = 1 means for each skill, measured on simulated bodies; conservation; regions; windows."""
+"""The meaning of M = 1 for each skill, measured on simulated bodies; conservation; regions; windows."""
 
 import jax
 import jax.numpy as jnp

@@ -39,7 +39,7 @@ def strokes_of(actions, scaling):
 
 
 def integrate(actions, scaling, steps=200):
-    """Where a point mass is, with the strokes' own k."""
+    """The path of a point mass under the strokes' own k."""
     strokes, x, v, path = strokes_of(actions, scaling), 0.0, 0.0, [0.0]
     for index, action in enumerate(actions):
         first, last = action.active_time

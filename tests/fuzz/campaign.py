@@ -30,10 +30,10 @@ MERCY = 60.0  # [s] beyond a case's own limit until its process is killed
 
 @dataclasses.dataclass
 class Tally:
-    """What became of the cases.
+    """The outcomes of the cases.
 
     Attributes:
-        seed: Of the campaign.
+        seed: Seed of the campaign.
         counts: Cases by class and column.
         failures: One entry per failed case.
         slowest: Seconds and name of the slowest case by class [s].
@@ -189,7 +189,7 @@ class Examiner:
             self._worker.end()
 
     def examine(self, name: str, seed: int, index: int) -> tuple[str, Result]:
-        """What a case is and what became of it, whatever became of the process."""
+        """A case and its outcome, whatever became of the process."""
         if self._worker is not None and self._worker.served >= RENEWED:
             self._worker.end()
             self._worker = None
@@ -212,7 +212,7 @@ class _Worker:
         self.served, self.dead = 0, False
 
     def examine(self, name: str, seed: int, index: int) -> tuple[str, Result]:
-        """What became of a case, whatever became of the process."""
+        """The outcome of a case, whatever became of the process."""
         self.served += 1
         begun = time.monotonic()
         case = named(name).case(seed, index)

@@ -1,4 +1,4 @@
-"""What every case is held to: accepted and finite, or refused in one line; in bounded time and memory; nothing lost.
+"""The contract of every case: accepted and finite, or refused in one line; bounded; nothing lost.
 
 A `Case` lays files into a folder of its own, does one thing with the product there and says which names the product
 may write. `check` runs it and gives a `Result`; whatever breaks the contract is a `Fault`, with the place in the code.
@@ -49,7 +49,7 @@ class Fault(enum.StrEnum):
 
 
 class Outcome(enum.StrEnum):
-    """How a case ended."""
+    """The end of a case."""
 
     ACCEPTED = "accepted"
     REFUSED = "refused"
@@ -95,7 +95,7 @@ class Case:
 
 @dataclasses.dataclass(frozen=True)
 class Result:
-    """What became of a case.
+    """The outcome of a case.
 
     Attributes:
         outcome: How it ended.
@@ -113,7 +113,7 @@ class Result:
 
     @property
     def column(self) -> str:
-        """Where it is counted: "accepted", "refused" or the name of the fault."""
+        """The column that counts it: "accepted", "refused" or the name of the fault."""
         return str(self.fault or self.outcome)
 
 
@@ -226,7 +226,7 @@ def _read_peak() -> float:
 
 
 def not_finite(value: Any, place: str = "") -> str:
-    """Where in ``value`` is a number that is not finite; "" if nowhere. Dataclasses, schemas, containers, arrays.
+    """The place in ``value`` of a number that is not finite; "" if nowhere. Any schemas, containers, arrays.
 
     What is called ``end`` may be infinite: a window that never closes.
     """
@@ -262,7 +262,7 @@ def not_finite(value: Any, place: str = "") -> str:
 
 
 def snapshot(folder: Path) -> dict[str, str]:
-    """What lies in ``folder``: a hash, a link's target or a kind, by relative name."""
+    """The contents of ``folder``: a hash, a link's target or a kind, by relative name."""
     found = {}
     for root, folders, files in os.walk(folder):
         for name in (*folders, *files):
@@ -299,7 +299,7 @@ def _find_file_fault(before: Mapping[str, str], folder: Path, own: tuple[str, ..
 
 
 def half_written(path: Path) -> str:
-    """What is wrong with a file that the product has left; "" if nothing."""
+    """The fault of a file that the product has left; "" if there is none."""
     if path.name.startswith(".") or path.suffix in (".tmp", ".part"):
         return "a temporary file"
     if path.is_symlink() or not path.is_file():

@@ -1,4 +1,4 @@
-"""Where cases come from: seeded draws, values at the edges, damaged bytes, damaged JSON, and schemas turned into data.
+"""Sources of cases: seeded draws, edge values, damaged bytes, damaged JSON, and schemas turned into data.
 
 Everything follows from ``(seed, class, index)``, so that one line repeats a case.
 """

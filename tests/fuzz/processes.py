@@ -79,7 +79,7 @@ def whole(out: Path) -> None:
 
 
 def contents(out: Path) -> dict[str, object]:
-    """What a finished run left, by name: bytes, or JSON where the clock is part of it."""
+    """The files of a finished run, by name: bytes, or JSON where the clock is part of it."""
     found: dict[str, object] = {}
     for path in sorted(p for p in out.rglob("*") if p.is_file()):
         name = str(path.relative_to(out))

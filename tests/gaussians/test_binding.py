@@ -122,7 +122,7 @@ def test_gradients_reach_positions_and_deformation(cloud, particles):
 
 
 def test_export_has_the_same_shape_and_colours_in_the_world_frame(cloud):
-    """What a viewer computes from the exported cloud is what the splats mean."""
+    """A viewer's reading of the exported cloud equals the splats."""
     F = identities(60) + 0.3 * jax.random.normal(jax.random.key(0), (60, 3, 3))
     pre = Rotation.from_euler("xyz", [20, 30, 40], degrees=True).as_matrix()
     splats = deform(cloud, bind(cloud.means, cloud.means), cloud.means, F, pre)

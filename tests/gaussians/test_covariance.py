@@ -68,7 +68,7 @@ def svd_rotation(F):
 
 
 def test_polar_rotation_equals_the_svd_also_when_inverted_or_flat():
-    """Where the answer is unique, to float32 accuracy; det F < 0 gives U diag(1, 1, -1) V^T."""
+    """The answer is unique to float32 accuracy; det F < 0 gives U diag(1, 1, -1) V^T."""
     rng = np.random.default_rng(2)
     F = rng.normal(size=(5000, 3, 3))
     F[:1000] = Rotation.random(1000, random_state=1).as_matrix() @ (

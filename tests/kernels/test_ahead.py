@@ -25,7 +25,7 @@ TARGETS = TRANSFERS | BLENDING
 
 @pytest.fixture
 def begun(tmp_path, monkeypatch):
-    """What processes are begun for, where no kernel has been compiled on this machine, as far as anybody knows.
+    """The processes that are begun where no kernel has been compiled on this machine.
 
     They are stand-ins, which say that P2G and the picture's kernel are done, and end.
     """
@@ -48,7 +48,7 @@ def begun(tmp_path, monkeypatch):
 
 
 def test_one_process_compiles_what_is_missing(begun, tmp_path):
-    """What is there is left alone, and what is being compiled is not begun twice."""
+    """Present kernels are left alone, and a running compilation is not begun twice."""
     (tmp_path / G2P).mkdir()
     store.seal(tmp_path / G2P)
     ahead.start_compiling(TARGETS)
@@ -58,7 +58,7 @@ def test_one_process_compiles_what_is_missing(begun, tmp_path):
 
 
 def test_waiting_ends_with_the_kernel_or_the_process(begun):
-    """What is said of another kernel meanwhile is noted; what the process never made is nobody's any more."""
+    """Waiting ends with the kernel or the process; news of another kernel is noted meanwhile."""
     ahead.start_compiling(TARGETS)
     ahead.wait_for(BLEND)
     assert set(ahead.running) == {P2G, G2P}
@@ -150,7 +150,7 @@ def test_commands_that_play_begin_before_they_read_their_arguments(begun):
 
 
 def in_a_process(script, folder):
-    """What ``script`` prints, with an empty store, or what another left in ``folder``."""
+    """The output of ``script`` with an empty store, or with one that another left in ``folder``."""
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder)}
     command = [sys.executable, "-c", f"from physagent_jax.kernels import ahead, store; {script}"]
     return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.split()
@@ -208,7 +208,7 @@ def alive(pid):
 
 
 def test_nothing_here_needs_numba():
-    """Where it is missing the reference path serves: the commands must still be importable, and begin nothing."""
+    """The reference path serves without Numba: commands can be imported, and begin nothing."""
     script = (
         "import sys; sys.modules['numba'] = None\n"
         "from physagent_jax.kernels import ahead\n"

@@ -1,4 +1,4 @@
-"""What the surroundings of a command may be, and what is said of those that make no sense."""
+"""The environment of a command, and the messages about impossible ones."""
 
 import sys
 
@@ -44,7 +44,7 @@ def test_a_variable_that_makes_no_sense_is_refused_in_one_line(variable, value, 
 
 
 def test_what_jax_does_not_accept_is_refused_in_one_line():
-    """Where XLA would end the process, or JAX raise as it is imported; `JAX_DISABLE_JIT` would take hours."""
+    """JAX settings that XLA or JAX would die of are refused in one line; `JAX_DISABLE_JIT` would take hours."""
     script = MAIN.format(["materials"])
     processes = {pair: begun(script, **dict([pair])) for pair in IN_PROCESSES}
     for (variable, value), process in processes.items():

@@ -23,7 +23,7 @@ if __name__ == "__main__":
 
 
 def run_program(call, **environment):
-    """What a program prints of a call of `tests.kernels.first_use`, in its own interpreter and compiled quickly."""
+    """The output of a call of `tests.kernels.first_use`, in its own interpreter and compiled quickly."""
     flags = f"{os.environ.get('XLA_FLAGS', '')} {QUICK_TO_COMPILE}"
     code, out, err = ran(PROGRAM.format(call), XLA_FLAGS=flags, **environment)
     assert code == 0, err

@@ -1,4 +1,4 @@
-"""What the kernels compute by themselves, against NumPy in more digits."""
+"""The kernels' own mathematics, against NumPy in more digits."""
 
 import numpy as np
 import pytest

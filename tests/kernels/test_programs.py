@@ -134,7 +134,7 @@ def test_asking_several_times_for_one_folder_is_as_good_as_once(tmp_path):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no limit on the size of files")
 def test_half_a_program_is_never_under_its_name(tmp_path):
-    """Where the disk is full, or another process reads while this one writes."""
+    """Failures of the store: a full disk, and a process that reads while this one writes."""
     limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))\n"
     code, value, err = ran(limit + COMPUTE.format(folder=tmp_path))
     assert code == 0 and "cannot write" in err

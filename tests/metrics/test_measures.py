@@ -1,4 +1,4 @@
-"""What clauses measure, against motions whose measures are known exactly."""
+"""The measures of clauses, against motions whose measures are known exactly."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""How near a force is to the one that made the motion, which of its numbers the motion tells, and what it costs."""
+"""The distance of a force from the one that made the motion, its identifiable numbers, and its cost."""
 
 import dataclasses
 
@@ -85,7 +85,7 @@ def test_a_jacobian_that_makes_no_sense_is_refused():
 
 @dataclasses.dataclass
 class Scene:
-    """What effort is measured of: forces, constraints, and the masses that they act on."""
+    """The forces, constraints and masses from which effort is computed."""
 
     mass: jnp.ndarray
     forces: tuple = ()

@@ -1,4 +1,4 @@
-"""What methods minimise: its derivative, at rest too, and that it agrees with the judge."""
+"""The residuals that methods minimise: their derivative, at rest too, and their agreement with the judge."""
 
 import jax
 import jax.numpy as jnp

@@ -1,4 +1,4 @@
-"""What `test_sharding` compares, computed in a process of its own with four devices and in double precision."""
+"""Runs that `test_sharding` compares, in a process of its own with four devices and in double precision."""
 
 from __future__ import annotations
 

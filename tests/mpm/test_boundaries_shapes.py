@@ -71,7 +71,7 @@ def applied(obstacle, field, grid, time):
 
 
 def at_nodes(obstacle, velocity, grid, time=0.0):
-    """What becomes of one velocity at every node, and the nodes' positions."""
+    """The result of one velocity at every node, and the nodes' positions."""
     field = jnp.broadcast_to(jnp.asarray(velocity), (*grid.shape, 3))
     nodes = np.stack(np.broadcast_arrays(*grid.node_positions(field.dtype)), axis=-1)
     return np.asarray(applied(obstacle, field, grid, jnp.asarray(time))), nodes
@@ -237,7 +237,7 @@ def test_interpolated_distance_and_normal_are_second_order(x64):
 
 
 def test_samples_on_the_nodes_act_as_the_shape_itself(x64):
-    """Where samples and nodes coincide only the normal is approximate."""
+    """Samples that lie on the nodes leave only the normal approximate."""
     grid = Grid.whole(1.0, 20)
     velocity = jax.random.normal(jax.random.key(1), (*grid.shape, 3), jnp.float64)
     radius = 0.23

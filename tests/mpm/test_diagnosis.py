@@ -1,4 +1,4 @@
-"""What a frame that is given up is told to be like."""
+"""The message about a frame that is given up."""
 
 from __future__ import annotations
 

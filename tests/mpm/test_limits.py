@@ -1,4 +1,4 @@
-"""What the method does badly is said before anything is simulated, with the number that mends it."""
+"""Limits of the method are said before anything is simulated, with the number that helps."""
 
 import warnings
 

@@ -1,4 +1,4 @@
-"""What every constitutive model must fulfil: objectivity, energy, small strains, idempotent and dissipative returns."""
+"""Laws of every constitutive model: objectivity, energy, small strains, idempotent and dissipative returns."""
 
 from typing import Any
 

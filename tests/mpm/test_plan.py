@@ -1,4 +1,4 @@
-"""What has no part in a frame is left out of it, and the results are those of the whole model."""
+"""Parts without effect are left out of a frame, and the results are those of the whole model."""
 
 import jax
 import jax.numpy as jnp

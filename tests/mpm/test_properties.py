@@ -1,4 +1,4 @@
-"""What must hold in any scene: random ones, drawn by hypothesis, that share one executable."""
+"""Properties of any scene: random ones, drawn by hypothesis, that share one executable."""
 
 import dataclasses
 

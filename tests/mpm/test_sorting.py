@@ -73,7 +73,7 @@ def test_another_order_changes_nothing_but_round_off(mixture, monkeypatch):
 
 
 def test_a_run_goes_on_in_the_order_that_it_had(mixture):
-    """What follows a frame is the same to the last bit."""
+    """A continued run is the same to the last bit."""
     whole = list(simulate(*mixture, **OPTIONS))
     rest = list(simulate(*mixture, **OPTIONS, begin=whole[2]))
     for one, other in zip(rest, whole[3:]):

@@ -60,7 +60,7 @@ class FakeSam2:
 
 
 class Sam2Segmenter(Segmenter):
-    """What a SAM 2 backend is."""
+    """A stand-in for a SAM 2 backend."""
 
     name = "sam2.1_hiera_fake"
     needs_prompt = True
@@ -127,7 +127,7 @@ class FakeCoTracker:
 
 
 class CoTrackerBackend(Tracker):
-    """What a CoTracker backend is."""
+    """A stand-in for a CoTracker backend."""
 
     name = "cotracker3_fake"
 

@@ -32,7 +32,7 @@ class Shape:
 
 @dataclasses.dataclass(frozen=True)
 class Clip:
-    """What a camera saw, and the particles' true path (T, n, 3)."""
+    """A camera's pictures, and the particles' true path (T, n, 3)."""
 
     rgb: np.ndarray
     depth: np.ndarray

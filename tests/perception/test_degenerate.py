@@ -292,7 +292,7 @@ def test_answers_of_another_shape_are_refused():
 
 @dataclasses.dataclass(frozen=True)
 class Prompted(Segmenter):
-    """What lies around the prompt, if it lies on something."""
+    """The object around the prompt, if the prompt lies on one."""
 
     needs_prompt = True
     truth: np.ndarray

@@ -1,4 +1,4 @@
-"""What the renderer must give by geometry alone: pinhole formula, Gaussian integrals, symmetry, frames."""
+"""Closed forms of the renderer: pinhole formula, Gaussian integrals, symmetry, frames."""
 
 from __future__ import annotations
 

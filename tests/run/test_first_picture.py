@@ -164,7 +164,7 @@ def test_run_and_plan_refuse_before_anything_is_simulated(tmp_path, capsys):
 
 
 def test_the_picture_is_that_of_frame_0(robot_path):
-    """What is drawn beforehand is what perception gets: the object at rest, to the pixel."""
+    """The picture drawn beforehand is the one that perception gets: the object at rest, to the pixel."""
     from physagent_jax.scene.compile import compile_scene
     from physagent_jax.simulation.simulate import simulate_scene
 

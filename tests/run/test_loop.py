@@ -327,7 +327,7 @@ def test_a_prompt_for_a_segmenter_that_takes_none_is_refused_before_the_run_begi
 
 
 def test_a_loose_piece_is_told_before_anything_is_simulated(tmp_path):
-    """What is too far from the rest to be joined to it: on the way, in the record, and on the page."""
+    """A piece too far from the rest to be joined is told on the way, in the record, and on the page."""
     far = trimesh.creation.box([0.2, 0.2, 0.2]).apply_translation([0.9, 0, 0])
     trimesh.util.concatenate([trimesh.creation.box([0.4, 0.4, 0.4]), far]).export(tmp_path / "pair.obj")
     told = []

@@ -33,7 +33,7 @@ class ChatModel:
 
 
 class Chat:
-    """What the three agents share: ask, validate, ask again with the error."""
+    """The shared part of three chat agents: ask, validate, ask again with the error."""
 
     name = "scripted-chat-1"
 

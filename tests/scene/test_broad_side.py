@@ -1,4 +1,4 @@
-"""Which side of an object is shown when nobody says."""
+"""The side of an object that is shown by default."""
 
 import numpy as np
 import pytest

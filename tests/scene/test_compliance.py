@@ -1,4 +1,4 @@
-"""How far held bars give way, against the theory of bars, and what pushes then do."""
+"""The compliance of held bars, against the theory of bars, and the resulting pushes."""
 
 import dataclasses
 

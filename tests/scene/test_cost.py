@@ -1,4 +1,4 @@
-"""What a scene costs is estimated before it is simulated, and refused above a limit that an option raises."""
+"""The estimated cost of a scene, and its refusal above a limit that an option raises."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ SPOT_VOLUME = 0.718259  # signed volume of the mesh, in its units
 
 
 def count_filled(particles) -> int:
-    """How many particles are no Gaussian's centre."""
+    """The number of particles that are no Gaussian's centre."""
     return int((particles.gaussian_index < 0).sum())
 
 

@@ -1,4 +1,4 @@
-"""How much of the picture an object fills, for perception and for people."""
+"""The share of the picture that an object fills, for perception and for people."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What was captured slightly tilted is set upright, and nothing else is turned."""
+"""A slightly tilted capture is set upright, and nothing else is turned."""
 
 import numpy as np
 import pytest

@@ -268,7 +268,7 @@ def test_terms_of_another_kind_are_refused(rich):
 )
 @pytest.mark.parametrize("traced", [False, True])
 def test_a_longer_vector_is_a_larger_magnitude_where_something_opposes(opposing, traced, folder, body):
-    """What is made up for goes by the direction alone, whatever the vector's length."""
+    """The compensation goes by the direction alone, whatever the vector's length."""
     windows = ((0, 1), (1, 2), (0, 2))
     kinds = (ActionType.TRANSLATION, ActionType.IMPULSE, ActionType.TORQUE)
     field = ForceField(

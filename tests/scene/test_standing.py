@@ -1,4 +1,4 @@
-"""What stood when it was captured stands in the scene: its stiffness bears its weight, or it is held."""
+"""A captured object stands in the scene: its stiffness bears its weight, or it is held."""
 
 import dataclasses
 

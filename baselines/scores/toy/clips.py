@@ -42,7 +42,7 @@ class Clips:
 
     @staticmethod
     def load(path: Path) -> Clips:
-        """What `save` wrote.
+        """Load what `save` wrote.
 
         Raises:
             UserError: There is no such file.
@@ -80,11 +80,11 @@ class Command:
 
     @property
     def kept(self) -> Path:
-        """Where clips are kept until there are all."""
+        """The folder of clips until all are complete."""
         return self.out.with_name(f"{self.out.stem}.part.npz")
 
     def list_settings(self) -> dict[str, int]:
-        """What two calls must share for one to go on where the other was cut off."""
+        """The settings that two calls must share for one to continue the other."""
         return {name: getattr(self, name) for name in ("count", "instances", "particles", "seed")}
 
 
@@ -129,7 +129,7 @@ def make_clips(command: Command) -> Clips:
 
 
 def draw_options(prompt: str, rng: np.random.Generator) -> dict[str, Any]:
-    """What `play` shows a motion with: force field, material and camera."""
+    """Draw the options with which `play` shows a motion: force field, material and camera."""
     return dict(
         force_field=draw_force_field(prompt, rng),
         material=dict(youngs_modulus=float(10 ** rng.uniform(4.3, 5)), poissons_ratio=0.3, density=300.0),

@@ -19,11 +19,11 @@ class ModelConfig:
     """Sizes.
 
     Attributes:
-        frames, size: Of a clip; size [px].
+        frames, size: Frames and size of a clip; size [px].
         words: Length of the condition.
         width: Channels of a token.
         depth: Blocks.
-        heads: Of each attention.
+        heads: Heads of each attention.
     """
 
     frames: int = 16

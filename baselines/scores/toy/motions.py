@@ -51,7 +51,7 @@ _MEANING = {word: (word,) for word in WORDS} | {
 
 
 def read_prompt(prompt: str) -> np.ndarray:
-    """Which of `WORDS` a sentence means, 0 or 1, float32, shape (words,).
+    """The words of `WORDS` that a sentence means, 0 or 1, float32, shape (words,).
 
     Raises:
         UserError: It contains none of them.

@@ -62,7 +62,7 @@ class ToyPrior:
 
     @staticmethod
     def load(weights: str | Path, settings: sds.SdsSettings = SETTINGS) -> ToyPrior:
-        """What `save` wrote.
+        """Load what `save` wrote.
 
         Raises:
             UserError: There is none in the folder, or it is refused.

@@ -59,11 +59,11 @@ class Command:
 
     @property
     def checkpoints(self) -> Path:
-        """Where the training is kept until it is done."""
+        """The folder of the training's checkpoints until it is done."""
         return self.out.with_name(f"{self.out.name}.training")
 
     def list_settings(self) -> dict[str, float]:
-        """What two trainings must share for one to go on where the other was cut off."""
+        """The settings that two trainings must share for one to continue the other."""
         names = ("steps", "batch", "learning_rate", "drop_prompt", "seed")
         return {name: getattr(self, name) for name in names}
 
@@ -181,7 +181,7 @@ def _open_checkpoints(folder: Path, settings: dict[str, float]) -> ocp.Checkpoin
 
 
 def validate(model: ToyVideoModel, held_out: Clips, *, draws: int, seed: int = 0) -> Validation:
-    """Which prompt fits, by the error of the velocity, averaged over ``draws`` levels between 0.5 and 0.95."""
+    """Find the fitting prompt by the velocity's error, averaged over ``draws`` levels between 0.5 and 0.95."""
     table = jnp.asarray(np.stack([read_prompt(prompt) for prompt in PROMPTS]))
     rng = np.random.default_rng(seed)
     shares = np.linspace(0.5, 0.95, draws).astype(np.float32)

@@ -1,4 +1,4 @@
-"""Whether the toy prior has learnt anything: which of the prompts fits a held-out clip, by its denoising error."""
+"""The validation of the toy prior: find the prompt that fits a held-out clip, by its denoising error."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ LEAST_ACCURACY = 0.6
 
 @dataclasses.dataclass(frozen=True)
 class Validation:
-    """How well prompts were found.
+    """The accuracy of the prompts that were found.
 
     Attributes:
         accuracy: Share of the held-out clips whose own prompt has the least error.
-        known_kinds, unknown_kind: Likewise for other instances of kinds of objects that were learnt from, and for a
+        known_kinds, unknown_kind: The same shares for other instances of kinds of objects that were learnt
+            from, and for a
             kind that was not.
-        by_motion: Likewise by prompt.
+        by_motion: The same shares by prompt.
         chance: One over the number of prompts.
         clips: How many.
         draws: Noise levels and noises per clip, the same for all prompts.

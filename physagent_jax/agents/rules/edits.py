@@ -110,7 +110,7 @@ def travels(cause: Cause) -> bool:
 
 
 def get_effort(cause: Cause, last: float) -> float:
-    """What the response grows with: abs(M), times the frames that it lasts where a velocity is prescribed."""
+    """The amount that the response grows with: abs(M), times the frames where a velocity is prescribed."""
     first, end = cause.item.active_time or (0.0, last)
     return abs(cause.item.magnitude) * (end - first if travels(cause) else 1.0)
 
@@ -357,7 +357,7 @@ def shorten(case: Case, causes: Sequence[Cause], factor: float, why: str) -> Cha
 
 
 def keep(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
-    """What is to stay is kept where it was brought until the next motion: held, or pushed on."""
+    """Keep an object where it was brought until the next motion: hold it, or push it on."""
     begins = [e.window[0] for e in case.expectations if e.window[0] >= case.expectation.window[1] - 0.5]
     limit = min([*begins, case.last])
     items = []

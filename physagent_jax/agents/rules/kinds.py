@@ -1,4 +1,4 @@
-"""Which kind of skill carries out what a sentence asks for: a body force, or velocity constraints.
+"""The kind of skill that carries out a motion: a body force, or velocity constraints.
 
 A force lets the object answer as it likes, and what comes of it depends on stiffness, weight and whatever opposes. A
 velocity constraint brings about the stated motion whatever opposes, and looks like what it is: something that grips,
@@ -67,7 +67,7 @@ def choose_kinds(
     """Replaces body forces by velocity constraints where these do what the sentence says and a force does not.
 
     Args:
-        force_field: Of body forces, as a sentence is read.
+        force_field: Force field of body forces, as a sentence is read.
         expectations: What the sentence asks for.
         brief: The scene, with what the sentence says about holding.
     """
@@ -86,7 +86,7 @@ _Replaced = tuple[ForceField, str] | None
 
 
 def find_new_places(before: ForceField, after: ForceField) -> dict[str, str]:
-    """Where each action of ``before`` is in ``after``: its new place, or the first constraint that stands for it."""
+    """The place in ``after`` of each action of ``before``: its new place, or its first constraint."""
     places = {}
     for index, action in enumerate(before.actions):
         here = next((i for i, other in enumerate(after.actions) if other is action), None)
@@ -400,7 +400,7 @@ def as_particle_impulse(cause: Cause) -> VelocityConstraint:
 def _carry(
     field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
 ) -> _Replaced:
-    """What is raised from the ground and then kept up: by something that carries it, since a force would let it tip.
+    """Carry what is raised from the ground and then kept up, since a force would let it tip.
 
     Only where something is to come after: what is raised and no more may be pushed up to the clip's end.
     """
@@ -438,7 +438,7 @@ def _carry(
 def _set_down(
     field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
 ) -> _Replaced:
-    """What was carried up and goes down again without falling: it is carried down, as far as it was up."""
+    """Carry down what was carried up and goes down again without falling, as far as it was up."""
     down = brief.directions.down
     if (
         expectation.kind is not MotionKind.MOVE
@@ -481,7 +481,7 @@ def _set_down(
 def _lead(
     field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
 ) -> _Replaced:
-    """What is to go at one speed, or so far that no force in range starts and stops it in its time: it is led there."""
+    """Lead what moves at one speed, or so far that no force in range starts and stops it in its time."""
     told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
     skills = {MotionKind.MOVE: ActionType.TRANSLATION, MotionKind.ROTATE: ActionType.TORQUE}
     turns = expectation.kind is MotionKind.ROTATE
@@ -535,7 +535,7 @@ def _lead(
 
 
 def _find_way(expectation: ExpectedMotion, seconds: float, brief: SceneBrief) -> float:
-    """How far it is to go [body lengths]."""
+    """The intended distance [body lengths]."""
     told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
     if told and told.unit == "body lengths":
         return told.target

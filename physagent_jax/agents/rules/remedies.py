@@ -205,7 +205,7 @@ def _weaken(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change
 
 
 def _strike(case: Case, causes: Sequence[Cause]) -> Change:
-    """What should start at once is struck, not pushed."""
+    """Strike what should start at once, in place of a push."""
     new = edits.make_actions(case)
     field = edits.replace_items(case.force_field, causes, [*new[:1], *[None] * (len(causes) - 1)])
     return Change(
@@ -229,7 +229,7 @@ def _switch_type(case: Case) -> Iterator[Change]:
 
 
 def _choose_kind(case: Case, field: ForceField) -> ForceField:
-    """What is new is carried out by the kind that the sentence calls for, as at first."""
+    """Choose the kind of a new action by what the sentence calls for, as at first."""
     return kinds.choose_kinds(field, [case.expectation], case.brief).force_field
 
 

@@ -101,7 +101,7 @@ def _follow(item: Evidence, places: dict[str, str], force_field: ForceField) -> 
 
 
 def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
-    """What the sentence means in the paper's four skills, all of them body forces.
+    """Read a sentence into the paper's four skills, all of them body forces.
 
     Raises:
         UserError: Nothing in it, or too little of it, can be understood.
@@ -169,7 +169,7 @@ def _hold_against_words(
     anchor: AnchorRequest,
     builder: ForceFieldBuilder,
 ) -> list[str]:
-    """Where a simpler reading of the words, or the motions among themselves, speak against what was read."""
+    """Find contradictions of a simpler reading of the words, or of the motions among themselves."""
     tokens, directions = correct_spelling(tokenise(prompt), names), builder.brief.directions
     outcome = Outcome(
         motions=builder.expectations,
@@ -211,7 +211,7 @@ def _shorten(prompt: str) -> str:
 
 
 def _read_gravity(mentions: list[Mention]) -> Gravity:
-    """What the sentence says about gravity in so many words ("no gravity" is a NOT before the mention)."""
+    """Read explicit statements about gravity ("no gravity" is a NOT before the mention)."""
     found: Gravity = None
     for before, mention in zip([None, *mentions], mentions):
         if mention.kind is MentionKind.GRAVITY:
@@ -223,7 +223,7 @@ def _read_gravity(mentions: list[Mention]) -> Gravity:
 
 
 def _describe_world(mentions: list[Mention], builder: ForceFieldBuilder) -> WorldRequest:
-    """What the sentence says about gravity, ground and obstacles."""
+    """Describe the sentence's gravity, ground and obstacles."""
     words = [m.words for m in mentions if m.kind in (MentionKind.GRAVITY, MentionKind.SOLID)]
     groundless = any(
         before.kind is MentionKind.NOT and mention.phrase in GROUND_WORDS
@@ -293,7 +293,7 @@ def _read_events(clauses: list[Clause], builder: ForceFieldBuilder) -> list[Even
 
 
 def _measure_return(event: Event, events: list[Event], clause: Clause) -> Event:
-    """What goes "back" goes by as much as it is away, where that was told."""
+    """The distance of a return, where the distance away was told."""
     back = any(m.phrase == "back" for m in clause.select(MentionKind.DIRECTION))
     if not back or event.amount is not None or event.direction is None or clause.select(MentionKind.QUANTITY):
         return event
@@ -341,7 +341,7 @@ def _find_measure(events: list[Event], clause: Clause) -> Event | None:
 
 
 def _put_under_gravity(event: Event, clause: Clause, gravity: Gravity) -> Event:
-    """What gravity pulls down falls; what floats in zero gravity is still, unless something else moves it."""
+    """Let gravity make things fall; what floats in zero gravity is still, unless something else moves it."""
     told = bool(clause.select(MentionKind.DIRECTION, MentionKind.FROM))
     if (
         clause.select(MentionKind.GRAVITY)
@@ -418,7 +418,7 @@ def _expect_stillness(clauses: list[Clause], builder: ForceFieldBuilder) -> None
 
 
 def _choose_anchor(clauses: list[Clause]) -> AnchorRequest:
-    """What is held: an adjective ("rooted"), a verb ("hold the pot"), or an end that "does not move"."""
+    """Choose the hold: an adjective ("rooted"), a verb ("hold the pot"), or an end that "does not move"."""
     for clause in clauses:
         for mention in clause.select(MentionKind.ANCHOR):
             return AnchorRequest.model_validate(

@@ -1,4 +1,4 @@
-"""How much motion a viewer expects of a sentence's words: ranges per kind of motion and of holding.
+"""The amount of motion that a viewer expects of a sentence's words: ranges per kind of motion and of holding.
 
 They say what people call slight, plain and strong when they watch a clip of a few seconds; how a force field is scaled
 does not enter. The yardstick is the object itself (its longest extent L), which viewers compare motion with:

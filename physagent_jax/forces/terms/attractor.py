@@ -26,7 +26,7 @@ class Attractor:
     Attributes:
         point: [m], shape (3,).
         strength: Acceleration at a distance of 1 m [m/s^2], scalar.
-        power: Of the fall-off with distance, scalar.
+        power: Power of the fall-off with distance, scalar.
         softening: [m], scalar.
         envelope: Time profile.
         weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.

@@ -1,4 +1,4 @@
-"""What a push or a turn adds to overcome friction, as a hand does: as much as it takes, while it takes it.
+"""A push or turn that overcomes friction as a hand does: as much as it takes, while it takes it.
 
 Friction compensation as servo drives have it: the friction to be expected is fed forward, and the velocity that is
 lacking, or in excess, is fed back,
@@ -47,7 +47,7 @@ class PushCompensation:
         push: Acceleration that is to be left [m/s^2], scalar.
         speed: Velocity along the way that it is to begin with [m/s], scalar.
         lever: Height of the mass centre over where friction acts [m], scalar; 0 = the object may turn.
-        damping_rate: Of the velocity [1/s], scalar.
+        damping_rate: Damping rate of the velocity [1/s], scalar.
         start, end: Window [s], scalars.
         edge: Width of the window's smooth edges [s], scalar; None = hard.
     """
@@ -104,7 +104,7 @@ class TurnCompensation:
         axis: Unit vector (right-hand rule), shape (3,).
         friction: Angular deceleration to be expected [rad/s^2], scalar.
         turn: Angular acceleration that is to be left [rad/s^2], scalar.
-        damping_rate: Of velocities [1/s], scalar.
+        damping_rate: Damping rate of velocities [1/s], scalar.
         start, end: Window [s], scalars.
         edge: Width of the window's smooth edges [s], scalar; None = hard.
     """
@@ -135,7 +135,7 @@ class TurnCompensation:
 def _find_velocity(
     acceleration: jax.Array, damping_rate: jax.Array, time: jax.Array, speed: jax.Array | float = 0.0
 ) -> jax.Array:
-    """What a steady ``acceleration`` makes of ``speed`` against drag in ``time`` [s]."""
+    """The speed after ``time`` [s] of a steady ``acceleration`` against drag, from ``speed``."""
     time = jnp.maximum(time, 0.0)
     decay = damping_rate * time
     # (1 - exp(-x)) / x, also at x = 0

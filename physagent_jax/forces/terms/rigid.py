@@ -1,4 +1,4 @@
-"""What a body force gives an object as a whole."""
+"""The rigid part of a body force: its effect on an object as a whole."""
 
 from __future__ import annotations
 

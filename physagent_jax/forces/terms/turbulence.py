@@ -75,7 +75,7 @@ class Turbulence:
             envelope: Time profile.
             modes: N.
             weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
-            dtype: Of the modes.
+            dtype: Type of the modes.
         """
         rng = np.random.default_rng(seed)
         heading = _normalise(rng.standard_normal((modes, 3)))

@@ -28,13 +28,13 @@ class Vortex:
     swirls is held on a circle only if inward provides its centripetal acceleration.
 
     Attributes:
-        point: Of the axis [m], shape (3,).
+        point: A point on the axis [m], shape (3,).
         axis: Unit vector, shape (3,).
         swirl: Right-hand about the axis [m/s^2], scalar.
         inward: Towards the axis [m/s^2], scalar; negative = outward.
         axial: Along the axis [m/s^2], scalar.
         core: Radius of the core [m], positive scalar.
-        power: Of the fall-off with distance, scalar; 0 = none.
+        power: Power of the fall-off with distance, scalar; 0 = none.
         envelope: Time profile.
         weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
     """

@@ -37,7 +37,7 @@ class Wind:
 
     Attributes:
         direction: Unit vector, shape (3,).
-        speed: Of the air where the envelope is 1 [m/s], scalar.
+        speed: Speed of the air where the envelope is 1 [m/s], scalar.
         linear_drag: k1 [1/s], scalar.
         quadratic_drag: k2 [1/m], scalar.
         envelope: Gusts.

@@ -1,4 +1,4 @@
-"""What a PLY file says it holds, checked against its size before anything is read of it."""
+"""The header of a PLY file, checked against the file's size before its data are read."""
 
 from __future__ import annotations
 

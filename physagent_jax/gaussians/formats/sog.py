@@ -50,7 +50,7 @@ _ZIP_ERRORS = (
 
 
 class _Store(Protocol):
-    """Where a bundle's files lie.
+    """The place of a bundle's files.
 
     Attributes:
         shown: The bundle, for messages.

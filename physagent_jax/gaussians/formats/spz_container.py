@@ -30,7 +30,7 @@ class SpzHeader:
         version: 1 to 4.
         count: Gaussians.
         degree: Degree of the spherical harmonics, 0 to 4.
-        fractional_bits: Of the positions.
+        fractional_bits: Fractional bits of the positions.
         flags: Bits; 0x1 = trained with antialiasing, 0x2 = extensions follow.
     """
 

@@ -17,7 +17,7 @@ TOUCH = 1e-4  # in cells: a node this close is in contact, whatever round-off do
 
 
 class Contact(enum.Enum):
-    """What happens to velocities, relative to the obstacle, inside the solid.
+    """The treatment of velocities, relative to the obstacle, inside the solid.
 
     STICKY: they vanish.
     SLIP: their normal part vanishes, whichever way it points (bilateral).
@@ -50,7 +50,8 @@ def collide(
         normal: Unit normals out of the solid, shape (3,) or (nx, ny, nz, 3).
         contact: Kind of contact.
         friction: Coulomb coefficient, scalar; used by SEPARATE.
-        obstacle_velocity: Of the solid at the nodes [m/s], shape (3,) or (nx, ny, nz, 3); None = at rest.
+        obstacle_velocity: Obstacle velocity of the solid at the nodes [m/s], shape (3,) or (nx, ny, nz, 3);
+            None = at rest.
 
     Returns:
         Velocities [m/s], shape (nx, ny, nz, 3); those outside are untouched.
@@ -87,7 +88,7 @@ def is_active(start: jax.Array, end: jax.Array, time: jax.Array) -> jax.Array:
 
 
 def displace(point: jax.Array, velocity: jax.Array | None, start: jax.Array, time: jax.Array) -> jax.Array:
-    """Where ``point`` [m] of an obstacle is at ``time`` [s], having set out at ``start``; shape (3,)."""
+    """The position of an obstacle's ``point`` [m] at ``time`` [s], if it left at ``start``; shape (3,)."""
     return point if velocity is None else point + velocity * (time - start)
 
 

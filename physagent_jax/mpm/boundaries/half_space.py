@@ -25,7 +25,7 @@ class HalfSpace(Boundary):
         friction: Coulomb coefficient, scalar; used by SEPARATE.
         start, end: Window of activity [s], scalars.
         contact: Kind of contact, static.
-        velocity: Of the solid [m/s], shape (3,); None = at rest (skipped).
+        velocity: Velocity of the solid [m/s], shape (3,); None = at rest (skipped).
         edge: Width of the window's smooth edges [s], scalar: contact then comes and goes by shares; None = hard.
     """
 

@@ -30,7 +30,7 @@ class SignedDistance(Boundary):
         start, end: Window of activity [s], scalars.
         spacing: Distance between samples [m], static.
         contact: Kind of contact, static.
-        velocity: Of the solid, which does not turn [m/s], shape (3,); None = at rest (skipped).
+        velocity: Velocity of the solid, which does not turn [m/s], shape (3,); None = at rest (skipped).
         thickness: Least thickness of its walls [m], for the warning of thin obstacles, static; None = not known.
     """
 

@@ -26,7 +26,7 @@ class Sphere(Boundary):
         start, end: Window of activity [s], scalars.
         contact: Kind of contact, static.
         container: Whether matter is inside, and the solid outside, static.
-        velocity: Of the solid [m/s], shape (3,); None = at rest (skipped).
+        velocity: Velocity of the solid [m/s], shape (3,); None = at rest (skipped).
     """
 
     point: jax.Array

@@ -15,7 +15,7 @@ from physagent_jax.mpm.state import Grid
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
 class SymmetryPlane(Boundary):
-    """What lies behind the plane is the mirror image of what lies before it.
+    """A plane of symmetry: matter behind it is the mirror image of matter before it.
 
     A slip wall that only stops its nodes is accurate to first order: the layer of nodes behind it sees but the
     fringe of the matter, with the wrong mass and no mirrored motion. Here that layer's mass and momentum are folded

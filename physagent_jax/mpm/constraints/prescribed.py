@@ -59,7 +59,7 @@ class PrescribedMotion(Constraint):
         return jnp.broadcast_to((self.start <= time) & (time < self.end), self.particles.shape)
 
     def find_share(self, time: jax.Array) -> jax.Array:
-        """How much each particle is held at ``time`` [s], in [0, 1], shape (k,); needs an edge."""
+        """The share to which each particle is held at ``time`` [s], in [0, 1], shape (k,); needs an edge."""
         assert self.edge is not None
         return jnp.broadcast_to(window_value(time, self.start, self.end, self.edge), self.particles.shape)
 

@@ -27,10 +27,10 @@ class RigidMotion:
     """The rigid motion with the momenta of some masses.
 
     Attributes:
-        share: Of each point in the mass, shape (k,).
+        share: Share of each point in the mass, shape (k,).
         r: Points relative to the centre of mass [m], shape (k, 3).
         center: Centre of mass [m], shape (3,).
-        velocity: Of the centre [m/s], shape (3,).
+        velocity: Velocity of the centre [m/s], shape (3,).
         spin: Angular momentum about the centre over the mass and dx^2 [rad/s], shape (3,).
         inertia: About the centre over the mass and dx^2, shape (3, 3).
         dx: [m], static.

@@ -327,7 +327,7 @@ def gradient(velocity, start, shape, X, Y, Z, dX, dY, dZ):
 
 @njit(**INLINE)
 def locate_stencil(x, p, origin, dx, shape):
-    """Where a particle's stencil starts in a flat grid, and its distances to the lowest node in cells."""
+    """The start of a particle's stencil in a flat grid, and its distances to the lowest node in cells."""
     b0, f0 = lowest_node(x[p, 0] / dx - cast_like(origin[0], dx), shape[0])
     b1, f1 = lowest_node(x[p, 1] / dx - cast_like(origin[1], dx), shape[1])
     b2, f2 = lowest_node(x[p, 2] / dx - cast_like(origin[2], dx), shape[2])

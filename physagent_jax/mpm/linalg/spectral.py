@@ -30,7 +30,7 @@ from physagent_jax.mpm.linalg.svd import SWEEPS, svd
 
 
 class Principal(NamedTuple):
-    """What a function of the singular values returns, and `spectral` turns into matrices.
+    """A function of the singular values, which `spectral` turns into matrices.
 
     Attributes:
         two_point: g, shape (3, n), for U diag(g) V^T (as F); None = not wanted.

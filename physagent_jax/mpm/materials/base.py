@@ -1,4 +1,4 @@
-"""What a constitutive model is, and what all of them share."""
+"""The interface of a constitutive model, and the shared code of all of them."""
 
 from __future__ import annotations
 

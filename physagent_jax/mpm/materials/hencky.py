@@ -55,7 +55,7 @@ class HenckyPlasticity(HenckyElasticity):
     """Hencky elasticity with a return mapping along the principal logarithmic strains: a law states its `flow`."""
 
     def flow(self, eps: jax.Array, history: Any, dt: jax.Array) -> tuple[jax.Array, Any]:
-        """What plastic flow takes off the logarithmic strains of a trial F, negative, and the history after it.
+        """The reduction of a trial F's logarithmic strains by plastic flow, negative, and the history after it.
 
         Args:
             eps: Trial strains, shape (3, n). The result must be symmetric in them.

@@ -1,4 +1,4 @@
-"""What stands behind the protocols of perception, one file per model, and by which names a run chooses."""
+"""Implementations of perception's protocols, one file per model, and the names by which a run chooses them."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ class RgbdSegmenter(Segmenter):
 
 
 def _find_standing_out(inverse: np.ndarray, background: Background) -> np.ndarray:
-    """What is in front of the background in one frame; dropped pixels as most of their neighbours."""
+    """Segment the foreground of one frame; dropped pixels take the value of most of their neighbours."""
     known = np.isfinite(inverse)
     filled = np.where(known, inverse, background.inverse).astype(np.float32)
     height = (filled - background.inverse).astype(np.float32)

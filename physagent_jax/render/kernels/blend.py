@@ -39,11 +39,11 @@ def blend(team, packed, reach, gaussians, starts, columns, width, height, limits
         team: Who runs this.
         packed: Gaussians, shape (n, PACKED).
         reach: Square of the distance in y beyond which a Gaussian is not seen, shape (n,).
-        gaussians: Of each tile, front to back, shape (capacity,).
+        gaussians: Gaussians of each tile, front to back, shape (capacity,).
         starts: Where each tile's list starts, and the end of the last one, shape (tiles + 1,).
         columns: Tiles side by side.
-        width: Of the image [px].
-        height: Of the image [px].
+        width: Width of the image [px].
+        height: Height of the image [px].
         limits: Least alpha, greatest alpha, transmittance at which blending stops.
         features: Result, shape (tiles, 4, PIXELS).
         transmittance: Result, shape (tiles, PIXELS).

@@ -28,7 +28,7 @@ def blend(layout: TileLayout, limits, packed, gaussians, starts) -> tuple[jax.Ar
         limits: Least alpha, greatest alpha, transmittance at which blending stops.
         packed: Gaussians, shape (n, PACKED).
         gaussians: As in `tiles.TileLists`.
-        starts: Likewise.
+        starts: As in `tiles.TileLists`.
     """
     results = (
         jax.ShapeDtypeStruct((layout.tiles, 4, PIXELS), jnp.float32),

@@ -39,12 +39,12 @@ def add_copies(order: np.ndarray, block: np.ndarray) -> np.ndarray:
 
 
 def split_mass(order: np.ndarray) -> np.ndarray:
-    """What part of its particle's mass and volume each entry of ``order`` has, shape (n,)."""
+    """The share of its particle's mass and volume that each entry of ``order`` has, shape (n,)."""
     return 1 / np.bincount(order)[order]
 
 
 def find_places(mask: np.ndarray) -> jax.Array:
-    """Where ``mask``, shape (n,), is true; to fill the bucket, n."""
+    """The indices at which ``mask``, shape (n,), is true; n fills the rest of the bucket."""
     return pad_indices(np.flatnonzero(mask), len(mask))
 
 

@@ -1,4 +1,4 @@
-"""What is done to chosen particles, as the simulator has it."""
+"""Compile a scene's constraints into those of the simulator."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def _make_motion(inside: np.ndarray, constraint, velocity, angular_velocity, cen
 def _compute_release_times(
     rest: np.ndarray, release: c.ParticleRelease, place: str
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Which particles are held, shape (n,), and until when each of them is [s].
+    """The held particles, shape (n,), and the time of each one's release [s].
 
     PhysGaussian holds nested boxes about ``end_position``, the i-th with a share 1 - i/layers of the full
     reach; a particle is free once the last box that contains it is.

@@ -43,7 +43,7 @@ MOST_STRAIN = 0.2  # by which such a round may change any stretch
 
 @dataclasses.dataclass(frozen=True)
 class Equilibrium:
-    """How well the weight is borne.
+    """The residual of the balance between weight and stress.
 
     Attributes:
         F: Elastic deformation gradients, shape (n, 3, 3), float32.

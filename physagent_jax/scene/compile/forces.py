@@ -1,4 +1,4 @@
-"""What pushes the object, as the simulator has it: the agents' force field and the scene's own terms."""
+"""Compile the agents' force field and the scene's own terms into those of the simulator."""
 
 from __future__ import annotations
 

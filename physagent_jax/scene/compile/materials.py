@@ -1,4 +1,4 @@
-"""Which material every particle is made of, and the simulator's blocks of equal model."""
+"""The material of every particle, and the simulator's blocks of equal model."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class ParticleMaterials:
         choice: Index into ``choices``, shape (n,).
         numbers: For each of ``choices`` what it has in place of its own numbers, by name: scalars, or one per particle,
             shape (n,), traced or not.
-        dtype: Of what is built.
+        dtype: Type of what is built.
     """
 
     choices: tuple[c.Material, ...]

@@ -1,4 +1,4 @@
-"""Which of a model's forces and constraints came from what in a scene."""
+"""The origins of a model's forces and constraints in a scene."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ def put_materials(
     """``model`` with other materials, and who has which.
 
     Args:
-        model: Of the scene.
+        model: Model of the scene.
         state: For its precision.
         materials: Who has which.
         parameters: Those of materials are looked at.
@@ -142,7 +142,7 @@ def keep_balance(before: Model, after: Model, state: State) -> State:
     Args:
         before: In which ``state`` is in equilibrium.
         after: With other materials, masses or gravity.
-        state: Of elastic matter (`scene.compile.equilibrium`).
+        state: The state of elastic matter (`scene.compile.equilibrium`).
     """
     elastic = all(isinstance(law, NeoHookean | FixedCorotated | Hencky) for law in before.materials)
     if not elastic or all(map(_is_same, *map(jax.tree.leaves, map(_list_loads, (before, after))))):

@@ -117,7 +117,7 @@ class CompiledScene:
 
     @property
     def choice(self) -> np.ndarray:
-        """Which of the scene's materials each particle is of, shape (n,)."""
+        """The index of each particle's material in the scene, shape (n,)."""
         return self.materials.choice
 
     @property
@@ -127,7 +127,7 @@ class CompiledScene:
 
     @property
     def imposed(self) -> tuple[Any, ...]:
-        """What the scene's own constraints were compiled into, in their order."""
+        """The compiled forms of the scene's own constraints, in their order."""
         impulses = iter(self.origins.split_forces(self.model)[2])
         motions = iter(self.origins.split_constraints(self.model)[2])
         return tuple(

@@ -1,4 +1,4 @@
-"""Which particles a region selects."""
+"""The particles that a region selects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What acts on grid velocities: walls and obstacles."""
+"""Schemas of walls and obstacles, which act on grid velocities."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from physagent_jax.scene.config.common import (
 
 
 class Surface(enum.StrEnum):
-    """What an obstacle does to grid velocities inside it, relative to its own."""
+    """The treatment of grid velocities inside an obstacle, relative to its own."""
 
     STICKY = "sticky"  # no motion at all
     SLIP = "slip"  # no normal motion, either way (bilateral)

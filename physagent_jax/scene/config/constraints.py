@@ -1,4 +1,4 @@
-"""What is done to chosen particles."""
+"""Schemas of constraints on chosen particles."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ Constraint = Annotated[
 
 
 class Anchor(Strict):
-    """What is held fixed for the whole clip.
+    """The particles that are held for the whole clip.
 
     Attributes:
         kind: "none", "base" / "top" (the slab of ``fraction`` of the height at the foot / head), "box"

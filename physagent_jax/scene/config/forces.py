@@ -97,7 +97,7 @@ Envelope = Annotated[
 
 
 class _Term(Strict):
-    """What all terms have.
+    """The base of all terms.
 
     Attributes:
         envelope: Strength over time.
@@ -115,7 +115,7 @@ class Wind(_Term):
 
     Attributes:
         direction: Where the wind blows to; normalised on input.
-        speed: Of the air [m/s].
+        speed: Speed of the air [m/s].
         linear_drag: [1/s].
         quadratic_drag: [1/m]; of a body of frontal area A and mass m, rho_air C_d A / (2 m).
         center, radius: It blows only within ``radius`` [m] of the line through ``center`` [m] along
@@ -171,7 +171,7 @@ class Vortex(_Term):
     """Accelerates around, towards and along an axis through a point.
 
     Attributes:
-        point: Of the axis [m].
+        point: A point on the axis [m].
         axis: Any direction (right-hand rule); normalised on input.
         swirl: Around the axis [m/s^2].
         inward: Towards the axis [m/s^2]; negative = outward.
@@ -203,7 +203,7 @@ class Turbulence(_Term):
         strength: Root mean square [m/s^2].
         length_scale: Correlation length [m].
         time_scale: Correlation time [s].
-        seed: Of the field.
+        seed: Seed of the field.
         modes: Waves that make it up; the cost is proportional to them.
     """
 

@@ -1,4 +1,4 @@
-"""What the object is made of."""
+"""The schema of an object's material."""
 
 from __future__ import annotations
 

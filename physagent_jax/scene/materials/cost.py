@@ -1,4 +1,4 @@
-"""What a material costs: the stable substep and the number of substeps of a clip."""
+"""The cost of a material: the stable substep and the number of substeps of a clip."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ _NAMES = {
 
 
 def describe_material(material: Material) -> list[tuple[str, float | bool, str]]:
-    """What acts in a material: (name, value, unit) of every property that its model uses.
+    """The active properties of a material: (name, value, unit) of each that its model uses.
 
     Units take SI prefixes, but for the degree and kg/m^3; "" is a pure number.
     """

@@ -94,7 +94,7 @@ def find_softening(material: Material, *, dx: float, duration: float, at_most: i
 
 
 def explain_softening(before: Material, after: Material, *, length: float = 1.0) -> str | None:
-    """What a softer stand-in shows that the material would not; None if nothing that can be seen.
+    """Explain the visible differences of a softer stand-in; None if there are none.
 
     The measure is the strain of a column of ``length`` under its own weight, rho g L / E (K of a fluid): the loads of
     the force fields are of the same order. Slender parts bend more than that.

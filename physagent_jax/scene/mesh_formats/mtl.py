@@ -41,7 +41,7 @@ class Picture:
 
 @dataclasses.dataclass
 class Material:
-    """What a material says of its colour.
+    """A material's colour and texture.
 
     Attributes:
         diffuse: Kd, RGB in [0, 1]; None = not given.

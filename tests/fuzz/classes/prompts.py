@@ -135,7 +135,7 @@ def _draw_words(draw: Draw) -> str:
 
 
 def _draw_motion(draw: Draw) -> dict:
-    """What the made-up report shows in every window."""
+    """Draw the made-up report's motion of every window."""
     nothing: dict = {}
     unseen = {"displacement": None}
     wild = {"displacement": (draw.uniform(-3, 3), draw.uniform(-3, 3), draw.uniform(-3, 3))}

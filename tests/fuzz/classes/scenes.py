@@ -140,7 +140,7 @@ def make(draw: Draw) -> Case:
 
 @functools.cache
 def files() -> dict[str, bytes]:
-    """What scenes refer to."""
+    """The files that scenes refer to."""
     mask = np.arange(60) % 2 == 0
     return {
         seeds.OBJECT: seeds.gaussians(),
@@ -224,7 +224,7 @@ def _redirect_path(draw: Draw, document: dict) -> tuple[str, bytes]:
 
 
 def compiled(folder: Path):
-    """What a scene file becomes: its model, its state, its camera, as the simulator would begin with them."""
+    """The compiled scene of a file: model, state and camera, as the simulator would begin with them."""
     config = load_scene(folder / SCENE)
     body = _make_body(config, folder)
     check_cost(estimate_cost(config, body), Limits())

@@ -1,4 +1,4 @@
-"""What nobody asked for: other motion, turning, deformation, break-up, leaving the picture, motion at other times.
+"""Collateral motion: turning, deformation, break-up, leaving the picture, motion at other times.
 
 Limits leave room for what physically goes with the asked motion: a pushed thing turns a little, a blown or dropped one
 tumbles, a stretched one gets thinner, a bent one leans, what stands on the ground may tip. They are judged over the

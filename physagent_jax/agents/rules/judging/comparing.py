@@ -159,7 +159,7 @@ def make_limit_check(
         observed: The value in words.
         value: What is compared.
         limit: With what; above zero.
-        aspect: Of the motion.
+        aspect: Aspect of the motion.
         at_least: Whether the limit is the lowest value allowed.
         sigma: Standard deviation of the value.
         gain: Factor on the cause that would mend it.

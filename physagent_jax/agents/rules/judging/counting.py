@@ -1,4 +1,4 @@
-"""How sure a count or a time is: how far from another verdict, against the noise of the series it was read from."""
+"""The confidence of a count or a time: its distance from another verdict, against the noise of its series."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a motion goes on: sudden or not, how often, for how long, whether it comes back or stays, and in which order."""
+"""The course of a motion: sudden or not, repetitions, duration, return or stay, and order."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def visible(expectation: ExpectedMotion) -> float:
 
 
 def figure_of(expectation: ExpectedMotion) -> str:
-    """Which of the report's uncertainties a signal has."""
+    """The uncertainty of the report that a signal has."""
     if expectation.kind in AXIAL:
         return "stretch"
     return "rotation" if expectation.kind is MotionKind.ROTATE else "displacement"
@@ -118,7 +118,7 @@ def _check_quantity(index: int, expectation: ExpectedMotion, view: View) -> list
 def _check_duration(
     index: int, expectation: ExpectedMotion, view: View, tolerance: tolerances.Tolerance
 ) -> list[Check]:
-    """How long the cause lasts: a free thing gains speed for so long, a held or deformed one is kept away from rest."""
+    """Check the cause's duration: a free thing gains speed for so long, a held one is kept away from rest."""
     question = "does it last as long as the sentence says?"
     first, _ = view.span(expectation)
     signal = measure_signal(expectation, view, first, view.last)
@@ -341,7 +341,7 @@ def _get_series(view: View, end: PartMotion | None):
 
 
 def _check_stay(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
-    """Where it was brought, there it stays."""
+    """Check that the object stays where it was brought."""
     if not expectation.stays:
         return []
     first, _ = view.span(expectation)
@@ -374,7 +374,7 @@ def _check_stay(index: int, expectation: ExpectedMotion, view: View) -> list[Che
 
 
 def _check_order(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
-    """What comes later is not seen before its time."""
+    """Check that what comes later is not seen before its time."""
     first, last = view.span(expectation)
     earlier = [e for e in view.expectations if view.span(e)[0] < first - 1]
     if first < 3 or expectation.kind in (MotionKind.FALL, MotionKind.SWAY) or expectation.repeats > 1:
@@ -460,7 +460,7 @@ _REST_SHARE = {False: 0.75, True: 0.4}
 def _measure_extent(
     expectation: ExpectedMotion, view: View, end: PartMotion, first: int, last: int
 ) -> float | None:
-    """How far an end moves or turns, in whatever direction it does so most along the asked one."""
+    """The largest motion or turn of an end along the asked direction."""
     course = (
         view.turns(first, last, end)
         if expectation.kind is MotionKind.ROTATE

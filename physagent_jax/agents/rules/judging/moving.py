@@ -166,7 +166,7 @@ def _check_direction(
 
 
 def _explain_lost(view: View, first: int, until: int) -> str:
-    """Why a displacement is not known."""
+    """Explain why a displacement is not known."""
     leaves = view.report.quality.leaves_frame
     if leaves is not None and leaves <= until:
         return f"it leaves the picture at frame {leaves}"
@@ -175,7 +175,7 @@ def _explain_lost(view: View, first: int, until: int) -> str:
 
 
 def _describe_instead(view: View, moved: float, first: int, last: int) -> str:
-    """What is seen in place of a displacement."""
+    """Describe the motion that is seen in place of a displacement."""
     turns = view.turns(first, last)
     turned = norm(find_farthest(turns)[1]) if turns else 0.0
     return f", but a rotation by {turned:.0f} degrees" if moved < 0.05 and turned > 20.0 else ""

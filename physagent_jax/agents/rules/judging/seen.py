@@ -1,4 +1,4 @@
-"""What the planner looks at: the report's motion as courses of frames, from its series or else its windows."""
+"""The planner's view: the report's motion as courses of frames, from its series or else its windows."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _BOTH = 0.5  # cosine: directions more than 60 degrees apart can be told apart
 
 @dataclass(frozen=True)
 class View:
-    """What the checks look at.
+    """The measured motion as the checks use it.
 
     Attributes:
         report, brief, expectations: What was seen, where, and what was asked.
@@ -65,7 +65,7 @@ class View:
         return tolerances.round_window(expectation, self.report.frame_count)
 
     def until(self, expectation: ExpectedMotion) -> int:
-        """How long its consequences can be seen: to where the next motion begins, or to the clip's end."""
+        """The end of a motion's visible consequences: the next motion's beginning, or the clip's end."""
         first, last = self.span(expectation)
         begins = [self.span(e)[0] for e in self.expectations if e.window[0] > expectation.window[0] + 0.5]
         later = [begin for begin in begins if begin >= last - 1]
@@ -73,7 +73,7 @@ class View:
         return max(last, min(later)) if later else last if between else self.last
 
     def find_obstacle(self, expectation: ExpectedMotion) -> ObstacleRequest | None:
-        """What the sentence puts in this motion's way."""
+        """Find the obstacle that the sentence puts in this motion's way."""
         way = expectation.direction
         return next(
             (each for each in self.obstacles if way and cosine(each.direction, way) > _IN_THE_WAY), None

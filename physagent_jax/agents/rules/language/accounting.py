@@ -1,4 +1,4 @@
-"""Whether the grammar has used every verb and every way that was found in the sentence.
+"""The account of verbs and ways: whether the grammar has used all that were found in the sentence.
 
 A verb that heads no clause, and a way that no clause with a verb has taken up, got lost between two rules: "push it,
 and after a short pause shake its head".
@@ -50,7 +50,7 @@ def find_unused(mentions: Sequence[Mention], clauses: Sequence[Clause]) -> list[
 
 
 def _find_denied_manner(clauses: Sequence[Clause]) -> Mention | None:
-    """How strongly something is not done, where something else is done: "don't push it hard to the right, rock it"."""
+    """Find a denied manner beside a motion that happens: "don't push it hard to the right, rock it"."""
     if len({c.head.first for c in clauses if c.head is not None and not c.negated and not c.inherited}) < 2:
         return None
     strengths = [m for c in clauses if not c.negated for m in c.select(MentionKind.INTENSITY)]

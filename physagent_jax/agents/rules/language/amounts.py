@@ -1,4 +1,4 @@
-"""What a quantity means for a motion: how far, by what angle, to what share of its size.
+"""The meaning of a quantity for a motion: a distance, an angle, a share of the size.
 
 A target for whoever judges, and the magnitude that reaches it where nothing opposes (`forces.calibration`).
 """
@@ -31,13 +31,13 @@ _STRAIN_PER_M = 0.2
 
 @dataclass(frozen=True)
 class Target:
-    """What a quantity says of an event.
+    """The target that a quantity sets for an event.
 
     Attributes:
         amount: The target; None if the quantity does not fit the motion.
         names: The axis that it names; empty = none.
         everywhere: Whether all dimensions change.
-        sign: Of a stretch (+1) or squeeze (-1) that the quantity alone tells.
+        sign: Sign of a stretch (+1) or squeeze (-1) that the quantity alone tells.
         usual: Whether the quantity is what the motion has by itself: there is nothing to aim at.
     """
 
@@ -49,7 +49,7 @@ class Target:
 
 
 def find_target(quantity: Quantity, verb: Verb, before: Amount | None) -> Target:
-    """What ``quantity`` says of what ``verb`` does; ``before`` is the target of the event before."""
+    """The target that ``quantity`` sets for ``verb``; ``before`` is the target of the event before."""
     value, unit, effect = quantity.value, quantity.unit, verb.effect
     if quantity.dimension == "far":
         fits = {"lengths": _TRAVELS, "metres": _TRAVELS, "degrees": _TURNS}
@@ -92,7 +92,7 @@ def find_lengths(amount: Amount | None, brief: SceneBrief) -> float | None:
 
 
 def find_effort(amount: Amount | None, effect: Effect, brief: SceneBrief) -> float | None:
-    """What a free object has to be given: 1 is what M = 1 does from rest in the reference time; None = no matter."""
+    """The effort for a free object: 1 is what M = 1 does from rest in the reference time; None = no matter."""
     lengths = find_lengths(amount, brief)
     if lengths is not None:
         return lengths / calibration.TRAVEL
@@ -116,7 +116,7 @@ def find_reference_seconds(brief: SceneBrief) -> float:
 
 
 def find_span(effort: float, usual: float, brief: SceneBrief) -> float:
-    """How long an object is pushed and then braked, so that a magnitude in range brings it there [s].
+    """The time for which an object is pushed and then braked, so that a magnitude in range brings it there [s].
 
     Half of the time it is pushed, half braked: it gets M (t / T)^2 / 2 of what M = 1 does in T.
     """

@@ -1,4 +1,4 @@
-"""Whether every way that a sentence tells is in some motion that was read of it.
+"""The audit of ways: whether every way that a sentence tells is in some motion that was read of it.
 
 A way may get lost where the grammar joins what belongs apart: "raise it to the left" would only go left.
 """

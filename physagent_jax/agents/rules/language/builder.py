@@ -26,7 +26,7 @@ MAX_ACTIONS = 60  # more would only slow the simulation; no sentence for a clip 
 
 @dataclass
 class ForceFieldBuilder:
-    """What the events so far have led to.
+    """The force field that follows from the events so far.
 
     Attributes:
         brief, anchored: The scene, with the clip's length.
@@ -117,7 +117,7 @@ class ForceFieldBuilder:
             self.expectations.append(expected)
 
     def _find_duration(self, event: Event) -> Amount | None:
-        """How long the cause lasts, if the sentence says so in seconds or frames."""
+        """The cause's duration, if the sentence says so in seconds or frames."""
         told = event.when.length
         if told is None or told.unit == "clip" or event.effect is Effect.STILL:
             return None
@@ -152,7 +152,7 @@ class ForceFieldBuilder:
 
 
 def describe_skill(skill: Action | VelocityConstraint) -> dict[str, str]:
-    """What a skill holds, field by field, in words."""
+    """Describe the fields of a skill in words."""
     kind = (
         {"action_type": skill.action_type.value}
         if isinstance(skill, Action)

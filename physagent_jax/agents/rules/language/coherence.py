@@ -94,7 +94,7 @@ def _find_echoes(words: list[str], motions: Sequence[ExpectedMotion]) -> list[st
 
 
 def _find_leaving(motions: Sequence[ExpectedMotion], anchor: str, directions: DirectionTable) -> list[str]:
-    """What hangs and yet falls or goes up, and what stands fast and yet leaps."""
+    """Find contradictions: what hangs and yet falls or goes up, and what stands fast and yet leaps."""
     doubts = []
     for motion in motions:
         if motion.partial:

@@ -1,4 +1,4 @@
-"""What somebody says instead of what was just said: "to the left, no wait, to the right", "the tip, i.e. the top".
+"""Corrections of words just said: "to the left, no wait, to the right", "the tip, i.e. the top".
 
 What stands behind replaces the last phrase of its kind before. Where it is more than such a phrase ("push it, no, pull
 it left"), nothing is replaced, and `retractions` says that it is not understood.
@@ -66,7 +66,7 @@ def read_corrections(mentions: list[Mention], names: frozenset[str]) -> list[Men
 
 
 def match_correction(mentions: list[Mention], at: int) -> int:
-    """How many mentions from ``at`` on take back what stands before; 0 if they do not."""
+    """The number of mentions from ``at`` on that take back what stands before; 0 if they do not."""
     forms = [m.words.lower() if m.kind is MentionKind.JOIN else m.form for m in mentions[at : at + 3]]
     phrases = [m.words.lower() for m in mentions[at : at + 3]]
     for mark in _MARKS:

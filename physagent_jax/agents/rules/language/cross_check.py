@@ -74,7 +74,7 @@ _BY_HEIGHT = re.compile(r"\b(by|for) (\S+ ){0,4}?" + _FACTOR)
 
 @dataclass(frozen=True)
 class Outcome:
-    """What was read of a sentence, as far as words are held against it.
+    """The reading of a sentence, as far as words are held against it.
 
     Attributes:
         motions, events: What is to be seen, and what brings it about.
@@ -168,7 +168,7 @@ def _find_counts(words: Sequence[str], outcome: Outcome) -> list[str]:
 
 
 def _find_wholes(text: str, outcome: Outcome) -> list[str]:
-    """What is said of the whole, where a part was read."""
+    """Find statements about the whole, where a part was read."""
     said = _ALL.search(text)
     parted = any(m.partial and not m.excludes_part for m in outcome.motions) or outcome.anchor == "top"
     return (

@@ -1,4 +1,4 @@
-"""Which way a clause goes, or about which axis it turns.
+"""The direction of a clause, or the axis of its turn.
 
 Directions come from the brief's `DirectionTable` alone; several are added and normalised. A push moves
 the object where it is told, whoever pushes or pulls ("pull it to the left" goes left): the sign of

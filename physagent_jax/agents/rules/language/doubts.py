@@ -1,4 +1,4 @@
-"""What a sentence says beyond the grammar: words, things and comparisons that would change the motion.
+"""Statements beyond the grammar: words, things and comparisons that would change the motion.
 
 What is found here keeps a run from being called a success. Words that only decorate (an adjective of the object, who
 acts) are no doubt.

@@ -1,4 +1,4 @@
-"""What is said of another time, of another place, or is only pretended: "last time it fell", "up in the attic".
+"""Statements about another time or place, or a pretence: "last time it fell", "up in the attic".
 
 Its words are the grammar's own, so that word by word all of it would be of the motion.
 """

@@ -1,4 +1,4 @@
-"""What happens: one thing of a sentence, as values that a force field can be made of."""
+"""Events: one motion of a sentence, as values that a force field can be made of."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BY_DEFAULT = "by default"
 
 @dataclass(frozen=True)
 class ValueSource:
-    """Which words led to a value of an event, and by which rule."""
+    """The words that led to a value of an event, and the rule that applied."""
 
     words: str
     why: str
@@ -71,7 +71,7 @@ class Event:
 
     @property
     def effect(self) -> Effect:
-        """How it acts."""
+        """The kind of effect."""
         return self.verb.effect
 
 

@@ -1,4 +1,4 @@
-"""What stands behind a colon and says the same in numbers: "wring it: its upper end turns by 40 degrees"."""
+"""Explanations behind a colon that give numbers: "wring it: its upper end turns by 40 degrees"."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What frames a sentence and moves nothing: labels, who asks, remarks, "right?".
+"""Frames of a sentence that move nothing: labels, requests, remarks, "right?".
 
 "Run 3: push it", "I was wondering whether it could bow", "shake it, she is fragile": such parts hold no motion,
 whatever words are in them.

@@ -1,4 +1,4 @@
-"""What is held: it keeps what was just done, or it anchors the object."""
+"""Held things: a hold keeps what was just done, or it anchors the object."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a clause does: its verb, direction, strength, place and time as values of an event."""
+"""The interpretation of a clause: its verb, direction, strength, place and time as values of an event."""
 
 from __future__ import annotations
 
@@ -178,12 +178,12 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
 
 
 def _find_way(before: Event | None) -> Vector | None:
-    """Where an event went; nothing that turns on the spot goes anywhere."""
+    """The way of an event; nothing that turns on the spot goes anywhere."""
     return None if before is None or before.effect not in TOWARDS else before.direction
 
 
 def _find_unused(clause: Clause, verb: Verb) -> list[str]:
-    """What the clause says of where, which way and how often that means nothing for what its verb does."""
+    """Find words about place, direction and number that mean nothing for the clause's verb."""
     unused = [m for m in clause.select(*_TELLING) if m.kind not in _USED[verb.effect]]
     if verb.effect is Effect.FALL:
         first = (
@@ -264,7 +264,7 @@ def resolve_obstacles(clause: Clause, way: Vector | None, brief: SceneBrief) -> 
 
 
 def _is_swaying_in_wind(brief: SceneBrief) -> bool:
-    """What a bare wind does: what is held or grows sways, what is free is blown away."""
+    """Whether a bare wind makes it sway: what is held or grows sways, what is free is blown away."""
     return brief.anchored is not None or brief.object_kind == "plant"
 
 

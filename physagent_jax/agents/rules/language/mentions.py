@@ -1,4 +1,4 @@
-"""What is found in a sentence: a phrase of the lexicon, its kind and its value."""
+"""Mentions of a sentence: a phrase of the lexicon, its kind and its value."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 
 class MentionKind(enum.Enum):
-    """What a mention says; in brackets the type of its value."""
+    """The kind of a mention; in brackets the type of its value."""
 
     VERB = enum.auto()  # Verb
     CAUSE = enum.auto()  # Verb

@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 
 class Join(enum.Enum):
-    """How a clause relates to the one before it."""
+    """The relation of a clause to the one before it."""
 
     THEN = "then"  # follows in time
     COMMA = "comma"  # follows if a verb comes, else continues the clause
@@ -31,7 +31,7 @@ class Join(enum.Enum):
 
 @dataclass(frozen=True)
 class Repeat:
-    """How often, and whether the direction alternates.
+    """The number of repetitions, and whether the direction alternates.
 
     Attributes:
         count: Number of cycles or repetitions; None leaves the verb's own.

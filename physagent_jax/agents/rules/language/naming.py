@@ -1,4 +1,4 @@
-"""What the object is called in a sentence: by its name, or by a noun for things of its kind."""
+"""Names of the object in a sentence: its own name, or a noun for things of its kind."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What "not" leaves of what it stands before."""
+"""Negation: the effect of "not" on the mention behind it."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def _is_manner_denied(mentions: list[Mention], verb: Mention) -> bool:
 
 
 def _negate(negation: Mention, mention: Mention) -> list[Mention]:
-    """What "not X" says."""
+    """The meaning of "not X"."""
     if mention.kind in (MentionKind.VERB, MentionKind.CAUSE):
         return [negation, mention]
     if mention.kind in (MentionKind.INTENSITY, MentionKind.COMPARATIVE):

@@ -1,4 +1,4 @@
-"""What stands beside a mention in the sentence."""
+"""The neighbours of a mention in the sentence."""
 
 from __future__ import annotations
 

@@ -134,7 +134,8 @@ class Quantity:
         value: How much.
         unit: "degrees", "lengths" (body lengths), "metres", "share" (of ``dimension``) or "" (one that nothing
             here is measured in: newtons, pixels, metres per second).
-        dimension: Of a share: "length", "height", "width", "depth", "size", "volume", "far", "strength", or "".
+        dimension: Dimension of a share: "length", "height", "width", "depth", "size", "volume", "far",
+            "strength", or "".
         relative: It says by how much, not to what.
         acts: It says by itself that the size changes ("doubles its height", "becomes twice as tall").
         goal: It says to where ("to twice its height").
@@ -226,7 +227,7 @@ def match_number(tokens: list[Token], at: int) -> tuple[float, int] | None:
 def _match_unit(
     tokens: list[Token], value: float, at: int, *, before: str, relative: bool, bare: bool
 ) -> tuple[Quantity, int] | None:
-    """What is counted from ``at`` on, ``before``: the word before; ``bare``: the number is only an article."""
+    """Match a count from ``at`` on, ``before``: the word before; ``bare``: the number is only an article."""
     part = value < 1.0  # "half a turn", "a quarter of a body length"
     start = at
     while _get(tokens, at) in ("a", "an", "of", "one") and part:

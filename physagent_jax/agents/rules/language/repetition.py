@@ -60,7 +60,7 @@ def _is_sound(before: list[Mention], verb: Mention) -> bool:
 
 
 def _find_again(mentions: list[Mention], verb: Mention, at: int, names: frozenset[str]) -> int | None:
-    """Where the same form of the verb stands next, past a comma, an "and" or who is called."""
+    """The next place of the same form of the verb, past a comma, an "and" or a form of address."""
     while at < len(mentions) and (mentions[at].kind is MentionKind.JOIN or _is_called(mentions, at, names)):
         if mentions[at].kind is MentionKind.JOIN and mentions[at].value not in (Join.COMMA, Join.AND):
             return None

@@ -1,4 +1,4 @@
-"""What somebody takes back, or says that it does not come about: "left, or rather right", "it was going to fall".
+"""Retractions: "left, or rather right", "it was going to fall".
 
 Word by word the motion would be there all the same, or both that and what replaces it.
 """

@@ -1,4 +1,4 @@
-"""When each event happens, and how long the clip has to be for that.
+"""The schedule: the time of each event, and the clip's length that follows.
 
 An overlay shares its neighbour's window. A sequence gets a second and a half for each of its steps, more where a
 quantity or a count needs it, and the clip grows with it; a clip of a fixed length is divided instead.
@@ -95,7 +95,7 @@ def _is_dosed(slot: Slot, brief: SceneBrief, anchored: bool) -> bool:
 
 
 def _find_needs(slots: list[Slot], brief: SceneBrief, anchored: bool) -> None:
-    """What each slot takes at least [frames]: told lengths as they are, steps of a sequence `STEP`."""
+    """The least duration of each slot [frames]: told lengths as they are, steps of a sequence `STEP`."""
     for index, slot in enumerate(slots):
         seconds = 0.0
         after = slots[index + 1].events if index + 1 < len(slots) else []

@@ -1,4 +1,4 @@
-"""How far "from", "except", "not" and "held" reach."""
+"""The scopes of "from", "except", "not" and "held"."""
 
 from __future__ import annotations
 

@@ -116,7 +116,7 @@ def _is_telling(verb: Verb) -> bool:
 
 
 def _find_verb(mentions: list[Mention], index: int) -> tuple[Verb | None, int | None]:
-    """What is done in the simile's own segment, and where it stands."""
+    """Find the verb of the simile's own segment, and its place."""
     for at in range(index - 1, -1, -1):
         if mentions[at].kind is MentionKind.JOIN and mentions[at].words == ".":
             break
@@ -131,7 +131,7 @@ def _find_cause(mentions: list[Mention], index: int) -> int | None:
 
 
 def _find_end(mentions: list[Mention], index: int) -> int:
-    """Where the sentence goes on: a connective, a way, a time, a count."""
+    """Find the end of the simile: a connective, a way, a time, a count."""
     for at in range(index + 1, len(mentions)):
         mention = mentions[at]
         goes_on = mention.kind in _GOES_ON

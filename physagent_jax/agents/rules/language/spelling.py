@@ -47,7 +47,7 @@ def correct_spelling(tokens: list[Token], object_words: frozenset[str]) -> list[
 
 
 def describe_corrections(prompt: str, object_words: frozenset[str]) -> list[str]:
-    """What was read as another word, in plain sentences."""
+    """Describe corrected spellings, in plain sentences."""
     tokens = tokenise(prompt)
     pairs = zip(tokens, correct_spelling(tokens, object_words))
     return [f"'{said.text}' is read as '{meant.text}'." for said, meant in pairs if said.text != meant.text]

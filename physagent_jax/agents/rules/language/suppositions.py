@@ -1,4 +1,4 @@
-"""What is only supposed, or was so before: "it would have fallen", "too heavy to be lifted", "that had fallen over".
+"""Suppositions and earlier states: "it would have fallen", "too heavy to be lifted", "that had fallen over".
 
 The verbs are the grammar's own, so that word by word all of it would happen.
 """

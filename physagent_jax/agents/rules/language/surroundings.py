@@ -1,4 +1,4 @@
-"""What a sentence says of things around the object that are not here: tables, cameras, moving floors, goals."""
+"""Surroundings that are not in the scene: tables, cameras, moving floors, goals."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ class Duration:
 
 @dataclass(frozen=True)
 class TimeSpan:
-    """What a sentence says about the time of an action; None = nothing.
+    """The sentence's statement about the time of an action; None = nothing.
 
     Attributes:
         start: When it begins.

@@ -1,4 +1,4 @@
-"""What is turned or shown, and not moved along: "turn to the camera", "so that its back faces us", "in turn"."""
+"""Turnings towards a viewer: "turn to the camera", "so that its back faces us", "in turn"."""
 
 from __future__ import annotations
 

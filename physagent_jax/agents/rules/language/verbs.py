@@ -35,7 +35,7 @@ class Effect(enum.Enum):
 
 @dataclass(frozen=True)
 class Verb:
-    """What a verb (or a noun that names a cause) means.
+    """The meaning of a verb, or of a noun that names a cause.
 
     Attributes:
         effect: How it acts.
