@@ -68,7 +68,7 @@ class Evaluator:
         simulation: Simulation | None = None,
         on_evaluation: Callable[[Evaluation], None] = lambda evaluation: None,
     ):
-        """Begins with nothing spent; ``simulation`` in place of the task's own, ``on_evaluation`` is told of each."""
+        """Begin with nothing spent; ``simulation`` in place of the task's own, ``on_evaluation`` is told of each."""
         self.task, self.budget, self.seed, self.oracle = task, budget, seed, oracle
         self.rng = np.random.default_rng(seed)
         self.evaluations: list[Evaluation] = []
@@ -264,7 +264,7 @@ class Evaluator:
         return self._simulation.pull_back(rollout, self._numbers(force_field), pixels, truncation, others)
 
     def rate(self, objective: float, note: str | None = None) -> None:
-        """Gives the latest evaluation the method's own objective, less is better.
+        """Give the latest evaluation the method's own objective, less is better.
 
         Raises:
             UserError: Nothing has been evaluated.
@@ -354,7 +354,7 @@ class Evaluator:
         return rollout if other == force_field else None
 
     def _keep(self, force_field: ForceField, rollout: Rollout) -> None:
-        """Remembers the latest simulation of each of the last kinds: searches from several starts take turns."""
+        """Remember the latest simulation of each of the last kinds: searches from several starts take turns."""
         kind = _describe_kind(force_field)
         self._rollouts[kind] = force_field, rollout
         self._rollouts.move_to_end(kind)

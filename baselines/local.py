@@ -102,7 +102,7 @@ class LocalMethod(OracleMethod):
             raise UserError("responses give numbers for their own types only", do="Say types=responses too")
 
     def descend(self, evaluator: Evaluator, start: ForceField, budget: float) -> Descent:
-        """Searches from ``start``; ``budget`` are the forward-equivalents to plan with."""
+        """Search from ``start``; ``budget`` are the forward-equivalents to plan with."""
         raise NotImplementedError
 
     def find_cost(self, start: ForceField) -> float:

@@ -129,7 +129,7 @@ class Method:
         return False
 
     def search(self, evaluator: Evaluator) -> None:
-        """Tries force fields until it is done.
+        """Try force fields until it is done.
 
         Raises:
             BudgetSpent: By way of ``evaluator``.
@@ -145,7 +145,7 @@ class Method:
         *,
         on_evaluation: Callable[[Evaluation], None] = lambda evaluation: None,
     ) -> FitResult:
-        """Searches within ``budget``.
+        """Search within ``budget``.
 
         Args:
             task: What to solve.

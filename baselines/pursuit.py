@@ -66,7 +66,7 @@ def pursue(
     retime: Callable[[Evaluator, ForceField, float], Descent],
     hop: Callable[[Evaluator], ForceField],
 ) -> None:
-    """Searches until there is a success, or the budget is spent.
+    """Search until there is a success, or the budget is spent.
 
     From the ``count`` likeliest starts and what the best of them grows into; then from the best with an action more, or
     where none promises enough with the worst clause counting more and with windows sought too; then from what was begun

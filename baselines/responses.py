@@ -118,7 +118,7 @@ class Responses:
 
 
 def measure_responses(evaluator: Evaluator) -> Responses:
-    """Simulates each skill along each axis, and the fall; the fall is what is added to where it misses clearly less.
+    """Simulate each skill along each axis, and the fall; the fall is what is added to where it misses clearly less.
 
     In a smooth task rest is kept beside it: a fall that does better than nothing says little about what a push does.
 

@@ -62,7 +62,7 @@ class Command:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Runs the command line; returns the exit code."""
+    """Run the command line; return the exit code."""
     command = tyro.cli(Command, prog="python -m baselines.run", args=arguments)
     pa.enable_compile_cache()
     try:
@@ -74,7 +74,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def solve(command: Command) -> RunStore:
-    """Lets the method spend its budget, prints what it tries, and plays what it found into a run folder."""
+    """Let the method spend its budget, print what it tries, and play what it found into a run folder."""
     budget = Budget(command.budget, command.seconds)
     if command.method not in METHODS.entries:
         raise list_names("`--method`", command.method, METHODS.entries)
@@ -166,7 +166,7 @@ def _print(evaluation: Evaluation) -> None:
 
 
 def _write(store: RunStore, task: Task, result: FitResult, watch: Stopwatch) -> TaskJudgement:
-    """Leaves the files of a run with one iteration: the solution, played as any force field is, and judged."""
+    """Leave the files of a run with one iteration: the solution, played as any force field is, and judged."""
     scene = task.build(result.incumbent_at())
     recording = pa.simulate_scene(scene, watch=watch)
     judgement = task.judge(recording.x)

@@ -81,7 +81,7 @@ class Simulation:
         self._slope = jax.jit(jax.grad(loss, has_aux=True), static_argnums=1)
 
     def simulate(self, force_field: ForceField) -> Rollout:
-        """Simulates without pictures.
+        """Simulate without pictures.
 
         Raises:
             UserError: The force field cannot be simulated.
@@ -92,7 +92,7 @@ class Simulation:
         return Rollout(scene, x, Schedule.of(scene.model, frames).joined())
 
     def play(self, force_field: ForceField) -> tuple[Pictures, Rollout]:
-        """Simulates and renders.
+        """Simulate and render.
 
         Raises:
             UserError: The force field cannot be simulated.

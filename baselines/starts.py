@@ -105,7 +105,7 @@ def share(
     descend: Callable[[Evaluator, ForceField, float], Descent],
     cost: Callable[[ForceField], float],
 ) -> float:
-    """Searches from ``starts`` with what is left of the budget, as `compare`; the best loss."""
+    """Search from ``starts`` with what is left of the budget, as `compare`; the best loss."""
     if len(starts) == 1:
         return exhaust(descend(evaluator, starts[0], evaluator.remaining))
     best, searches = compare(evaluator, starts, descend, cost)
@@ -123,7 +123,7 @@ def compare(
     cost: Callable[[ForceField], float],
     rounds: float = math.inf,
 ) -> tuple[float, list[Descent]]:
-    """Begins searches from ``starts``; the best loss, and the searches to be gone on with, the likeliest first.
+    """Begin searches from ``starts``; the best loss, and the searches to be gone on with, the likeliest first.
 
     Nobody is judged before a step: a start says little about where a search from it leads. What has been scored is not
     scored again.

@@ -41,7 +41,7 @@ class Base:
 
     @classmethod
     def of(cls, x: np.ndarray, mass: np.ndarray) -> Base:
-        """Takes paths apart."""
+        """Take paths apart."""
         x, weight = np.asarray(x, np.float32), np.asarray(mass / np.sum(mass), np.float32)
         centre = np.einsum("n,tni->ti", weight, x)
         turn = np.asarray(find_rotations(Clip(x, weight, 1.0).maps(None)))

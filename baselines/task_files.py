@@ -57,12 +57,12 @@ def record_target(task: Task, hidden: ForceField, tolerance: float) -> Target:
 
 
 def write_tasks(path: Path, specs: Sequence[TaskSpec]) -> None:
-    """Writes a family's file; what a task leaves at its default is left out."""
+    """Write a family's file; what a task leaves at its default is left out."""
     write_text(path, format_json([_dump(spec) for spec in specs]) + "\n")
 
 
 def write_witnesses(path: Path, witnesses: dict[str, ForceField]) -> None:
-    """Writes the force fields that make tasks successes."""
+    """Write the force fields that make tasks successes."""
     write_text(path, format_json({name: _dump(field) for name, field in witnesses.items()}) + "\n")
 
 

@@ -106,7 +106,7 @@ START = ForceField(
 def load_tasks(
     folder: str | Path, *, split: Split | None = None, families: Sequence[str] | None = None
 ) -> tuple[TaskSpec, ...]:
-    """Reads the tasks of a folder, one file per family, in the order of `FAMILIES` and of the files.
+    """Read the tasks of a folder, one file per family, in the order of `FAMILIES` and of the files.
 
     Args:
         folder: Holds ``<family>.json``.
@@ -145,7 +145,7 @@ def _read_tasks(path: Path, family: str) -> tuple[TaskSpec, ...]:
 
 
 def check_spec(spec: TaskSpec, place: str) -> None:
-    """Refuses a task whose target is not the one that it was published with, or does not fit it.
+    """Refuse a task whose target is not the one that it was published with, or does not fit it.
 
     Raises:
         UserError: Its hash differs, it looks beyond the clip, or it is of no known object.
@@ -261,7 +261,7 @@ class Task:
 
 
 def make_task(spec: TaskSpec, folder: Path, data: Path | None = None, material: str = OWN) -> Task:
-    """Makes a task's object.
+    """Make a task's object.
 
     Args:
         spec: Which task.

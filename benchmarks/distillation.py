@@ -78,7 +78,7 @@ class Command(harness.Command):
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
     if command.plots is not None and not harness.can_plot():
         return 2
@@ -180,7 +180,7 @@ def compare(
 
 
 def plot(result: dict[str, Any], folder: Path) -> None:
-    """Writes ``distillation.png``: the cosine of each mean gradient, by family and setting.
+    """Write ``distillation.png``: the cosine of each mean gradient, by family and setting.
 
     Raises:
         UserError: matplotlib is not installed.

@@ -45,7 +45,7 @@ def measure_latency() -> float | None:
 
 @njit(nogil=True)
 def _take_turns(address, player, turns):
-    """Counts a word up whenever it is this player's turn."""
+    """Count a word up whenever it is this player's turn."""
     for turn in range(turns):
         while read_shared(address, 0) != 2 * turn + player:
             pass

@@ -63,7 +63,7 @@ class Command(harness.Command):
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
     return harness.main(command, {"images": lambda: _list_jobs(command)}, PAGE)
 

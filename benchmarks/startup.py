@@ -50,7 +50,7 @@ class Command(harness.Command):
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
     rounds, small = (1, SMALL) if command.quick else (command.rounds, ())
     parts = {

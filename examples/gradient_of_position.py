@@ -17,7 +17,7 @@ PUSH = {"actions": [{"action_type": "translation", "vector": [1, 0, 0], "magnitu
 
 
 def main(steps=3):
-    """Returns the distance to the target before each step [m]."""
+    """Return the distance to the target before each step [m]."""
     loaded = pa.load_object(ROBOT, max_particles=300)
     scene = pa.build_scene(loaded, force_field=PUSH, world="free", frame_count=FRAMES)
     parameters = pa.ForceFieldParameters.of(scene.config.force_field, FRAMES)

@@ -52,7 +52,7 @@ def resize(frames, width):
 
 
 def main(out, settings):
-    """Writes a GIF per sentence, and one picture with five frames of each."""
+    """Write a GIF per sentence, and one picture with five frames of each."""
     out.mkdir(parents=True, exist_ok=True)
     strips = []
     for name, prompt in SENTENCES.items():

@@ -18,7 +18,7 @@ PUSH = {"actions": [{"action_type": "translation", "vector": [1, 0, 0], "magnitu
 
 
 def main():
-    """Returns the angle of the best push [degrees], and all distances to the target [m]."""
+    """Return the angle of the best push [degrees], and all distances to the target [m]."""
     loaded = pa.load_object(ROBOT, max_particles=300)
     scene = pa.build_scene(loaded, force_field=PUSH, world="free", frame_count=FRAMES)
     (action,) = pa.ForceFieldParameters.of(scene.config.force_field, FRAMES).actions

@@ -14,7 +14,7 @@ ROBOT = Path(__file__).parent / "assets" / "robot.ply"
 
 
 def main(path=ROBOT, folder="."):
-    """Returns how far the object's centre moves to the viewer's left [m]."""
+    """Return how far the object's centre moves to the viewer's left [m]."""
     loaded = pa.load_object(path, max_particles=4000)
     scene = pa.build_scene(loaded, "push it to the left", frame_count=12, width=160, height=160)
     recording = pa.simulate_scene(scene)

@@ -40,7 +40,7 @@ class Harder(ExecutorAgent):
 
 
 def main(folder):
-    """Returns the finished run."""
+    """Return the finished run."""
     spec = pa.RunSpec.model_validate(
         dict(
             object=dict(path=str(ROBOT)),

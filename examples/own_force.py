@@ -42,7 +42,7 @@ class Leash:
 
 
 def main():
-    """Returns the path of the cube's centre and the exact one of a point on that spring, from rest [m]."""
+    """Return the path of the cube's centre and the exact one of a point on that spring, from rest [m]."""
     axis = np.arange(0.3125, 0.3875, 0.025)
     x = jnp.stack(jnp.meshgrid(axis, axis, axis), -1).reshape(-1, 3) + jnp.array([0.15, 0.15, 0.15])
     count, volume = len(x), 0.025**3

@@ -39,7 +39,7 @@ class SaintVenantKirchhoff(Hyperelastic):
 
 
 def main():
-    """Returns the period of the bar's first longitudinal mode over the exact one."""
+    """Return the period of the bar's first longitudinal mode over the exact one."""
     youngs_modulus, density, length, width = 1e5, 1000.0, 0.5, 0.1  # nu = 0: a bar without lateral motion
     side = np.arange(-width / 2 + 0.0125, width / 2, 0.025)
     along = np.arange(0.0125, length, 0.025)

@@ -46,7 +46,7 @@ CONFIG = {
 
 
 def main(folder):
-    """Returns how far the object's top sinks [m], and what was not understood."""
+    """Return how far the object's top sinks [m], and what was not understood."""
     path = Path(folder) / "config.json"
     path.write_text(json.dumps(CONFIG))
     with warnings.catch_warnings(record=True) as notes:

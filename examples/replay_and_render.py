@@ -29,7 +29,7 @@ def make_run(folder):
 
 
 def main(run, video):
-    """Writes a video from a circling camera; returns how far the replay is from what the run stored [m]."""
+    """Write a video from a circling camera; return how far the replay is from what the run stored [m]."""
     recording = pa.simulate_scene(pa.load_scene(run.folder / "scene.json"))
     stored = run.motion().x
     count = len(stored)

@@ -57,7 +57,7 @@ def load_object(
     max_particles: int | None = None,
     seed: int = 0,
 ) -> LoadedObject:
-    """Reads an object's file, places it in the domain and fills it with particles.
+    """Read an object's file, place it in the domain and fill it with particles.
 
     Args:
         path: 3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply).
@@ -190,7 +190,7 @@ def synthesize(
     limits: Limits | None = None,
     overwrite: bool = False,
 ) -> FinishedRun:
-    """Runs the closed loop into a folder and writes its report; a stopped run goes on.
+    """Run the closed loop into a folder and write its report; a stopped run goes on.
 
     Args:
         spec: The run, or a file that holds it.

@@ -20,7 +20,7 @@ def no_cache(monkeypatch):
 
 
 def refused(capsys, arguments, *fragments):
-    """Runs a command that must be refused; returns its one line."""
+    """Run a command that must be refused; return its one line."""
     assert main([str(argument) for argument in arguments]) == 2
     error = capsys.readouterr().err
     lines = [line for line in error.splitlines() if line.startswith("physagent: ")]

@@ -31,7 +31,7 @@ def no_cache(monkeypatch):
 
 @pytest.fixture
 def installed(monkeypatch):
-    """Lets a distribution appear in another version; None = it is not installed."""
+    """Let a distribution appear in another version; None = it is not installed."""
     changed, read = {}, importlib.metadata.version
 
     def version(name):
@@ -46,7 +46,7 @@ def installed(monkeypatch):
 
 
 def run_without(module, *line):
-    """Runs a command in a process of its own in which a module cannot be imported."""
+    """Run a command in a process of its own in which a module cannot be imported."""
     script = WITHOUT.format(module=module, line=list(line))
     return subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120)
 

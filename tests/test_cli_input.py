@@ -19,7 +19,7 @@ from tests.test_cli import PROMPT, SMALL, no_cache, refused  # noqa: F401
 
 @pytest.fixture
 def run(tmp_path, robot_path, capsys):
-    """Refuses `physagent run` with options, before any folder is made."""
+    """Refuse `physagent run` with options, before any folder is made."""
 
     def refuse(options, *fragments, prompt=PROMPT, item=robot_path):
         out = tmp_path / "run"

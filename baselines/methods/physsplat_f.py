@@ -45,7 +45,7 @@ class PhysSplatF(Method):
 
 
 def forget_skills(force_field: ForceField) -> ForceField:
-    """Pushes along the same directions, each of strength 1 on the whole object over the whole clip."""
+    """Push along the same directions, each of strength 1 on the whole object over the whole clip."""
     pushes = [
         Action(
             action_type=ActionType.TRANSLATION,

@@ -25,7 +25,7 @@ PRIORS = tuple(_PLACES)
 
 
 def open_prior(name: str, weights: str, **options: Any) -> ScorePrior:
-    """Loads a prior.
+    """Load a prior.
 
     Args:
         name: One of `PRIORS`.

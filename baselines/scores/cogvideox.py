@@ -55,7 +55,7 @@ class CogVideoXPrior(DiffusersPrior):
         return find_scheduled_form(self.scheduler)
 
     def check_shape(self) -> None:
-        """Refuses sizes that the autoencoder or the patches do not divide, and models with rotated positions."""
+        """Refuse sizes that the autoencoder or the patches do not divide, and models with rotated positions."""
         if self.denoiser.config.use_rotary_positional_embeddings:
             raise UserError("CogVideoX with rotary positions is not supported", do="Take CogVideoX-2b")
         shrink = 2 ** (len(self.vae.config.block_out_channels) - 1) * self.denoiser.config.patch_size

@@ -55,7 +55,7 @@ def compare_with_truth(
     seed: int = 0,
     truncation: Truncation = WHOLE,
 ) -> Comparison:
-    """Draws gradients of score distillation and compares them with that of the task's own loss.
+    """Draw gradients of score distillation and compare them with that of the task's own loss.
 
     Nothing is charged, for nothing of it is shown to a method.
 

@@ -91,7 +91,7 @@ class DiffusersPrior(abc.ABC):
         embeddings: Mapping[str, Any] | None = None,
         **options: Any,
     ) -> DiffusersPrior:
-        """Loads the components and says under which licence their weights are.
+        """Load the components and say under which licence their weights are.
 
         Args:
             weights: Folder with the model's subfolders, or a hub id.
@@ -149,7 +149,7 @@ class DiffusersPrior(abc.ABC):
 
     @abc.abstractmethod
     def check_shape(self) -> None:
-        """Refuses `frames` and `size` that the model cannot take."""
+        """Refuse `frames` and `size` that the model cannot take."""
 
     @abc.abstractmethod
     def find_level(self, position: float) -> sds.Level:

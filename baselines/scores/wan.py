@@ -57,7 +57,7 @@ class WanPrior(DiffusersPrior):
         return sds.Form.FLOW
 
     def check_shape(self) -> None:
-        """Refuses sizes that the autoencoder or the patches do not divide."""
+        """Refuse sizes that the autoencoder or the patches do not divide."""
         across = self.vae.config.scale_factor_spatial * self.denoiser.config.patch_size[-1]
         along = self.vae.config.scale_factor_temporal
         if any(side % across for side in self.size) or self.frames % along != 1:

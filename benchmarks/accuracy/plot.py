@@ -23,7 +23,7 @@ _PEERS = {"warp_classical": ("#E69F00", "*"), "genesis": ("#7F3C8D", "h")}
 
 
 def plot(rows: list[dict], primary: dict[str, str], path: Path) -> None:
-    """Draws ``rows`` (as in the JSON); ``primary`` names the error that each case's panel shows."""
+    """Draw ``rows`` (as in the JSON); ``primary`` names the error that each case's panel shows."""
     cases = [case for case in primary if any(row["case"] == case and row["errors"] for row in rows)]
     columns = min(3, len(cases))
     lines = -(-len(cases) // columns)

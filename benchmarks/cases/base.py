@@ -133,7 +133,7 @@ class Case(Protocol):
 
 
 def run(problem: Problem, repeats: int = 1) -> Signal:
-    """Runs a problem on our simulator; the first run is compiled beforehand, and ``repeats`` of them are timed."""
+    """Run a problem on our simulator; the first run is compiled beforehand, and ``repeats`` of them are timed."""
 
     def sample(state, _):
         state = jax.lax.fori_loop(0, problem.every, lambda _, s: step(problem.model, s), state)
@@ -156,7 +156,7 @@ def run(problem: Problem, repeats: int = 1) -> Signal:
 
 
 def check(case: Case, numerics: Numerics) -> dict[str, float]:
-    """Runs ``case`` and raises AssertionError if an error exceeds its bar; returns the errors."""
+    """Run ``case`` and raise AssertionError if an error exceeds its bar; return the errors."""
     problem = case.problem(numerics)
     errors = case.judge(problem, run(problem))
     for name, bar in case.bars(numerics).items():

@@ -79,7 +79,7 @@ def _compute_start(motion: Field, X: jax.Array, t: jax.Array) -> tuple[jax.Array
 
 
 def distance_from(exact: np.ndarray) -> Callable[..., jax.Array]:
-    """Watches the RMS distance [m] from each of several exact configurations (s, n, 3), shape (s,).
+    """Watch the RMS distance [m] from each of several exact configurations (s, n, 3), shape (s,).
 
     Sample k of a run is meant for configuration k: its error is on the diagonal of `Signal.values`.
     """

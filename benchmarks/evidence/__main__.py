@@ -52,7 +52,7 @@ class Command:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command, args=arguments)
     try:
         pages = choose_pages(command.names)

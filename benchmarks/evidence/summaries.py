@@ -106,14 +106,14 @@ def format_summary(summary: Summary) -> str:
 
 
 def _drop_idle_runs(section: dict[str, Any]) -> None:
-    """Takes out runs whose rows have all been measured again."""
+    """Take out runs whose rows have all been measured again."""
     used = sorted({row["run"] for row in section["rows"]})
     section["runs"] = [section["runs"][index] for index in used]
     section["rows"] = [row | {"run": used.index(row["run"])} for row in section["rows"]]
 
 
 def _settle_revisions(result: Result, allow_unkept: bool) -> None:
-    """Takes the names of revisions off that nobody can look up, or refuses them."""
+    """Take the names of revisions off that nobody can look up, or refuse them."""
     for part, section in result.items():
         for run in section["runs"]:
             revision = run["git_revision"]

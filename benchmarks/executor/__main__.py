@@ -35,7 +35,7 @@ class Command(harness.Command):
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
 
     def list_starts() -> list[Job]:

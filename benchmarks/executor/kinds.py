@@ -57,7 +57,7 @@ COMPARISONS = tuple(
 
 
 def compare_kind(comparison: Comparison) -> list[Row]:
-    """Simulates it and measures what was asked for, the rest of the motion, and the worst deformation."""
+    """Simulate it and measure what was asked for, the rest of the motion, and the worst deformation."""
     setting = prepare(comparison.object)
     axis = _find_axis(setting, comparison)
     field, asked = _make_field(setting, comparison, axis)

@@ -45,7 +45,7 @@ class Command(harness.Command):
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
     files = {name: thing.find_file(command.data, command.out) for name, thing in THINGS.items()}
     left_out = sorted(name for name, file in files.items() if file is None)

@@ -33,7 +33,7 @@ _LONGEST = 500  # characters of a message
 
 
 def run_case(case: Case, name: str, thing: Sequence[str], out: Path) -> Row:
-    """Runs a sentence anew and gathers the figures.
+    """Run a sentence anew and gather the figures.
 
     Args:
         case: The sentence.

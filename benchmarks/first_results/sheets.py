@@ -22,7 +22,7 @@ _LINE, _QUALITIES = 26, (88, 80, 70, 60, 50, 40)
 
 
 def write_sheets(folder: Path, rows: Sequence[Row], runs: Path) -> list[Path]:
-    """Writes ``first-results-1.jpg`` and so on.
+    """Write ``first-results-1.jpg`` and so on.
 
     Args:
         folder: Folder of the sheets.

@@ -44,7 +44,7 @@ class Command(harness.Command):
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
     parts = {
         "cost": lambda: _list_costs(command),

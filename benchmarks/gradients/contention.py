@@ -45,7 +45,7 @@ class Command:
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
     with contextlib.ExitStack() as stack:
         workers = {
@@ -74,7 +74,7 @@ def describe(way: str, command: Command, seconds: np.ndarray) -> str:
 
 @contextlib.contextmanager
 def keep_busy(count: int) -> Iterator[None]:
-    """Lets ``count`` programs compute within the ``with`` block."""
+    """Let ``count`` programs compute within the ``with`` block."""
     programs = [subprocess.Popen([sys.executable, "-c", _BUSY]) for _ in range(count)]
     try:
         yield

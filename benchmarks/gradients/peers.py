@@ -86,7 +86,7 @@ def _run(code: str, options: list[str], repeats: int, cores: int) -> Row | None:
 
 
 def _ask(process: subprocess.Popen) -> Row:
-    """Lets a process go on, and waits for its next line of JSON; libraries may write others."""
+    """Let a process go on, and wait for its next line of JSON; libraries may write others."""
     assert process.stdin is not None and process.stdout is not None
     process.stdin.write("\n")
     process.stdin.flush()

@@ -48,7 +48,7 @@ class Machine:
 
 
 def measure_machine(size: float, repeats: int, side: int = 2048) -> Machine:
-    """Copies half of ``size`` bytes into the other half, and multiplies matrices of ``side`` rows."""
+    """Copy half of ``size`` bytes into the other half, and multiply matrices of ``side`` rows."""
     values = jnp.arange(int(size / 8), dtype=jnp.float32)
     copy = jax.jit(lambda a: a + 1)
     matrix = jnp.ones((side, side), jnp.float32)

@@ -96,7 +96,7 @@ def main(
 
 
 def say(text: str) -> None:
-    """Tells a person what goes on; what goes to standard output is for programs."""
+    """Tell a person what goes on; what goes to standard output is for programs."""
     console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
@@ -135,7 +135,7 @@ def _measure(
 def _do_jobs(
     command: Command, part: str, jobs: list[Job], result: Result, about: Mapping, measure: Callable
 ) -> int:
-    """Does a part's jobs; returns how many rows fail."""
+    """Do a part's jobs; return how many rows fail."""
     run = {**circumstances(), "quick": command.quick, "seconds": 0.0, **about}
     section = result[part] = _open_section(result.get(part), command)
     order = {job.name: place for place, job in enumerate(jobs)}

@@ -18,7 +18,7 @@ def call_all(
     prepare: Callable[[], object] | None = None,
     groups: Sequence[str] | None = None,
 ) -> Iterator[tuple[int, list[T]]]:
-    """Calls each, and yields its place and what it returned as soon as it has.
+    """Call each, and yield its place and what it returned as soon as it has.
 
     Args:
         calls: Without arguments; with several workers, what can be pickled.
@@ -75,7 +75,7 @@ def _make_list(call: Callable[[], Iterable[T]]) -> list[T]:
 
 
 def _begin(index: int, workers: int, prepare: Callable[[], object] | None) -> None:
-    """Takes this worker's share of the cores, before anything starts threads."""
+    """Take this worker's share of the cores, before anything starts threads."""
     if hasattr(os, "sched_setaffinity"):
         cores = sorted(os.sched_getaffinity(0))
         os.sched_setaffinity(0, cores[index::workers] or cores)

@@ -103,7 +103,7 @@ class Command(harness.Command):
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
     if command.plots is not None and not harness.can_plot():
         return 2

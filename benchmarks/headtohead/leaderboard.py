@@ -111,7 +111,7 @@ def read(path: Path) -> list[Entry]:
 
 
 def merge(path: Path, result: dict[str, Any]) -> None:
-    """Writes the result's fits to a leaderboard: what is there already and not made again stays.
+    """Write the result's fits to a leaderboard: what is there already and not made again stays.
 
     Raises:
         UserError: A line that is there is not an entry.

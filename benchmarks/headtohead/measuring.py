@@ -76,7 +76,7 @@ def judge_marks(result: FitResult, task: Task, marks: Sequence[float]) -> list[d
 
 
 def judge_field(field: ForceField, task: Task) -> dict[str, Any]:
-    """Simulates as the product does, and judges the true particles; what cannot be simulated is a miss."""
+    """Simulate as the product does, and judge the true particles; what cannot be simulated is a miss."""
     said: dict[str, Any] = {"force_field": field.model_dump(mode="json", exclude_none=True)}
     try:
         x = task.simulate(field)

@@ -11,7 +11,7 @@ from benchmarks.headtohead.statistics import estimate, is_measured
 
 
 def plot(result: dict[str, Any], folder: Path) -> None:
-    """Writes ``headtohead-success.png`` to ``folder``.
+    """Write ``headtohead-success.png`` to ``folder``.
 
     Raises:
         UserError: matplotlib is not installed.

@@ -100,7 +100,7 @@ def measure_fit(experiment: Experiment, start: str, optimiser: str) -> Row:
 
 
 def follow(experiment: Experiment, search: Iterator[Best]) -> Row:
-    """Runs a search to its end, and notes how near it was after every step."""
+    """Run a search to its end, and note how near it was after every step."""
     problem, history = experiment.problem, []
     steps, reached, best = 0, None, None
     failed = None

@@ -12,7 +12,7 @@ from benchmarks.inverse.measuring import ADAM
 
 
 def plot_convergence(result: dict[str, Any], folder: Path) -> None:
-    """Writes ``inverse.png`` to ``folder``: a panel for each problem with exact tracks.
+    """Write ``inverse.png`` to ``folder``: a panel for each problem with exact tracks.
 
     Raises:
         UserError: matplotlib is not installed.
@@ -49,7 +49,7 @@ def plot_convergence(result: dict[str, Any], folder: Path) -> None:
 
 
 def plot_landscape(result: dict[str, Any], folder: Path) -> None:
-    """Writes ``landscape.png`` to ``folder``: losses, with arrows downhill as our gradients have them.
+    """Write ``landscape.png`` to ``folder``: losses, with arrows downhill as our gradients have them.
 
     Raises:
         UserError: matplotlib is not installed.

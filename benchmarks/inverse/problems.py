@@ -102,12 +102,12 @@ def turn(vector: tuple[float, float, float], degrees: float, factor: float) -> n
 
 
 def times(name: str, truth: float, *factors: float) -> dict[str, Numbers]:
-    """Starts that are so many times the truth."""
+    """Start that are so many times the truth."""
     return {f"{factor:.3g} times": {name: factor * truth} for factor in factors}
 
 
 def turned(name: str, truth: tuple[float, float, float]) -> dict[str, Numbers]:
-    """Starts whose direction and length are wrong."""
+    """Start whose direction and length are wrong."""
     cases = ((45.0, 2.0), (60.0, 0.5))
     return {f"{a:g} degrees, {f:g} times": {name: turn(truth, a, f)} for a, f in cases}
 

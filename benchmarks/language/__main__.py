@@ -38,7 +38,7 @@ class Command(harness.Command):
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
     parts = {part: partial(_list_jobs, command.quick, part == "own_words") for part in PARTS}
     return harness.main(command, parts, PAGE)

@@ -53,7 +53,7 @@ class Fields:
 
     @ti.kernel
     def clear(self):
-        """Empties the nodes."""
+        """Empty the nodes."""
         for node in ti.grouped(self.node_mass):
             self.node_v[node] = ti.Vector([0.0, 0.0, 0.0])
             self.node_mass[node] = 0.0

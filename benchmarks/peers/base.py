@@ -54,7 +54,7 @@ class Peer(Protocol):
         ...
 
     def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
-        """Prepares ``scene`` with a fixed substep ``dt`` [s]; afterwards it is at step 0 and warm.
+        """Prepare ``scene`` with a fixed substep ``dt`` [s]; afterwards it is at step 0 and warm.
 
         Args:
             scene: What to simulate.
@@ -67,7 +67,7 @@ class Peer(Protocol):
         ...
 
     def run(self, steps: int) -> None:
-        """Advances by ``steps`` substeps and returns when the work is done.
+        """Advance by ``steps`` substeps and return when the work is done.
 
         Raises:
             RuntimeError: The simulation broke down.
@@ -115,7 +115,7 @@ class Found:
 
 
 def find(name: str) -> Found:
-    """Looks for a peer in this interpreter, then in the one that the environment variable ``PEER_PYTHON`` names."""
+    """Look for a peer in this interpreter, then in the one that the environment variable ``PEER_PYTHON`` names."""
     peer = make_peer(name)
     reason = peer.available()
     if reason is None:
@@ -154,7 +154,7 @@ class PeerRun:
     v: np.ndarray
 
     def save(self, path: Path) -> None:
-        """Writes the run to an npz file."""
+        """Write the run to an npz file."""
         rest = dict(peer=self.peer, version=self.version, dt=self.dt, setup_seconds=self.setup_seconds)
         np.savez(
             path, rest=np.array(json.dumps(rest)), steps=self.steps, seconds=self.seconds, x=self.x, v=self.v
@@ -162,14 +162,14 @@ class PeerRun:
 
     @staticmethod
     def load(path: Path) -> PeerRun:
-        """Reads what `save` wrote."""
+        """Read what `save` wrote."""
         with np.load(path) as stored:
             arrays = {name: stored[name] for name in stored.files if name != "rest"}
             return PeerRun(**json.loads(str(stored["rest"])), **arrays)
 
 
 def drive(peer: Peer, scene: PeerScene, dt: float, steps: int, sample_every: int | None = None) -> PeerRun:
-    """Runs ``steps`` substeps in this interpreter and samples every ``sample_every`` of them (default: the end).
+    """Run ``steps`` substeps in this interpreter and sample every ``sample_every`` of them (default: the end).
 
     Raises:
         RuntimeError: The peer is not available here.

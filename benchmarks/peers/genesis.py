@@ -61,7 +61,7 @@ class GenesisMPM:
         return f"genesis-world {importlib.metadata.version('genesis-world')} on {device}"
 
     def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
-        """Builds the scene, compiles it by one call of Genesis' step, and puts the particles back.
+        """Build the scene, compile it by one call of Genesis' step, and put the particles back.
 
         Raises:
             NotImplementedError: Genesis has no counterpart for something in the scene.
@@ -76,7 +76,7 @@ class GenesisMPM:
         self._place_particles()
 
     def run(self, steps: int) -> None:
-        """Advances by ``steps`` substeps.
+        """Advance by ``steps`` substeps.
 
         Raises:
             ValueError: ``steps`` is not a multiple of the substeps per call.
@@ -136,7 +136,7 @@ class GenesisMPM:
         self._solver: Any = self._world.sim.mpm_solver
 
     def _place_particles(self) -> None:
-        """Puts the particles where the scene has them, undeformed."""
+        """Put the particles where the scene has them, undeformed."""
         torch: Any = importlib.import_module("torch")
         scene, frame = self._scene, self._world.sim.cur_substep_local
         state = self._solver.get_state(frame)

@@ -46,7 +46,7 @@ class Differentiable(Protocol):
         ...
 
     def load(self, scene: PeerScene, dt: float, steps: int, weight: np.ndarray) -> None:
-        """Prepares ``scene`` for ``steps`` substeps of ``dt`` [s]; ``weight`` is w of the loss, shape (n, 3)."""
+        """Prepare ``scene`` for ``steps`` substeps of ``dt`` [s]; ``weight`` is w of the loss, shape (n, 3)."""
         ...
 
     def compute_gradient(self) -> tuple[float, np.ndarray]:
@@ -77,7 +77,7 @@ def reset_peak() -> float | None:
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.peers.gradient", description=__doc__)
     parser.add_argument("--code", required=True, choices=sorted(CODES))
     parser.add_argument("--scene", type=Path, required=True)

@@ -36,7 +36,7 @@ class JaxNaive:
         return f"jax {importlib.metadata.version('jax')} on {jax.default_backend()}"
 
     def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
-        """Uploads the scene, compiles the substep and takes one on trial.
+        """Upload the scene, compile the substep and take one on trial.
 
         Raises:
             NotImplementedError: The material is neither of the two elastic ones.
@@ -56,7 +56,7 @@ class JaxNaive:
         jax.block_until_ready(self._advance(self._particles))
 
     def run(self, steps: int) -> None:
-        """Advances by ``steps`` substeps.
+        """Advance by ``steps`` substeps.
 
         Raises:
             RuntimeError: Particles came closer than half a cell to the domain's faces, or are not finite.

@@ -43,7 +43,7 @@ class Ours:
         return f"jax {jax.__version__} on {jax.default_backend()}, kernels {describe_kernels(self.kernels)}"
 
     def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
-        """Builds model and state, and compiles for the first window."""
+        """Build model and state, and compile for the first window."""
         order = cell_order(scene.x, scene.dx) if self.sort else np.arange(scene.particle_count)
         self._back = np.argsort(order)
         model, self.state = build(scene.take(order), self.kernels)
@@ -53,7 +53,7 @@ class Ours:
         jax.block_until_ready(advance(self.model, self.state, jnp.int32(1)))
 
     def run(self, steps: int) -> None:
-        """Advances by ``steps`` substeps, in frames of at most FRAME_DT.
+        """Advance by ``steps`` substeps, in frames of at most FRAME_DT.
 
         Raises:
             RuntimeError: `mpm.simulate` would redo a frame.

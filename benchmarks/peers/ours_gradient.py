@@ -24,7 +24,7 @@ class Ours:
         return f"jax {jax.__version__} on {jax.default_backend()}"
 
     def load(self, scene: PeerScene, dt: float, steps: int, weight: np.ndarray) -> None:
-        """Simulates once, for the schedule."""
+        """Simulate once, for the schedule."""
         order = cell_order(scene.x, scene.dx)
         model, state = build(scene.take(order))
         schedule = make_schedule(model, state, 1, steps, dt)

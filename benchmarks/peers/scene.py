@@ -194,7 +194,7 @@ class PeerScene:
         return dataclasses.replace(self, **{name: value[order] for name, value in arrays.items()})
 
     def save(self, path: Path) -> None:
-        """Writes the scene to an npz file."""
+        """Write the scene to an npz file."""
         arrays, rest = {}, {}
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
@@ -208,7 +208,7 @@ class PeerScene:
 
     @staticmethod
     def load(path: Path) -> PeerScene:
-        """Reads what `save` wrote."""
+        """Read what `save` wrote."""
         with np.load(path) as stored:
             arrays = {name: stored[name] for name in stored.files if name != "rest"}
             rest = json.loads(str(stored["rest"]))

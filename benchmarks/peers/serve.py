@@ -17,7 +17,7 @@ from benchmarks.peers.base import PEERS, PeerScene, drive, make_peer
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.peers.serve", description=__doc__)
     parser.add_argument("--peer", required=True, choices=sorted(PEERS))
     parser.add_argument("--scene", type=Path)

@@ -47,7 +47,7 @@ class TaichiMLS:
         return f"taichi {importlib.metadata.version('taichi')} on cpu with {threads} thread(s)"
 
     def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
-        """Compiles the kernels for the scene, takes one trial substep, and puts the particles back."""
+        """Compile the kernels for the scene, take one trial substep, and put the particles back."""
         ti = _import_taichi()
         threads = {} if self.threads is None else {"cpu_max_num_threads": self.threads}
         with contextlib.redirect_stdout(sys.stderr):  # it prints, whatever its level of logging
@@ -60,7 +60,7 @@ class TaichiMLS:
         ti.sync()
 
     def run(self, steps: int) -> None:
-        """Advances by ``steps`` substeps.
+        """Advance by ``steps`` substeps.
 
         Raises:
             RuntimeError: Particles came closer than half a cell to the domain's faces, or are not finite.
@@ -133,7 +133,7 @@ class TaichiMLS:
         return fields
 
     def _upload(self) -> None:
-        """Puts the particles where the scene has them, undeformed."""
+        """Put the particles where the scene has them, undeformed."""
         scene, fields = self._scene, self._fields
         for field, values in (
             (fields.x, scene.x),

@@ -30,7 +30,7 @@ class TaichiTape:
         return f"taichi {importlib.metadata.version('taichi')} on cpu"
 
     def load(self, scene: PeerScene, dt: float, steps: int, weight: np.ndarray) -> None:
-        """Starts Taichi with as many threads as this process has cores, and allocates the particles of all substeps."""
+        """Start Taichi with as many threads as this process has cores, and allocate the particles of all substeps."""
         with contextlib.redirect_stdout(sys.stderr):  # it prints, whatever its level of logging
             ti.init(
                 arch=ti.cpu,
@@ -107,7 +107,7 @@ class Kernels:
 
     @ti.kernel
     def clear(self):
-        """Empties the nodes and their adjoints."""
+        """Empty the nodes and their adjoints."""
         for node in ti.grouped(self.node_mass):
             self.node_mass[node] = 0.0
             self.node_mass.grad[node] = 0.0
@@ -117,7 +117,7 @@ class Kernels:
 
     @ti.kernel
     def clear_adjoints(self):
-        """Empties the adjoints of the particles and of what is asked for."""
+        """Empty the adjoints of the particles and of what is asked for."""
         for s, p in self.x:
             self.x.grad[s, p] = ti.Vector.zero(ti.f32, 3)
             self.v.grad[s, p] = ti.Vector.zero(ti.f32, 3)

@@ -45,7 +45,7 @@ class WarpClassical:
         return f"warp-lang {_import_warp().__version__} on {self._pick_device()}"
 
     def load(self, scene: PeerScene, dt: float, granule: int = 0) -> None:
-        """Uploads the scene, compiles the kernels and takes one trial substep."""
+        """Upload the scene, compile the kernels and take one trial substep."""
         wp = _import_warp()
         from benchmarks.peers import _warp_kernels as kernels
 
@@ -64,7 +64,7 @@ class WarpClassical:
         wp.synchronize_device(self._device)
 
     def run(self, steps: int) -> None:
-        """Advances by ``steps`` substeps.
+        """Advance by ``steps`` substeps.
 
         Raises:
             RuntimeError: Particles came closer than half a cell to the domain's faces, or are not finite.
@@ -140,7 +140,7 @@ class WarpClassical:
         ]
 
     def _upload(self) -> None:
-        """Puts the particles where the scene has them, undeformed."""
+        """Put the particles where the scene has them, undeformed."""
         scene = self._scene
         identity = np.broadcast_to(np.eye(3, dtype=np.float32), (scene.particle_count, 3, 3))
         for target, values in (

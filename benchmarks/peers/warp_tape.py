@@ -31,7 +31,7 @@ class WarpTape:
         return f"warp-lang {wp.__version__} on cpu"
 
     def load(self, scene: PeerScene, dt: float, steps: int, weight: np.ndarray) -> None:
-        """Allocates the arrays of all substeps."""
+        """Allocate the arrays of all substeps."""
         self._scene, self._dt, self._steps = scene, float(dt), steps
         n, nodes = scene.particle_count, (scene.cells + 1,) * 3
         mu, lam = scene.lame

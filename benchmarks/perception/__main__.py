@@ -39,7 +39,7 @@ class Command(harness.Command):
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
     return harness.main(command, {"clips": lambda: make_jobs(command.quick)}, PAGE)
 

@@ -72,12 +72,12 @@ def load(name: str) -> tuple[GaussianCloud, np.ndarray]:
 
 
 def make_camera(distance: float) -> Camera:
-    """Looks along `LOOK` at the origin."""
+    """Look along `LOOK` at the origin."""
     return look_at(-distance * LOOK, (0, 0, 0), (0, 0, 1), fov_degrees=40.0, width=WIDTH, height=HEIGHT)
 
 
 def film(name: str, motion: Motion, distance: float) -> Sight:
-    """Draws an object under a motion."""
+    """Draw an object under a motion."""
     (cloud, stand), camera = load(name), make_camera(distance)
     rest = np.asarray(cloud.means, np.float64)
     covariances = quats_scales_to_covariances(cloud.quats, cloud.scales)
@@ -112,7 +112,7 @@ def film(name: str, motion: Motion, distance: float) -> Sight:
 
 
 def compose(sight: Sight, background: str, noise: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Puts the object before a background.
+    """Put the object before a background.
 
     Args:
         sight: The object.

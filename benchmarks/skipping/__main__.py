@@ -33,7 +33,7 @@ class Command(harness.Command):
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
     sizes = QUICK if command.quick else Sizes()
     parts = {title: partial(_list_jobs, skips, sizes) for title, skips in GROUPS.items()}

@@ -99,7 +99,7 @@ def _close_floor(model: Model, state: Particles) -> Model:
 
 
 def _close_grip(model: Model, state: Particles) -> Model:
-    """Holds the lowest tenth of the cube, before the run begins."""
+    """Hold the lowest tenth of the cube, before the run begins."""
     low = np.flatnonzero(np.asarray(state.x[:, 2]) < _BOTTOM + 0.1 * SIDE)
     still = jnp.zeros(3, jnp.float32)
     grip = PrescribedMotion(jnp.asarray(low, jnp.int32), still, still, still, *map(_to_scalar, _OVER))

@@ -48,7 +48,7 @@ class Command(harness.Command):
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
     parts = {part: partial(_list_jobs, part, command.quick) for part in PARTS}
     return harness.main(command, parts, PAGE)

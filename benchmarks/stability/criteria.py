@@ -71,7 +71,7 @@ class Result:
 
 
 def examine(scenario: Scenario, name: str = "", make: Callable[[], Run] | None = None) -> Result:
-    """Builds and runs a scenario, and judges it; ``make`` builds it otherwise than `build` would."""
+    """Build and run a scenario, and judge it; ``make`` builds it otherwise than `build` would."""
     begun = time.perf_counter()
     result = Result(f"{name}: {scenario.material}" if name else scenario.name)
     try:
@@ -89,7 +89,7 @@ def examine(scenario: Scenario, name: str = "", make: Callable[[], Run] | None =
 
 
 def watch(scenario: Scenario, run: Run, frames: Iterable[Frame], result: Result) -> None:
-    """Applies P1 to P6 to every frame; failures and figures go to ``result``.
+    """Apply P1 to P6 to every frame; failures and figures go to ``result``.
 
     Raises:
         UserError: The simulator gave up, in words.
@@ -138,7 +138,7 @@ class _Book:
         self.worst: dict[str, float] = {"momentum": 0.0, "spin": 0.0, "grid mass": 0.0}
 
     def enter(self, frame: Frame) -> None:
-        """Adds a frame."""
+        """Add a frame."""
         state, exchange = frame.state, frame.exchange
         assert exchange is not None
         begun, inertia = self.time, self.inertia

@@ -74,7 +74,7 @@ class Critical:
 
 
 def measure(subject: str, configuration: str, form: str) -> Critical:
-    """Bisects the critical step; needs x64."""
+    """Bisect the critical step; needs x64."""
     model, state = scene(subject, configuration, form)
     bound = float(stable_dt(model, state))
 

@@ -56,7 +56,7 @@ class Command(harness.Command):
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
     sizes = parts.QUICK if command.quick else parts.Sizes()
     jobs = {part: partial(make, sizes) for part, make in _JOBS.items()}

@@ -90,7 +90,7 @@ class Child:
         self._process, self._complaints = process, complaints
 
     def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
-        """Sends a request and waits for the answer.
+        """Send a request and wait for the answer.
 
         Raises:
             ChildError: The request failed, or the process is dead.
@@ -268,7 +268,7 @@ def _summarise(row: dict[str, Any]) -> None:
 
 
 def compare(rows: list[dict[str, Any]]) -> None:
-    """Adds to each row its time over ours with as many threads: with the same law, and with our default jelly."""
+    """Add to each row its time over ours with as many threads: with the same law, and with our default jelly."""
     for row in rows:
         for name, law in (("over_ours", row["law"]), ("over_default", Material.NEO_HOOKEAN.value)):
             base = [

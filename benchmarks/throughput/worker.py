@@ -26,7 +26,7 @@ from benchmarks.peers.base import PeerScene, make_peer
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.throughput.worker", description=__doc__)
     parser.add_argument("--code", required=True, help="ours, or a name in benchmarks.peers.base.PEERS")
     parser.add_argument("--threads", required=True, type=int)
@@ -87,7 +87,7 @@ class Worker:
         return {"height": float(self._peer.x()[:, 2].mean(dtype=float))}
 
     def positions(self, out: str) -> dict:
-        """Writes the positions [m], in the scene's order."""
+        """Write the positions [m], in the scene's order."""
         np.save(out, self._peer.x())
         return {}
 
@@ -116,7 +116,7 @@ class Worker:
 
 
 def _restrict(threads: int) -> None:
-    """Keeps this process on ``threads`` cores: libraries' own settings do not reach all of their threads."""
+    """Keep this process on ``threads`` cores: libraries' own settings do not reach all of their threads."""
     if hasattr(os, "sched_setaffinity"):
         cores = sorted(os.sched_getaffinity(0))
         os.sched_setaffinity(0, cores[-threads:])

@@ -50,7 +50,7 @@ class Command(harness.Command):
 
 
 def main() -> int:
-    """Runs the command line."""
+    """Run the command line."""
     command = tyro.cli(Command)
     clips = list_clips(command.data, command.quick)
     every: tuple[Part, ...] = ("clips", "truth", "pictures")

@@ -22,7 +22,7 @@ _LINE = 26  # [px] of text above a row
 def write_sheets(
     folder: Path, clips: Sequence[tuple[Clip, Row | None]], recordings: Path, data: Path | None
 ) -> None:
-    """Writes clips with what is said of them.
+    """Write clips with what is said of them.
 
     Args:
         folder: Folder of the sheets.

@@ -73,7 +73,7 @@ def find_impossible(hold: Hold, reply: SemanticReply, up: Vector) -> ExpectedMot
 
 
 def refuse_impossible(hold: Hold, reply: SemanticReply, up: Vector, *, whole: bool) -> None:
-    """Refuses a plan with a motion that the hold makes impossible.
+    """Refuse a plan with a motion that the hold makes impossible.
 
     Args:
         hold: What holds the object.

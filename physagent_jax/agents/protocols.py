@@ -29,7 +29,7 @@ class SemanticAgent(Agent, Protocol):
     """Compiles a sentence into a force field (paper, section 3.2)."""
 
     def compile(self, context: AgentContext) -> Reply[SemanticReply]:
-        """Reads ``context.prompt`` for the scene in ``context.brief``.
+        """Read ``context.prompt`` for the scene in ``context.brief``.
 
         Raises:
             UserError: The prompt is empty or nothing in it can be understood.
@@ -49,7 +49,7 @@ class PlannerAgent(Agent, Protocol):
         return ()
 
     def judge(self, context: AgentContext, seen: Observation) -> Reply[Judgement]:
-        """Compares what was ``seen`` with what ``context.prompt`` asked for.
+        """Compare what was ``seen`` with what ``context.prompt`` asked for.
 
         Raises:
             AgentError: There is no answer.
@@ -61,7 +61,7 @@ class ExecutorAgent(Agent, Protocol):
     """Rewrites the force field under the hard rules (paper, appendix B.2, phase 2)."""
 
     def rewrite(self, context: AgentContext, failed: Round) -> Reply[Rewrite]:
-        """Mends the force field of the round that has just ``failed``.
+        """Mend the force field of the round that has just ``failed``.
 
         The same force field again means that there is nothing left to try.
 

@@ -16,7 +16,7 @@ _SPLAT_FORMATS = ("ply", "spz", "glb")
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Runs a command; returns the exit code: 0, or 2 for input that a person can mend.
+    """Run a command; return the exit code: 0, or 2 for input that a person can mend.
 
     ``--debug`` anywhere on the line shows the traceback of an error.
     """
@@ -74,7 +74,7 @@ def _parse(commands: dict[str, Any], arguments: list[str], description: str = ""
 
 
 def _examine(arguments: list[str]) -> int:
-    """Runs `physagent doctor`, which works where packages are missing that other commands need.
+    """Run `physagent doctor`, which works where packages are missing that other commands need.
 
     Without tyro its arguments are not checked.
     """

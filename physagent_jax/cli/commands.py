@@ -35,7 +35,7 @@ class Make:
     """Replace files that hold something else."""
 
     def __call__(self) -> int:
-        """Runs the command; returns the exit code."""
+        """Run the command; return the exit code."""
         from physagent_jax.core.files import write_new
         from physagent_jax.gaussians.formats.ply import write_ply
         from physagent_jax.scene.card import ObjectCard
@@ -78,7 +78,7 @@ class Schema:
     """Which format."""
 
     def __call__(self) -> int:
-        """Runs the command; returns the exit code."""
+        """Run the command; return the exit code."""
         from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
         from physagent_jax.forces.schema import ForceField
         from physagent_jax.perception.schema import MotionReport
@@ -112,7 +112,7 @@ class Report:
     """Replace a report.html that is something else."""
 
     def __call__(self) -> int:
-        """Runs the command; returns the exit code."""
+        """Run the command; return the exit code."""
         from physagent_jax.report.html import write_report
 
         print(write_report(self.run, overwrite=self.overwrite))

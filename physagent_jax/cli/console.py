@@ -51,7 +51,7 @@ class FrameBar:
             self.close()
 
     def close(self) -> None:
-        """Takes the bar off the screen."""
+        """Take the bar off the screen."""
         self._progress.stop()
 
 
@@ -63,19 +63,19 @@ class ConsoleObserver(Observer):
         self.told: set[str] = set()  # warnings that were printed
 
     def stage(self, text: str) -> None:
-        """Prints the stage; its frames, if any, get a bar. Raises as `FrameBar`."""
+        """Print the stage; its frames, if any, get a bar. Raises as `FrameBar`."""
         self.close()
         stopping.check()
         stderr.print(f"[dim]·[/] {_escape(text)}")
         self._bar = FrameBar(text)
 
     def frame(self, done: int, total: int) -> None:
-        """Moves the bar."""
+        """Move the bar."""
         if self._bar is not None:
             self._bar(done, total)
 
     def understood(self, reply: SemanticReply) -> None:
-        """Prints what was assumed, and the words that led to nothing, while the run can still be stopped."""
+        """Print what was assumed, and the words that led to nothing, while the run can still be stopped."""
         for note in reply.notes:
             stderr.print(f"  assumed: {_escape(note)}")
         if reply.not_understood:
@@ -84,20 +84,20 @@ class ConsoleObserver(Observer):
             stderr.print(f"  [yellow]unsure:[/] {_escape(doubt)}")
 
     def assumed(self, text: str) -> None:
-        """Prints it beside what was assumed of the sentence."""
+        """Print it beside what was assumed of the sentence."""
         stderr.print(f"  assumed: {_escape(name_options(text))}")
 
     def warned(self, text: str) -> None:
-        """Prints it, while the run can still be stopped."""
+        """Print it, while the run can still be stopped."""
         self.told.add(text)
         warn(name_options(text))
 
     def judged(self, index: int, judgement: Judgement) -> None:
-        """Prints the planner's verdict and its suggestion."""
+        """Print the planner's verdict and its suggestion."""
         self._tell(f"round {index + 1}", judgement)
 
     def probed(self, index: int, judgement: Judgement) -> None:
-        """Prints the same of a coarse round."""
+        """Print the same of a coarse round."""
         self._tell(f"coarse round {index + 1}", judgement)
 
     def _tell(self, which: str, judgement: Judgement) -> None:
@@ -112,7 +112,7 @@ class ConsoleObserver(Observer):
             stderr.print(f"  {_escape(judgement.suggestion)}")
 
     def close(self) -> None:
-        """Removes a bar that is still on the screen."""
+        """Remove a bar that is still on the screen."""
         if self._bar is not None:
             self._bar.close()
             self._bar = None

@@ -25,7 +25,7 @@ class Doctor:
     """Print one JSON object instead of sentences."""
 
     def __call__(self) -> int:
-        """Runs the command; returns the exit code."""
+        """Run the command; return the exit code."""
         from physagent_jax.cli.environment import prepare
         from physagent_jax.run.doctor import examine
 

@@ -11,7 +11,7 @@ from physagent_jax.core.errors import UserError
 
 
 def prepare() -> None:
-    """Checks the environment, and lets compiled programs be kept.
+    """Check the environment, and let compiled programs be kept.
 
     Raises:
         UserError: A variable makes no sense, or asks for what this machine does not have.
@@ -46,7 +46,7 @@ def prepare() -> None:
 
 
 def _check_xla_flags() -> None:
-    """Tries the flags in a process of its own: XLA ends the process that has a flag it does not know."""
+    """Try the flags in a process of its own: XLA ends the process that has a flag it does not know."""
     flags = os.environ.get("XLA_FLAGS", "").strip()
     if not flags:
         return

@@ -41,7 +41,7 @@ class Inspect:
     """Print one JSON object instead of sentences."""
 
     def __call__(self) -> int:
-        """Runs the command; returns the exit code."""
+        """Run the command; return the exit code."""
         from physagent_jax.cli.options import report_as_options
         from physagent_jax.run.inspection import inspect_object
 

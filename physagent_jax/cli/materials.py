@@ -26,7 +26,7 @@ class Materials:
     """Print JSON instead of a table."""
 
     def __call__(self) -> int:
-        """Runs the command; returns the exit code."""
+        """Run the command; return the exit code."""
         from physagent_jax.scene.materials import LIBRARY, find_material
 
         chosen = list(LIBRARY.values()) if self.name is None else [find_material(self.name)]

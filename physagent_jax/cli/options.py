@@ -150,7 +150,7 @@ def describe_unknown(reply: SemanticReply) -> str:
 
 
 def _check_pairs(options: Mapping[str, Any]) -> None:
-    """Refuses options that exclude each other, or that mean nothing without another."""
+    """Refuse options that exclude each other, or that mean nothing without another."""
     if options["physgm"] is not None and options["material"] is not None:
         raise UserError(
             "`--physgm` and `--material` both say what the object is made of", do="Pass one of them"

@@ -54,7 +54,7 @@ class Plan:
     """Print one line of JSON instead of sentences."""
 
     def __call__(self) -> int:
-        """Runs the command; returns the exit code."""
+        """Run the command; return the exit code."""
         from physagent_jax.cli.console import warn
         from physagent_jax.run.brief import make_brief
         from physagent_jax.run.first_picture import check_first_picture, is_in_doubt

@@ -114,7 +114,7 @@ class Run:
     """Print one line of JSON instead of sentences."""
 
     def __call__(self) -> int:
-        """Runs the command; returns the exit code."""
+        """Run the command; return the exit code."""
         # Imported here, so that --help does not wait for JAX.
         from physagent_jax.report.html import write_report
         from physagent_jax.run.loop import run_loop

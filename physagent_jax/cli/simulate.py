@@ -50,7 +50,7 @@ class Simulate:
     """Print one line of JSON instead of sentences."""
 
     def __call__(self) -> int:
-        """Runs the command; returns the exit code."""
+        """Run the command; return the exit code."""
         from physagent_jax.run.replay import replay_scene
         from physagent_jax.run.store import PLAIN_VIDEO, VIDEO
         from physagent_jax.scene.cost import Limits
@@ -129,7 +129,7 @@ class ImportPhysGaussian:
     """Replace a file that holds something else."""
 
     def __call__(self) -> int:
-        """Runs the command; returns the exit code."""
+        """Run the command; return the exit code."""
         from physagent_jax.core.files import write_new
         from physagent_jax.scene.config import dump_scene
         from physagent_jax.scene.scene_file import read_scene

@@ -30,7 +30,7 @@ class Stopped(KeyboardInterrupt):
 
 @contextmanager
 def allow_stopping() -> Iterator[None]:
-    """Lets `check` answer to signals within the ``with`` block; in threads other than the main one, nothing changes."""
+    """Let `check` answer to signals within the ``with`` block; in threads other than the main one, nothing changes."""
     global _asked
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -45,7 +45,7 @@ def allow_stopping() -> Iterator[None]:
 
 
 def check() -> None:
-    """Raises `Stopped` if the process has been asked to stop; called where nothing is half done."""
+    """Raise `Stopped` if the process has been asked to stop; called where nothing is half done."""
     if _asked is not None:
         raise Stopped(_asked)
 

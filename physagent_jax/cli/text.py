@@ -21,7 +21,7 @@ _STAND_INS = {
 
 
 def accept_any_character() -> None:
-    """Makes standard output and error take any character.
+    """Make standard output and error take any character.
 
     A terminal in plain ASCII gets stand-ins: `x` for a cross, `^3` for a cube, an escape for what has none.
     """
@@ -32,7 +32,7 @@ def accept_any_character() -> None:
 
 
 def check_arguments(arguments: Sequence[str]) -> None:
-    """Refuses arguments that no option could mean, and no file could be called.
+    """Refuse arguments that no option could mean, and no file could be called.
 
     Raises:
         UserError: One is empty, too long, holds a zero byte, or bytes that are no text in the terminal's encoding.

@@ -21,7 +21,7 @@ _MARK = "[0-9a-f]{8}"  # tells temporary names from those of users
 
 @contextlib.contextmanager
 def replace_file(path: str | Path) -> Iterator[Path]:
-    """Yields a temporary name beside ``path``; renames it to ``path`` when the block succeeds.
+    """Yield a temporary name beside ``path``, and rename it to ``path`` when the block succeeds.
 
     The name keeps the suffix (encoders choose their format by it) and the folder (a rename across file
     systems is not atomic). If the block fails, the temporary file goes and the old ``path`` stays; if the
@@ -45,7 +45,7 @@ def replace_file(path: str | Path) -> Iterator[Path]:
 
 
 def _check_replaceable(path: Path) -> None:
-    """Refuses what a rename would take the place of and no file can stand for; root may even rename over /dev/null."""
+    """Refuse what a rename would take the place of and no file can stand for; root may even rename over /dev/null."""
     try:
         mode = path.lstat().st_mode
     except OSError:
@@ -56,7 +56,7 @@ def _check_replaceable(path: Path) -> None:
 
 
 def make_folders(folder: Path) -> list[Path]:
-    """Makes a folder and its parents; returns those that were not there, outermost first.
+    """Make a folder and its parents; return those that were not there, outermost first.
 
     Raises:
         UserError: They are more than `_MOST_FOLDERS`: a mistake, which would be hard to clear away.
@@ -96,13 +96,13 @@ def find_leftovers(path: str | Path) -> list[Path]:
 
 
 def remove_leftovers(path: str | Path) -> None:
-    """Removes `find_leftovers`."""
+    """Remove `find_leftovers`."""
     for leftover in find_leftovers(path):
         leftover.unlink(missing_ok=True)
 
 
 def link_or_copy(source: Path, target: Path) -> None:
-    """Gives a file a second name, so that its bytes are kept once; a copy where the file system has no hard links.
+    """Give a file a second name, so that its bytes are kept once; a copy where the file system has no hard links.
 
     What `replace_file` writes to one of the names later leaves the other as it is.
     """
@@ -113,18 +113,18 @@ def link_or_copy(source: Path, target: Path) -> None:
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Writes UTF-8 text atomically."""
+    """Write UTF-8 text atomically."""
     write_bytes(path, text.encode("utf-8"))
 
 
 def write_bytes(path: str | Path, content: bytes) -> None:
-    """Writes a file atomically."""
+    """Write a file atomically."""
     with replace_file(path) as temporary:
         temporary.write_bytes(content)
 
 
 def write_new(contents: Mapping[Path, bytes], *, overwrite: bool) -> None:
-    """Writes files, but none of them if one would replace a file that holds something else, unless told to.
+    """Write files, but none of them if one would replace a file that holds something else, unless told to.
 
     Raises:
         UserError: There is such a file, or one cannot be written.
@@ -148,7 +148,7 @@ def _has_content(path: Path, content: bytes) -> bool:
 
 
 def check_writable(folder: str | Path) -> None:
-    """Refuses a folder that cannot be made or written to, before any work is done for it.
+    """Refuse a folder that cannot be made or written to, before any work is done for it.
 
     Raises:
         UserError: ``folder`` is a file, or it or its nearest existing parent is read-only.

@@ -40,7 +40,7 @@ class Once(Generic[_Out]):
         return self._results[arguments]
 
     def cache_clear(self) -> None:
-        """Forgets all results, as of `functools.cache`."""
+        """Forget all results, as of `functools.cache`."""
         self._results.clear()
 
 

@@ -11,7 +11,7 @@ T = TypeVar("T")
 
 
 def register_dataclass(cls: type[T]) -> type[T]:
-    """Registers a dataclass as a pytree; fields with ``metadata=dict(static=True)`` belong to its structure.
+    """Register a dataclass as a pytree; fields with ``metadata=dict(static=True)`` belong to its structure.
 
     In place of `jax.tree_util.register_dataclass`, whose tree structures compare equal (in jaxlib 0.10.1)
     for different classes with the same field names and static values. A jitted function then finds, when

@@ -49,7 +49,7 @@ _MARKS = {
 
 
 def open_regular(path: str | Path, *, most: int, what: str = "the file") -> io.BufferedReader:
-    """Opens a regular file of at most ``most`` bytes for reading; links are followed.
+    """Open a regular file of at most ``most`` bytes for reading; links are followed.
 
     Args:
         path: The file.
@@ -107,7 +107,7 @@ def read_bytes(path: str | Path, *, most: int, what: str = "the file") -> bytes:
 
 
 def check_counts(place: str, what: str, count: int, each: float, available: int) -> None:
-    """Refuses a file that announces more than it can hold, before memory is taken for it.
+    """Refuse a file that announces more than it can hold, before memory is taken for it.
 
     Args:
         place: The file, and where in it.
@@ -131,7 +131,7 @@ def check_counts(place: str, what: str, count: int, each: float, available: int)
 
 
 def read_json(path: str | Path, *, what: str = "the file") -> Any:
-    """Decodes a JSON file.
+    """Decode a JSON file.
 
     Raises:
         UserError: As `open_regular` and `decode_json`.
@@ -140,7 +140,7 @@ def read_json(path: str | Path, *, what: str = "the file") -> Any:
 
 
 def decode_json(data: bytes, origin: str) -> Any:
-    """Decodes JSON; ``origin`` names it in messages.
+    """Decode JSON; ``origin`` names it in messages.
 
     Raises:
         UserError: It is not JSON in UTF-8, has more than `JSON_BYTES`, is nested more than `JSON_DEPTH` deep, or
@@ -195,7 +195,7 @@ def decode_json(data: bytes, origin: str) -> Any:
 
 
 def read_yaml(path: str | Path, *, what: str = "the file") -> Any:
-    """Decodes a YAML file of plain values; what JSON cannot hold (dates, binary, references) is refused.
+    """Decode a YAML file of plain values; what JSON cannot hold (dates, binary, references) is refused.
 
     Raises:
         UserError: As `open_regular` and `decode_json`, or it is not YAML.
@@ -219,7 +219,7 @@ def read_yaml(path: str | Path, *, what: str = "the file") -> Any:
 
 
 def _check_text(decoded: Any, origin: str) -> None:
-    """Refuses halves of surrogate pairs, which JSON can spell and no file can be written with."""
+    """Refuse halves of surrogate pairs, which JSON can spell and no file can be written with."""
     try:
         json.dumps(decoded, ensure_ascii=False).encode("utf-8")
     except UnicodeEncodeError as error:
@@ -240,7 +240,7 @@ def _check_depth(decoded: Any, origin: str) -> None:
 
 
 def read_model(path: str | Path, schema: type[Schema], *, what: str = "the file") -> Schema:
-    """Reads a JSON file as ``schema``.
+    """Read a JSON file as ``schema``.
 
     Raises:
         UserError: As `read_json`, or it breaks the schema; the message names the field.
@@ -249,7 +249,7 @@ def read_model(path: str | Path, schema: type[Schema], *, what: str = "the file"
 
 
 def parse_model(data: Any, schema: type[Schema], origin: str) -> Schema:
-    """Validates decoded JSON as ``schema``; ``origin`` names it in messages.
+    """Validate decoded JSON as ``schema``; ``origin`` names it in messages.
 
     Raises:
         UserError: It breaks the schema; the message names the field.

@@ -56,7 +56,7 @@ class Registry:
 
 
 def _check_options(what: str, options: Mapping[str, Any], factory: Callable[..., Any]) -> None:
-    """Raises what is wrong with the names of ``options`` before ``factory`` is called: errors inside are its own."""
+    """Raise what is wrong with the names of ``options`` before ``factory`` is called: errors inside are its own."""
     taken = _list_parameters(factory)
     if not any(each.kind is each.VAR_KEYWORD for each in taken):
         names = [each.name for each in taken if each.kind in (each.POSITIONAL_OR_KEYWORD, each.KEYWORD_ONLY)]

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 
 def polar(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Splits ``matrix`` = R S into a rotation and a symmetric stretch, both (3, 3)."""
+    """Split ``matrix`` = R S into a rotation and a symmetric stretch, both (3, 3)."""
     u, s, vt = np.linalg.svd(matrix)
     flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
     return u @ flip @ vt, vt.T @ np.diag(s) @ flip @ vt

@@ -33,7 +33,7 @@ class Strict(BaseModel):
 
 
 def normalise_direction(value: Vector) -> Vector:
-    """Normalises a direction; a zero vector is refused."""
+    """Normalise a direction; a zero vector is refused."""
     norm = math.sqrt(sum(c * c for c in value))
     if norm < 1e-9:
         raise ValueError(f"a direction must not be the zero vector (got {list(value)})")

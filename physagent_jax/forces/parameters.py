@@ -102,7 +102,7 @@ class ForceFieldParameters:
 
 
 def check_entries(parameters: ForceFieldParameters, force_field: ForceField) -> None:
-    """Refuses parameters of another force field.
+    """Refuse parameters of another force field.
 
     Raises:
         UserError: The numbers of entries differ.

@@ -166,7 +166,7 @@ def compile_force_field(
     frame_count: int,
     parameters: ForceFieldParameters | None = None,
 ) -> tuple[tuple, tuple[PrescribedMotion | MovingPlate, ...]]:
-    """Turns a force field into terms for `Model.forces` and constraints for `Model.constraints`.
+    """Turn a force field into terms for `Model.forces` and constraints for `Model.constraints`.
 
     Args:
         field: The agents' force field.

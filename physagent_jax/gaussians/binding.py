@@ -42,7 +42,7 @@ class Binding:
 def bind(
     gaussian_means: np.ndarray | jax.Array, particle_positions: np.ndarray | jax.Array, *, k: int = 4
 ) -> Binding:
-    """Binds Gaussians to their nearest particles with inverse squared distances as weights.
+    """Bind Gaussians to their nearest particles with inverse squared distances as weights.
 
     A Gaussian that coincides with a particle follows that particle alone. If all do (the usual case: the
     centres were made particles), the binding has a single column, and `deform` skips the blending.
@@ -84,7 +84,7 @@ def bind(
 def deform(
     cloud: GaussianCloud, binding: Binding, x: jax.Array, F: jax.Array, pre_rotation: np.ndarray | jax.Array
 ) -> Splats:
-    """Moves and deforms a cloud with its particles (PhysGaussian, Xie et al. 2024, eqs. 8 and 9).
+    """Move and deform a cloud with its particles (PhysGaussian, Xie et al. 2024, eqs. 8 and 9).
 
     Each bound particle p predicts the Gaussian by its own affine map; the predictions are blended:
     x_g = sum_p w_p (x_p + F_p (X_g - X_p)), F_g = sum_p w_p F_p, Sigma = F_g Sigma_0 F_g^T. An affine motion

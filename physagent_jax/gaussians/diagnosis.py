@@ -53,7 +53,7 @@ def diagnose_cloud(cloud: GaussianCloud) -> tuple[str, ...]:
 
 
 def check_cloud(cloud: GaussianCloud) -> None:
-    """Refuses a cloud that has no shape to simulate: half of its Gaussians are larger than half of it.
+    """Refuse a cloud that has no shape to simulate: half of its Gaussians are larger than half of it.
 
     Args:
         cloud: The Gaussians, in any units.

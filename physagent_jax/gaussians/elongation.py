@@ -17,7 +17,7 @@ MOST_SHARE = 0.04  # of the object's size that a standard deviation may reach by
 
 
 def cap_elongation(splats: Splats, rest_scales: np.ndarray, size: float) -> Splats:
-    """Shortens the axes of Gaussians that are far longer than at rest; those that are as at rest stay as they are.
+    """Shorten the axes of Gaussians that are far longer than at rest; those that are as at rest stay as they are.
 
     F Sigma F^T (PhysGaussian, Xie et al. 2024) follows a stretch that matter takes by coming apart between Gaussians,
     not within them. Xie et al. bound the ratio of the axes when the capture is trained; here it is done to what is

@@ -67,7 +67,7 @@ def _polar_rotation_jvp(primals, tangents):
 
 
 def _solve_damped(A: jax.Array, a: jax.Array) -> jax.Array:
-    """Solves symmetric 3x3 systems by the adjugate, damped where the matrix is nearly singular."""
+    """Solve symmetric 3x3 systems by the adjugate, damped where the matrix is nearly singular."""
     r0, r1, r2 = A[:, 0], A[:, 1], A[:, 2]
     adjugate = jnp.stack([jnp.cross(r1, r2), jnp.cross(r2, r0), jnp.cross(r0, r1)], axis=-1)
     det = jnp.sum(r0 * adjugate[:, :, 0], axis=-1)

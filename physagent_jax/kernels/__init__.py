@@ -32,7 +32,7 @@ _chosen: ContextVar[Kernels] = ContextVar("kernels", default="auto")
 
 @contextmanager
 def use_kernels(choice: Kernels) -> Iterator[None]:
-    """Lets ``choice`` hold for what is traced within, where nobody passes it on."""
+    """Let ``choice`` hold for what is traced within, where nobody passes it on."""
     token = _chosen.set(choice)
     try:
         yield
@@ -42,7 +42,7 @@ def use_kernels(choice: Kernels) -> Iterator[None]:
 
 @contextmanager
 def use_device_of(array: Any) -> Iterator[None]:
-    """Lets what is computed within be made for the device on which ``array`` lies; JAX's own choice if it is traced.
+    """Let what is computed within be made for the device on which ``array`` lies; JAX's own choice if it is traced.
 
     Raises:
         UserError: This process was forked from one that computes.

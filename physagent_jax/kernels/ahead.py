@@ -29,7 +29,7 @@ _changed = Condition(_lock)
 
 
 def start_compiling(targets: Targets) -> None:
-    """Starts compiling those of ``targets`` that the disk does not have; does nothing where kernels are not used."""
+    """Start compiling those of ``targets`` that the disk does not have; do nothing where kernels are not used."""
     if not use_cpu():
         return
     from physagent_jax.kernels import store  # needs Numba, without which there is nothing to do
@@ -52,7 +52,7 @@ def start_compiling(targets: Targets) -> None:
 
 
 def compile_all(targets: Targets, parent: int | None = None) -> None:
-    """Compiles kernels into the store and prints the names of those done, in a process that was started for it.
+    """Compile kernels into the store and print the names of those done, in a process that was started for it.
 
     Args:
         targets: As `start_compiling` has them.
@@ -77,7 +77,7 @@ def compile_all(targets: Targets, parent: int | None = None) -> None:
 
 
 def _wait_for_one(parent: int | None) -> None:
-    """Returns when a forked process has ended."""
+    """Return when a forked process has ended."""
     while parent is not None and os.waitpid(-1, os.WNOHANG)[0] == 0:
         if select.select([parent], [], [], _LOOK)[0] and not os.read(parent, 1):
             os.killpg(0, signal.SIGKILL)
@@ -91,7 +91,7 @@ def _compile(name: str, module: str, *arguments: str) -> None:
 
 
 def wait_for(name: str) -> None:
-    """Returns when nobody is compiling ``name``; whoever failed has left it to the caller."""
+    """Return when nobody is compiling ``name``; whoever failed has left it to the caller."""
     with _changed:
         while (process := running.get(name)) is not None:
             if process in _heard:
@@ -118,7 +118,7 @@ def _listen(process: subprocess.Popen[str]) -> None:
 
 
 def _forget() -> None:
-    """Lets a forked process know of no others: they are its parent's, and end when nobody holds their pipes open."""
+    """Let a forked process know of no others: they are its parent's, and end when nobody holds their pipes open."""
     global _changed
     nowhere = os.open(os.devnull, os.O_RDWR)
     for process in set(running.values()):

@@ -17,7 +17,7 @@ _OFF = ("off", "0", "no", "none", "false")
 
 
 def enable_compile_cache() -> None:
-    """Keeps compiled programs between processes, so that only the first run pays for compilation.
+    """Keep compiled programs between processes, so that only the first run pays for compilation.
 
     ``PHYSAGENT_COMPILE_CACHE`` names another folder, or turns it off with ``off``. A folder set through JAX's own
     configuration is left alone. Within the folder, programs lie in one that is private to the user, because JAX loads

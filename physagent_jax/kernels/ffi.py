@@ -45,7 +45,7 @@ _VERSION = 0 + (1 << 32)  # 0.1, the oldest that all supported versions of jaxli
 
 @once
 def register_target(name: str, function) -> str:
-    """Makes ``function``, a handler, callable as ``jax.ffi.ffi_call(name, ...)`` on CPU, compiled if need be."""
+    """Make ``function``, a handler, callable as ``jax.ffi.ffi_call(name, ...)`` on CPU, compiled if need be."""
     handler = _make_handler(name, function)
     new_capsule = ctypes.pythonapi.PyCapsule_New
     new_capsule.restype, new_capsule.argtypes = ctypes.py_object, (ctypes.c_void_p,) + (ctypes.c_char_p,) * 2
@@ -63,7 +63,7 @@ def _make_handler(name: str, function):
 def check_operands(
     kernel: str, operands: dict[str, Any], shapes: dict[str, tuple[int, ...]], dtype, **others
 ) -> None:
-    """Refuses operands that a kernel would take for others: it reads memory as if they were what it expects.
+    """Refuse operands that a kernel would take for others: it reads memory as if they were what it expects.
 
     Args:
         kernel: Its name.
@@ -151,7 +151,7 @@ def read_word(typing, address, index):
 
 @intrinsic
 def write_word(typing, address, index, value):
-    """Writes the ``index``-th word from ``address`` on."""
+    """Write the ``index``-th word from ``address`` on."""
 
     def generate(context, builder, signature, arguments):
         builder.store(arguments[2], find_word(builder, *arguments[:2]))

@@ -66,7 +66,7 @@ def load_batch(typing, array, index):
 
 @intrinsic
 def store(typing, array, index, value):
-    """Writes lanes to ``array[index : index + n]``, n being their number."""
+    """Write lanes to ``array[index : index + n]``, n being their number."""
 
     def generate(context, builder, signature, arguments):
         pointer = _find_pointer(context, builder, signature.args[0], arguments, value)
@@ -243,7 +243,7 @@ def load_rows(typing, array, index):
 
 @intrinsic
 def store_rows(typing, array, index, a, b, c):
-    """Writes the rows a, b, c of a matrix to ``array[index : index + 9]``."""
+    """Write the rows a, b, c of a matrix to ``array[index : index + 9]``."""
 
     def generate(context, builder, signature, arguments):
         a, b, c = arguments[2:]
@@ -275,7 +275,7 @@ def load_strided(typing, array, start, stride):
 
 @intrinsic
 def store_strided(typing, array, start, stride, value):
-    """Writes eight lanes to ``array[start]``, ``array[start + stride]`` and so on."""
+    """Write eight lanes to ``array[start]``, ``array[start + stride]`` and so on."""
 
     def generate(context, builder, signature, arguments):
         data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
@@ -479,7 +479,7 @@ def _splat(builder, number, count: int):
 
 
 def _define_operator(symbol, instruction: str) -> None:
-    """Gives lanes an operator."""
+    """Give lanes an operator."""
 
     @type_callable(symbol)
     def typed(context):

@@ -164,7 +164,7 @@ def load_columns(matrices, p):
 
 @njit(**INLINE)
 def store_vector(vectors, p, a):
-    """Writes particle p's vector."""
+    """Write particle p's vector."""
     vectors[p, 0], vectors[p, 1], vectors[p, 2] = a[0], a[1], a[2]
 
 

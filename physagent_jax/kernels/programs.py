@@ -41,7 +41,7 @@ _redirecting = make_lock(
 
 
 def release_programs(mappings: int | None = None) -> bool:
-    """Lets all compiled programs go if this process uses many memory mappings; returns whether it did.
+    """Let all compiled programs go if this process uses many memory mappings; return whether it did.
 
     Every program takes some, and a process that has used up those that Linux grants dies. JAX keeps what it has
     compiled, in caches of which none can be told to give up what was used least recently: all go at once, and what is
@@ -87,7 +87,7 @@ jax.monitoring.register_event_duration_secs_listener(_count)
 
 
 def keep_on_disk(folder: Path) -> None:
-    """Lets JAX keep compiled programs in ``folder``; what cannot be read there is deleted and compiled again.
+    """Let JAX keep compiled programs in ``folder``; what cannot be read there is deleted and compiled again.
 
     JAX itself keeps a damaged file for ever: it warns, compiles, and leaves the file as it is.
     """
@@ -142,7 +142,7 @@ def _write_at_once(write: Any) -> Callable:
 
 @contextlib.contextmanager
 def compare_machine() -> Iterator[list[str]]:
-    """Yields which features of the processor a program that is read within needs and this one lacks.
+    """Yield which features of the processor a program that is read within needs and this one lacks.
 
     XLA compares the machine that a program was compiled for with this one, and writes a line of 2 KB to stderr for
     each feature that differs. On machines with AVX-512 two always do: XLA adds "prefer-no-gather" and

@@ -75,7 +75,7 @@ def _compile_in(folder: Path | None, signature, function):
 
 @contextlib.contextmanager
 def _keep_numba_in(folder: Path) -> Iterator[None]:
-    """Lets Numba look for the files of what is decorated within in ``folder``: a setting of the whole process."""
+    """Let Numba look for the files of what is decorated within in ``folder``: a setting of the whole process."""
     config: Any = numba.config
     with global_compiler_lock:
         before = config.CACHE_DIR
@@ -105,7 +105,7 @@ def _compute_digests(folder: Path) -> dict[str, str]:
 
 
 def _remove(folder: Path) -> None:
-    """Takes a folder away at once, whoever else is about to read it."""
+    """Take a folder away at once, whoever else is about to read it."""
     with contextlib.suppress(OSError):
         away = Path(tempfile.mkdtemp(prefix=".old.", dir=folder.parent))
         folder.rename(away / folder.name)

@@ -54,7 +54,7 @@ _PATIENCE = 400  # looks at a word before a thread goes to sleep: as long as it 
 
 @njit(**BODY)
 def run_in_team(frame, number, kernel):
-    """Handles a call: ``kernel(frame, number, team)`` by as many threads as the call's attribute says.
+    """Handle a call: ``kernel(frame, number, team)`` by as many threads as the call's attribute says.
 
     Args:
         frame: The call's frame.
@@ -130,7 +130,7 @@ def share_loop(seat, loop, count):
 
 @njit(**OPTIONS)
 def _wait_until(seat, index, value, at_least):
-    """Returns when a word of the team is ``value``, or more if ``at_least``."""
+    """Return when a word of the team is ``value``, or more if ``at_least``."""
     team = ffi.read_word(seat, 0)
     if not _is_reached(team, index, value, at_least):
         begun = read_clock()
@@ -174,14 +174,14 @@ def _wake_sleepers(team, index):
 
 @njit(**OPTIONS)
 def _leave(team):
-    """Counts a helper out; the last one wakes the leader, which waits for that."""
+    """Count a helper out; the last one wakes the leader, which waits for that."""
     if add_word(team, _INSIDE, -1) == _CLOSED + 1:
         _wake_sleepers(team, _INSIDE)
 
 
 @njit(**OPTIONS)
 def _help(team, number, kernel):
-    """Does a helper's part."""
+    """Do a helper's part."""
     if add_word(team, _INSIDE, 1) < _CLOSED:
         begun = read_own_clock()
         kernel(ffi.read_word(team, _FRAME), number, team + 8 * _HELPS)
@@ -199,7 +199,7 @@ def _release(team):
 
 @intrinsic
 def _schedule(typing, frame, team, number, kernel):
-    """Asks XLA's pool for a helper; whether it has taken the task."""
+    """Ask XLA's pool for a helper; whether it has taken the task."""
     task = typing.resolve_value_type(_help)
     signature = task.get_call_type(typing, (types.int64, number, kernel), {})
 
@@ -231,7 +231,7 @@ def _schedule(typing, frame, team, number, kernel):
 
 
 def _call_api(builder, api, index: int, words: list):
-    """Calls a function of XLA_FFI_Api with a structure of these words."""
+    """Call a function of XLA_FFI_Api with a structure of these words."""
     structure = cgutils.alloca_once(builder, _WORD, size=len(words))
     for place, word in enumerate(words):
         builder.store(word, builder.gep(structure, [_WORD(place)]))

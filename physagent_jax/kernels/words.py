@@ -35,7 +35,7 @@ _CLOCKS = {"linux": (1, 3), "darwin": (6, 16)}.get(sys.platform)  # CLOCK_MONOTO
 
 @intrinsic
 def add_word(typing, address, index, value):
-    """Adds to a word that threads share, and returns what it was; what either did before, the next one sees."""
+    """Add to a word that threads share, and return what it was; what either did before, the next one sees."""
 
     def generate(context, builder, signature, arguments):
         place = ffi.find_word(builder, *arguments[:2])
@@ -56,7 +56,7 @@ def read_shared(typing, address, index):
 
 @intrinsic
 def write_shared(typing, address, index, value):
-    """Writes a word that threads share."""
+    """Write a word that threads share."""
 
     def generate(context, builder, signature, arguments):
         builder.store_atomic(arguments[2], ffi.find_word(builder, *arguments[:2]), "seq_cst", 8)
@@ -67,7 +67,7 @@ def write_shared(typing, address, index, value):
 
 @intrinsic
 def pause(typing):
-    """Lets a core know that this thread looks at a word again and again."""
+    """Let a core know that this thread looks at a word again and again."""
 
     def generate(context, builder, signature, arguments):
         if _MACHINE in ("x86_64", "amd64"):
@@ -138,6 +138,6 @@ def _call_futex(builder, place, operation: int, value):
 
 
 def _call_c(builder, name: str, result, arguments: list):
-    """Calls a function of the C library."""
+    """Call a function of the C library."""
     kind = ir.FunctionType(result, [each.type for each in arguments])
     return builder.call(cgutils.get_or_insert_function(builder.module, kind, name), arguments)

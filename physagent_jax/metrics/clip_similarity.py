@@ -80,7 +80,7 @@ class TransformersClip:
 
     @classmethod
     def load(cls, folder: str | Path) -> TransformersClip:
-        """Reads weights, tokens and picture sizes from a folder; nothing is downloaded.
+        """Read weights, tokens and picture sizes from a folder; nothing is downloaded.
 
         Raises:
             UserError: The extra is not installed, or the folder does not hold a CLIP model.

@@ -65,7 +65,7 @@ class RecoveryErrors(Strict):
 
 
 def compare_forces(hidden: Sequence[Force], found: Sequence[Force]) -> RecoveryErrors:
-    """Sets the found forces against the hidden ones.
+    """Set the found forces against the hidden ones.
 
     Each hidden action, in order, is paired with the action of its kind, not yet taken, whose window overlaps most.
 

@@ -254,7 +254,7 @@ class Target(Strict):
 
 
 def check_width(target: float, tolerance: float) -> None:
-    """Refuses a tolerance with which half or twice of the target would pass.
+    """Refuse a tolerance with which half or twice of the target would pass.
 
     Raises:
         ValueError: It is wider than `WIDEST` of the target.

@@ -58,7 +58,7 @@ class TaskJudgement:
 
 
 def judge(target: Target, x, mass, frame_dt: float) -> TaskJudgement:
-    """Judges true trajectories.
+    """Judge true trajectories.
 
     Args:
         target: What is asked for.

@@ -44,7 +44,7 @@ def report_true_motion(
     up: Sequence[float] = (0.0, 0.0, 1.0),
     windows: Sequence[tuple[int, int]] = (),
 ) -> MotionReport:
-    """Fills a motion report from true trajectories, all fields, without uncertainty.
+    """Fill a motion report from true trajectories, all fields, without uncertainty.
 
     Args:
         positions: Particle or Gaussian centres per frame [m], shape (T, n, 3).

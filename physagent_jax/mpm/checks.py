@@ -18,7 +18,7 @@ EXTREME = 10.0
 def check_start(
     model: Model, state: State, *, frame_dt: float, substep_dt: float | None, safety: float
 ) -> None:
-    """Checks the input of `mpm.simulate` once, after `conform`; warns of matter that is hardly any more.
+    """Check the input of `mpm.simulate` once, after `conform`, and warn of matter that is hardly any more.
 
     Raises:
         UserError: Something is not finite, has no mass or volume, is inside out or lies outside

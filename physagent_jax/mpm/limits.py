@@ -42,7 +42,7 @@ def find_limits(model: Model, state: State, duration: float) -> list[str]:
 
 
 def warn_of_limits(model: Model, state: State, duration: float, stacklevel: int = 2) -> None:
-    """Warns of every sentence of `find_limits`."""
+    """Warn of every sentence of `find_limits`."""
     for sentence in find_limits(model, state, duration):
         warnings.warn(sentence, UserWarning, stacklevel=stacklevel + 1)
 

@@ -57,7 +57,7 @@ class Constraint(Protocol):
     """A constraint on chosen particles within a substep. Later constraints win over earlier ones."""
 
     def before_p2g(self, model: Model, state: State) -> State:
-        """Gives the constrained particles the v and C that P2G is to see."""
+        """Give the constrained particles the v and C that P2G is to see."""
         ...
 
     def on_grid(
@@ -82,7 +82,7 @@ class Constraint(Protocol):
         ...
 
     def after_g2p(self, model: Model, before: State, after: State) -> State:
-        """Puts the constrained particles where they belong.
+        """Put the constrained particles where they belong.
 
         Args:
             model: Its ``dt`` lies between the two states.

@@ -20,7 +20,7 @@ _split: ContextVar[str | None] = ContextVar("split", default=None)
 
 @contextmanager
 def split_over(axis: str | None) -> Iterator[None]:
-    """Lets ``axis`` hold for what is traced within, where no `Model` is at hand (`sum_particles`)."""
+    """Let ``axis`` hold for what is traced within, where no `Model` is at hand (`sum_particles`)."""
     token = _split.set(axis)
     try:
         yield

@@ -179,7 +179,7 @@ def check_horizon(horizon: int | None, frames: int) -> int:
 
 
 def check_truncation(truncate: int | None) -> None:
-    """Refuses a number of frames that is none.
+    """Refuse a number of frames that is none.
 
     Raises:
         UserError: It is below 1.

@@ -34,7 +34,7 @@ def simulate(
     begin: Frame | None = None,
     tell_limits: bool = True,
 ) -> Iterator[Frame]:
-    """Yields ``frame_count`` frames, the initial state first; or, of these, those after ``begin``.
+    """Yield ``frame_count`` frames, the initial state first; or, of these, those after ``begin``.
 
     Args:
         model: Its ``dt`` and ``grid.origin``/``grid.shape`` are chosen anew for each frame.

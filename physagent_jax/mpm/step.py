@@ -29,7 +29,7 @@ NODES = "nodes"
 
 
 def step(model: Model, state: State) -> State:
-    """Advances ``state`` by ``model.dt``; pure, jittable, differentiable.
+    """Advance ``state`` by ``model.dt``; pure, jittable, differentiable.
 
     Raises:
         UserError: ``model`` and ``state`` do not fit each other (`conform`).
@@ -182,7 +182,7 @@ def respond(
 
 
 def map_materials(model: Model, state: State, function) -> jax.Array:
-    """Applies ``function(material, F, history)`` to each material's block and joins the results."""
+    """Apply ``function(material, F, history)`` to each material's block and join the results."""
     with kernels.use_kernels(model.kernels):
         return _join_blocks([function(*block) for block in _split_blocks(model, state.F, state.history)])
 
@@ -262,7 +262,7 @@ def damp(model: Model, velocity: jax.Array) -> jax.Array:
 def stop_at_walls(
     model: Model, before: State, velocity: jax.Array, state: State, health: Health
 ) -> tuple[State, Health]:
-    """Stops particles ``model.wall`` cells before the domain's faces, and counts them.
+    """Stop particles ``model.wall`` cells before the domain's faces, and count them.
 
     ``state`` is what has become of ``before`` with the node velocities ``velocity``.
 

@@ -83,7 +83,7 @@ def divide_frame(frame_dt: float, dt: float) -> int:
 
 
 def check_explicit_dt(dt: float, bound: float) -> None:
-    """Refuses an explicit substep above the stable bound.
+    """Refuse an explicit substep above the stable bound.
 
     Raises:
         UserError: ``dt`` exceeds ``bound``.

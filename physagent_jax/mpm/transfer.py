@@ -64,7 +64,7 @@ def scatter_momentum(
     affine: jax.Array,
     impulse: jax.Array | None = None,
 ) -> jax.Array:
-    """Scatters mass and momentum; node i gets w_i (momentum + affine (x_i - x)) + impulse grad w_i and w_i mass.
+    """Scatter mass and momentum; node i gets w_i (momentum + affine (x_i - x)) + impulse grad w_i and w_i mass.
 
     Args:
         s: Stencils of the n particles.
@@ -201,13 +201,13 @@ def find_walls(wall: int, grid: Grid) -> tuple[float, float]:
 
 
 def scatter_mass(s: Stencil, grid: Grid, mass: jax.Array) -> jax.Array:
-    """Scatters ``mass`` [kg], shape (n,), alone; returns shape (nx, ny, nz)."""
+    """Scatter ``mass`` [kg], shape (n,), alone; return shape (nx, ny, nz)."""
     values = _multiply_weights(s.weights) * mass[:, None, None, None]
     return _scatter(s.base, values[..., None], grid.shape)[..., 0]
 
 
 def gather_affine(s: Stencil, grid: Grid, velocity: jax.Array) -> tuple[jax.Array, jax.Array]:
-    """Gathers v = sum w_i v_i and C = 4/dx^2 sum w_i v_i (x_i - x)^T.
+    """Gather v = sum w_i v_i and C = 4/dx^2 sum w_i v_i (x_i - x)^T.
 
     Args:
         s: Stencils of the n particles.
@@ -231,7 +231,7 @@ def gather_affine(s: Stencil, grid: Grid, velocity: jax.Array) -> tuple[jax.Arra
 
 
 def velocity_gradient(s: Stencil, grid: Grid, velocity: jax.Array) -> jax.Array:
-    """Gathers grad v = sum v_i (grad w_i)^T [1/s], shape (n, 3, 3); the classical form's, where MLS takes C."""
+    """Gather grad v = sum v_i (grad w_i)^T [1/s], shape (n, 3, 3); the classical form's, where MLS takes C."""
     del grid
     v = _gather(s.base, velocity)
     columns = [

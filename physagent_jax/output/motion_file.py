@@ -98,7 +98,7 @@ class Motion:
 
 
 def write_motion(path: str | Path, motion: Motion) -> Path:
-    """Writes a motion file atomically.
+    """Write a motion file atomically.
 
     Raises:
         UserError: The file cannot be written.
@@ -133,7 +133,7 @@ def write_motion(path: str | Path, motion: Motion) -> Path:
 
 
 def read_motion(path: str | Path) -> Motion:
-    """Reads a motion file; reals come back as float32 (times and rotation: float64).
+    """Read a motion file; reals come back as float32 (times and rotation: float64).
 
     Raises:
         UserError: The file is missing, is not a motion file or damaged, or has another version's layout.

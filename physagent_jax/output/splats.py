@@ -35,7 +35,7 @@ def write_splat_frames(
     form: SplatFormat = "ply",
     up: SignedAxis = "+z",
 ) -> list[Path]:
-    """Writes ``folder/0000.ply``, ... for every frame.
+    """Write ``folder/0000.ply``, ... for every frame.
 
     Args:
         folder: Made if needed.
@@ -79,7 +79,7 @@ def find_frame_turn(form: SplatFormat, up: SignedAxis) -> np.ndarray:
 
 
 def to_source_frame(splats: Splats, placement: Placement, turn: np.ndarray | None = None) -> GaussianCloud:
-    """Undoes the placement, so that frame 0 equals the object file (SH turned along), relative to its origin.
+    """Undo the placement, so that frame 0 equals the object file (SH turned along), relative to its origin.
 
     Args:
         splats: Gaussians in the world.

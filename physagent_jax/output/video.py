@@ -37,7 +37,7 @@ def find_encoder() -> str | None:
 
 
 def write_video(path: str | Path, frames: Iterable[np.ndarray], fps: float) -> Path:
-    """Writes frames as an H.264 mp4 (yuv420p, BT.709, limited range).
+    """Write frames as an H.264 mp4 (yuv420p, BT.709, limited range).
 
     Odd sizes are padded by repeating the last row or column, because 4:2:0 colour needs even ones.
 
@@ -101,7 +101,7 @@ def read_video(path: str | Path, choose: Callable[[int], Collection[int]] = rang
 
 
 def write_frames(folder: str | Path, frames: np.ndarray) -> list[Path]:
-    """Writes ``frame_0000.png`` and so on.
+    """Write ``frame_0000.png`` and so on.
 
     Args:
         folder: Where to; made if absent.
@@ -127,7 +127,7 @@ def make_frame_names(folder: str, count: int) -> list[str]:
 
 
 def write_picture(path: str | Path, picture: np.ndarray) -> None:
-    """Writes a PNG, uint8, shape (H, W, 3), atomically."""
+    """Write a PNG, uint8, shape (H, W, 3), atomically."""
     write_bytes(path, encode_png(picture))
 
 

@@ -61,7 +61,7 @@ def assemble(
     camera: Camera,
     directions: np.ndarray,
 ) -> Frames:
-    """Measures every frame.
+    """Measure every frame.
 
     Args:
         path: The object's poses.

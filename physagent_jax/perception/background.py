@@ -42,7 +42,7 @@ class Background:
 
 
 def find_background(inverse: np.ndarray) -> Background:
-    """Finds flat surfaces by RANSAC over the border, then fits each to all its pixels.
+    """Find flat surfaces by RANSAC over the border, then fit each to all its pixels.
 
     Args:
         inverse: Inverse depth, nan where unknown, shape (T, H, W).

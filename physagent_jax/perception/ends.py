@@ -74,7 +74,7 @@ class Ends:
     def fit(
         self, frame: int, before: np.ndarray, after: np.ndarray, trust: np.ndarray, pairs: np.ndarray
     ) -> None:
-        """Fits each end's motion since the link's start.
+        """Fit each end's motion since the link's start.
 
         Args:
             frame: The frame of ``after``.
@@ -93,7 +93,7 @@ class Ends:
         self._last = after, belongs
 
     def lose(self) -> None:
-        """Forgets which point belongs to which end: what is seeded later has no earlier neighbours."""
+        """Forget which point belongs to which end: what is seeded later has no earlier neighbours."""
         self._last = None
 
     def describe(self, size: float) -> tuple[PartMotion, ...]:

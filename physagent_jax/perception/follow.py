@@ -60,7 +60,7 @@ class Path:
 def follow(
     frames: np.ndarray, masks: np.ndarray, depths: np.ndarray, camera: Camera, tracker: Tracker
 ) -> Path:
-    """Follows the object through the clip.
+    """Follow the object through the clip.
 
     Args:
         frames: Pictures, uint8, shape (T, H, W, 3).
@@ -106,7 +106,7 @@ def follow(
 
 
 def link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> int:
-    """Follows one set of seeds, writes what it finds into ``path``; returns the last frame that it reached."""
+    """Follow one set of seeds, write what it finds into ``path``; return the last frame that it reached."""
     start = reached = span.start
     queries = np.concatenate([np.full((len(seeds), 1), start), seeds], 1)
     followed = _clean(clip.track(queries, until=span.stop))

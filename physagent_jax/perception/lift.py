@@ -74,7 +74,7 @@ def fill_dropped(depth: np.ndarray, masks: np.ndarray) -> np.ndarray:
 
 
 def keep_trusted_depth(depth: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, float]:
-    """Keeps depth where it can be trusted: inside an eroded mask and close to its 3x3 median.
+    """Keep depth where it can be trusted: inside an eroded mask and close to its 3x3 median.
 
     Depth at an object's edge is a blend of what is in front and what is behind. Where erosion would eat a
     thin object, it is lessened.

@@ -24,7 +24,7 @@ def draw_overlay(
     tail: int = 8,
     most: int = 70,
 ) -> np.ndarray:
-    """Draws what perception followed.
+    """Draw what perception followed.
 
     Args:
         rgb: Pictures, uint8, shape (T, H, W, 3).

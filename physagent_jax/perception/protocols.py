@@ -53,7 +53,7 @@ class SegmentPrompt:
             raise UserError("`labels` are one per point", do="Give as many labels as points, or none")
 
     def check_fit(self, shape: tuple[int, int, int]) -> None:
-        """Refuses a prompt that shows no object in a clip.
+        """Refuse a prompt that shows no object in a clip.
 
         Args:
             shape: Frames, height and width of the clip.
@@ -82,7 +82,7 @@ class SegmentPrompt:
 
 
 def _check_points(points: np.ndarray, labels, size: tuple[int, int], picture: str, boxed: bool) -> None:
-    """Refuses points that are none, or outside of the picture, or without a box all beside the object."""
+    """Refuse points that are none, or outside of the picture, or without a box all beside the object."""
     if points.ndim != 2 or points.shape[1] != 2 or not len(points):
         raise UserError("the prompt's points must have the shape (P, 2), P >= 1", got=points.shape)
     if not ((points >= 0) & (points <= size)).all():
@@ -92,7 +92,7 @@ def _check_points(points: np.ndarray, labels, size: tuple[int, int], picture: st
 
 
 def _check_box(box: np.ndarray, size: tuple[int, int], picture: str) -> None:
-    """Refuses a box without area, or outside of the picture."""
+    """Refuse a box without area, or outside of the picture."""
     if box.shape != (4,) or not ((box[:2] < box[2:]) & (box[:2] < size) & (box[2:] > 0)).all():
         what = f"the prompt's box must be x0 y0 x1 y1 with x0 < x1 and y0 < y1, and reach into {picture}"
         raise UserError(what, got=box.tolist())
@@ -212,7 +212,7 @@ class EncodedClip(Protocol):
     """A clip made ready for any number of queries."""
 
     def track(self, queries: np.ndarray, until: int | None = None) -> Tracks:
-        """Follows points.
+        """Follow points.
 
         Args:
             queries: Points (t, x, y): a frame and a position in it [px], shape (N, 3). They need not be followed back
@@ -232,7 +232,7 @@ class Tracker(Backend, Protocol):
     """
 
     def encode(self, frames: np.ndarray, masks: np.ndarray) -> EncodedClip:
-        """Does what does not depend on the queries, once per clip.
+        """Do what does not depend on the queries, once per clip.
 
         Args:
             frames: Pictures, uint8, shape (T, H, W, 3).

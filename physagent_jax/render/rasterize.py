@@ -30,7 +30,7 @@ _CHUNK = 16
 def blend(
     projected: Projected, lists: TileLists, layout: TileLayout, native: bool
 ) -> tuple[jax.Array, jax.Array]:
-    """Blends colour and depth.
+    """Blend colour and depth.
 
     Args:
         projected: Gaussians on the image plane.

@@ -24,7 +24,7 @@ NEAR_PLANE = 0.01
 
 
 def render_reference(splats: Splats, camera: Camera, background: np.ndarray | jax.Array) -> RenderedImage:
-    """Renders densely; same arguments and result as `rasterize`, without a capacity.
+    """Render densely; same arguments and result as `rasterize`, without a capacity.
 
     Args:
         splats: Gaussians in world space.

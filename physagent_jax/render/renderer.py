@@ -51,7 +51,7 @@ class RenderedImage:
 def render(
     splats: Splats, camera: Camera, *, background=(1.0, 1.0, 1.0), kernels: Kernels = "auto"
 ) -> RenderedImage:
-    """Renders on whatever device JAX uses, sizing buffers as needed. Not for use inside `jit`.
+    """Render on whatever device JAX uses, sizing buffers as needed. Not for use inside `jit`.
 
     Args:
         splats: Gaussians in world space.

@@ -68,7 +68,7 @@ class Backdrop:
 
 
 def make_backdrop(stage: Stage, camera: Camera) -> Backdrop:
-    """Draws sky and ground; without a ground, or from below it, a plain gradient in which nothing seems to hover."""
+    """Draw sky and ground; without a ground, or from below it, a plain gradient in which nothing seems to hover."""
     rotation = np.asarray(camera.viewmat, np.float64)[:3, :3]
     rays = (rotation.T @ np.linalg.inv(np.asarray(camera.K, np.float64))).astype(np.float32)
     size = camera.height, camera.width
@@ -85,7 +85,7 @@ def make_backdrop(stage: Stage, camera: Camera) -> Backdrop:
 
 
 def compose(image: RenderedImage, splats: Splats, backdrop: Backdrop) -> np.ndarray:
-    """Puts a rendered object on its stage.
+    """Put a rendered object on its stage.
 
     What is below the ground is hidden by it, but for a depth that contact may have.
 
@@ -124,7 +124,7 @@ def compose(image: RenderedImage, splats: Splats, backdrop: Backdrop) -> np.ndar
 
 
 def _draw_blocks(stage: Stage, camera: Camera, slope: np.ndarray, rgb: np.ndarray) -> np.ndarray:
-    """Draws the blocks into ``rgb``, in place, the farthest first.
+    """Draw the blocks into ``rgb``, in place, the farthest first.
 
     Returns:
         z-depth of the nearest [m], inf where there is none, shape (h, w).

@@ -71,7 +71,7 @@ def count_pairs(rectangles: jax.Array) -> jax.Array:
 def build_tile_lists(
     projected: Projected, width: int, height: int, *, capacity: int, tile_size: int
 ) -> TileLists:
-    """Sorts the pairs (Gaussian, tile) by tile, then depth.
+    """Sort the pairs (Gaussian, tile) by tile, then depth.
 
     All pairs share one array of static size ``capacity``: there is no limit per tile that could leave
     holes. The Gaussians are sorted by depth once; a pair's key is then tile and depth rank packed into
@@ -107,7 +107,7 @@ def build_tile_lists(
 
 
 def sort_pairs(tile: jax.Array, rank: jax.Array, tiles: int, count: int) -> tuple[jax.Array, jax.Array]:
-    """Sorts pairs by tile, then depth rank.
+    """Sort pairs by tile, then depth rank.
 
     Args:
         tile: 0 to ``tiles`` (one past the end marks unused slots), shape (m,), int32.

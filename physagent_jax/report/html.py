@@ -55,7 +55,7 @@ _HEAD_BYTES = 1024  # within which a page says who has made it
 
 
 def write_report(run_dir: str | Path, *, overwrite: bool = False) -> Path:
-    """Writes ``report.html`` into a run folder, from the folder's files alone.
+    """Write ``report.html`` into a run folder, from the folder's files alone.
 
     The page needs no other file and no network: style, script, pictures and videos are inside it (a video
     above 22 MB is linked by its name in the folder, because browsers refuse it inside a page). Files that
@@ -288,7 +288,7 @@ def _make_reproduction(run: FinishedRun) -> Markup:
 
 
 def _make_policy(script: str) -> str:
-    """Lets the browser refuse any other source, and any script but the page's own."""
+    """Let the browser refuse any other source, and any script but the page's own."""
     digest = base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
     return (
         "default-src 'none'; img-src data:; media-src data: 'self' file:; style-src 'unsafe-inline'; "

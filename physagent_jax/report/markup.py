@@ -18,7 +18,7 @@ Child = str | int | float | None | Iterable["Child"]
 
 
 def raw(text: str) -> Markup:
-    """Declares trusted text (the package's own CSS and script) to be markup."""
+    """Declare trusted text (the package's own CSS and script) to be markup."""
     return Markup(text)
 
 

@@ -49,12 +49,12 @@ class Clip:
 
     @property
     def digest(self) -> str:
-        """Tells equal videos, which are embedded once."""
+        """Tell equal videos, which are embedded once."""
         return hashlib.sha256(self.content).hexdigest()
 
 
 def load_clip(path: Path | None) -> Clip | None:
-    """Reads a video; None if there is none."""
+    """Read a video; None if there is none."""
     if path is None:
         return None
     count = 0

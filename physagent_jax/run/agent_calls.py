@@ -22,7 +22,7 @@ class AgentCalls:
         self.costs = {cost.agent: cost for cost in earlier}
 
     def ask(self, role: str, method: str, *arguments) -> Reply:
-        """Calls ``method`` of the agent in ``role``.
+        """Call ``method`` of the agent in ``role``.
 
         Raises:
             AgentError: It has no answer; that call is charged like any other.

@@ -35,7 +35,7 @@ def write_rollout(
     save_motion: bool = True,
     save_frames: bool = False,
 ) -> None:
-    """Leaves what was simulated in round ``index``: the motion too, and PNG frames on request (the video is lossy)."""
+    """Leave what was simulated in round ``index``: the motion too, and PNG frames on request (the video is lossy)."""
     folder = f"iterations/{index}"
     store.write(f"{folder}/force_field.json", scene.config.force_field)
     write_recording(store, scene, recording, folder=folder, save_motion=save_motion, save_frames=save_frames)
@@ -50,7 +50,7 @@ def write_recording(
     save_motion: bool = True,
     save_frames: bool = False,
 ) -> None:
-    """Leaves a scene and what its simulation gave in ``folder`` of the run folder; "" = at its top.
+    """Leave a scene and what its simulation gave in ``folder`` of the run folder; "" = at its top.
 
     The video and the frames are the plain pictures that perception gets.
     """
@@ -68,7 +68,7 @@ def write_recording(
 def write_verdict(
     store: RunStore, index: int, rgb: np.ndarray, seen: Perception, judgement: Judgement
 ) -> None:
-    """Leaves what was seen and concluded in round ``index``; the judgement marks the round complete."""
+    """Leave what was seen and concluded in round ``index``; the judgement marks the round complete."""
     store.write(f"iterations/{index}/motion_report.json", seen.report)
     write_filmstrip(store.claimed(f"iterations/{index}/overlay.png"), rgb, seen)
     store.write(f"iterations/{index}/judgement.json", judgement)
@@ -77,7 +77,7 @@ def write_verdict(
 def write_presentation(
     store: RunStore, config: SceneConfig, body: Body, x: np.ndarray, F: np.ndarray, size: tuple[int, int]
 ) -> None:
-    """Leaves the video for people at the top of the folder; positions and F are of the body's particles, all frames."""
+    """Leave the video for people at the top of the folder; positions and F are of the body's particles, all frames."""
     pictures = draw_presentation(config, body, x, F, size)
     write_video(store.claimed(VIDEO), pictures, 1 / config.timing.frame_dt)
 
@@ -92,7 +92,7 @@ def write_best(
     save_splats: SplatFormat | Literal[False],
     video_size: tuple[int, int] | None,
 ) -> None:
-    """Puts round ``index`` at the top of the folder, its large files under a second name, and what was asked for.
+    """Put round ``index`` at the top of the folder, its large files under a second name, and what was asked for.
 
     The video for people is drawn here, from the motion file, and so for this round alone.
     """
@@ -114,7 +114,7 @@ def write_best(
 def write_splats(
     store: RunStore, config: SceneConfig, body: Body, x: np.ndarray, F: np.ndarray, form: SplatFormat
 ) -> None:
-    """Leaves one file of 3D Gaussians per frame.
+    """Leave one file of 3D Gaussians per frame.
 
     Args:
         store: The run folder.

@@ -153,7 +153,7 @@ class FinishedRun:
 
 
 def open_run(folder: str | Path) -> FinishedRun:
-    """Reads a run folder; missing and broken files become notes, not errors.
+    """Read a run folder; missing and broken files become notes, not errors.
 
     Raises:
         UserError: The folder does not exist or holds nothing of a run.

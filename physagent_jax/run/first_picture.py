@@ -83,7 +83,7 @@ def measure_length(config: SceneConfig, body: Body) -> float:
 def check_first_picture(
     config: SceneConfig, body: Body, prompt: SegmentPrompt | None = None
 ) -> tuple[str, ...]:
-    """Refuses a scene whose first picture shows too little of the object, or nothing but the object.
+    """Refuse a scene whose first picture shows too little of the object, or nothing but the object.
 
     Only what no segmenter and no tracker could measure is refused. What happens to the object later is not known yet.
 
@@ -174,7 +174,7 @@ def _refuse_filling(solid: np.ndarray, body: Body) -> None:
 
 
 def _check_prompt(prompt: SegmentPrompt, drawn: np.ndarray) -> None:
-    """Refuses a prompt for the first picture that nothing of the object is at."""
+    """Refuse a prompt for the first picture that nothing of the object is at."""
     if prompt.frame > 0:
         return
     height, width = drawn.shape

@@ -50,7 +50,7 @@ def inspect_object(
     preview: str | Path | None = None,
     overwrite: bool = False,
 ) -> Inspection:
-    """Reads an object file and says what it is, which way up it is, and what a run of it would take.
+    """Read an object file and say what it is, which way up it is, and what a run of it would take.
 
     Args:
         path: 3D Gaussians or a mesh, as of `load_object`.

@@ -36,7 +36,7 @@ class FolderLock:
             raise
 
     def release(self) -> None:
-        """Lets the folder go; may be called again."""
+        """Let the folder go; may be called again."""
         if self._handle is not None:
             self._remove_empty()
             os.close(self._handle)
@@ -49,7 +49,7 @@ class FolderLock:
 
 
 def _make(folder: Path) -> list[Path]:
-    """Makes a folder and its parents; returns those that were not there, outermost first."""
+    """Make a folder and its parents; return those that were not there, outermost first."""
     try:
         return make_folders(folder)
     except OSError as error:

@@ -97,7 +97,7 @@ def run_loop(
     overwrite: bool = False,
     command: str = "",
 ) -> RunStore:
-    """Runs the loop until the planner is satisfied or the rounds are used up; resumes a stopped run.
+    """Run the loop until the planner is satisfied or the rounds are used up; resume a stopped run.
 
     A run with other agents or another perception is another run: what they said of one does not mix with the other.
 
@@ -224,7 +224,7 @@ class _Loop:
         return read_for_scene(self._run, body, ask)
 
     def refuse(self, reading: Reply[SemanticReply], error: UserError) -> NoReturn:
-        """Ends a run that has simulated nothing; what a model said of the sentence is kept, for it is paid for.
+        """End a run that has simulated nothing; what a model said of the sentence is kept, for it is paid for.
 
         Raises:
             UserError: ``error``, with the place of what is kept.
@@ -246,7 +246,7 @@ class _Loop:
         raise UserError(error.what, got=error.got, do=do) from error
 
     def write_spec(self) -> None:
-        """Leaves what was asked for."""
+        """Leave what was asked for."""
         self._store.write("run.json", self._run.spec.located(self._run.base_dir))
 
     def load_object(self) -> Body:
@@ -282,7 +282,7 @@ class _Loop:
         return self._template
 
     def check_pictures(self, config: SceneConfig, body: Body) -> None:
-        """Refuses a scene that perception could not measure, and warns of one that it can measure in part.
+        """Refuse a scene that perception could not measure, and warn of one that it can measure in part.
 
         Raises:
             UserError: Nothing could be measured (`run.first_picture`).
@@ -322,7 +322,7 @@ class _Loop:
         return _Series(self._store.part(PROBE), coarse, small, "coarse round", self.observer.probed)
 
     def rounds(self, series: _Series, force_field: ForceField, reply: SemanticReply) -> Iterator[Attempt]:
-        """Tries ``force_field`` and what the executor makes of it, until the planner is satisfied."""
+        """Try ``force_field`` and what the executor makes of it, until the planner is satisfied."""
         attempts: list[Attempt] = []
         self._restart_cache = None
         for index in range(self._run.spec.rounds):
@@ -341,7 +341,7 @@ class _Loop:
             force_field = rewrite.force_field
 
     def attempt(self, series: _Series, index: int, force_field: ForceField, context: AgentContext) -> Attempt:
-        """Simulates ``force_field``, looks at the pictures, judges them, and leaves the round's files."""
+        """Simulate ``force_field``, look at the pictures, judge them, and leave the round's files."""
         with self._watch("prepare"), self.tell_warnings():
             config = fuse(series.template, series.body, force_field, keep=series.camera)
             scene = compile_scene(config, series.body, self._run.base_dir)
@@ -410,7 +410,7 @@ class _Loop:
         return rewrite
 
     def finish(self, attempts: list[Attempt], body: Body) -> None:
-        """Puts the best round's files at the top of the folder and closes the manifest."""
+        """Put the best round's files at the top of the folder and close the manifest."""
         judgements = [attempt.round.judgement for attempt in attempts]
         best = find_best_round(judgements)
         self.observer.stage("writing the results")
@@ -434,7 +434,7 @@ class _Loop:
         self._store.finish()
 
     def _ask(self, store: RunStore, folder: str, role: str, method: str, *arguments) -> Reply:
-        """Calls an agent; if it has no answer, what it tried is left in ``folder``."""
+        """Call an agent; if it has no answer, what it tried is left in ``folder``."""
         try:
             with self._watch("agents"):
                 return self._calls.ask(role, method, *arguments)
@@ -448,7 +448,7 @@ class _Loop:
             raise AgentError(error.what, trace=error.trace, got=error.got, do=do) from error
 
     def save_costs(self, **changes) -> None:
-        """Writes what the run has cost so far into the manifest, with ``changes`` to it."""
+        """Write what the run has cost so far into the manifest, with ``changes`` to it."""
         costs = dict(stages=Stages(**self._watch.seconds()), agents=tuple(self._calls.costs.values()))
         self._store.update(**costs, reused_frames=self._reused, **changes)
 

@@ -40,7 +40,7 @@ MARK = b"Software\0physagent inspect"
 def draw_preview(
     cloud: GaussianCloud, placement: Placement, camera: CameraConfig, domain: Domain, up: str
 ) -> np.ndarray:
-    """Draws an object on the ground from its front, right, back and left.
+    """Draw an object on the ground from its front, right, back and left.
 
     Args:
         cloud: The object's Gaussians in the world [m].
@@ -78,7 +78,7 @@ def draw_preview(
 
 
 def check_preview(path: Path, *, overwrite: bool = False) -> None:
-    """Refuses a place for a preview before any work is done for it.
+    """Refuse a place for a preview before any work is done for it.
 
     Raises:
         UserError: The file is no .png, another file is there, or the folder cannot be written to.
@@ -93,7 +93,7 @@ def check_preview(path: Path, *, overwrite: bool = False) -> None:
 
 
 def write_preview(path: Path, picture: np.ndarray, *, overwrite: bool = False) -> None:
-    """Writes a preview as PNG with a mark in it; an earlier preview is replaced, any other file is not.
+    """Write a preview as PNG with a mark in it; an earlier preview is replaced, any other file is not.
 
     Args:
         path: The file to write.
@@ -141,14 +141,14 @@ def _make_splats(cloud: GaussianCloud, rotation: np.ndarray) -> Splats:
 
 
 def _draw_up(picture: np.ndarray, up: str) -> None:
-    """Draws an upward arrow into the upper right corner, with its label to the left."""
+    """Draw an upward arrow into the upper right corner, with its label to the left."""
     x = WIDTH - 28
     cv2.arrowedLine(picture, (x, 14 + ARROW), (x, 14), INK, 2, cv2.LINE_AA, tipLength=0.22)
     _write(picture, up, (x - 12 - 9 * len(up), 28))
 
 
 def _draw_axes(picture: np.ndarray, camera: Camera, rotation: np.ndarray) -> None:
-    """Draws the file's axes as seen from the camera into the lower left corner, the farthest first."""
+    """Draw the file's axes as seen from the camera into the lower left corner, the farthest first."""
     axes = np.asarray(camera.viewmat, np.float64)[:3, :3] @ rotation  # columns: the file's x, y, z
     origin = (54, HEIGHT - 60)
     for index in np.argsort(-axes[2]):
@@ -160,7 +160,7 @@ def _draw_axes(picture: np.ndarray, camera: Camera, rotation: np.ndarray) -> Non
 
 
 def _write(picture: np.ndarray, text: str, at: tuple[int, int], colour: tuple[int, int, int] = INK) -> None:
-    """Writes ASCII text with its lower left corner ``at`` (x, y) [px], with a pale rim that sets it off."""
+    """Write ASCII text with its lower left corner ``at`` (x, y) [px], with a pale rim that sets it off."""
     rim = [(dx, dy, PALE) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if dx or dy]
     for dx, dy, ink in [*rim, (0, 0, colour)]:
         cv2.putText(

@@ -28,22 +28,22 @@ def find_manifest(path: Path) -> Path:
 
 
 def move_aside(path: Path, files: Iterable[str]) -> None:
-    """Moves a run's files out of the way; ``files`` are relative to its folder."""
+    """Move a run's files out of the way; ``files`` are relative to its folder."""
     _move(path, path / _ASIDE, [MANIFEST, *(name for name in files if name != MANIFEST)])
 
 
 def restore(path: Path, files: Iterable[str]) -> None:
-    """Puts the replaced run's files back."""
+    """Put the replaced run's files back."""
     _move(path / _ASIDE, path, [*(name for name in files if name != MANIFEST), MANIFEST])
 
 
 def drop(path: Path, files: Iterable[str]) -> None:
-    """Removes the replaced run's files."""
+    """Remove the replaced run's files."""
     remove(path / _ASIDE, files)
 
 
 def remove(folder: Path, files: Iterable[str]) -> None:
-    """Removes a run's files, its manifest last, and the folders that are empty then."""
+    """Remove a run's files, its manifest last, and the folders that are empty then."""
     names = [*(name for name in files if name != MANIFEST), MANIFEST]
     for name in names:
         remove_leftovers(folder / name)
@@ -65,7 +65,7 @@ def _move(source: Path, target: Path, names: list[str]) -> None:
 
 
 def _remove_empty(folder: Path, names: list[str]) -> None:
-    """Removes the folders that held ``names`` if nothing is left in them, ``folder`` too if it is `_ASIDE`."""
+    """Remove the folders that held ``names`` if nothing is left in them, ``folder`` too if it is `_ASIDE`."""
     inside = {folder / place for name in names for place in Path(name).parents}
     for place in sorted(inside, key=lambda place: len(place.parts), reverse=True):
         if place != folder or folder.name == _ASIDE:

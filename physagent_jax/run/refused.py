@@ -54,7 +54,7 @@ def read_refused(folder: Path) -> tuple[RefusedReading, ...]:
 
 
 def replace_refused(folder: Path, inputs: dict[str, str], reading: RefusedReading | None) -> None:
-    """Puts ``reading`` in the place of that of the run with ``inputs``; None takes it away."""
+    """Put ``reading`` in the place of that of the run with ``inputs``; None takes it away."""
     earlier = read_refused(folder)
     kept = [each for each in earlier if each.inputs != inputs] + ([reading] if reading else [])
     if kept:

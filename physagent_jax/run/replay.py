@@ -37,7 +37,7 @@ def replay_scene(
     overwrite: bool,
     warn: Callable[[str], None],
 ) -> tuple[SimulationRecord, Stages]:
-    """Simulates ``config``, read from ``scene_file``; writes scene.json, simulation.json, videos and motion to ``out``.
+    """Simulate ``config``, read from ``scene_file``; write scene.json, simulation.json, videos and motion to ``out``.
 
     A folder that holds this very result already is left as it is, unless ``overwrite`` is set.
 

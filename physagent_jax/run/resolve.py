@@ -122,7 +122,7 @@ def resolve(
     origin: str = "the run's spec",
     source: Source | None = None,
 ) -> ResolvedRun:
-    """Reads what ``spec`` names and fills in what it leaves open.
+    """Read what ``spec`` names and fill in what it leaves open.
 
     Args:
         spec: The run.

@@ -327,7 +327,7 @@ class RunSpec(Strict):
 
 
 def read_spec(path: str | Path) -> RunSpec:
-    """Reads a spec from JSON, or from YAML if the file's suffix says so.
+    """Read a spec from JSON, or from YAML if the file's suffix says so.
 
     Raises:
         UserError: The file is no such spec.

@@ -101,12 +101,12 @@ class RunStore:
         self.close()
 
     def close(self) -> None:
-        """Lets other processes have the folder."""
+        """Let other processes have the folder."""
         if self._lock is not None:
             self._lock.release()
 
     def begin(self) -> None:
-        """Makes the folder this run's: what it replaces is moved aside, and the manifest is written."""
+        """Make the folder this run's: what it replaces is moved aside, and the manifest is written."""
         if self._replaced is not None:
             previous.move_aside(self.path, self._replaced.files)
             self._replaced = None
@@ -118,7 +118,7 @@ class RunStore:
         _recover(self.path)
 
     def discard_if_barren(self) -> bool:
-        """Removes what the run has written if it has simulated nothing: what it was to replace stands again.
+        """Remove what the run has written if it has simulated nothing: what it was to replace stands again.
 
         Calls of agents that failed are no less worth keeping: they are paid for.
 
@@ -141,20 +141,20 @@ class RunStore:
         return next((each for each in read_refused(self.path) if each.inputs == self.manifest.inputs), None)
 
     def keep_refused(self, reading: RefusedReading) -> None:
-        """Keeps the reading of this run, which is refused; the folder goes to nobody by that."""
+        """Keep the reading of this run, which is refused; the folder goes to nobody by that."""
         replace_refused(self.path, self.manifest.inputs, reading)
 
     def drop_refused(self) -> None:
-        """Takes the reading of this run away, which has begun now and holds it itself."""
+        """Take the reading of this run away, which has begun now and hold it itself."""
         replace_refused(self.path, self.manifest.inputs, None)
 
     def update(self, **changes) -> None:
-        """Changes the manifest and writes it."""
+        """Change the manifest and write it."""
         self._manifest = self._manifest.model_copy(update=changes)
         write_text(self.path / "manifest.json", _dump_json(self._manifest))
 
     def claim(self, *names: str) -> None:
-        """Lists files that are about to be written; ``names`` are relative to `path`.
+        """List files that are about to be written; ``names`` are relative to `path`.
 
         Raises:
             UserError: Such a file is there already and is not this run's.
@@ -186,11 +186,11 @@ class RunStore:
         return self.path / "iterations" / str(index)
 
     def write(self, name: str, value: BaseModel) -> None:
-        """Writes a schema as JSON, atomically; ``name`` is relative to the run folder."""
+        """Write a schema as JSON, atomically; ``name`` is relative to the run folder."""
         write_text(self.claimed(name), _dump_json(value))
 
     def read(self, name: str, schema: type[Schema]) -> Schema | None:
-        """Reads a schema; None if this run has not written it.
+        """Read a schema; None if this run has not written it.
 
         Raises:
             UserError: The file is not valid.
@@ -226,7 +226,7 @@ def _recover(path: Path) -> Manifest | None:
 
 
 def _give_way(path: Path, unfinished: Manifest) -> Manifest | None:
-    """Removes an unfinished run; returns the one that it was to replace, which stands again, if there is one."""
+    """Remove an unfinished run; return the one that it was to replace, which stands again, if there is one."""
     previous.remove(path, unfinished.files)
     return _recover(path)
 

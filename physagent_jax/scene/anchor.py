@@ -22,7 +22,7 @@ def select_anchored(
     *,
     gaussian_count: int | None = None,
 ) -> np.ndarray:
-    """Selects the particles that are held fixed.
+    """Select the particles that are held fixed.
 
     Args:
         anchor: What is held.

@@ -50,7 +50,7 @@ def find_viewer_directions(config: CameraConfig) -> dict[str, tuple[float, float
 def frame_camera(
     points: np.ndarray, camera: CameraConfig, rendering: Rendering, *, start: np.ndarray | None = None
 ) -> CameraConfig:
-    """Moves ``camera`` (along its direction, and sideways) until it just shows ``points``.
+    """Move ``camera`` (along its direction, and sideways) until it just shows ``points``.
 
     With ``start``, it goes no nearer than that the object fills `MOST_HEIGHT` of the picture's height at first, and no
     farther than that it fills `LEAST_HEIGHT`: what then does not fit is cut off, but never the object at first.

@@ -101,7 +101,7 @@ def find_stable_step(config: SceneConfig, body: Body) -> float:
 
 
 def check_cost(cost: Cost, limits: Limits) -> None:
-    """Refuses what takes more than ``limits``.
+    """Refuse what takes more than ``limits``.
 
     Raises:
         UserError: It does; the message says what takes most, and which option raises the limit.

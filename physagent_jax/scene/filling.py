@@ -44,7 +44,7 @@ class Particles:
 
 
 def fill(cloud: GaussianCloud, config: Filling, *, dx: float) -> Particles:
-    """Makes particles of the Gaussians' centres and fills what they enclose.
+    """Make particles of the Gaussians' centres and fill what they enclose.
 
     On a grid of ``config.cells`` along the object's longest side, cells whose density exceeds
     ``density_threshold``, or that hold a Gaussian's centre, are walls; `density.find_interior` finds the inside.
@@ -120,7 +120,7 @@ def _choose_spacing(means: np.ndarray, config: Filling, dx: float) -> float:
 
 
 def _check_cells(grid: CellGrid, config: Filling) -> None:
-    """Refuses a grid that takes too much memory, before any is taken.
+    """Refuse a grid that takes too much memory, before any is taken.
 
     Raises:
         UserError: There are too many cells, or places for particles in them.
@@ -261,7 +261,7 @@ def _choose_evenly(values: np.ndarray, count: int) -> np.ndarray:
 
 
 def _encode_morton(cells: np.ndarray) -> np.ndarray:
-    """Interleaves the low ten bits of the indices, so that near codes are near cells; uint32, shape (n,)."""
+    """Interleave the low ten bits of the indices, so that near codes are near cells; uint32, shape (n,)."""
     code = np.zeros(len(cells), np.uint32)
     for axis in range(3):
         bits = cells[:, axis].astype(np.uint32)

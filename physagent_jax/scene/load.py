@@ -25,7 +25,7 @@ from physagent_jax.scene.config.source import MESH_SUFFIXES
 
 
 def load_object(source: Source, base_dir: str | Path) -> LoadedSplats:
-    """Reads the object's file, in its own frame and units; what a user should know of it is warned of.
+    """Read the object's file, in its own frame and units; what a user should know of it is warned of.
 
     Args:
         source: The file, and what to keep of it; a ``sha256`` in it is checked.
@@ -69,7 +69,7 @@ def find_prescribed_up(path: str | Path, encoding: str | None = None) -> SignedA
 
 
 def check_object(path: str | Path) -> None:
-    """Refuses an object file that is missing, no regular file or too large to be read."""
+    """Refuse an object file that is missing, no regular file or too large to be read."""
     check_regular(path, most=MOST_BYTES, what="the object file")
 
 

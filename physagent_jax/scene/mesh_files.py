@@ -22,7 +22,7 @@ _FARTHEST = 1e12  # in the file's units; float32 holds its square
 
 
 def read_mesh(path: str | Path) -> trimesh.Trimesh:
-    """Reads a file as one triangle mesh without colours.
+    """Read a file as one triangle mesh without colours.
 
     Raises:
         UserError: As `read_parts`.
@@ -32,7 +32,7 @@ def read_mesh(path: str | Path) -> trimesh.Trimesh:
 
 
 def read_parts(path: str | Path) -> list[MeshPart]:
-    """Reads a file's surfaces, each with its colours.
+    """Read a file's surfaces, each with its colours.
 
     The format is found by content. Files that a mesh names (materials, textures, buffers) are read from its own folder
     only. Colours that cannot be had are left out with a warning.

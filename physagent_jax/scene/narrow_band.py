@@ -85,7 +85,7 @@ class _Field:
         return np.stack(np.unravel_index(nodes, self.shape), axis=1).astype(float)
 
     def update(self, t: np.ndarray, nodes: np.ndarray) -> None:
-        """Tries the triangles ``t`` at ``nodes``, shapes (k,)."""
+        """Try the triangles ``t`` at ``nodes``, shapes (k,)."""
         points = self.find_points(nodes)
         found = ((points - self.surface.find_closest(t, points)) ** 2).sum(1)
         before = self.squared[nodes]

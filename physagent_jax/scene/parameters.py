@@ -169,7 +169,7 @@ class SceneParameters:
 
 
 def check_parameters(parameters: SceneParameters, own: SceneParameters) -> None:
-    """Refuses numbers that a scene with the parameters ``own`` does not have.
+    """Refuse numbers that a scene with the parameters ``own`` does not have.
 
     Raises:
         UserError: There are such numbers, one is of another shape, or a tuple has not one entry for each of the

@@ -52,7 +52,7 @@ def is_physgaussian(data: object) -> bool:
 def import_physgaussian(
     data: dict, *, object_path: str, file_units_per_metre: float | None = None
 ) -> tuple[SceneConfig, list[str]]:
-    """Translates a PhysGaussian scene.
+    """Translate a PhysGaussian scene.
 
     Missing keys take PhysGaussian's defaults, with one exception: its default gravity is the scalar 9.8,
     on which its own solver fails, so that (0, 0, -9.8) is taken, with a warning. PhysGaussian's frame 0 comes

@@ -38,7 +38,7 @@ class ConditionReader:
         self.warnings = [] if warnings is None else warnings
 
     def warn(self, message: str) -> None:
-        """Adds a warning."""
+        """Add a warning."""
         self.warnings.append(message)
 
     def number(self, key: str, default: object = _MISSING) -> float:

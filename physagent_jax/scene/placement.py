@@ -178,7 +178,7 @@ def _move(cloud: GaussianCloud, means: np.ndarray, rotation: np.ndarray, scale: 
 
 
 def _warn_of_floaters(points: np.ndarray, longest: float) -> None:
-    """Warns of few, far Gaussians: they would shrink the object, since the bounding box is the plain one."""
+    """Warn of few, far Gaussians: they would shrink the object, since the bounding box is the plain one."""
     low = np.quantile(points, FLOATER_SHARE, axis=0, method="higher")
     high = np.quantile(points, 1 - FLOATER_SHARE, axis=0, method="lower")
     bulk = float((high - low).max())

@@ -60,7 +60,7 @@ def _make_branch(trunk: np.ndarray, k: int, rng: np.random.Generator) -> np.ndar
 
 
 def _make_foliage(branch: np.ndarray, count: int, rng: np.random.Generator, seed: int) -> list[Patch]:
-    """Leaves around the outer half of a branch, spreading and drooping a little."""
+    """Leave around the outer half of a branch, spreading and drooping a little."""
     patches = []
     for k in range(count):
         base = bezier(branch, np.array([0.45 + 0.55 * (k + 1) / count]))[0]
@@ -245,7 +245,7 @@ def _paint_jelly(seed: int):
 def _stand_up(
     cloud: GaussianCloud, *, height: float | None = None, length: float | None = None
 ) -> GaussianCloud:
-    """Shifts the lowest centre to z = 0 and scales to a height, or to a length along x [m]."""
+    """Shift the lowest centre to z = 0 and scale to a height, or to a length along x [m]."""
     means = np.asarray(cloud.means, np.float64)
     low, high = means.min(axis=0), means.max(axis=0)
     scale = height / (high - low)[2] if height else length / (high - low)[0]

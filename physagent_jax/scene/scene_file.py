@@ -44,7 +44,7 @@ def _change_source(scene: SceneConfig, changed: dict) -> SceneConfig:
 
 
 def _import(data: dict, object_path: Path, changed: dict) -> tuple[SceneConfig, list[str]]:
-    """Imports twice: the camera's radius is in file units, whose size is known once the object is placed."""
+    """Import twice: the camera's radius is in file units, whose size is known once the object is placed."""
     path = str(object_path.resolve())
     scene = _change_source(import_physgaussian(data, object_path=path, file_units_per_metre=1.0)[0], changed)
     with warnings.catch_warnings():

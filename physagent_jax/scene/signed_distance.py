@@ -34,7 +34,7 @@ _SHIFT = np.array([1.37e-6, 2.11e-6])  # in spacings
 
 
 def load_solid(path: str | Path, place: str) -> np.ndarray:
-    """Reads a mesh that bounds a solid.
+    """Read a mesh that bounds a solid.
 
     Args:
         path: .obj, .ply with faces, .glb, .gltf, .stl or .off.
@@ -174,7 +174,7 @@ def _check_cost(
     place: str,
     span: str,
 ) -> None:
-    """Refuses what takes too many samples or crossings, or lies too far away, before any are made.
+    """Refuse what takes too many samples or crossings, or lies too far away, before any are made.
 
     Raises:
         UserError: It does; tells how many there would be.

@@ -18,7 +18,7 @@ KEY_LIGHT = (-0.45, -0.65, 0.62)  # from the upper left front, in a z-up frame w
 
 
 def make_surfels(points, normals, radius, rgb, *, opacity: float = 0.98) -> GaussianCloud:
-    """Builds discs that lie in the surface.
+    """Build discs that lie in the surface.
 
     Args:
         points: Centres [m], shape (n, 3).

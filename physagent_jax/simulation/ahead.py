@@ -13,5 +13,5 @@ def list_targets() -> ahead.Targets:
 
 
 def compile_ahead() -> None:
-    """Begins to compile what simulating and rendering any scene needs, unless the disk has it (`kernels.ahead`)."""
+    """Begin to compile what simulating and rendering any scene needs, unless the disk has it (`kernels.ahead`)."""
     ahead.start_compiling(list_targets())

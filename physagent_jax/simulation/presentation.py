@@ -23,7 +23,7 @@ BLACK = (0.0, 0.0, 0.0)
 def draw_presentation(
     config: SceneConfig, body: Body, x: np.ndarray, F: np.ndarray, size: tuple[int, int]
 ) -> Iterator[np.ndarray]:
-    """Draws a motion for people: with ground, contact shadow and horizon, and without needles.
+    """Draw a motion for people: with ground, contact shadow and horizon, and without needles.
 
     Args:
         config: The scene.

@@ -41,7 +41,7 @@ def simulate_scene(
     progress: Progress | None = None,
     restart_cache: RestartCache | None = None,
 ) -> Recording:
-    """Simulates and renders all frames of ``scene``, except those that it shares with an earlier one.
+    """Simulate and render all frames of ``scene``, except those that it shares with an earlier one.
 
     Args:
         scene: What to simulate.

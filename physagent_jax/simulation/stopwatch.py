@@ -38,7 +38,7 @@ class Stopwatch:
 
     @contextmanager
     def all_to(self, stage: str):
-        """Charges whatever is timed in the ``with`` block to ``stage``; compilation stays apart."""
+        """Charge whatever is timed in the ``with`` block to ``stage``; compilation stays apart."""
         self._instead = stage
         try:
             yield
@@ -47,7 +47,7 @@ class Stopwatch:
 
     @contextmanager
     def __call__(self, stage: str):
-        """Charges the time of the ``with`` block to ``stage``."""
+        """Charge the time of the ``with`` block to ``stage``."""
         begun, compiled = time.perf_counter(), _compile_seconds
         try:
             yield
@@ -58,7 +58,7 @@ class Stopwatch:
             self._charge("compile", compiling)
 
     def timed(self, stage: str, items: Iterator) -> Iterator:
-        """Yields ``items``, charging the time that making each takes to ``stage``."""
+        """Yield ``items``, charging the time that making each takes to ``stage``."""
         sentinel = object()
         while True:
             with self(stage):

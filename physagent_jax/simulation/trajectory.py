@@ -61,7 +61,7 @@ def trajectory(
     truncate: int | None = None,
     edge: float = 0.0,
 ) -> Trajectory:
-    """Simulates all frames of ``scene``; differentiable in reverse with respect to ``parameters``, model and state.
+    """Simulate all frames of ``scene``; differentiable in reverse with respect to ``parameters``, model and state.
 
     If a particle leaves the domain, or the window that the schedule has for a frame, all positions from then on are
     NaN: a traced function cannot raise.

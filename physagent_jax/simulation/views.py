@@ -19,7 +19,7 @@ def render_recording(
     frames: Sequence[int] | None = None,
     background: tuple[float, float, float] | None = None,
 ) -> np.ndarray:
-    """Renders a recording's Gaussians again.
+    """Render a recording's Gaussians again.
 
     Args:
         recording: What was simulated.

@@ -211,7 +211,7 @@ def test_a_saturated_push_that_began_late_begins_earlier():
 
 
 def test_no_attempt_is_repeated_until_nothing_is_left():
-    """Rewrites differ from all earlier attempts; when they run out, the change says so."""
+    """Rewrite differ from all earlier attempts; when they run out, the change says so."""
     scene, prompt = brief(), "push it left"
     reply = read(prompt)
     field, history, tried = reply.force_field, [], [reply.force_field]

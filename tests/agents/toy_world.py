@@ -39,7 +39,7 @@ class ToyWorld:
         self.scene, self.gain = scene, gain
 
     def simulate(self, field: ForceField, expectations: tuple[ExpectedMotion, ...]) -> MotionReport:
-        """Simulates and reports every expectation's window."""
+        """Simulate and report every expectation's window."""
         count = self.scene.frame_count
         places, angles, strains = self._integrate(field)
         seen = make_report(

@@ -110,7 +110,7 @@ class Weak(Body):
 
 
 def test_a_response_that_fails_is_that_of_a_shorter_time_again_and_again():
-    """Pushes add up in time, so the response is the whole one; it is charged, and what it is for is on the record."""
+    """Push add up in time, so the response is the whole one; it is charged, and what it is for is on the record."""
     (evaluator, _), (other, _) = (make_evaluator(go(1, (0, 12), 0.4)) for _ in range(2))
     other = Evaluator(other.task, other.budget, simulation=Weak(other.task.target))  # type: ignore[arg-type]
     whole, found = measure_responses(evaluator), measure_responses(other)

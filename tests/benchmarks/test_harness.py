@@ -310,7 +310,7 @@ def test_what_fails_in_a_worker_is_raised(tmp_path):
 
 
 def meet(made, wanted):
-    """Makes a file, waits for another, and says who did: found by its name in another process."""
+    """Make a file, wait for another, and say who did: found by its name in another process."""
     if made is not None:
         made.touch()
     while wanted is not None and not wanted.exists():

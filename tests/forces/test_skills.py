@@ -26,7 +26,7 @@ def field(**action):
 def moved(
     force_field, *, cells=(4, 4, 4), E=1e6, density=1000.0, per_frame=20, extent=LENGTH, seconds=DURATION
 ):
-    """Simulates a block of longest side 0.2 m under ``force_field``; returns (model, start, end)."""
+    """Simulate a block of longest side 0.2 m under ``force_field``; return (model, start, end)."""
     model, state = block(
         cells,
         size=1.5,

@@ -22,7 +22,7 @@ from tests.fuzz.classes import CLASSES, PLANTED
 
 
 def main() -> int:
-    """Parses the line; returns the exit code."""
+    """Parse the line; return the exit code."""
     sys.stdout.reconfigure(errors="backslashreplace")  # inputs hold what no terminal shows
     parser = argparse.ArgumentParser(
         prog="python -m tests.fuzz", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter

@@ -104,7 +104,7 @@ def again(name: str, seed: int, index: int) -> str:
 
 
 def examine(name: str, seed: int, index: int) -> tuple[str, Result]:
-    """Makes a case and runs it in a folder of its own; what it is, and what became of it."""
+    """Make a case and run it in a folder of its own; what it is, and what became of it."""
     each = named(name)
     each.warm_up()
     case = each.case(seed, index)
@@ -113,7 +113,7 @@ def examine(name: str, seed: int, index: int) -> tuple[str, Result]:
 
 
 def show(name: str, seed: int, index: int) -> int:
-    """Prints one case: its input, what became of it, the traceback if there is one. Returns the exit code."""
+    """Print one case: its input, what became of it, the traceback if there is one. Returns the exit code."""
     case = named(name).case(seed, index)
     print(f"{name} {index}: {case.what}")
     folder = Path(tempfile.mkdtemp(prefix="fuzz-"))
@@ -231,7 +231,7 @@ class _Worker:
         return case.what, dataclasses.replace(result, seconds=time.monotonic() - begun)
 
     def end(self) -> None:
-        """Ends the process."""
+        """End the process."""
         self._pipe.close()
         self._process.join(0.2)
         if self._process.is_alive():

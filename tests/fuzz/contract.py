@@ -118,7 +118,7 @@ class Result:
 
 
 def check(case: Case, folder: Path) -> Result:
-    """Runs ``case`` in ``folder``, which must be empty, and holds it to the contract."""
+    """Run ``case`` in ``folder``, which must be empty, and hold it to the contract."""
     for name, content in {**case.files, BYSTANDER: b"not yours\n"}.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -189,7 +189,7 @@ def _find_noise(caught: list[warnings.WarningMessage]) -> Result | None:
 
 @contextlib.contextmanager
 def limited(seconds: float, memory: int = MEMORY) -> Iterator[None]:
-    """Ends the block with `Overtime` after ``seconds`` and with MemoryError beyond ``memory`` more bytes.
+    """End the block with `Overtime` after ``seconds`` and with MemoryError beyond ``memory`` more bytes.
 
     Where other programs leave this process less of a processor, it has up to `STARVED` times as long. Python
     code is stopped by a signal. Native code that does not come back ends the process, with a traceback.

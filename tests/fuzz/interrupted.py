@@ -47,7 +47,7 @@ def happen(what: str, marker: str, out: str) -> None:
 
 
 def watched(what: str, at: int, marker: str, out: str) -> None:
-    """Counts the files that are put in place within ``out``."""
+    """Count the files that are put in place within ``out``."""
     count, replace, within = 0, os.replace, os.path.abspath(out)
 
     def counting(source, target, *args, **kwargs):

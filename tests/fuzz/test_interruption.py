@@ -32,7 +32,7 @@ from tests.fuzz.processes import (
 
 
 def files_written(base) -> int:
-    """Renames of the undisturbed run, at least one per file."""
+    """Rename of the undisturbed run, at least one per file."""
     return sum(p.is_file() for p in (base / "undisturbed").rglob("*"))
 
 
@@ -212,7 +212,7 @@ def test_files_that_may_not_grow_are_told_in_one_line(base, tmp_path):
 
 @pytest.fixture
 def writable_again(tmp_path):
-    """Gives back what "readonly" has taken, when it is called with the folder."""
+    """Give back what "readonly" has taken, when it is called with the folder."""
     taken = tmp_path / "taken"
     taken.mkdir()
     if os.geteuid() == 0:

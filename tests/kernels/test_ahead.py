@@ -99,7 +99,7 @@ def test_a_kernel_that_is_done_waits_for_no_other(begun):
 
 
 def ask_all(call):
-    """Calls from several threads; one that waits for ever fails the test."""
+    """Call from several threads; one that waits for ever fails the test."""
     threads = [threading.Thread(target=call, daemon=True) for _ in range(8)]
     for thread in threads:
         thread.start()

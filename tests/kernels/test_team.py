@@ -25,7 +25,7 @@ SLOTS = 64
 
 @njit(**NO_WRAPPERS)
 def mirror_twice(frame, number, members):
-    """Adds one to all numbers, puts them in the opposite order and then back; and counts what each thread did."""
+    """Add one to all numbers, put them in the opposite order and then back; count what each thread did."""
     x, work = ffi.get_operand(frame, 0, number, 1), ffi.get_operand(frame, 1, np.int32, 1)[0]
     a, b, c = (
         ffi.get_result(frame, 0, number, 1),

@@ -97,7 +97,7 @@ def film(
     frames: int = FRAMES,
     background=(255, 255, 255),
 ) -> Clip:
-    """Draws ``shape`` under ``motion`` at ``frames`` evenly spaced phases."""
+    """Draw ``shape`` under ``motion`` at ``frames`` evenly spaced phases."""
     view = camera() if view is None else view
     phases = np.linspace(0, 1, frames) if frames > 1 else [0.0]
     drawn = [_draw(motion(shape.surface, s), shape.colours, view, background) for s in phases]
@@ -128,7 +128,7 @@ def _draw(points, colours, view: Camera, background):
 
 
 def translated(offset, path: Callable[[float], float] = lambda s: s) -> Motion:
-    """Moves by ``offset`` times ``path(phase)``."""
+    """Move by ``offset`` times ``path(phase)``."""
     return lambda x, s: x + np.asarray(offset) * path(s)
 
 

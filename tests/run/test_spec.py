@@ -117,7 +117,7 @@ PROMPTS = {
 
 @pytest.fixture
 def prompted(tmp_path, robot_path):
-    """Makes a resolved run with a prompt of `PROMPTS`, in a folder with the masks."""
+    """Make a resolved run with a prompt of `PROMPTS`, in a folder with the masks."""
     left, whole = np.zeros((96, 96), bool), np.ones((96, 96), bool)
     left[:, :40] = True
     (tmp_path / "far").mkdir()

@@ -51,7 +51,7 @@ def parsed(robot_path, *forces, **rest):
 
 @pytest.fixture(scope="module")
 def built(robot_path):
-    """Compiles scenes of the one small body, or of one elsewhere."""
+    """Compile scenes of the one small body, or of one elsewhere."""
     bodies = {}
 
     def build(*forces, **rest):

@@ -89,7 +89,7 @@ class Command:
 
 
 def make_clips(command: Command) -> Clips:
-    """Simulates and renders; goes on where an earlier call with these settings was cut off.
+    """Simulate and render; go on where an earlier call with these settings was cut off.
 
     Raises:
         UserError: What was kept is of other settings.
@@ -177,7 +177,7 @@ def _load_kept(command: Command) -> list[np.ndarray]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Runs the command line; returns the exit code."""
+    """Run the command line; return the exit code."""
     command = tyro.cli(Command, prog="python -m baselines.scores.toy.clips", args=arguments)
     pa.enable_compile_cache()
     try:

@@ -121,7 +121,7 @@ def _split(clip: jax.Array, grid: tuple[int, int, int]) -> jax.Array:
 
 
 def _join(patches: jax.Array, grid: tuple[int, int, int]) -> jax.Array:
-    """Undoes `_split`."""
+    """Undo `_split`."""
     (t, h, w), (p, q, r) = grid, PATCH
     cut = patches.reshape(len(patches), t, h, w, p, q, r, 3).transpose(0, 1, 4, 2, 5, 3, 6, 7)
     return cut.reshape(len(patches), t * p, h * q, w * r, 3)

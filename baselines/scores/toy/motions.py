@@ -67,7 +67,7 @@ def read_prompt(prompt: str) -> np.ndarray:
 
 
 def _shift(x: float, z: float) -> Callable[[np.random.Generator], tuple[Action, ...]]:
-    """Goes one way, all the time or from one hit: across the picture, at most 15 degrees off."""
+    """Go one way, all the time or from one hit: across the picture, at most 15 degrees off."""
 
     def draw(rng: np.random.Generator) -> tuple[Action, ...]:
         angle = np.deg2rad(rng.uniform(-15, 15))

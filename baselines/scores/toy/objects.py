@@ -61,7 +61,7 @@ OBJECTS: dict[str, Callable[[np.random.Generator], list[Patch]]] = {
 
 
 def write_object(name: str, seed: int, folder: Path) -> Path:
-    """Writes an object of a kind, its proportions and colours drawn by the seed, as a 3DGS PLY."""
+    """Write an object of a kind, its proportions and colours drawn by the seed, as a 3DGS PLY."""
     rng = np.random.default_rng([seed, list(OBJECTS).index(name)])
     cloud: GaussianCloud = build(OBJECTS[name](rng), GAUSSIANS, seed)
     path = folder / f"{name}_{seed}.ply"

@@ -126,7 +126,7 @@ class ToyPrior:
 
 
 def save(folder: Path, model: ToyVideoModel, validation: Validation, trained: dict) -> None:
-    """Writes the weights by orbax, and a record of what they are.
+    """Write the weights by orbax, and a record of what they are.
 
     Args:
         folder: Where to; weights there are replaced.

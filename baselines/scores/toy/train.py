@@ -206,7 +206,7 @@ def validate(model: ToyVideoModel, held_out: Clips, *, draws: int, seed: int = 0
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Runs the command line; returns the exit code."""
+    """Run the command line; return the exit code."""
     command = tyro.cli(Command, prog="python -m baselines.scores.toy.train", args=arguments)
     pa.enable_compile_cache()
     try:

@@ -134,7 +134,7 @@ def _scale(cause: Cause, factor: float, last: float):
 
 
 def scale_magnitudes(case: Case, causes: Sequence[Cause], factor: float) -> Change:
-    """Multiplies the magnitudes, inside their range; what has a prescribed velocity also moves longer or shorter."""
+    """Multiply the magnitudes, inside their range; what has a prescribed velocity also moves longer or shorter."""
     items = [_scale(cause, factor, case.last) for cause in causes]
     field = replace_items(case.force_field, causes, items)
     sizes = ", ".join(f"{item.magnitude:g}" for item in items)
@@ -148,7 +148,7 @@ def scale_magnitudes(case: Case, causes: Sequence[Cause], factor: float) -> Chan
 
 
 def remove(case: Case, causes: Sequence[Cause], why: str) -> Change:
-    """Removes entries."""
+    """Remove entries."""
     field = replace_items(case.force_field, causes, [None] * len(causes))
     return Change(field, f"{format_names(causes)} removed: {why}.")
 
@@ -171,7 +171,7 @@ def point(case: Case, causes: Sequence[Cause]) -> Change:
 
 
 def counter(case: Case, causes: Sequence[Cause]) -> Change | None:
-    """Turns the vector by the angle by which the seen direction misses, the other way; None if nothing is seen.
+    """Turn the vector by the angle by which the seen direction misses, the other way; None if nothing is seen.
 
     The hard rules move it to the nearest sum of base directions.
     """
@@ -197,7 +197,7 @@ def counter(case: Case, causes: Sequence[Cause]) -> Change | None:
 
 
 def retime(case: Case, causes: Sequence[Cause]) -> Change | None:
-    """Moves causes into the window in which the motion should be seen; None if that has no length."""
+    """Move causes into the window in which the motion should be seen; None if that has no length."""
     window = _get_window(case)
     if window is None:
         return None
@@ -264,7 +264,7 @@ def _get_window(case: Case) -> tuple[float, float] | None:
 
 
 def _alternate(case: Case, magnitude: float | None = None) -> list[Action]:
-    """Pushes to and fro, as often as expected."""
+    """Push to and fro, as often as expected."""
     expectation = case.expectation
     direction = expectation.direction or case.brief.directions.left
     window = _get_window(case)
@@ -283,7 +283,7 @@ def _alternate(case: Case, magnitude: float | None = None) -> list[Action]:
 
 
 def alternate(case: Case, causes: Sequence[Cause]) -> Change:
-    """Replaces whatever acts by as many pushes to and fro as the sentence counts."""
+    """Replace whatever acts by as many pushes to and fro as the sentence counts."""
     strength = max(abs(cause.item.magnitude) for cause in causes)
     field = replace_items(case.force_field, causes, [None] * len(causes))
     field = field.model_copy(update={"actions": (*field.actions, *_alternate(case, strength))})
@@ -311,7 +311,7 @@ def lengthen(case: Case, causes: Sequence[Cause], factor: float) -> Iterator[Cha
 
 
 def enforce(case: Case, causes: Sequence[Cause], gain: float) -> Change:
-    """Prescribes the velocity where no admissible force is enough; for M = 1 see `PRESCRIBED_TRAVEL`.
+    """Prescribe the velocity where no admissible force is enough; for M = 1 see `PRESCRIBED_TRAVEL`.
 
     What is prescribed goes where it points: not beside it, as forces may have been turned to make up for something.
     """
@@ -341,7 +341,7 @@ def enforce(case: Case, causes: Sequence[Cause], gain: float) -> Change:
 
 
 def shorten(case: Case, causes: Sequence[Cause], factor: float, why: str) -> Change:
-    """Ends the causes earlier: they keep a fraction ``factor`` of their windows."""
+    """End the causes earlier: they keep a fraction ``factor`` of their windows."""
     items = []
     for cause in causes:
         first, last = cause.item.active_time or (0.0, case.last)

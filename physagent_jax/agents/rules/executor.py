@@ -24,7 +24,7 @@ class RuleExecutor(ExecutorAgent):
     """Mends the failed expectations of the best round, all at once; without checks it has nothing to go by."""
 
     def rewrite(self, context: AgentContext, failed: Round) -> Reply[Rewrite]:
-        """Returns the next force field; see `protocols.ExecutorAgent`.
+        """Return the next force field; see `protocols.ExecutorAgent`.
 
         It goes out from the round that came nearest, not from the last: a change that made things worse is dropped.
         The mildest remedies come first; if they lead to a force field that was tried before, the next ones are

@@ -64,7 +64,7 @@ class Choice:
 def choose_kinds(
     force_field: ForceField, expectations: Sequence[ExpectedMotion], brief: SceneBrief
 ) -> Choice:
-    """Replaces body forces by velocity constraints where these do what the sentence says and a force does not.
+    """Replace body forces by velocity constraints where these do what the sentence says and a force does not.
 
     Args:
         force_field: Force field of body forces, as a sentence is read.

@@ -27,7 +27,7 @@ class RulePlanner(PlannerAgent):
         return list_windows(context.expectations, context.brief.frame_count)
 
     def judge(self, context: AgentContext, seen: Observation) -> Reply[Judgement]:
-        """Compares the report with what is expected of the sentence; see `protocols.PlannerAgent`."""
+        """Compare the report with what is expected of the sentence; see `protocols.PlannerAgent`."""
         expectations = context.expectations
         reading, gravity = context.reading, _has_gravity(context, seen)
         obstacles = reading.world.obstacles if reading else ()

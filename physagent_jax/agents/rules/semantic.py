@@ -59,7 +59,7 @@ class RuleSemanticAgent(SemanticAgent):
     """Reads by rules: no model, no network, the same words give the same field."""
 
     def compile(self, context: AgentContext) -> Reply[SemanticReply]:
-        """Reads the sentence, and chooses the kind of each skill; see `protocols.SemanticAgent`."""
+        """Read the sentence, and choose the kind of each skill; see `protocols.SemanticAgent`."""
         return Reply(_choose_kinds(read_sentence(context.prompt, context.brief), context.brief))
 
 
@@ -186,7 +186,7 @@ def _hold_against_words(
 
 
 def _check_text(prompt: str) -> None:
-    """Refuses what is no sentence at all, before any of it is read."""
+    """Refuse what is no sentence at all, before any of it is read."""
     if not prompt.strip():
         raise UserError("The prompt is empty", do=f"Say what should happen, for example {EXAMPLES}")
     if len(prompt) > MOST_CHARACTERS:

@@ -15,7 +15,7 @@ def mass_centre(x: jax.Array, mass: jax.Array) -> jax.Array:
 
 
 def remove_rigid_part(field: jax.Array, arm: jax.Array, mass: jax.Array) -> jax.Array:
-    """Subtracts the rigid acceleration that ``field`` would give a rigid body of these particles.
+    """Subtract the rigid acceleration that ``field`` would give a rigid body of these particles.
 
     Args:
         field: Accelerations [m/s^2], shape (n, 3).

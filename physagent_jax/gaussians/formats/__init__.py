@@ -114,7 +114,7 @@ def explain_unknown(path: str | os.PathLike[str], meshes: tuple[str, ...] = ()) 
 def read_splats(
     path: str | os.PathLike[str], *, opacity_threshold: float = 0.0, encoding: str | None = None
 ) -> LoadedSplats:
-    """Reads 3D Gaussians from a file of any known format, in linear units and the file's own frame.
+    """Read 3D Gaussians from a file of any known format, in linear units and the file's own frame.
 
     Gaussians with a value that is not finite, or so large that float32 cannot compute with it, are dropped with a
     note. Quaternions are normalised; one of norm zero is read as the identity, with a note.
@@ -139,7 +139,7 @@ def read_splats(
 
 
 def read_ply(path: str | os.PathLike[str], *, opacity_threshold: float = 0.0) -> GaussianCloud:
-    """Reads 3D Gaussians from a PLY file of any known layout, as `read_splats`; its notes become warnings.
+    """Read 3D Gaussians from a PLY file of any known layout, as `read_splats`; its notes become warnings.
 
     Raises:
         UserError: As `read_splats`, or the file is no PLY.

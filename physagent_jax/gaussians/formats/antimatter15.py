@@ -35,7 +35,7 @@ class _Antimatter15:
         return len(rows) > 0 and bool(np.mean(_find_sensible(rows)) >= _SENSIBLE)
 
     def read(self, path: Path, encoding: str | None) -> SplatData:
-        """Reads a file; its values have one meaning, so that ``encoding`` changes nothing.
+        """Read a file; its values have one meaning, so that ``encoding`` changes nothing.
 
         Raises:
             UserError: It holds no whole number of rows, or most of them make no sense.

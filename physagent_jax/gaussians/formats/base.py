@@ -57,7 +57,7 @@ class Format(Protocol):
         ...
 
     def read(self, path: Path, encoding: str | None) -> SplatData:
-        """Reads a file.
+        """Read a file.
 
         Args:
             path: The file.

@@ -40,7 +40,7 @@ class _CompressedPly:
         return head.startswith(b"ply") and b" packed_position" in head.partition(b"end_header")[0]
 
     def read(self, path: Path, encoding: str | None) -> SplatData:
-        """Reads a file; its values have one meaning, so that ``encoding`` changes nothing.
+        """Read a file; its values have one meaning, so that ``encoding`` changes nothing.
 
         Raises:
             UserError: It is damaged, or its elements are not those of the layout.

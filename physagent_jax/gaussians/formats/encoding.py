@@ -67,7 +67,7 @@ def decode(
     stated: str | None = None,
     plain_opacities: bool = False,
 ) -> Decoded:
-    """Decodes stored scales and opacities.
+    """Decode stored scales and opacities.
 
     Args:
         means: Positions [file units], float64, shape (n, 3).

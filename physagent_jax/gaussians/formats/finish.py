@@ -44,13 +44,13 @@ class LoadedSplats:
 
 
 def check_threshold(opacity_threshold: float) -> None:
-    """Refuses a threshold that is no opacity."""
+    """Refuse a threshold that is no opacity."""
     if not 0.0 <= opacity_threshold <= 1.0:
         raise UserError("`opacity_threshold` is no opacity", got=opacity_threshold, do="Give 0 to 1")
 
 
 def finish(data: SplatData, path: str | Path, format_name: str, opacity_threshold: float) -> LoadedSplats:
-    """Drops what cannot be computed with, normalises, centres and converts to float32.
+    """Drop what cannot be computed with, normalise, centre and convert to float32.
 
     Args:
         data: The Gaussians as a reader hands them on.

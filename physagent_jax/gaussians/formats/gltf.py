@@ -41,7 +41,7 @@ class _Gltf:
         ) and f'"{EXTENSION}"'.encode() in head
 
     def read(self, path: Path, encoding: str | None) -> SplatData:
-        """Reads a file; its values have one meaning, so that ``encoding`` changes nothing.
+        """Read a file; its values have one meaning, so that ``encoding`` changes nothing.
 
         Raises:
             UserError: It is damaged, has no Gaussians, mirrors them, or is compressed in a way that is not read.
@@ -135,7 +135,7 @@ def _read_primitive(file: GltfFile, primitive: dict, extension: dict) -> SplatDa
 
 
 def _check_ranges(scales: np.ndarray, opacities: np.ndarray, shown: str) -> None:
-    """Refuses logarithms where the extension has plain values."""
+    """Refuse logarithms where the extension has plain values."""
     for name, wrong in (("scales", scales < 0), ("opacities", (opacities < 0) | (opacities > 1))):
         if wrong.any():
             raise UserError(

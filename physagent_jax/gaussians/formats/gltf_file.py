@@ -42,7 +42,7 @@ class GltfFile:
     """
 
     def __init__(self, path: Path):
-        """Opens a GLB or a .gltf file.
+        """Open a GLB or a .gltf file.
 
         Raises:
             UserError: It is none, or announces more than it holds.

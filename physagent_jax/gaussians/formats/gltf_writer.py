@@ -22,7 +22,7 @@ _KINDS = {1: "SCALAR", 3: "VEC3", 4: "VEC4"}
 def write_glb(
     path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud, *, origin: np.ndarray | None = None
 ) -> None:
-    """Writes a cloud whose up axis is +y, as glTF prescribes; all values are float32, nothing is quantised.
+    """Write a cloud whose up axis is +y, as glTF prescribes; all values are float32, nothing is quantised.
 
     Viewers that do not know the extension show points of the Gaussians' colours.
 

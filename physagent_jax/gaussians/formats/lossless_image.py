@@ -13,7 +13,7 @@ _PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def decode_image(data: bytes, shown: str, *, least: int, most: int, flat: bool = True) -> np.ndarray:
-    """Decodes a lossless WebP or a PNG of 8 bits.
+    """Decode a lossless WebP or a PNG of 8 bits.
 
     Args:
         data: The file.

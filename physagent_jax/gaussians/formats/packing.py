@@ -16,7 +16,7 @@ _OTHERS = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])
 
 
 def check_unpacked_size(place: str, count: int, each: int, stored: int) -> None:
-    """Refuses a compressed file that would unpack to far more than captures do, before anything is unpacked.
+    """Refuse a compressed file that would unpack to far more than captures do, before anything is unpacked.
 
     Args:
         place: The file, for messages.

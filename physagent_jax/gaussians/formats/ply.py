@@ -28,7 +28,7 @@ _LOGIT_LIMIT = 16.0
 def write_ply(
     path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud, *, origin: np.ndarray | None = None
 ) -> None:
-    """Writes a cloud as a little-endian binary PLY that ordinary 3DGS viewers open.
+    """Write a cloud as a little-endian binary PLY that ordinary 3DGS viewers open.
 
     Opacity logits are clipped to +-16 and scales to the smallest positive float32, so that every number
     in the file is finite. Values that do not show by themselves how they are encoded get a comment that says it.

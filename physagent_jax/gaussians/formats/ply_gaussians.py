@@ -66,7 +66,7 @@ class GaussianPly:
         return (self.scale_count == 2) == flat and (flat or (self.colours == "rgb") == rgb)
 
     def read(self, path: Path, encoding: str | None) -> SplatData:
-        """Reads a file; see `Format.read`."""
+        """Read a file; see `Format.read`."""
         vertices = read_vertices(path)
         notes: list[str] = []
         scale_names = SCALE[: self.scale_count]

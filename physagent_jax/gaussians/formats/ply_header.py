@@ -82,7 +82,7 @@ class PlyHeader:
 
 
 def read_ply_header(path: str | Path) -> PlyHeader:
-    """Reads the header and holds what it announces against the file's size.
+    """Read the header and hold what it announces against the file's size.
 
     Raises:
         UserError: The file is missing or no PLY, its header makes no sense, or it cannot hold what it announces.

@@ -40,7 +40,7 @@ class Vertices:
 
 
 def read_vertices(path: str | Path) -> Vertices:
-    """Reads the vertices of a PLY file, binary or text, in either byte order.
+    """Read the vertices of a PLY file, binary or text, in either byte order.
 
     Raises:
         UserError: The file is missing, is no PLY, is truncated, or has no vertices.

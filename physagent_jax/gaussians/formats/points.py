@@ -35,7 +35,7 @@ class _PointPly:
         return face is None or face.count == 0
 
     def read(self, path: Path, encoding: str | None) -> NoReturn:
-        """Refuses the file; see `Format.read`."""
+        """Refuse the file; see `Format.read`."""
         header, shown = read_ply_header(path), shorten(path)
         vertex = header.element("vertex")
         names = set() if vertex is None else vertex.names
@@ -64,7 +64,7 @@ class _ColmapPoints:
         return head.startswith(_COLMAP_TITLE) or _count_records(head) >= _FEWEST_POINTS
 
     def read(self, path: Path, encoding: str | None) -> NoReturn:
-        """Refuses the file; see `Format.read`."""
+        """Refuse the file; see `Format.read`."""
         raise UserError(
             f"{shorten(path)} holds the points of a COLMAP reconstruction, not 3D Gaussians", do=_TRAIN
         )

@@ -78,7 +78,7 @@ class _Sog:
         )
 
     def read(self, path: Path, encoding: str | None) -> SplatData:
-        """Reads a bundle, or the folder of a ``meta.json``; ``encoding`` changes nothing.
+        """Read a bundle, or the folder of a ``meta.json``; ``encoding`` changes nothing.
 
         Raises:
             UserError: The bundle is damaged, an image is missing, too small or lossily compressed.

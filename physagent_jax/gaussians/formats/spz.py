@@ -51,7 +51,7 @@ class _Spz:
             return False
 
     def read(self, path: Path, encoding: str | None) -> SplatData:
-        """Reads a file; its values have one meaning, so that ``encoding`` changes nothing.
+        """Read a file; its values have one meaning, so that ``encoding`` changes nothing.
 
         Raises:
             UserError: It is damaged or of an unknown version, or the package for version 4 is missing.
@@ -67,7 +67,7 @@ SPZ = _Spz()
 
 
 def decode_spz(data: bytes, shown: str) -> tuple[SplatData, bool]:
-    """Decodes an SPZ file.
+    """Decode an SPZ file.
 
     Args:
         data: The file.

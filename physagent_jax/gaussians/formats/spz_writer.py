@@ -22,7 +22,7 @@ _MOST_FRACTIONAL_BITS = 20  # readers shift a 32-bit one by them
 def write_spz(
     path: str | os.PathLike[str] | BinaryIO, cloud: GaussianCloud, *, origin: np.ndarray | None = None
 ) -> None:
-    """Writes a cloud whose up axis is +y, as SPZ prescribes.
+    """Write a cloud whose up axis is +y, as SPZ prescribes.
 
     Largest errors of what is read again: positions 2^-23 of the largest coordinate (or 2^-21 units); scales 3.2 %,
     within [4.5e-5, 380] units; opacities 0.002; rotations 0.0021 (a component of the quaternion); colours 0.004,
@@ -65,7 +65,7 @@ def write_spz(
 
 
 def _warn_of_limits(scales: np.ndarray, origin: np.ndarray | None) -> None:
-    """Warns of what the format cannot hold."""
+    """Warn of what the format cannot hold."""
     if origin is not None and np.any(origin):
         warnings.warn(f"positions in SPZ files are relative to {np.asarray(origin).tolist()}", stacklevel=3)
     least, most = np.exp(SCALE_LEAST), np.exp(SCALE_LEAST + 255 / SCALE_STEPS)

@@ -45,7 +45,7 @@ class Cuboid(Boundary):
         return 2 * float(np.min(self.half_size))
 
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
-        """Overwrites the velocities inside the box."""
+        """Overwrite the velocities inside the box."""
         frictionless = jnp.zeros((), velocity.dtype)  # sticky contact has no use for it
         box = Box(
             self.point,

@@ -24,7 +24,7 @@ class DomainBox(Boundary):
     padding: int = dataclasses.field(default=3, metadata=dict(static=True))
 
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
-        """Removes outward velocity components in the walls."""
+        """Remove outward velocity components in the walls."""
         del time
         x, y, z = (index[..., None] for index in grid.node_indices())
         axes = jnp.arange(3)

@@ -17,7 +17,7 @@ from physagent_jax.mpm.transfer import Stencil
 
 
 def before_p2g(model: Model, state: State) -> State:
-    """Gives the constrained particles the v and C that P2G is to see."""
+    """Give the constrained particles the v and C that P2G is to see."""
     for constraint in model.constraints:
         state = constraint.before_p2g(model, state)
     return state
@@ -33,7 +33,7 @@ def on_grid(
 
 
 def after_g2p(model: Model, before: State, after: State) -> State:
-    """Puts the constrained particles where they belong."""
+    """Put the constrained particles where they belong."""
     for constraint in model.constraints:
         after = constraint.after_g2p(model, before, after)
     return after

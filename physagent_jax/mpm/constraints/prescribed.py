@@ -50,7 +50,7 @@ class PrescribedMotion(Constraint):
 
     @staticmethod
     def fixed(particles: jax.Array, dtype=jnp.float32) -> PrescribedMotion:
-        """Holds ``particles`` where they are, for ever."""
+        """Hold ``particles`` where they are, for ever."""
         zero, forever = jnp.zeros(3, dtype), jnp.asarray(jnp.inf, dtype)
         return PrescribedMotion(particles, zero, zero, zero, jnp.zeros((), dtype), forever)
 
@@ -82,7 +82,7 @@ class PrescribedMotion(Constraint):
         return self.center + rotate(x - self.center, self.angular_velocity * dt) + self.velocity * dt
 
     def before_p2g(self, model: Model, state: State) -> State:
-        """Gives the held particles their velocity and velocity gradient."""
+        """Give the held particles their velocity and velocity gradient."""
         p, choose = self.particles, self._make_choice(state.time + _CLOCK * model.dt)
         v = choose(self.locate(model, state.x[p]).field(state.x[p]), state.v[p])
         C = choose(skew(self.angular_velocity), state.C[p])
@@ -97,7 +97,7 @@ class PrescribedMotion(Constraint):
         s: Stencil,
         time: jax.Array,
     ) -> jax.Array:
-        """Imposes u on the nodes more than half of whose mass is held."""
+        """Impose u on the nodes more than half of whose mass is held."""
         del free
         p = self.particles
         own = jax.tree.map(lambda part: part[p], s)
@@ -117,7 +117,7 @@ class PrescribedMotion(Constraint):
         return jnp.where(node_mask[..., None], wanted, velocity)
 
     def after_g2p(self, model: Model, before: State, after: State) -> State:
-        """Puts the held particles exactly where the prescription has them."""
+        """Put the held particles exactly where the prescription has them."""
         p, choose = self.particles, self._make_choice(before.time + _CLOCK * model.dt)
         motion = self.locate(model, before.x[p])
         target = motion.displace(before.x[p], model.dt)

@@ -118,7 +118,7 @@ class RigidBody(Constraint):
     particles: jax.Array = dataclasses.field(metadata=HELD)
 
     def before_p2g(self, model: Model, state: State) -> State:
-        """Replaces v and C by the rigid field of equal momenta."""
+        """Replace v and C by the rigid field of equal momenta."""
         motion = self._measure_motion(model, state)
         return self._set_motion(state, motion, motion.velocity, motion.angular_velocity())
 
@@ -131,7 +131,7 @@ class RigidBody(Constraint):
         s: Stencil,
         time: jax.Array,
     ) -> jax.Array:
-        """Makes the nodes more than half of whose mass is the body's move rigidly."""
+        """Make the nodes more than half of whose mass is the body's move rigidly."""
         grid, p = model.grid, self.particles
         share = scatter_mass(jax.tree.map(lambda part: part[p], s), grid, self._gather_mass(model))
         owned = (sum_devices(share, model.axis) > 0.5 * node_mass).ravel()
@@ -147,7 +147,7 @@ class RigidBody(Constraint):
         return rigid.reshape(velocity.shape)
 
     def after_g2p(self, model: Model, before: State, after: State) -> State:
-        """Moves the body as a whole, with the momenta that its particles gathered."""
+        """Move the body as a whole, with the momenta that its particles gathered."""
         p, dt = self.particles, model.dt
         motion = self._measure_motion(model, dataclasses.replace(after, x=before.x))
         halfway = rotation_matrix(0.5 * dt * motion.angular_velocity())

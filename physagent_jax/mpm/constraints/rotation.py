@@ -9,7 +9,7 @@ from physagent_jax.mpm.linalg import cross
 
 
 def rotate(x: jax.Array, rotation_vector: jax.Array) -> jax.Array:
-    """Rotates ``x`` (..., 3) by a rotation vector [rad], shape (3,) (Rodrigues' formula).
+    """Rotate ``x`` (..., 3) by a rotation vector [rad], shape (3,) (Rodrigues' formula).
 
     x + sin(t)/t w x x + (1 - cos t)/t^2 w x (w x x) with t = |w|: smooth through w = 0, where its derivative
     is the infinitesimal rotation.

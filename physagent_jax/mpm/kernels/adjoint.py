@@ -75,7 +75,7 @@ TOTALS = 4  # per share of the particles: derivatives by dv and dt
 def g2p_adjoint(
     team, x, F, velocity, origin, dt, dx, bars, new_x, new_F, nodes, private, totals, touched, padded
 ):
-    """Fills the derivatives by x, F and the node velocities; ``totals`` has a row per share, its last entry for dt.
+    """Fill the derivatives by x, F and the node velocities; ``totals`` has a row per share, its last entry for dt.
 
     ``bars`` are those by the x, v, C and F that `transfer.g2p` gave; of the four numbers per node in ``nodes`` three
     count.
@@ -136,7 +136,7 @@ def scatter_bars(x, F, velocity, origin, dt, dx, bars, new_x, new_F, nodes, tota
 
 @njit(**OPTIONS)
 def grid_velocity_adjoint(team, nodes, least, bars, results):
-    """Fills ``results``, the derivatives by the nodes' momentum and mass, from ``bars``, those by their velocities.
+    """Fill ``results``, the derivatives by the nodes' momentum and mass, from ``bars``, those by their velocities.
 
     Zero where the mass is not above ``least``. All are ordered as in `transfer.p2g`.
     """
@@ -157,7 +157,7 @@ def grid_velocity_adjoint(team, nodes, least, bars, results):
 def p2g_adjoint(
     team, particles, material, dv, origin, dt, dx, neo_hookean, bars, passed, results, totals, padded
 ):
-    """Fills ``results``: the derivatives by x, v, C, tau (or F), mu, lam, mass and volume.
+    """Fill ``results``: the derivatives by x, v, C, tau (or F), mu, lam, mass and volume.
 
     ``particles`` are x, v, C, tau, mass and volume, where tau is F if the stress is neo-Hookean, and ``material`` is mu
     and lam, one number each if the stress is given; their derivatives are not written then. ``bars`` are those by the
@@ -285,7 +285,7 @@ def pull_neo_hookean(p, F, lame, log_J, rows, columns, others, bar_F, bar_mu, ba
 
 @njit(**INLINE)
 def store_flat(numbers, o, a):
-    """Writes a vector's numbers side by side."""
+    """Write a vector's numbers side by side."""
     numbers[o], numbers[o + 1], numbers[o + 2] = a[0], a[1], a[2]
 
 

@@ -92,7 +92,7 @@ def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.
 
 
 def _gather(form, wall, grid, x, v, C, F, velocity, dt, *, in_place: bool) -> transfer.Moved:
-    """Writes over ``x``, ``v``, ``C``, ``F`` if ``in_place``: where they are kept too, XLA would copy them first."""
+    """Write over ``x``, ``v``, ``C``, ``F`` if ``in_place``: where they are kept too, XLA would copy them first."""
     count = len(x)
     _check(
         "g2p",

@@ -64,7 +64,7 @@ HEALTH_FIELDS = 7  # as `mpm.health.Health`, in its order
 
 @njit(**OPTIONS)
 def p2g(team, x, v, C, tau, law, mass, volume, dv, origin, dt, dx, options, nodes, private, touched):
-    """Fills ``nodes`` with momentum and mass.
+    """Fill ``nodes`` with momentum and mass.
 
     ``private`` has room for a grid and `PADDING` per share of the particles, and ``touched`` for two numbers.
 
@@ -124,7 +124,7 @@ def sum_plane(private, touched, nodes, i, shape):
 
 @njit(**OPTIONS)
 def scatter(x, v, C, tau, law, mass, volume, dv, origin, dt, dx, options, nodes, shape, first, last):
-    """Adds the particles ``first`` to ``last`` to ``nodes``, a flat array with four numbers per node."""
+    """Add the particles ``first`` to ``last`` to ``nodes``, a flat array with four numbers per node."""
     zero, (classical, neo_hookean, viscous) = cast_like(0, dx), options
     mu, lam, viscosity, rate = law
     kick, logs = (dv[0], dv[1], dv[2]), np.empty(BLOCK, x.dtype)
@@ -156,7 +156,7 @@ def scatter(x, v, C, tau, law, mass, volume, dv, origin, dt, dx, options, nodes,
 
 @njit(**INLINE)
 def scatter_rows(nodes, start, shape, X, Y, row0, next_x, next_y):
-    """Adds w_x w_y times a row of values along z to each of a stencil's nine rows of nodes.
+    """Add w_x w_y times a row of values along z to each of a stencil's nine rows of nodes.
 
     The rows' values are affine in the place: ``row0`` is the lowest one's, ``next_x`` and ``next_y`` are what the next
     one along x and along y adds. All three have the weights along z in them.
@@ -176,7 +176,7 @@ def scatter_rows(nodes, start, shape, X, Y, row0, next_x, next_y):
 
 @njit(**INLINE)
 def scatter_force(t0, t1, t2, impulse, X, Y, Z, dX, dY, dZ, nodes, start, shape):
-    """Adds the classical form's impulse times tau grad w."""
+    """Add the classical form's impulse times tau grad w."""
     zero, rows = cast_like(0, impulse), NUMBERS * shape[2]
     by_x = tile(scale(impulse, t0), zero) * repeat(Z)
     by_y = tile(scale(impulse, t1), zero) * repeat(Z)
@@ -191,7 +191,7 @@ def scatter_force(t0, t1, t2, impulse, X, Y, Z, dX, dY, dZ, nodes, start, shape)
 
 @njit(**OPTIONS)
 def g2p(team, old, velocity, origin, dt, dx, classical, low, high, new, health, padded):
-    """Fills the arrays of ``new``, and a row of ``health`` per share of the particles; see `gather`.
+    """Fill the arrays of ``new``, and a row of ``health`` per share of the particles; see `gather`.
 
     ``velocity`` is ordered as the nodes of `p2g`; ``padded`` has room for a grid and `PADDING`.
     """
@@ -206,7 +206,7 @@ def g2p(team, old, velocity, origin, dt, dx, classical, low, high, new, health, 
 
 @njit(**OPTIONS)
 def interleave_plane(fields, padded, i, shape, fourth):
-    """Puts the numbers of each node of plane i side by side: three and a zero, or all four; clears the padding."""
+    """Put the numbers of each node of plane i side by side: three and a zero, or all four; clear the padding."""
     count, total = shape[1] * shape[2], shape[0] * shape[1] * shape[2]
     if i == shape[0] - 1:
         clear(padded, NUMBERS * total, padded.size)
@@ -223,7 +223,7 @@ def interleave_plane(fields, padded, i, shape, fourth):
 
 @njit(**OPTIONS)
 def gather(old, velocity, origin, dt, dx, classical, low, high, shape, new, health, first, last):
-    """Moves the particles ``first`` to ``last``: (x, F) ``old`` give (x, v, C, F) ``new``.
+    """Move the particles ``first`` to ``last``: (x, F) ``old`` give (x, v, C, F) ``new``.
 
     ``velocity`` is flat, with four numbers per node; ``health`` gets what happened.
     """

@@ -48,7 +48,7 @@ class Principal(NamedTuple):
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
 def spectral(function: Callable[[jax.Array, Any], Principal], F: jax.Array, parameters: Any) -> Principal:
-    """Evaluates ``function(s, parameters)`` at the singular values of F, and sets its results in F's frames.
+    """Evaluate ``function(s, parameters)`` at the singular values of F, and set its results in F's frames.
 
     Singular values come one after the other, each of all particles: XLA makes vector code of that, and what is of
     shape (n,) applies to all three without ado. All results share one SVD. First derivatives with respect to F and the

@@ -62,7 +62,7 @@ def _sweep_jacobi(F: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
 
 
 def _rotate_pair(turn: jax.Array, carry: tuple[jax.Array, ...]) -> tuple[jax.Array, ...]:
-    """Makes one pair of columns of F V orthogonal, by a rotation that V collects; three turns are a sweep.
+    """Make one pair of columns of F V orthogonal, by a rotation that V collects; three turns are a sweep.
 
     The angle's two numbers come from the turn before: where both are nothing but round-off any angle will do, but only
     one. XLA computes what is cheap again in each of its loops, and not always to the last bit, and two columns turned

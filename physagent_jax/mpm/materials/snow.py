@@ -65,7 +65,7 @@ class Snow(Hyperelastic):
         return self._harden(self.hardening_cap).stiffness(stretch[..., None] * jnp.eye(3, dtype=F.dtype))
 
     def project(self, F: jax.Array, history: History, dt: jax.Array) -> tuple[jax.Array, History]:
-        """Clamps the singular values; the history is the plastic volume ratio J_p."""
+        """Clamp the singular values; the history is the plastic volume ratio J_p."""
         del dt
         result = spectral(_clamp, F, (self, history))
         return result.change, result.scalar

@@ -88,7 +88,7 @@ def find_border_colour(frames: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 def _estimate_matte(difference: np.ndarray, guess: np.ndarray) -> np.ndarray:
-    """Keeps the pixels of ``guess`` whose coverage is above one half.
+    """Keep the pixels of ``guess`` whose coverage is above one half.
 
     Args:
         difference: Colour minus background, shape (H, W, 3).

@@ -56,7 +56,7 @@ class FlowTracker(Tracker):
     def follow(
         self, frames: np.ndarray, queries: np.ndarray, masks: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Follows points that are given in the first of ``frames``.
+        """Follow points that are given in the first of ``frames``.
 
         Args:
             frames: Pictures, uint8, shape (T, H, W, 3).
@@ -90,7 +90,7 @@ class FlowTracker(Tracker):
         return tracks, visible
 
     def _compute_flow(self, before, after, mask_before, mask_after, points):
-        """Moves ``points`` from frame to frame; returns them and whether the way back agrees."""
+        """Move ``points`` from frame to frame; return them and whether the way back agrees."""
         (xa, ya, wa, ha), (xb, yb, wb, hb) = (
             cv2.boundingRect(m.astype(np.uint8)) for m in (mask_before, mask_after)
         )

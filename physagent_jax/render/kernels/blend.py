@@ -33,7 +33,7 @@ _TURN = 8  # Gaussians between two checks whether pixels are finished
 
 @njit(**OPTIONS)
 def blend(team, packed, reach, gaussians, starts, columns, width, height, limits, features, transmittance):
-    """Fills ``features`` and ``transmittance``, what passes each pixel.
+    """Fill ``features`` and ``transmittance``, what passes each pixel.
 
     Args:
         team: Who runs this.
@@ -125,7 +125,7 @@ def blend_backward(
     gradient,
     scratch,
 ):
-    """Fills ``gradient``, shape (parts, n, PACKED): each share's part of the derivatives of the Gaussians.
+    """Fill ``gradient``, shape (parts, n, PACKED): each share's part of the derivatives of the Gaussians.
 
     The first six and the last are as in `blend`. ``g``, shape (tiles, 4, PIXELS), and ``g_transmittance``, shape
     (tiles, PIXELS), are the cotangents of `blend`'s ``features`` and ``transmittance``; ``inside``, shape (tiles,

@@ -157,7 +157,7 @@ class CompiledScene:
 
 
 def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".") -> CompiledScene:
-    """Binds a scene's parts to its particles; warns of what the method does badly in it (`mpm.limits`).
+    """Bind a scene's parts to its particles, and warn of what the method does badly in it (`mpm.limits`).
 
     Raises:
         UserError: A region, box or window of the scene selects nothing or makes no sense.

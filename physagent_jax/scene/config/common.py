@@ -55,7 +55,7 @@ class Windowed(Strict):
 
 
 def check_window(start: float, duration: float) -> None:
-    """Refuses a window that single precision cannot tell from none.
+    """Refuse a window that single precision cannot tell from none.
 
     Raises:
         ValueError: It is shorter than a nanosecond, or than a millionth of its end.

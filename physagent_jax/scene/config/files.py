@@ -10,7 +10,7 @@ from physagent_jax.scene.config.scene import SceneConfig
 
 
 def load_scene(path: str | Path) -> SceneConfig:
-    """Reads and validates a scene file.
+    """Read and validate a scene file.
 
     Raises:
         UserError: The file is missing, not JSON, or breaks the schema (the message names the field).
@@ -19,7 +19,7 @@ def load_scene(path: str | Path) -> SceneConfig:
 
 
 def parse_scene(data: object, *, origin: str = "scene") -> SceneConfig:
-    """Validates decoded JSON as a scene; ``origin`` names it in messages."""
+    """Validate decoded JSON as a scene; ``origin`` names it in messages."""
     return parse_model(data, SceneConfig, origin)
 
 

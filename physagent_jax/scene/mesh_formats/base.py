@@ -96,7 +96,7 @@ class MeshFormat(Protocol):
         ...
 
     def read(self, data: bytes, path: Path, beside: Neighbours) -> list[MeshPart]:
-        """Reads a file.
+        """Read a file.
 
         Args:
             data: Its bytes.

@@ -91,7 +91,7 @@ def _read_rows(data: bytes, start: int, stride: int, count: int, width: int, dty
 
 
 def read_glb(data: bytes, place: str, beside: Neighbours) -> Document:
-    """Reads a GLB; arguments and errors as for `read_gltf`."""
+    """Read a GLB; arguments and errors as for `read_gltf`."""
     if len(data) < 20 or not data.startswith(MAGIC):
         raise UserError(f"{place} is no GLB file", do="Export it again")
     version, _, length, kind = struct.unpack("<4I", data[4:20])
@@ -110,7 +110,7 @@ def read_glb(data: bytes, place: str, beside: Neighbours) -> Document:
 
 
 def read_gltf(data: bytes, place: str, beside: Neighbours, inside: list[bytes] | None = None) -> Document:
-    """Reads a glTF file.
+    """Read a glTF file.
 
     Args:
         data: Its JSON.

@@ -92,7 +92,7 @@ def encode_srgb(value: np.ndarray) -> np.ndarray:
 
 
 def read_pixels(data: bytes | Any) -> np.ndarray:
-    """Decodes a picture as RGBA, uint8, shape (h, w, 4).
+    """Decode a picture as RGBA, uint8, shape (h, w, 4).
 
     Args:
         data: Bytes of a file, or a picture that PIL has opened.

@@ -255,7 +255,7 @@ def _call_main(arguments: list[str], folder: Path, environment: dict[str, str]) 
 
 
 def judged(code: object, stderr: str) -> None:
-    """Holds an exit code and what was said to the contract.
+    """Hold an exit code and what was said to the contract.
 
     Raises:
         Refused: As it should be.

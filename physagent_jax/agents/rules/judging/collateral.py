@@ -52,7 +52,7 @@ _EARLY = 0.05  # [body lengths], and the same in degrees / 100 and strain
 
 
 def check_collateral(view: View) -> list[Check]:
-    """Checks of everything that was not asked for; they name the first expectation, for want of a better one."""
+    """Check of everything that was not asked for; they name the first expectation, for want of a better one."""
     asked = [e for e in view.expectations if e.kind is not MotionKind.STILL]
     if not asked:
         return _check_whole(view) + _check_picture(view, asked) + _check_observed(view)

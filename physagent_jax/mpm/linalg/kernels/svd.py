@@ -141,7 +141,7 @@ def batch_start(number, count):
 
 @njit(**INLINE)
 def _put(array, o, offset, a):
-    """Writes two batches, each ``offset`` from its own place."""
+    """Write two batches, each ``offset`` from its own place."""
     low, high = split(a)
     store(array, o[0] + offset, low)
     store(array, o[1] + offset, high)
