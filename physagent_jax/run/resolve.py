@@ -18,12 +18,11 @@ from physagent_jax.scene.anchor import MASK_BYTES
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.broad_side import find_broad_side
 from physagent_jax.scene.card import ObjectCard, load_card
-from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, Source
+from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, SignedAxis, Source
 from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.fuse import SceneTemplate
 from physagent_jax.scene.level import explain_tilt, level
 from physagent_jax.scene.load import hash_file
-from physagent_jax.scene.mesh_formats import find_prescribed_up
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
     choose_anchor,
@@ -146,7 +145,7 @@ def resolve(
         ) from None
     turned = explain_tilt(source)
     warnings += () if turned is None else (turned,)
-    if (spec.object.up or card.up or find_prescribed_up(path)) is None:
+    if (spec.object.up or card.up or _get_default_up(path)) is None:
         warnings += (
             "the file's up axis is not known: +z assumed; pass --up if the object lies or stands on its head",
         )
@@ -246,10 +245,15 @@ def _make_source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str) -> So
         sha256=sha256,
         name=name,
         kind=kind,
-        up=spec.object.up or card.up or find_prescribed_up(path) or "+z",
+        up=spec.object.up or card.up or _get_default_up(path) or "+z",
         opacity_threshold=spec.object.opacity_threshold,
         extent=spec.object.extent,
     )
+
+
+def _get_default_up(path: Path) -> SignedAxis | None:
+    """The up axis that the format itself prescribes (glTF 2.0, section 3.4: +Y), else None."""
+    return "+y" if path.suffix.lower() in (".glb", ".gltf") else None
 
 
 def _make_camera(choice: CameraChoice, card: ObjectCard, source: Source, domain: Domain) -> CameraConfig:
