@@ -60,9 +60,11 @@ def find_prescribed_up(path: str | Path, encoding: str | None = None) -> SignedA
     Raises:
         UserError: The file cannot be read.
     """
-    found = find_format(read_head(path, what="the object file"), path)
+    head = read_head(path, what="the object file")
+    found = find_format(head, path)
     if found is None:
-        return mesh_formats.find_prescribed_up(path)
+        mesh = mesh_formats.find_mesh_format(head, path)
+        return None if mesh is None else mesh.up
     if isinstance(found, GaussianPly):  # a PLY has no place for it
         return None
     return read_splats(path, encoding=encoding).up

@@ -8,7 +8,7 @@ import pytest
 from physagent_jax.core.errors import UserError
 from physagent_jax.scene.mesh import GRAIN, TONE, gaussians_from_mesh
 from physagent_jax.scene.mesh_files import read_mesh, read_parts
-from physagent_jax.scene.mesh_formats import FORMATS, find_mesh_format, find_prescribed_up
+from physagent_jax.scene.mesh_formats import FORMATS, find_mesh_format
 from physagent_jax.scene.mesh_formats.look import decode_srgb, encode_srgb
 from physagent_jax.scene.surfels import SH_DC, bake_light
 from tests.scene.meshes import QUAD, QUAD_FACES, QUAD_UV, GltfBuilder, one_quad, png
@@ -463,6 +463,5 @@ def test_gltf_prescribes_up_whatever_the_name(suffix, tmp_path):
     """glTF 2.0, section 3.4: +Y is up. OBJ prescribes nothing."""
     builder = GltfBuilder()
     builder.add_node(builder.add_primitive())
-    assert find_prescribed_up(write(tmp_path, f"a{suffix}", builder.glb())) == "+y"
-    assert find_prescribed_up(write(tmp_path, f"b{suffix}", builder.gltf())) == "+y"
-    assert find_prescribed_up(write(tmp_path, f"c{suffix}", TRIANGLE)) is None
+    for content, up in ((builder.glb(), "+y"), (builder.gltf(), "+y"), (TRIANGLE.encode(), None)):
+        assert find_mesh_format(content, write(tmp_path, f"a{suffix}", content)).up == up

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from physagent_jax.core.reading import open_regular
 from physagent_jax.gaussians.formats.ply_header import MOST_BYTES
-from physagent_jax.scene.config.common import SignedAxis
 from physagent_jax.scene.mesh_formats.base import MeshFormat as MeshFormat
 from physagent_jax.scene.mesh_formats.base import MeshPart as MeshPart
 from physagent_jax.scene.mesh_formats.base import Neighbours as Neighbours
@@ -36,23 +35,8 @@ def find_mesh_format(head: bytes, path: str | Path) -> MeshFormat | None:
     """
     with open_regular(path, most=MOST_BYTES, what="the mesh file") as file:
         size = os.fstat(file.fileno()).st_size
-    found = _match(head, size)
+    found = next((each for each in FORMATS if each.matches(head, size)), None)
     if found is not None:
         return found
     suffix = Path(path).suffix.lower()
     return next((each for each in FORMATS if suffix in each.suffixes), None)
-
-
-def find_prescribed_up(path: str | Path) -> SignedAxis | None:
-    """The up axis that a mesh's format prescribes; None = it prescribes none, or the content is no known mesh.
-
-    Raises:
-        UserError: The file cannot be read.
-    """
-    with open_regular(path, most=MOST_BYTES, what="the object file") as file:
-        found = _match(file.read(HEAD_BYTES), os.fstat(file.fileno()).st_size)
-    return None if found is None else found.up
-
-
-def _match(head: bytes, size: int) -> MeshFormat | None:
-    return next((each for each in FORMATS if each.matches(head, size)), None)

@@ -1,4 +1,4 @@
-"""GlTF 2.0, as text and in its binary container GLB.
+"""glTF 2.0, as text and in its binary container GLB.
 
 The loader that reads the other formats takes integer texture coordinates and positions for plain numbers, knows one
 set of texture coordinates, repeats every texture, and drops colours of vertices beside a material. Colours need all

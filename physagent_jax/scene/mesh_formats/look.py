@@ -86,7 +86,7 @@ def decode_srgb(value: np.ndarray) -> np.ndarray:
 
 
 def encode_srgb(value: np.ndarray) -> np.ndarray:
-    """SRGB values of linear light in [0, 1] (IEC 61966-2-1)."""
+    """sRGB values of linear light in [0, 1] (IEC 61966-2-1)."""
     value = np.asarray(value, np.float64)
     return np.where(value <= 0.0031308, 12.92 * value, 1.055 * np.maximum(value, 0) ** (1 / 2.4) - 0.055)
 
