@@ -216,7 +216,7 @@ def test_comparison_with_the_truth(tiny):
     assert left.share_downhill == 1 and left.signal_to_noise > 1
 
 
-def test_the_benchmark_of_distillation_tells_a_prior_that_agrees_from_one_that_does_not(tiny, tmp_path):
+def test_the_benchmark_of_distillation_tells_a_prior_that_agrees_from_one_that_does_not(tiny):
     named = dataclasses.replace(
         tiny, spec=SimpleNamespace(name="tiny", family="push", sentence="push it left")
     )
@@ -227,12 +227,11 @@ def test_the_benchmark_of_distillation_tells_a_prior_that_agrees_from_one_that_d
     assert [row["setting"] for row in rows] == 2 * list(distillation.SETTINGS)
     whole = [row["cosine"] for row in rows if row["setting"] == "whole clip"]
     assert whole[0] > 0.5 and whole[1] < -0.5
-    page = distillation.document(
-        {"cosines": {"runs": [], "complete": True, "rows": rows}}, tmp_path / "a.json", tmp_path / "a.md"
-    )
+    tables = distillation.write_tables({"cosines": {"runs": [], "complete": True, "rows": rows}})
+    page = tables["cosines"]
     agreeing, opposed = page.split("## Right: whole clip\n")
-    assert "| push | 1 |" in agreeing and "| 100 % | 100 % |" in agreeing.split("## Left: whole clip\n")[1]
-    assert "| 0 % | 0 % |" in opposed.split("##")[0]
+    assert "| push | 1 |" in agreeing and "| 100% | 100% |" in agreeing.split("## Left: whole clip\n")[1]
+    assert "| 0% | 0% |" in opposed.split("##")[0]
 
 
 def test_comparison_s_figures():
