@@ -250,7 +250,7 @@ def _measure_far(field: _Field, exact: np.ndarray) -> None:
 
 
 def _choose_neighbours(closest: np.ndarray) -> np.ndarray:
-    """Indices of the neighbours whose closest points are nearest to the nodes (a node may keep its own), shape (nodes,).
+    """Indices of the neighbours with the nearest closest points (a node may keep its own), shape (nodes,).
 
     A neighbour's point is no nearer than the point of the same triangle that is closest to the node itself, so that
     taking over its triangle never loses.
