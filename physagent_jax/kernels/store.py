@@ -76,7 +76,7 @@ def _compile_in(folder: Path | None, signature, function):
 @contextlib.contextmanager
 def _keep_numba_in(folder: Path) -> Iterator[None]:
     """Let Numba look for the files of what is decorated within in ``folder``: a setting of the whole process."""
-    config: Any = numba.config
+    config: Any = numba.config  # type: ignore[attr-defined]
     with global_compiler_lock:
         before = config.CACHE_DIR
         config.CACHE_DIR = str(folder)
