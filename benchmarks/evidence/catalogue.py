@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from benchmarks import distillation, rendering, startup
+from benchmarks import distillation, limits, rendering, startup
 from benchmarks.accuracy import markdown as accuracy
 from benchmarks.executor import markdown as executor
 from benchmarks.first_results import markdown as first_results
@@ -30,6 +30,7 @@ _MODULES = (
     headtohead,
     inverse,
     language,
+    limits,
     perception,
     rendering,
     skipping,

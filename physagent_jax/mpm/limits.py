@@ -17,7 +17,7 @@ THINNEST = 3.0
 The nodes in an obstacle push towards the face that they are nearest to. The first node below a face may lie almost a
 cell deep: with less than twice that it can belong to the far side. Measured with plates at several heights between two
 nodes (docs/limits.md): with 1 and 1.5 cells all or nothing passes, as the nodes lie. At 3 m/s nothing passes 2 cells.
-At 6 m/s, a fall of 1.8 m, up to 24 % passes 2 cells, up to 15 % passes 3 cells and nothing passes 4.
+At 6 m/s, a fall of 1.8 m, up to 25 % passes 2 cells, up to 17 % passes 3 cells and nothing passes 4.
 """
 
 FEWEST_PER_AXIS = 2.0
