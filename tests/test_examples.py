@@ -31,10 +31,12 @@ def test_an_example_finds_what_it_says(path, tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip()
 
 
-def test_the_readme_shows_pictures_that_the_example_makes():
+def test_readme_and_pages_show_pictures_that_the_example_makes():
     readme = (REPOSITORY / "README.md").read_text()
+    page = (REPOSITORY / "docs" / "getting-started.md").read_text()
     source = (REPOSITORY / "examples" / "make_pictures.py").read_text()
     shown = re.findall(r"!\[.+?\]\((docs/images/.+?)\)", readme)
+    shown += [f"docs/{place}" for place in re.findall(r"!\[.+?\]\((images/.+?)\)", page)]
     assert {Path(place).name for place in shown} == {
         "plant.gif",
         "jelly.gif",

@@ -6,12 +6,14 @@ system cannot take and a file that is far too large are each refused in one line
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import math
 import os
 import re
 import stat
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
 
@@ -75,12 +77,36 @@ def open_regular(path: str | Path, *, most: int, what: str = "the file") -> io.B
         raise UserError(f"cannot read {what} {shown}", got=reason, do="Check the path") from None
     status = os.fstat(handle)
     if stat.S_ISREG(status.st_mode) and status.st_size <= most:
-        return os.fdopen(handle, "rb")
+        return io.BufferedReader(_RegularFile(handle, f"{what} {shown}"))
     os.close(handle)
     if stat.S_ISREG(status.st_mode):
         raise _make_size_error(what, shown, status.st_size, most)
     kind = next((name for holds, name in _KINDS if holds(status.st_mode)), "no regular file")
     raise UserError(f"cannot read {what} {shown}", got=kind, do="Give a regular file")
+
+
+class _RegularFile(io.FileIO):
+    """A file whose failures to be read are a `UserError`, whoever reads it and when."""
+
+    def __init__(self, handle: int, shown: str):
+        super().__init__(handle, "rb")
+        self._shown = shown
+
+    def readinto(self, buffer: Any) -> int | None:
+        with self._explaining():
+            return super().readinto(buffer)
+
+    def readall(self) -> bytes | None:
+        with self._explaining():
+            return super().readall()
+
+    @contextlib.contextmanager
+    def _explaining(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            reason = error.strerror or error
+            raise UserError(f"cannot read {self._shown}", got=reason, do="Check the disk") from None
 
 
 def check_regular(path: str | Path, *, most: int, what: str = "the file") -> int:
@@ -92,15 +118,10 @@ def check_regular(path: str | Path, *, most: int, what: str = "the file") -> int
 def read_bytes(path: str | Path, *, most: int, what: str = "the file") -> bytes:
     """A file's bytes; raises as `open_regular`."""
     with open_regular(path, most=most, what=what) as file:
-        try:
-            told = os.fstat(file.fileno()).st_size
-            data = file.read(told + 1)  # not `most`: as much memory would be taken at once
-            if len(data) > told:
-                data += file.read(most + 1 - len(data))
-        except OSError as error:
-            raise UserError(
-                f"cannot read {what} {shorten(path)}", got=error.strerror or error, do="Check the disk"
-            ) from None
+        told = os.fstat(file.fileno()).st_size
+        data = file.read(told + 1)  # not `most`: as much memory would be taken at once
+        if len(data) > told:
+            data += file.read(most + 1 - len(data))
     if len(data) > most:  # the system told another size, as for what it makes up while it is read
         raise _make_size_error(what, shorten(path), len(data), most)
     return data

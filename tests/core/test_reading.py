@@ -188,3 +188,15 @@ def test_names_are_near_whatever_their_case_and_hyphens():
     assert "`wet_sand`" in suggest("Wet-Snad", ["wet_sand", "steel", "jelly"])
     assert suggest("qqqq", ["a", "b"]) == "Known: a, b."
     assert suggest("qqqq", map(str, range(50))) == ""
+
+
+@pytest.mark.skipif(not Path("/proc/self/mem").exists(), reason="needs a file that opens and cannot be read")
+def test_a_file_that_opens_and_cannot_be_read_is_refused_whoever_reads_it():
+    """As on a broken disk: the memory of a process is a regular file whose first page nobody has."""
+    with (
+        reading.open_regular("/proc/self/mem", most=100) as file,
+        pytest.raises(UserError, match="cannot read the file"),
+    ):
+        file.read(10)
+    with pytest.raises(UserError, match="cannot read the mask /proc/self/mem .*Check the disk"):
+        reading.read_bytes("/proc/self/mem", most=100, what="the mask")

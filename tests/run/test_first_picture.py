@@ -61,10 +61,10 @@ def test_an_object_of_ordinary_gaussians_is_let_through(ball):
 @pytest.mark.parametrize(
     ("cloud", "words", "do"),
     [
-        (cloud_of(BALL, scale=1.0), "fills perception's picture.*100% of the border", "logarithms"),
+        (cloud_of(BALL, scale=0.42), "fills perception's picture.*100% of the border", "logarithms"),
         (cloud_of(BALL, scale=0.03, opacity=0.0039), "fainter than 0.0039", "--opacity-threshold"),
     ],
-    ids=["as large as the object", "fainter than is drawn"],
+    ids=["nearly as large as the object", "fainter than is drawn"],
 )
 def test_what_cannot_be_measured_is_refused(cloud, words, do, tmp_path):
     choice = dict(path=str(tmp_path / "object.ply"), opacity_threshold=0.0)
@@ -146,12 +146,12 @@ def test_a_prompt_without_a_point_on_the_object_is_refused(ball):
 
 
 def test_run_and_plan_refuse_before_anything_is_simulated(tmp_path, capsys):
-    write_ply(tmp_path / "blob.ply", cloud_of(BALL, scale=1.0))
+    write_ply(tmp_path / "blob.ply", cloud_of(BALL, scale=0.42))
     line = [
         "--object",
         str(tmp_path / "blob.ply"),
         "--prompt",
-        "push it to the left",
+        "twist it",
         "--out",
         str(tmp_path / "out"),
     ]
@@ -159,7 +159,7 @@ def test_run_and_plan_refuse_before_anything_is_simulated(tmp_path, capsys):
     said = capsys.readouterr().err
     assert "fills perception's picture" in said and "simulating" not in said and "Traceback" not in said
     assert not (tmp_path / "out").exists()
-    assert main(["plan", "push it to the left", "--object", str(tmp_path / "blob.ply")]) == 2
+    assert main(["plan", "twist it", "--object", str(tmp_path / "blob.ply")]) == 2
     assert "fills perception's picture" in capsys.readouterr().err
 
 
