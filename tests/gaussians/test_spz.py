@@ -126,9 +126,20 @@ def test_a_stream_of_version_4_that_unpacks_to_more_is_refused(tmp_path):
         (spz(2, [], count=0), "holds no Gaussians"),
         (spz(2, [BASE], degree=5), "degree 5"),
         (spz(7, [BASE]), "version 7"),
-        (gzip.compress(b"NGSP"), "no header"),
+        (gzip.compress(b"NGSP", mtime=0), "no header"),
         (b"NGSP" + bytes(8), "no header"),
         (b"NGSP" + struct.pack("<I", 5) + bytes(30), "version 5"),
+    ],
+    ids=[
+        "cut",
+        "four billion announced",
+        "one too many announced",
+        "none",
+        "degree",
+        "version",
+        "no header",
+        "no version",
+        "version 5",
     ],
 )
 def test_damage_is_refused_in_one_line(tmp_path, content, message):
