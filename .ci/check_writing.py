@@ -34,9 +34,7 @@ def find_docstring_faults(source: str) -> Iterator[tuple[int, str]]:
             continue
         line = getattr(node, "lineno", 1)
         lines = text.splitlines()
-        is_function = isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
-        head = _HEAD.match(lines[0])
-        if head and not (is_function and head[1] == "Whether"):
+        if _HEAD.match(lines[0]):
             yield line, f"the head does not name the thing: {lines[0]!r}"
         for each in lines:
             if _GENITIVE.match(each):

@@ -430,7 +430,7 @@ def find_tangents(vector: np.ndarray) -> np.ndarray:
 
 
 def are_near(a: ForceField, b: ForceField) -> bool:
-    """Whether the steps that `simulate` took for ``b`` serve ``a``: all is the same but |M| v, and that by `NEAR`."""
+    """Return whether the steps that `simulate` took for ``b`` serve ``a``: all but |M| v is equal, that by `NEAR`."""
     if _bare(a) != _bare(b):
         return False
     entries = [(*field.actions, *field.constraints) for field in (a, b)]

@@ -50,7 +50,7 @@ class Fitter:
     """Fits numbers of structures to a task's target by superposed responses, sixteen side by side."""
 
     def __init__(self, evaluator: Evaluator, responses: Responses):
-        """Whether neighbours part is not asked: superposition does not know."""
+        """Return whether neighbours part is not asked: superposition does not know."""
         self.evaluator, self.responses = evaluator, responses
         target = evaluator.task.target
         clauses = tuple(each for each in target.clauses if not isinstance(each, Integrity))

@@ -86,12 +86,12 @@ class LocalMethod(OracleMethod):
 
     @property
     def stochastic(self) -> bool:
-        """Whether anything may be drawn."""
+        """Return whether anything may be drawn."""
         return self.hops > 0 or self._draws
 
     @property
     def _draws(self) -> bool:
-        """Whether there are ever new starts."""
+        """Return whether there are ever new starts."""
         return self.starts > 1 or self.numbers == "random" or self.types in ("enumerated", "responses")
 
     def __post_init__(self):

@@ -46,7 +46,7 @@ class Score:
 
     @property
     def failed(self) -> bool:
-        """Whether there is nothing to go by."""
+        """Return whether there is nothing to go by."""
         return not np.isfinite(self.loss)
 
 

@@ -67,7 +67,7 @@ OBJECTS = {
 
 
 def is_available(name: str, data: Path | None) -> bool:
-    """Whether an object can be had with this folder of data.
+    """Return whether an object can be had with this folder of data.
 
     Raises:
         UserError: There is no such object.

@@ -120,12 +120,12 @@ class Method:
 
     @property
     def oracle(self) -> bool:
-        """Whether it reads true particles, which nothing but a simulator can know."""
+        """Return whether it reads true particles, which nothing but a simulator can know."""
         return False
 
     @property
     def stochastic(self) -> bool:
-        """Whether another seed may give another result."""
+        """Return whether another seed may give another result."""
         return False
 
     def search(self, evaluator: Evaluator) -> None:

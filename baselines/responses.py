@@ -171,7 +171,7 @@ def _respond(evaluator: Evaluator, skill: Skill, slot: Slot, axis: np.ndarray) -
 
 
 def _adds_up(skill: Skill) -> bool:
-    """Whether acting for longer is acting for a short time again and again."""
+    """Return whether acting for longer is acting for a short time again and again."""
     return skill in (ActionType.TRANSLATION, ActionType.TORQUE)
 
 

@@ -89,7 +89,7 @@ class TaskSpec(Strict):
 
     @property
     def smooth(self) -> bool:
-        """Whether nothing comes to touch, or leaves, the ground: the object floats in a free world, or it is held.
+        """Return whether nothing touches or leaves the ground: the object floats in a free world, or it is held.
 
         There the motion changes smoothly with the force field, and gradients can be expected to serve. All materials of
         tasks are elastic, so that nothing has to break either.

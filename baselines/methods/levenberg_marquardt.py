@@ -57,7 +57,7 @@ class LevenbergMarquardt(LocalMethod):
 
     @property
     def _told(self) -> bool:
-        """Whether directions are worked out already."""
+        """Return whether directions are worked out already."""
         return self.types == "responses"
 
     def descend(self, evaluator: Evaluator, start: ForceField, budget: float) -> Descent:

@@ -55,7 +55,7 @@ class Row:
 
     @property
     def within(self) -> bool:
-        """Whether every error that has a bar is within it."""
+        """Return whether every error that has a bar is within it."""
         return not self.failed and all(abs(self.errors[name]) <= bar for name, bar in self.bars.items())
 
 

@@ -21,12 +21,12 @@ def hash_sources(sources: Sequence[str], revision: str | None = None) -> dict[st
 
 
 def is_known(revision: str) -> bool:
-    """Whether the repository has a commit."""
+    """Return whether the repository has a commit."""
     return _run("cat-file", "-e", f"{revision}^{{commit}}") is not None
 
 
 def is_checkout() -> bool:
-    """Whether this is a git checkout with all of its history."""
+    """Return whether this is a git checkout with all of its history."""
     return (_run("rev-parse", "--is-shallow-repository") or b"").strip() == b"false"
 
 

@@ -45,7 +45,7 @@ def read_remarks(path: Path = SEEN) -> dict[str, Remark]:
 
 
 def find_view(row: Row, remarks: Remarks) -> tuple[str, str]:
-    """Whether the viewer agrees with the sentence, and the remark; `UNSEEN` if nobody looked at this very video."""
+    """Return whether the viewer agrees with the sentence, and the remark; `UNSEEN` if nobody looked at this video."""
     remark = remarks.get(row["case"])
     if remark is None or remark.video != row["video"]:
         return UNSEEN, ""

@@ -25,7 +25,7 @@ def import_pyplot() -> Any:
 
 
 def can_plot() -> bool:
-    """Whether figures can be drawn; where they cannot, this is said, before anything is measured."""
+    """Return whether figures can be drawn; where they cannot, this is said, before anything is measured."""
     try:
         import_pyplot()
     except UserError as error:

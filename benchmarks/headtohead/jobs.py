@@ -205,7 +205,7 @@ def check(row: Row, spec: TaskSpec, data: Path | None) -> list[Row]:
 
 
 def verify(row: Row, task: Task) -> list[Row]:
-    """Whether a stored force field is still judged as its row says, by the target that it was made for."""
+    """Return whether a stored force field is still judged as its row says, by the target that it was made for."""
     stored = row["marks"][-1]
     again = judge_field(ForceField.model_validate(stored["force_field"]), task)
     same_target = row["target_hash"] == task.spec.target_hash

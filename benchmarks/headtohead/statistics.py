@@ -57,7 +57,7 @@ def average_tasks(rows: Rows, mark: float) -> dict[str, tuple[str, float, float]
 
 
 def is_measured(rows: Rows, mark: float) -> bool:
-    """Whether every task of these rows has a fit that had the budget."""
+    """Return whether every task of these rows has a fit that had the budget."""
     return average_tasks(rows, mark).keys() == {row["task"] for row in rows}
 
 

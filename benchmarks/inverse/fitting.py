@@ -116,7 +116,7 @@ def descend_in_stages(
 
 
 def is_solved(loss: float, count: int) -> bool:
-    """Whether ``count`` residuals are as small as exact tracks make them."""
+    """Return whether ``count`` residuals are as small as exact tracks make them."""
     return loss <= 0.5 * count * SOLVED**2
 
 

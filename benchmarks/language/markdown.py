@@ -81,7 +81,7 @@ def _count_groups(rows: Rows) -> Rows:
 
 
 def _state_requirement(rows: Sequence[Row]) -> str:
-    """Whether few enough of the sentences held back are silently wrong, all together and by each author."""
+    """Return whether few enough of the sentences held back are silently wrong, all together and by each author."""
     held = [row for row in rows if row["split"] == "test"]
     told = []
     for author in (None, *dict.fromkeys(row["author"] for row in held)):

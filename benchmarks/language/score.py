@@ -238,7 +238,7 @@ def _is_part_right(clause: Clause, motion: ExpectedMotion, brief: SceneBrief) ->
 
 
 def _is_time_right(clause: Clause, motion: ExpectedMotion, reply: SemanticReply, brief: SceneBrief) -> bool:
-    """Whether the cause, or the motion where gravity is the cause, has the length, start and end that are told."""
+    """Return whether the cause, or the motion where gravity is the cause, has the told length, start and end."""
     length, start, end = clause.span
     if clause.span == (None, None, None):
         return True
@@ -294,6 +294,6 @@ def _is_world_right(reading: Reading, reply: SemanticReply, brief: SceneBrief) -
 
 
 def _is_anchor_right(reading: Reading, reply: SemanticReply, brief: SceneBrief) -> bool:
-    """Whether the hold is the one that is expected; the usual one need not be named."""
+    """Return whether the hold is the one that is expected; the usual one need not be named."""
     usual = "base" if brief.anchored else "none"
     return (reply.anchor.kind or usual) == (reading.anchor or usual)

@@ -129,7 +129,7 @@ class Fields:
 
     @ti.func
     def has_stencil(self, g):
-        """Whether all 27 nodes exist; false also for what is not a number."""
+        """Return whether all 27 nodes exist; false also for what is not a number."""
         return g.min() >= 0.5 and g.max() < self.cells - 0.5 and g.sum() == g.sum()
 
     @ti.func

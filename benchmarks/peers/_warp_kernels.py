@@ -35,7 +35,7 @@ def spline_slope(g: float, base: int) -> wp.vec3:
 
 @wp.func
 def has_stencil(g: wp.vec3, cells: int) -> bool:
-    """Whether all 27 nodes exist; false also for a position that is not a number."""
+    """Return whether all 27 nodes exist; false also for a position that is not a number."""
     low, high = wp.min(g), wp.max(g)
     # A minimum may skip a component that is not a number, a sum does not.
     total = g[0] + g[1] + g[2]

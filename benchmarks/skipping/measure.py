@@ -43,7 +43,7 @@ def row(skip: Skip, sizes: Sizes) -> dict[str, Any]:
 
 
 def judge(skip: Skip, lean: Any, full: Any) -> dict[str, Any]:
-    """Whether two answers agree; the row's columns of it. Infinite differences are None."""
+    """Return whether two answers agree; the row's columns of it. Infinite differences are None."""
     if skip.errors:
         errors = {f"{name}_error": float(answer["error"]) for name, answer in zip(WAYS, (lean, full))}
         good = abs(errors["lean_error"]) <= skip.tolerance

@@ -244,7 +244,7 @@ def _check_deformation(book: _Book, frame: Frame, result: Result) -> None:
 
 
 def _has_own_range(material: str) -> bool:
-    """Whether the return mapping keeps det F within the law's own range."""
+    """Return whether the return mapping keeps det F within the law's own range."""
     return material in (*FLUID, "snow", "sand", "wet-sand")
 
 

@@ -69,7 +69,7 @@ class Critical:
 
     @property
     def good(self) -> bool:
-        """Whether the bound is safe."""
+        """Return whether the bound is safe."""
         return self.ratio >= REQUIRED
 
 

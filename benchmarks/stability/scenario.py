@@ -79,7 +79,7 @@ class Scenario:
 
     @property
     def refusable(self) -> bool:
-        """Whether the step rule asks for more than the bound allows, so that it has to be refused."""
+        """Return whether the step rule asks for more than the bound allows, so that it has to be refused."""
         return self.step[0] == "bound" and self.step[1] > 1 and not self.forced
 
 

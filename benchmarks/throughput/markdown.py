@@ -92,7 +92,7 @@ def _write_targets(result: dict, parts: dict[str, Rows]) -> str:
 
 
 def _compare_errors(rows: Rows) -> str:
-    """Whether the job, for all its longer steps, is as accurate as Warp's."""
+    """Return whether the job, for all its longer steps, is as accurate as Warp's."""
     found = {
         row["code"]: row["error"] for row in rows if row["group"] == "error" and row["error"] is not None
     }

@@ -117,7 +117,7 @@ def _make_clip_cells(row: Row, ours: Row | None) -> list[str]:
 
 
 def _judge_reference(reference: Rows, timed: Rows) -> str:
-    """Whether the reference is one, for the errors that are compared."""
+    """Return whether the reference is one, for the errors that are compared."""
     errors = [row["error"] for row in timed if row["error"]]
     changes = [row["change"] for row in reference if row["change"] is not None]
     if not errors or not changes:

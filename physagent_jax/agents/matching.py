@@ -80,7 +80,7 @@ def list_causes(force_field: ForceField) -> list[Cause]:
 
 
 def overlaps(cause: Cause, window: tuple[float, float]) -> bool:
-    """Whether a cause acts inside a window; absent times mean the whole clip."""
+    """Return whether a cause acts inside a window; absent times mean the whole clip."""
     if cause.item.active_time is None:
         return True
     first, last = cause.item.active_time
@@ -88,14 +88,14 @@ def overlaps(cause: Cause, window: tuple[float, float]) -> bool:
 
 
 def share_time(one: ExpectedMotion, other: ExpectedMotion) -> bool:
-    """Whether two expected motions share a part of their windows."""
+    """Return whether two expected motions share a part of their windows."""
     return one.window[0] < other.window[1] and one.window[1] > other.window[0]
 
 
 def is_thrown_up(
     expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion], brief: SceneBrief
 ) -> bool:
-    """Whether it leaps or is thrown upwards and is to come down again."""
+    """Return whether it leaps or is thrown upwards and is to come down again."""
     if not expectation.sudden or expectation.direction is None:
         return False
     upwards = cosine(expectation.direction, brief.directions.up) > _ALIGNED
@@ -155,7 +155,7 @@ def find_misfits(
 
 
 def _moves_ends(cause: Cause) -> MotionKind | None:
-    """Whether a constraint moves an end of the object outwards or inwards; None = neither."""
+    """Return whether a constraint moves an end of the object outwards or inwards; None = neither."""
     if cause.type is ConstraintType.MOVING_PLATE:
         return MotionKind.SQUEEZE
     region = cause.item.region
@@ -201,7 +201,7 @@ def find_strays(expectations: Sequence[ExpectedMotion], force_field: ForceField)
 
 
 def _brakes(cause: Cause, serving: Sequence[Cause]) -> bool:
-    """Whether it begins where one of ``serving`` ends, and acts against it."""
+    """Return whether it begins where one of ``serving`` ends, and acts against it."""
     if cause.item.active_time is None:
         return False
     begin = cause.item.active_time[0]
@@ -214,7 +214,7 @@ def _brakes(cause: Cause, serving: Sequence[Cause]) -> bool:
 
 
 def agrees(cause: Cause, expectation: ExpectedMotion) -> bool:
-    """Whether a cause drives the motion the way that the sentence says (its sign, for stretch and squeeze)."""
+    """Return whether a cause drives the motion the way that the sentence says (its sign, for stretch and squeeze)."""
     if expectation.kind in _AXIAL:
         if cause.group == "constraints":
             return _moves_ends(cause) is expectation.kind

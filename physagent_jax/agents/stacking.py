@@ -42,17 +42,17 @@ def find_room(cause: Cause, others: Sequence[Cause], last: float) -> tuple[float
 
 
 def fits(room: float, magnitude: float) -> bool:
-    """Whether a magnitude stays inside the room that there is."""
+    """Return whether a magnitude stays inside the room that there is."""
     return abs(magnitude) <= room + 1e-6
 
 
 def has_room(room: float) -> bool:
-    """Whether the weakest action still fits."""
+    """Return whether the weakest action still fits."""
     return room >= MAGNITUDE_MIN - 1e-9
 
 
 def acts_alike(one: Cause, other: Cause) -> bool:
-    """Whether two entries are of one kind, along one line, and on the same particles."""
+    """Return whether two entries are of one kind, along one line, and on the same particles."""
     kinds = [_ONE_KIND.get(c.type, c.type) for c in (one, other)]  # type: ignore[arg-type]
     if kinds[0] is not kinds[1] or abs(cosine(one.item.vector, other.item.vector)) < _PARALLEL:
         return False
@@ -60,7 +60,7 @@ def acts_alike(one: Cause, other: Cause) -> bool:
 
 
 def share_window(one: Cause, other: Cause, last: float) -> bool:
-    """Whether there is an instant in which both act."""
+    """Return whether there is an instant in which both act."""
     (a, b), (c, d) = get_span(one, last), get_span(other, last)
     return a < d and c < b
 
@@ -79,7 +79,7 @@ def _project(cause: Cause, other: Cause) -> float:
 
 
 def do_regions_meet(one: Region | None, other: Region | None) -> bool:
-    """Whether two parts of the object have something in common; looked at on a lattice over its bounding box."""
+    """Return whether two parts of the object have something in common; looked at on a lattice over its bounding box."""
     if one is None or other is None or one == other:
         return True
     lattice = itertools.product(_SAMPLES, _SAMPLES, _SAMPLES)

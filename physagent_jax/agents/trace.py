@@ -49,7 +49,7 @@ class Trace(Strict):
 
     @property
     def is_empty(self) -> bool:
-        """Whether no model took part."""
+        """Return whether no model took part."""
         return self == Trace()
 
     def followed_by(self, later: Trace) -> Trace:

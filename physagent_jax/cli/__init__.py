@@ -107,7 +107,7 @@ def join_options(arguments: list[str]) -> list[str]:
 
 
 def _is_computing(arguments: list[str]) -> bool:
-    """Whether a command needs devices and caches; help texts and schemas come whatever state those are in."""
+    """Return whether a command needs devices and caches; help texts and schemas come whatever state those are in."""
     helped = not arguments or bool({"-h", "--help"} & set(arguments))
     return not helped and arguments[0] not in ("schema", "report", "doctor")
 

@@ -238,5 +238,5 @@ class SkillScaling(Strict):
 
 
 def is_too_short(first: float, last: float) -> bool:
-    """Whether a window of frames is one that single precision hardly tells from none."""
+    """Return whether a window of frames is one that single precision hardly tells from none."""
     return last - first < max(1e-3, 1e-6 * last)

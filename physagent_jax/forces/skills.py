@@ -290,7 +290,7 @@ def _get_skill(action: Action, scaling: SkillScaling, bound: _Bound, stroke: Str
 
 
 def _is_turned_meanwhile(action: Action, field: ForceField) -> bool:
-    """Whether a torque acts at the same time."""
+    """Return whether a torque acts at the same time."""
     first, last = action.active_time or (0.0, np.inf)
     spans = [a.active_time or (0.0, np.inf) for a in field.actions if a.action_type is ActionType.TORQUE]
     return any(begin < last and end > first for begin, end in spans)

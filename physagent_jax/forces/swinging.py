@@ -93,7 +93,7 @@ def _find_way(action: Action) -> np.ndarray:
 
 
 def _follows(before: Action, action: Action) -> bool:
-    """Whether a push begins where another ends, along the same line."""
+    """Return whether a push begins where another ends, along the same line."""
     assert before.active_time is not None and action.active_time is not None
     late = action.active_time[0] - before.active_time[1]
     same = before.region == action.region
@@ -102,7 +102,7 @@ def _follows(before: Action, action: Action) -> bool:
 
 
 def _swings(actions: Sequence[Action]) -> bool:
-    """Whether each goes against the one before, and they give back what they took."""
+    """Return whether each goes against the one before, and they give back what they took."""
     ways = [_find_way(action) for action in actions]
     if len(actions) < LEAST_PUSHES or any(a @ b > 0 for a, b in zip(ways, ways[1:])):
         return False

@@ -65,7 +65,7 @@ def find_platform() -> str:
 
 
 def use_cpu(kernels: Kernels | None = None) -> bool:
-    """Whether the CPU kernels are to be used; None = as `use_kernels` says.
+    """Return whether the CPU kernels are to be used; None = as `use_kernels` says.
 
     Raises:
         UserError: "cpu" is asked for, and not to be had.

@@ -51,7 +51,7 @@ def _find_account(typing):
 
 @njit(**OPTIONS)
 def is_resting():
-    """Whether no helpers are asked at present."""
+    """Return whether no helpers are asked at present."""
     until = read_shared(_find_account(), UNTIL)
     return until != 0 and read_clock() < until
 

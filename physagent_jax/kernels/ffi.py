@@ -173,7 +173,7 @@ def find_word(builder, address, index):
 
 @njit(**NO_WRAPPERS)
 def answer_query(frame):
-    """Whether the call only asked for the handler's API version, which it then has got."""
+    """Return whether the call only asked for the handler's API version, which it then has got."""
     extension = read_word(frame, _FRAME_EXTENSION)
     if extension == 0 or (read_word(extension, _EXTENSION_TYPE) & 0xFFFFFFFF) != _METADATA:
         return False

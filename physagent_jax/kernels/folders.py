@@ -36,7 +36,7 @@ def make_private_folder(*parts: str, base: Path | None = None) -> Path:
 
 
 def is_usable(folder: Path) -> bool:
-    """Whether ``folder`` could be made, is ours alone and can be written to."""
+    """Return whether ``folder`` could be made, is ours alone and can be written to."""
     try:
         folder.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         folder.mkdir(exist_ok=True, mode=0o700)

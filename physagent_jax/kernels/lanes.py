@@ -398,7 +398,7 @@ def exp(typing, a):
 
 @intrinsic
 def any_greater(typing, a, b):
-    """Whether a > b in any lane."""
+    """Return whether a > b in any lane."""
 
     def generate(context, builder, signature, arguments):
         mask = builder.fcmp_ordered(">", arguments[0], arguments[1])

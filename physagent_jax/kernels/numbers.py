@@ -85,7 +85,7 @@ def _ln2_low(typing, number):
 
 @intrinsic
 def _is_double(typing, number):
-    """Whether a number is float64, known as the code is compiled."""
+    """Return whether a number is float64, known as the code is compiled."""
     wide = number.bitwidth == 64
     return types.boolean(number), lambda context, builder, signature, arguments: ir.IntType(1)(int(wide))
 

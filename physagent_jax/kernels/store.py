@@ -31,7 +31,7 @@ _SEAL = "seal.json"
 
 
 def is_stored(target: str) -> bool:
-    """Whether a target has been compiled from these sources on this machine."""
+    """Return whether a target has been compiled from these sources on this machine."""
     return _is_sealed(find_folder() / target)
 
 
@@ -92,7 +92,7 @@ def seal(folder: Path) -> None:
 
 
 def _is_sealed(folder: Path) -> bool:
-    """Whether all files of a folder are as they were written."""
+    """Return whether all files of a folder are as they were written."""
     try:
         return json.loads((folder / _SEAL).read_bytes()) == _compute_digests(folder)
     except (OSError, ValueError, RecursionError):

@@ -123,7 +123,7 @@ def _count_particles(material: Any) -> int:
 
 
 def _is_nothing(value: Any) -> bool:
-    """Whether it is known to be zero before anything is traced, so that it can be skipped."""
+    """Return whether it is known to be zero before anything is traced, so that it can be skipped."""
     return value is None or (isinstance(value, float | int) and value == 0)
 
 

@@ -69,7 +69,7 @@ def _find_fault(model: Model, health: Health, bound: float) -> tuple[Fault | Non
 
 
 def is_hopeless(breaches: Sequence[Breach], substeps: int, fixed: bool) -> bool:
-    """Whether a frame is to be given up after these attempts, the last one with so many substeps."""
+    """Return whether a frame is to be given up after these attempts, the last one with so many substeps."""
     crushes = sum(breach.fault is Fault.CRUSHED for breach in breaches)
     spent = len(breaches) > MAX_RETRIES or crushes >= MAX_CRUSHES or 2 * substeps > MAX_SUBSTEPS
     return spent or (fixed and breaches[-1].fault is not Fault.LEFT)

@@ -66,7 +66,7 @@ class Health:
         )
 
     def is_good(self, model: Model) -> jax.Array:
-        """Whether the substeps so far can be trusted."""
+        """Return whether the substeps so far can be trusted."""
         upright = (self.min_J > 0) & (self.min_increment > 0)
         slow = self.max_speed * model.dt < model.grid.dx
         return self.finite & upright & slow & (self.outside == 0)

@@ -86,7 +86,7 @@ def normalise(direction: Any) -> Any:
 
 
 def _is_number(field: dataclasses.Field, value: Any) -> bool:
-    """Whether a field's value is one that may be varied."""
+    """Return whether a field's value is one that may be varied."""
     if value is None or not jnp.issubdtype(getattr(value, "dtype", float), jnp.floating):
         return False
     marks = dict(field.metadata)

@@ -82,5 +82,5 @@ def find_acting(model: Model, begin: float, end: float) -> Acting:
 
 
 def _meet(windows: Windows, begin: float, end: float) -> bool:
-    """Whether there are no windows, or one of them meets [begin, end]."""
+    """Return whether there are no windows, or one of them meets [begin, end]."""
     return not windows or any(np.any((start <= end) & (stop >= begin)) for start, stop in windows)

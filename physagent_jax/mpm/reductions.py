@@ -49,7 +49,7 @@ def max_devices(value: jax.Array, axis: str | None) -> jax.Array:
 
 
 def all_devices(value: jax.Array, axis: str | None) -> jax.Array:
-    """Whether the boolean ``value`` is true on all devices along ``axis``."""
+    """Return whether the boolean ``value`` is true on all devices along ``axis``."""
     return value if _check_axis(axis) is None else sum_devices((~value).astype(jnp.int32), axis) == 0
 
 

@@ -117,7 +117,7 @@ class ParticleLayout:
 
     @cached_property
     def real(self) -> np.ndarray:
-        """Whether it is that particle itself and not a twin, shape (places,)."""
+        """Return whether it is that particle itself and not a twin, shape (places,)."""
         return self._join([np.arange(len(self._fill_block(count))) < count for count in self.counts])
 
     def split(self, model: Model, state: State) -> tuple[Model, State]:

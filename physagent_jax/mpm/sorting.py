@@ -74,7 +74,7 @@ def _sample_pairs(order: np.ndarray | None, count: int) -> np.ndarray:
 
 
 def _has_particle_fields(forces: tuple[Any, ...], count: int) -> bool:
-    """Whether a force has numbers per particle; or may have, of which it does not say so: as long as there are any."""
+    """Return whether a force has numbers per particle, or may have: an unmarked array as long as there are any."""
 
     def own(path, leaf):
         return find_owner(forces, path) == "particle" or (jnp.ndim(leaf) > 0 and len(leaf) == count)

@@ -122,17 +122,17 @@ class Segmenter(Backend, Protocol):
 
     @property
     def needs_prompt(self) -> bool:
-        """Whether it must be told where the object is; without a prompt, `perceive` then makes one."""
+        """Return whether it must be told where the object is; without a prompt, `perceive` then makes one."""
         return False
 
     @property
     def takes_prompt(self) -> bool:
-        """Whether it can be told; a run that has a prompt for one that cannot is refused before it begins."""
+        """Return whether it can be told; a run that has a prompt for one that cannot is refused before it begins."""
         return self.needs_prompt
 
     @property
     def takes_depth(self) -> bool:
-        """Whether it looks at depth too: `perceive` then passes it as ``depth``; others get pictures alone."""
+        """Return whether it looks at depth too: `perceive` then passes it as ``depth``; others get pictures alone."""
         return False
 
     def segment(

@@ -19,7 +19,7 @@ LEAST_EXTENT = 0.5
 
 
 def touches_border(mask: np.ndarray) -> bool:
-    """Whether the object reaches the picture's border."""
+    """Return whether the object reaches the picture's border."""
     return bool(mask[0].any() or mask[-1].any() or mask[:, 0].any() or mask[:, -1].any())
 
 

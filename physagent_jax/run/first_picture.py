@@ -59,7 +59,7 @@ def draw_first_picture(config: SceneConfig, body: Body) -> RenderedImage:
 
 
 def is_in_doubt(body: Body) -> bool:
-    """Whether an object could fill the picture of a camera placed for it, or not show: found without a picture."""
+    """Return whether an object could fill the picture of its camera, or not show: found without a picture."""
     opacities, scales = np.asarray(body.cloud.opacities), np.asarray(body.cloud.scales)
     shown = opacities >= ALPHA_MIN
     if not shown.any():

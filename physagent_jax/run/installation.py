@@ -107,7 +107,7 @@ def parse_requirement(text: str) -> Requirement | None:
 
 
 def is_allowed(version: str, clauses: Iterable[tuple[str, str]]) -> bool:
-    """Whether a version passes all comparisons; only its release counts ("2.6.0+cu124" is 2.6)."""
+    """Return whether a version passes all comparisons; only its release counts ("2.6.0+cu124" is 2.6)."""
     return all(_COMPARISONS[sign](*_align(version, other)) for sign, other in clauses)
 
 

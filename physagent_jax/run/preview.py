@@ -108,7 +108,7 @@ def write_preview(path: Path, picture: np.ndarray, *, overwrite: bool = False) -
 
 
 def is_preview(path: Path) -> bool:
-    """Whether a file is a picture that `write_preview` has written."""
+    """Return whether a file is a picture that `write_preview` has written."""
     try:
         with path.open("rb") as file:
             return MARK in file.read(256)

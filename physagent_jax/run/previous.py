@@ -18,7 +18,7 @@ _ASIDE = ".previous"
 
 
 def exists(path: Path) -> bool:
-    """Whether a replaced run is kept in the run folder ``path``."""
+    """Return whether a replaced run is kept in the run folder ``path``."""
     return (path / _ASIDE / MANIFEST).is_file()
 
 

@@ -67,7 +67,7 @@ class ResolvedRun:
 
     @property
     def frames_fixed(self) -> bool:
-        """Whether the clip's length is the user's, whatever the sentence asks for."""
+        """Return whether the clip's length is the user's, whatever the sentence asks for."""
         return self.spec.overrides.frame_count is not None
 
     def place(self, body: Body, reply: SemanticReply | None = None) -> tuple[SceneTemplate, tuple[str, ...]]:
@@ -247,7 +247,7 @@ def _choose_damping_ratio(spec: RunSpec, kind: str, preset: Preset, material: Ma
 
 
 def _stands(spec: RunSpec, anchor: Anchor) -> bool:
-    """Whether nothing but the ground holds the object up."""
+    """Return whether nothing but the ground holds the object up."""
     return spec.world == "ground" and anchor.kind == "none"
 
 

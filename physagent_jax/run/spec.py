@@ -88,7 +88,7 @@ class MaterialChoice(Strict):
 
     @property
     def says_stiffness(self) -> bool:
-        """Whether somebody has chosen how stiff it is."""
+        """Return whether somebody has chosen how stiff it is."""
         return any(each is not None for each in (self.name, self.physgm, self.soften, self.youngs_modulus))
 
 

@@ -77,7 +77,7 @@ def frame_camera(
 
 
 def shows_points(points: np.ndarray, camera: CameraConfig, rendering: Rendering) -> bool:
-    """Whether ``points``, shape (m, 3) [m], all lie in the picture of a camera that has been placed."""
+    """Return whether ``points``, shape (m, 3) [m], all lie in the picture of a camera that has been placed."""
     assert camera.target is not None
     local = (points - np.asarray(camera.target)) @ _find_axes(camera)
     reach = _find_half_picture(camera, rendering) * (camera.distance + local[:, 2:])

@@ -138,7 +138,7 @@ def _march_forward(cells: np.ndarray, direction: int) -> np.ndarray:
 
 
 def _find_wall_ahead(wall: np.ndarray, direction: int) -> np.ndarray:
-    """Whether a wall lies strictly ahead of each cell."""
+    """Return whether a wall lies strictly ahead of each cell."""
     ahead = np.zeros_like(wall)
     backwards = _march_forward(wall, direction)[::-1]
     _march_forward(ahead, direction)[::-1][1:] = np.logical_or.accumulate(backwards, axis=0)[:-1]
@@ -146,7 +146,7 @@ def _find_wall_ahead(wall: np.ndarray, direction: int) -> np.ndarray:
 
 
 def _find_odd_ahead(wall: np.ndarray, direction: int) -> np.ndarray:
-    """Whether the number of walls entered from each cell onwards is odd."""
+    """Return whether the number of walls entered from each cell onwards is odd."""
     view = _march_forward(wall, direction)
     entered = view.copy()
     entered[1:] &= ~view[:-1]

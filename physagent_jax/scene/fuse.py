@@ -186,7 +186,7 @@ def damp(template: SceneTemplate, body: Body) -> tuple[Material, str | None]:
 
 
 def stands(template: SceneTemplate, *, drop: bool) -> bool:
-    """Whether the object rests under its own weight when the clip begins, and so much of it that it would be seen.
+    """Return whether the object rests under its own weight when the clip begins, visibly.
 
     What is lifted to be dropped bears nothing yet; a strain of `SEEN_SAG` is not seen.
     """

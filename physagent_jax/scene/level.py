@@ -91,6 +91,6 @@ def find_tilt(points: np.ndarray) -> tuple[float, float] | None:
 
 
 def _is_inside(point: np.ndarray, corners: np.ndarray, normal: np.ndarray) -> bool:
-    """Whether a point of a triangle's plane is in the triangle, corners (3, 3)."""
+    """Return whether a point of a triangle's plane is in the triangle, corners (3, 3)."""
     sides = [np.cross(corners[(i + 1) % 3] - corners[i], point - corners[i]) @ normal for i in range(3)]
     return bool(min(sides) >= 0 or max(sides) <= 0)

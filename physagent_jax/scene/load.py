@@ -103,7 +103,7 @@ def _sample_mesh(path: Path, source: Source) -> LoadedSplats:
 
 
 def _holds_splats(path: Path) -> bool:
-    """Whether a file holds 3D Gaussians rather than a mesh, by its content.
+    """Return whether a file holds 3D Gaussians rather than a mesh, by its content.
 
     Raises:
         UserError: It holds neither.

@@ -44,7 +44,7 @@ _KNOWN = {
 
 
 def is_physgaussian(data: object) -> bool:
-    """Whether decoded JSON looks like a PhysGaussian scene rather than one of ours."""
+    """Return whether decoded JSON looks like a PhysGaussian scene rather than one of ours."""
     telling = {"substep_dt", "frame_num", "n_grid", "grid_lim", "boundary_conditions", "opacity_threshold"}
     return isinstance(data, dict) and "source" not in data and len(telling & data.keys()) >= 2
 

@@ -153,7 +153,7 @@ def _interpolate(values: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def _reach(triangles: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Whether triangles reach into a box."""
+    """Return whether triangles reach into a box."""
     return ((triangles.max(1) >= low) & (triangles.min(1) <= high)).all(1)
 
 

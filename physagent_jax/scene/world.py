@@ -125,7 +125,7 @@ def measure_overhang(feet: np.ndarray, centre: np.ndarray) -> float:
 
 
 def rolls(body: Body) -> bool:
-    """Whether it rolls whichever way it is tipped, rather than rising over the edge of its foot.
+    """Return whether it rolls whichever way it is tipped, rather than rising over the edge of its foot.
 
     Tipped by an angle t over an edge at a distance b, the mass centre rises from h to h cos t + b sin t; on a round
     underside it stays where it is.

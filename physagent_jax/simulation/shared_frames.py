@@ -68,7 +68,7 @@ def find_restart_frames(config: SceneConfig) -> tuple[int, ...]:
 
 
 def is_clock_right(time: float, frame: int, frame_dt: float) -> bool:
-    """Whether a state's clock ``time`` [s] is so near its frame's that `CLOCK_SLACK` makes up for the rest."""
+    """Return whether a state's clock ``time`` [s] is so near its frame's that `CLOCK_SLACK` makes up for the rest."""
     return abs(time - frame * frame_dt) < 0.25 * CLOCK_SLACK * frame_dt
 
 

@@ -114,7 +114,7 @@ def _share_frames(
 def _is_worth_keeping(
     scene: CompiledScene, frame: Frame, outputs: list[FrameOutput], restarts: dict[int, Frame]
 ) -> bool:
-    """Whether a later scene may go on from ``frame``: memory allows it, and the clock is as `shared_frames` assumes."""
+    """Return whether a later scene may go on from ``frame``: memory allows it, the clock is that of `shared_frames`."""
     state_bytes = sum(leaf.nbytes for leaf in jax.tree.leaves(frame.state))
     needed = len(outputs) * outputs[0].nbytes + (len(restarts) + 1) * state_bytes
     timing = scene.config.timing

@@ -223,7 +223,7 @@ def test_holds_are_what_the_authors_of_the_corpus_understand():
 
 
 def _is_free_for_author(sentence: Sentence) -> bool | None:
-    """Whether its author lets the object go in all readings, or holds it in all; None if they leave it open."""
+    """Return whether its author lets the object go in all readings, or holds it in all; None if they leave it open."""
     readings = [[clause for group in each.groups for clause in group] for each in sentence.readings]
     anchors = {each.anchor for each in sentence.readings}
     if any(each.answer != "motion" for each in sentence.readings):

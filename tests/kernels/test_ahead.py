@@ -199,7 +199,7 @@ assert os.getsid(process.pid) == process.pid != os.getsid(0)
 
 
 def alive(pid):
-    """Whether a process is at work; one that has ended may wait for somebody to ask."""
+    """Return whether a process is at work; one that has ended may wait for somebody to ask."""
     try:
         os.kill(pid, 0)
         return "\nState:\tZ" not in Path(f"/proc/{pid}/status").read_text()

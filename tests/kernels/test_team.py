@@ -98,7 +98,7 @@ def mirror():
 
 @pytest.fixture(scope="module")
 def meeting():
-    """Whether two iterations met, and for how long one worked, as a function of looks (see `meet`) and threads."""
+    """Return whether two iterations met, and for how long one worked, by looks (see `meet`) and threads."""
     result = (jax.ShapeDtypeStruct((3,), np.int64),)
     with make_call("test_team_meeting", handle_meeting, result) as call:
         yield lambda looks, count, work=0: call(np.int64([looks, work]), threads=np.int64(count))[0][1:]

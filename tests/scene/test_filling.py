@@ -283,7 +283,7 @@ def test_two_hundred_thousand_particles_take_seconds(spot):
 
 
 def encloses(triangles, points):
-    """Whether a closed mesh encloses each point: parity of the crossings of a ray along +z."""
+    """Return whether a closed mesh encloses each point: parity of the crossings of a ray along +z."""
     a, b, c = np.moveaxis(triangles, 1, 0)
     middle = triangles.mean(axis=1)[:, :2]
     reach = np.linalg.norm(triangles[..., :2] - middle[:, None], axis=-1).max()

@@ -105,7 +105,7 @@ def format_names(causes: Sequence[Cause]) -> str:
 
 
 def travels(cause: Cause) -> bool:
-    """Whether it moves something at a prescribed velocity: what it does is that times how long it lasts."""
+    """Return whether it moves something at a prescribed velocity: what it does is that times how long it lasts."""
     return cause.group == "constraints" and cause.type is not ConstraintType.PARTICLE_IMPULSE
 
 
@@ -218,12 +218,12 @@ def retime(case: Case, causes: Sequence[Cause]) -> Change | None:
 
 
 def is_blow(cause: Cause) -> bool:
-    """Whether it acts in an instant."""
+    """Return whether it acts in an instant."""
     return cause.type in (ActionType.IMPULSE, ConstraintType.PARTICLE_IMPULSE)
 
 
 def is_mistimed(case: Case, cause: Cause) -> bool:
-    """Whether an entry acts mostly outside of the window, or in less than a third of it."""
+    """Return whether an entry acts mostly outside of the window, or in less than a third of it."""
     window = _get_window(case)
     if window is None or travels(cause):
         return False

@@ -106,7 +106,7 @@ def find_new_places(before: ForceField, after: ForceField) -> dict[str, str]:
 
 
 def stands_on_its_end(brief: SceneBrief, axis: Sequence[float]) -> bool:
-    """Whether the ground or a fixture is at one end of ``axis``: only the other end can then be moved freely."""
+    """Return whether the ground or a fixture is at one end of ``axis``: only the other end can then be moved freely."""
     x, y, z = axis
     return (brief.world == "ground" or brief.anchored is not None) and abs(
         cosine((x, y, z), brief.directions.up)

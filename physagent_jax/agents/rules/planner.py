@@ -46,7 +46,7 @@ class RulePlanner(PlannerAgent):
 
 
 def _has_gravity(context: AgentContext, seen: Observation) -> bool:
-    """Whether what is let go falls: a fact about the world, from the sentence or the scene."""
+    """Return whether what is let go falls: a fact about the world, from the sentence or the scene."""
     told = context.reading.world.gravity if context.reading else None
     if told is not None:
         return told == "down"

@@ -67,7 +67,7 @@ def list_remedies(case: Case) -> Iterator[Change]:
 
 
 def _is_lacking_gravity(case: Case) -> bool:
-    """Whether it should fall from the start, in a world where only `default_drop` lets things fall."""
+    """Return whether it should fall from the start, in a world where only `default_drop` lets things fall."""
     falls = case.expectation.kind is MotionKind.FALL and case.expectation.window[0] < 1
     return falls and not case.force_field.default_drop
 
@@ -90,7 +90,7 @@ def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
 
 
 def _is_pointing_beside(case: Case, cause: Cause) -> bool:
-    """Whether it points noticeably beside where the sentence says, though not against it."""
+    """Return whether it points noticeably beside where the sentence says, though not against it."""
     told = case.expectation.direction
     if told is None or case.expectation.kind in AXIAL:
         return False

@@ -324,7 +324,7 @@ def _share_time(events: list[Event]) -> list[Event]:
 
 
 def _is_timed(event: Event) -> bool:
-    """Whether the sentence says when or how long it is."""
+    """Return whether the sentence says when or how long it is."""
     source = event.sources.get("active_time")
     return source is not None and source.why == TOLD
 
@@ -438,7 +438,7 @@ def _choose_anchor(clauses: list[Clause]) -> AnchorRequest:
 
 
 def _names_held_end(clause: Clause, clauses: list[Clause]) -> bool:
-    """Whether a clause says of a part that it does not move while the rest does."""
+    """Return whether a clause says of a part that it does not move while the rest does."""
     verb = get_verb(clause.head)
     still = verb.effect is Effect.STILL or (clause.negated and _is_said_of_part(clause))
     held = still and _find_held_end(clause, None) is not None
@@ -446,7 +446,7 @@ def _names_held_end(clause: Clause, clauses: list[Clause]) -> bool:
 
 
 def _is_said_of_part(clause: Clause) -> bool:
-    """Whether a part is what moves rather than what is acted on: "its base does not tilt", not "don't hit its head"."""
+    """Return whether a part moves rather than is acted on: "its base does not tilt", not "don't hit its head"."""
     head = clause.head
     if head is None or get_verb(head).effect is Effect.STILL:
         return False

@@ -30,7 +30,7 @@ class _Antimatter15:
     suffixes = (".splat",)
 
     def matches(self, head: bytes) -> bool:
-        """Whether the bytes, in rows of 32, are Gaussians whose values make sense."""
+        """Return whether the bytes, in rows of 32, are Gaussians whose values make sense."""
         rows = np.frombuffer(head, ROW, len(head) // ROW.itemsize)
         return len(rows) > 0 and bool(np.mean(_find_sensible(rows)) >= _SENSIBLE)
 

@@ -53,7 +53,7 @@ class Format(Protocol):
         ...
 
     def matches(self, head: bytes) -> bool:
-        """Whether a file that begins with ``head`` (at most `HEAD_BYTES`) is of this format."""
+        """Return whether a file that begins with ``head`` (at most `HEAD_BYTES`) is of this format."""
         ...
 
     def read(self, path: Path, encoding: str | None) -> SplatData:

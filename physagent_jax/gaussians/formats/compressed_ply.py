@@ -36,7 +36,7 @@ class _CompressedPly:
     suffixes = (".compressed.ply",)
 
     def matches(self, head: bytes) -> bool:
-        """Whether the file begins as a PLY that announces packed positions."""
+        """Return whether the file begins as a PLY that announces packed positions."""
         return head.startswith(b"ply") and b" packed_position" in head.partition(b"end_header")[0]
 
     def read(self, path: Path, encoding: str | None) -> SplatData:

@@ -121,7 +121,7 @@ def find_stated(comments: Iterable[str]) -> str | None:
 
 
 def is_evident(means: np.ndarray, scales: np.ndarray, opacities: np.ndarray) -> bool:
-    """Whether stored values show by themselves that they are of the `STANDARD` encoding.
+    """Return whether stored values show by themselves that they are of the `STANDARD` encoding.
 
     Args:
         means: Positions [file units], shape (n, 3).

@@ -35,7 +35,7 @@ class _Gltf:
     suffixes = (".glb", ".gltf")
 
     def matches(self, head: bytes) -> bool:
-        """Whether the file begins as glTF and names the extension."""
+        """Return whether the file begins as glTF and names the extension."""
         return (
             head.startswith(GLB_MAGIC) or head.lstrip().startswith(b"{")
         ) and f'"{EXTENSION}"'.encode() in head

@@ -60,7 +60,7 @@ def describe_lattice(means: np.ndarray) -> str | None:
 
 
 def _is_made_grid(means: np.ndarray, values: list[np.ndarray]) -> bool:
-    """Whether all axes have one step, and no two Gaussians share a place."""
+    """Return whether all axes have one step, and no two Gaussians share a place."""
     steps = [np.diff(each).min() for each in values if len(each) > 1]
     even = max(steps) <= (1 + _SAME_STEP) * min(steps)
     return even and len(np.unique(means, axis=0)) == len(means)

@@ -52,7 +52,7 @@ class GaussianPly:
     suffixes: tuple[str, ...] = (".ply",)
 
     def matches(self, head: bytes) -> bool:
-        """Whether a file begins with the header of this layout."""
+        """Return whether a file begins with the header of this layout."""
         header = parse_ply_head(head)
         if (
             header is None
@@ -219,7 +219,7 @@ def _read_rgb(vertices: Vertices, names: Sequence[str]) -> tuple[np.ndarray, str
 
 
 def _read_opacities(vertices: Vertices, notes: list[str]) -> tuple[bool, np.ndarray]:
-    """Whether opacities are plain by their type, and the stored values, shape (n,)."""
+    """Return whether opacities are plain by their type, and the stored values, shape (n,)."""
     if "opacity" not in vertices.types:
         notes.append(f"{vertices.shown}: it has no property `opacity`; all Gaussians are taken as opaque")
         return True, np.ones(len(vertices.read_columns(POSITION[:1])))

@@ -27,7 +27,7 @@ class _PointPly:
     suffixes = ()
 
     def matches(self, head: bytes) -> bool:
-        """Whether a file begins with a header of vertices alone."""
+        """Return whether a file begins with a header of vertices alone."""
         header = parse_ply_head(head)
         if header is None or find_gaussian_properties(header) is not None:
             return False
@@ -60,7 +60,7 @@ class _ColmapPoints:
     suffixes = ()
 
     def matches(self, head: bytes) -> bool:
-        """Whether a file begins with COLMAP's title, or with several records of its points."""
+        """Return whether a file begins with COLMAP's title, or with several records of its points."""
         return head.startswith(_COLMAP_TITLE) or _count_records(head) >= _FEWEST_POINTS
 
     def read(self, path: Path, encoding: str | None) -> NoReturn:

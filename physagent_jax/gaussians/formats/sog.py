@@ -70,7 +70,7 @@ class _Sog:
     suffixes = (".sog",)
 
     def matches(self, head: bytes) -> bool:
-        """Whether the file is a zip of images or names the images of Gaussians."""
+        """Return whether the file is a zip of images or names the images of Gaussians."""
         if head.startswith(_ZIP):
             return META.encode() in head or b".webp" in head
         return head.lstrip().startswith(b"{") and all(

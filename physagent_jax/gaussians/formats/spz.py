@@ -42,7 +42,7 @@ class _Spz:
     suffixes = (".spz",)
 
     def matches(self, head: bytes) -> bool:
-        """Whether the file begins with SPZ's magic number, plain or packed by gzip."""
+        """Return whether the file begins with SPZ's magic number, plain or packed by gzip."""
         if not head.startswith(GZIP):
             return head.startswith(MAGIC)
         try:
@@ -157,7 +157,7 @@ def _find_up(extensions: bytes, shown: str) -> tuple[SignedAxis, bool]:
 
 
 def _is_right_handed(system: str) -> bool:
-    """Whether axes given as letters obey x cross y = z."""
+    """Return whether axes given as letters obey x cross y = z."""
     directions = {
         "R": (1, 0, 0),
         "L": (-1, 0, 0),

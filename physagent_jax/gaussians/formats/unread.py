@@ -33,7 +33,7 @@ class Unread:
     suffixes: tuple[str, ...] = ()
 
     def matches(self, head: bytes) -> bool:
-        """Whether a file that begins so is of this format."""
+        """Return whether a file that begins so is of this format."""
         return self.recognise(head)
 
     def explain(self, path: Path) -> UserError:
@@ -50,7 +50,7 @@ class Unread:
 
 
 def _is_ksplat(head: bytes) -> bool:
-    """Whether the numbers of a header of version 0.1 make sense; it has no magic number."""
+    """Return whether the numbers of a header of version 0.1 make sense; it has no magic number."""
     if len(head) < _KSPLAT_HEADER or head[:2] != b"\x00\x01":
         return False
     most_sections, sections, most_splats, splats, compression = struct.unpack_from("<4IH", head, 4)

@@ -78,12 +78,12 @@ def _project(velocity: jax.Array, normal: jax.Array, contact: Contact, friction:
 
 
 def is_touching(distance: jax.Array, dx: float) -> jax.Array:
-    """Whether nodes at a signed ``distance`` [m] from the surface (negative inside) belong to the solid."""
+    """Return whether nodes at a signed ``distance`` [m] from the surface (negative inside) belong to the solid."""
     return distance <= TOUCH * dx
 
 
 def is_active(start: jax.Array, end: jax.Array, time: jax.Array) -> jax.Array:
-    """Whether start <= time < end."""
+    """Return whether start <= time < end."""
     return (start <= time) & (time < end)
 
 

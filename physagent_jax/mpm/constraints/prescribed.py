@@ -55,7 +55,7 @@ class PrescribedMotion(Constraint):
         return PrescribedMotion(particles, zero, zero, zero, jnp.zeros((), dtype), forever)
 
     def active(self, time: jax.Array) -> jax.Array:
-        """Whether each particle is held at ``time`` [s], shape (k,)."""
+        """Return whether each particle is held at ``time`` [s], shape (k,)."""
         return jnp.broadcast_to((self.start <= time) & (time < self.end), self.particles.shape)
 
     def find_share(self, time: jax.Array) -> jax.Array:

@@ -86,7 +86,7 @@ class RigidMotion:
         return jnp.where(firm, matvec(cofactor(self.inertia), spin) / jnp.where(firm, determinant_, 1), 0)
 
     def is_determined(self) -> jax.Array:
-        """Whether the inertia can be inverted."""
+        """Return whether the inertia can be inverted."""
         return determinant(self.inertia) > _LEAST_INERTIA
 
     def field(self, velocity: jax.Array, angular_velocity: jax.Array) -> jax.Array:

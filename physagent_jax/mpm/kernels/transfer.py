@@ -336,7 +336,7 @@ def locate_stencil(x, p, origin, dx, shape):
 
 @njit(**INLINE)
 def may_leave(near, far, origin, dx, low, high, shape):
-    """Whether `leaves_window` or `passes_walls` may count a particle in the box with corners ``near`` and ``far``."""
+    """Return whether `leaves_window` or `passes_walls` may count a particle between corners ``near`` and ``far``."""
     for d in range(3):
         first = int(np.floor(extract(near, d) / dx - cast_like(0.5, dx))) - origin[d]
         last = int(np.floor(extract(far, d) / dx - cast_like(0.5, dx))) - origin[d]

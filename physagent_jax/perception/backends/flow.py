@@ -206,7 +206,7 @@ def _look_up(flow: np.ndarray, xy: np.ndarray) -> np.ndarray:
 
 
 def _find_inside(mask: np.ndarray, xy: np.ndarray) -> np.ndarray:
-    """Whether positions lie on the mask, shape (N,)."""
+    """Return whether positions lie on the mask, shape (N,)."""
     h, w = mask.shape
     x, y = np.floor(xy[:, 0]).astype(int), np.floor(xy[:, 1]).astype(int)
     on = (x >= 0) & (y >= 0) & (x < w) & (y < h)

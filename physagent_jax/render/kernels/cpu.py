@@ -16,7 +16,7 @@ _SLACK = 1e-3  # by which `reach` is longer than exact arithmetic has it
 
 
 def fits(layout: TileLayout, dtype) -> bool:
-    """Whether the kernels are made for this: float32, tiles of 16 pixels, one at a time."""
+    """Return whether the kernels are made for this: float32, tiles of 16 pixels, one at a time."""
     return dtype == jnp.float32 and layout.tile_size == SIDE and layout.lanes == 1
 
 

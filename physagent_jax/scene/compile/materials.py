@@ -121,7 +121,7 @@ class ParticleMaterials:
 
     @property
     def damped(self) -> bool:
-        """Whether a damping ratio is given for any of the particles."""
+        """Return whether a damping ratio is given for any of the particles."""
         return bool(self.get_values("damping_ratio").any())
 
     def viscosity(self, mode: Mode | None = None) -> jax.Array | None:

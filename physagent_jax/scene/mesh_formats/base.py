@@ -92,7 +92,7 @@ class MeshFormat(Protocol):
     up: SignedAxis | None
 
     def matches(self, head: bytes, size: int) -> bool:
-        """Whether a file of ``size`` bytes that begins with ``head`` is of this format."""
+        """Return whether a file of ``size`` bytes that begins with ``head`` is of this format."""
         ...
 
     def read(self, data: bytes, path: Path, beside: Neighbours) -> list[MeshPart]:

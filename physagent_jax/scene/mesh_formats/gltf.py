@@ -38,7 +38,7 @@ class GLB:
     up: SignedAxis | None = "+y"  # section 3.4 of the specification
 
     def matches(self, head: bytes, size: int) -> bool:
-        """Whether the file begins with its magic word."""
+        """Return whether the file begins with its magic word."""
         return head.startswith(MAGIC)
 
     def read(self, data: bytes, path: Path, beside: Neighbours) -> list[MeshPart]:
@@ -54,7 +54,7 @@ class GLTF:
     up: SignedAxis | None = "+y"  # section 3.4 of the specification
 
     def matches(self, head: bytes, size: int) -> bool:
-        """Whether the file begins like a JSON object that has keys of glTF."""
+        """Return whether the file begins like a JSON object that has keys of glTF."""
         return head.lstrip().startswith(b"{") and any(
             key in head for key in (b'"asset"', b'"buffers"', b'"accessors"', b'"meshes"')
         )

@@ -32,7 +32,7 @@ class OBJ:
     up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
-        """Whether the text has a line of a vertex or a face."""
+        """Return whether the text has a line of a vertex or a face."""
         return b"\0" not in head and _LINE.search(head) is not None
 
     def read(self, data: bytes, path: Path, beside: Neighbours) -> list[MeshPart]:

@@ -23,7 +23,7 @@ class OFF:
     up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
-        """Whether the first word is OFF, or COFF, NOFF and the like."""
+        """Return whether the first word is OFF, or COFF, NOFF and the like."""
         return _HEADER.match(head) is not None
 
     def read(self, data: bytes, path: Path, beside: Neighbours) -> list[MeshPart]:

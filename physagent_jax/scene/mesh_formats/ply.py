@@ -27,7 +27,7 @@ class PLY:
     up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
-        """Whether the first line is ``ply``."""
+        """Return whether the first line is ``ply``."""
         return head[:4] in (b"ply\n", b"ply\r")
 
     def read(self, data: bytes, path: Path, beside: Neighbours) -> list[MeshPart]:

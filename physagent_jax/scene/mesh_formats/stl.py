@@ -26,7 +26,7 @@ class STL:
     up: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
-        """Whether the size is that of the announced faces, or the text begins with a solid and a facet."""
+        """Return whether the size is that of the announced faces, or the text begins with a solid and a facet."""
         if len(head) >= _HEADER and size == _HEADER + _FACE * _count_faces(head):
             return True
         return head.lstrip()[:5].lower() == b"solid" and b"facet" in head.lower()

@@ -74,7 +74,7 @@ def _find_lasting(values: Iterable[float]) -> float:
 
 
 def _is_rough(view: View, asked: list[ExpectedMotion]) -> bool:
-    """Whether it is hit, dropped, thrown or toppled, after which things tumble."""
+    """Return whether it is hit, dropped, thrown or toppled, after which things tumble."""
     return any(e.sudden or e.kind is MotionKind.FALL for e in asked) or view.force_field.default_drop
 
 
@@ -283,7 +283,7 @@ def _compute_determinant(rows) -> float:
 
 
 def _check_whole(view: View) -> list[Check]:
-    """Whether it stays in one piece: pieces that are seen, and the box around them."""
+    """Return whether it stays in one piece: pieces that are seen, and the box around them."""
     asked = view.expectations
     torn = any(any(stem in e.words.lower() for stem in _TEARS) for e in asked)
     checks = []

@@ -405,7 +405,7 @@ def _check_order(index: int, expectation: ExpectedMotion, view: View) -> list[Ch
 
 
 def _is_alike(one: ExpectedMotion, other: ExpectedMotion) -> bool:
-    """Whether one motion also shows as the other."""
+    """Return whether one motion also shows as the other."""
     if one.kind is MotionKind.SWAY and other.kind is MotionKind.MOVE:
         return True
     if one.kind is not other.kind:

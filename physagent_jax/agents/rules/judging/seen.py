@@ -47,7 +47,7 @@ class View:
 
     @property
     def anchored(self) -> bool:
-        """Whether the object is held."""
+        """Return whether the object is held."""
         return self.brief.anchored is not None
 
     @property
@@ -57,7 +57,7 @@ class View:
 
     @property
     def grounded(self) -> bool:
-        """Whether the object stands on something."""
+        """Return whether the object stands on something."""
         return self.brief.world == "ground"
 
     def span(self, expectation: ExpectedMotion) -> tuple[int, int]:
@@ -222,7 +222,7 @@ class View:
         return found if len(found) > 1 else []
 
     def hides(self, direction: Vector) -> bool:
-        """Whether a stretch along a direction cannot be seen, because it is along the line of sight."""
+        """Return whether a stretch along a direction cannot be seen, because it is along the line of sight."""
         shown = any(w.stretch_view_axis_observable for w in self.report.windows)
         return not shown and abs(dot(direction, self.brief.directions.toward)) > 0.7
 
@@ -238,7 +238,7 @@ class View:
 
     @cached_property
     def falls(self) -> bool:
-        """Whether something is to fall."""
+        """Return whether something is to fall."""
         return any(e.kind is MotionKind.FALL for e in self.expectations)
 
     def without_others(self, course: Course, expectation: ExpectedMotion, drift: Vector) -> Course:
@@ -273,7 +273,7 @@ class View:
         return ", ".join(cause.name for cause in find_causes(expectation, self.force_field))
 
     def driven(self, expectation: ExpectedMotion) -> bool:
-        """Whether something in the force field drives it the way that the sentence says."""
+        """Return whether something in the force field drives it the way that the sentence says."""
         return any(agrees(cause, expectation) for cause in find_causes(expectation, self.force_field))
 
 

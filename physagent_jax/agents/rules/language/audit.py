@@ -71,7 +71,7 @@ def _get_names(mention: Mention) -> Names:
 
 
 def _has_way(motion: ExpectedMotion, way: Vector, up: Vector) -> bool:
-    """Whether a motion goes that way, turns its top there, or is of the part that lies there."""
+    """Return whether a motion goes that way, turns its top there, or is of the part that lies there."""
     if motion.part is not None and abs(cosine(_to_vector(motion.part), way)) > _ALONG:
         return True
     if motion.kind in (MotionKind.FALL, MotionKind.STILL):

@@ -50,7 +50,7 @@ class ForceFieldBuilder:
 
     @property
     def grounded(self) -> bool:
-        """Whether gravity acts all the time, on an object that stands on the ground."""
+        """Return whether gravity acts all the time, on an object that stands on the ground."""
         return self.brief.world == "ground" and self.gravity not in ("none", "up")
 
     @property

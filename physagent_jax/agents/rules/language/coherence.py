@@ -63,7 +63,7 @@ def _find_unjoined(
 
 
 def _is_one_motion(first: ExpectedMotion, second: ExpectedMotion, directions: DirectionTable) -> bool:
-    """Whether two kinds go together by themselves: wider and flatter, pushed and tilted left, falling and turning."""
+    """Return whether two kinds go together: wider and flatter, pushed and tilted left, falling and turning."""
     if first.kind in _SHAPES and second.kind in _SHAPES:
         return True
     turn, other = (first, second) if first.kind is MotionKind.ROTATE else (second, first)

@@ -58,7 +58,7 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
 
 
 def _is_released(event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder) -> bool:
-    """Whether the cause ends and leaves the object to itself; what is brought to a place is not left there."""
+    """Return whether the cause ends and leaves the object to itself; what is brought to a place is not left there."""
     let_go = any(e.effect is Effect.RELEASE for e in after)
     if event.stays or _is_measured(event, builder) or _is_reached_within(event) and not let_go:
         return False
@@ -67,22 +67,22 @@ def _is_released(event: Event, window: Window, after: list[Event], builder: Forc
 
 
 def _is_reached_within(event: Event) -> bool:
-    """Whether the time that is told is the one in which a quantity is reached, and says nothing of what comes then."""
+    """Return whether the told time is the one in which a quantity is reached, and says nothing of later."""
     return event.when.whole and event.amount is not None and not event.verb.brief
 
 
 def _is_kept(event: Event, after: list[Event]) -> bool:
-    """Whether a change of shape that is reached in its time is to stay: nothing says that it is let go."""
+    """Return whether a change of shape that is reached in its time is to stay: nothing says that it is let go."""
     return _is_reached_within(event) and not any(later.effect is Effect.RELEASE for later in after)
 
 
 def _is_measured(event: Event, builder: ForceFieldBuilder) -> bool:
-    """Whether a free object is to go so far, or turn by so much, and no further."""
+    """Return whether a free object is to go so far, or turn by so much, and no further."""
     return not builder.anchored and find_effort(event.amount, event.effect, builder.brief) is not None
 
 
 def _needs_brake(event: Event, after: list[Event], builder: ForceFieldBuilder) -> bool:
-    """Whether a free object must be stopped before what comes next can be seen."""
+    """Return whether a free object must be stopped before what comes next can be seen."""
     if builder.anchored:
         return False
     if event.stays or _is_measured(event, builder):
@@ -181,7 +181,7 @@ def _compile_push(
 
 
 def _leaves_place(event: Event) -> bool:
-    """Whether a push or a blow takes the whole object elsewhere: it is thrown, goes somewhere, or goes so far.
+    """Return whether a push or a blow takes the whole object elsewhere: it is thrown, goes somewhere, or goes so far.
 
     A lean and a wind bend what is rooted, however far. So may a push or a blow of which no distance is told; a verb
     that says no more than that the object goes a told way does not.

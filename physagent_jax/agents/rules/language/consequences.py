@@ -41,7 +41,7 @@ def split_turning_winds(clauses: list[Clause]) -> list[Clause]:
 
 
 def _is_turned(verb: Mention) -> bool:
-    """Whether the wind turns something: "makes the vane turn", "turns it around"."""
+    """Return whether the wind turns something: "makes the vane turn", "turns it around"."""
     return verb.form == "turn" or " it " in verb.words
 
 
@@ -115,7 +115,7 @@ def merge_results(clauses: list[Clause]) -> list[Clause]:
 
 
 def _is_besides(cause: Clause, clause: Clause) -> bool:
-    """Whether what comes of it is another motion than what is done: "twist it until it tears"."""
+    """Return whether what comes of it is another motion than what is done: "twist it until it tears"."""
     first, second = get_verb(cause.head), get_verb(clause.verb)
     if first.gravity and second.effect is Effect.TURN:
         return True  # "toss it so that it flips"
@@ -126,13 +126,13 @@ def _is_besides(cause: Clause, clause: Clause) -> bool:
 
 
 def _is_at_rest(clause: Clause) -> bool:
-    """Whether a clause says that nothing moves."""
+    """Return whether a clause says that nothing moves."""
     verb = None if clause.verb is None or clause.negated else get_verb(clause.verb)
     return verb is not None and verb.effect is Effect.STILL and not verb.generic
 
 
 def _is_resting(clause: Clause) -> bool:
-    """Whether a clause says that something rests: "all of it rests", too."""
+    """Return whether a clause says that something rests: "all of it rests", too."""
     verb = None if clause.verb is None or clause.negated else get_verb(clause.verb)
     return verb is not None and verb.effect is Effect.STILL
 
@@ -151,7 +151,7 @@ def _share_direction(blow: Clause, clause: Clause) -> None:
 
 
 def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:
-    """Whether a swaying is the wind's work and goes its way: "wind blows from the left and the plant sways"."""
+    """Return whether a swaying is the wind's work and goes its way: "wind blows from the left and the plant sways"."""
     if clause.verb is None or wind.head is None or not get_verb(wind.head).wind or clause.join is Join.THEN:
         return False
     effect = get_verb(clause.verb).effect
@@ -161,7 +161,7 @@ def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:
 
 
 def _is_moving_beside(cause: Clause, clause: Clause) -> bool:
-    """Whether a participle tells another motion at the same time: "push it right, spinning it"."""
+    """Return whether a participle tells another motion at the same time: "push it right, spinning it"."""
     first, second = get_verb(cause.head), get_verb(clause.verb)
     pushed = first.effect is Effect.PUSH and not first.wind and (not first.generic or cause.verb is not None)
     beside = second.effect in (Effect.TURN, Effect.SWAY)
@@ -176,7 +176,7 @@ def _is_moving_beside(cause: Clause, clause: Clause) -> bool:
 
 
 def _is_own(first: Verb, second: Verb, clause: Clause) -> bool:
-    """Whether a participle tells one more motion of its own: "it falls, spinning", "it spins, moving left"."""
+    """Return whether a participle tells one more motion of its own: "it falls, spinning", "it spins, moving left"."""
     if second.effect is Effect.PUSH and second.generic:
         ways = clause.select(MentionKind.DIRECTION, MentionKind.FROM)
         return first.effect in (Effect.TURN, Effect.JUMP, Effect.FALL) and bool(ways)
@@ -192,7 +192,7 @@ def _is_own(first: Verb, second: Verb, clause: Clause) -> bool:
 
 
 def _is_meanwhile(first: Clause, clause: Clause) -> bool:
-    """Whether a participle stands before what happens at the same time: "spinning, it rises"."""
+    """Return whether a participle stands before what happens at the same time: "spinning, it rises"."""
     if first.verb is None or clause.verb is None or first.join is Join.AFTER or first.negated:
         return False
     still = get_verb(first.verb).effect in (Effect.STILL, Effect.RELEASE, Effect.HOLD)
@@ -200,14 +200,14 @@ def _is_meanwhile(first: Clause, clause: Clause) -> bool:
 
 
 def _is_introducing(cause: Clause, clause: Clause) -> bool:
-    """Whether a cause stands before a comma and what it does behind: "with great force, it is thrown"."""
+    """Return whether a cause stands before a comma and what it does behind: "with great force, it is thrown"."""
     if cause.verb is not None or cause.cause is None or clause.verb is None or clause.join is not Join.COMMA:
         return False
     return clause.cause is None and not cause.select(MentionKind.TIME)
 
 
 def _is_driven(push: Clause, clause: Clause) -> bool:
-    """Whether a travel is a push's work: "they pushed, and the cart moved a little to the right"."""
+    """Return whether a travel is a push's work: "they pushed, and the cart moved a little to the right"."""
     if clause.verb is None or push.verb is None or push.select(*WHERE) or clause.join is Join.THEN:
         return False
     first, second = get_verb(push.verb), get_verb(clause.verb)
@@ -217,7 +217,7 @@ def _is_driven(push: Clause, clause: Clause) -> bool:
 
 
 def _is_restating(first: Clause, clause: Clause) -> bool:
-    """Whether two nouns name one thing in a list of what is done: "tensile loading, elongation to 1.5 times"."""
+    """Return whether two nouns name one thing in a list of what is done: "tensile loading, elongation to 1.5 times"."""
     if first.verb is not None or clause.verb is not None or first.cause is None or clause.cause is None:
         return False
     one, other = get_verb(first.cause), get_verb(clause.cause)
@@ -226,7 +226,7 @@ def _is_restating(first: Clause, clause: Clause) -> bool:
 
 
 def _is_reshaping(first: Clause, clause: Clause) -> bool:
-    """Whether two verbs tell one change of size: "it loses air and shrinks to a third"."""
+    """Return whether two verbs tell one change of size: "it loses air and shrinks to a third"."""
     if first.verb is None or clause.verb is None or first.negated or clause.negated:
         return False
     one, other = get_verb(first.verb), get_verb(clause.verb)
@@ -235,7 +235,7 @@ def _is_reshaping(first: Clause, clause: Clause) -> bool:
 
 
 def _is_falling_over(topple: Clause, clause: Clause) -> bool:
-    """Whether a fall is how a toppling ends: "it tips over to the right and falls", "knock it over, so it falls"."""
+    """Return whether a fall ends a toppling: "it tips over to the right and falls", "knock it over, so it falls"."""
     if topple.verb is None or clause.verb is None or topple.negated or clause.negated:
         return False
     if get_verb(topple.verb).effect is not Effect.TOPPLE or get_verb(clause.verb).effect is not Effect.FALL:
@@ -246,12 +246,12 @@ def _is_falling_over(topple: Clause, clause: Clause) -> bool:
 
 
 def _is_holding(clause: Clause | None) -> bool:
-    """Whether a clause tells what holds the object: "it hangs from a rope, spinning" spins, and hangs."""
+    """Return whether a clause tells what holds the object: "it hangs from a rope, spinning" spins, and hangs."""
     return clause is not None and clause.verb is not None and get_verb(clause.verb).effect is Effect.HOLD
 
 
 def _is_accompanied(noise: Clause, clause: Clause) -> bool:
-    """Whether a blow is what is heard of a fall: "with a bump, it lands"."""
+    """Return whether a blow is what is heard of a fall: "with a bump, it lands"."""
     alone = noise.verb is None and noise.cause is not None and not noise.modifiers
     falls = clause.verb is not None and get_verb(clause.verb).effect is Effect.FALL and not clause.negated
     return alone and falls and get_verb(noise.cause).effect is Effect.STRIKE and clause.join is Join.COMMA
@@ -269,13 +269,13 @@ def _set_apart(before: Clause, clause: Clause) -> None:
 
 
 def _is_bouncing(fall: Clause, clause: Clause) -> bool:
-    """Whether it bounces after it fell: "it hits the floor and bounces twice"."""
+    """Return whether it bounces after it fell: "it hits the floor and bounces twice"."""
     falls = fall.verb is not None and not fall.negated and get_verb(fall.verb).effect is Effect.FALL
     return falls and clause.verb is not None and clause.verb.phrase == "bounce"
 
 
 def _is_coming_down(throw: Clause, verb: Mention) -> bool:
-    """Whether what is thrown comes down again by itself: "toss it up and let it come back down"."""
+    """Return whether what is thrown comes down again by itself: "toss it up and let it come back down"."""
     if throw.head is None or throw.negated:
         return False
     thrown = get_verb(throw.head)
@@ -284,7 +284,7 @@ def _is_coming_down(throw: Clause, verb: Mention) -> bool:
 
 
 def _is_carried_off(cause: Clause, clause: Clause) -> bool:
-    """Whether a travel is a blow's work: "kicked from the left and flies away"."""
+    """Return whether a travel is a blow's work: "kicked from the left and flies away"."""
     if clause.verb is None or cause.head is None or clause.join not in (Join.AND, Join.COMMA):
         return False
     verb = get_verb(clause.verb)

@@ -258,7 +258,7 @@ def _find_pair(mentions: list[Mention], index: int) -> list[str]:
 
 
 def _is_noun(mentions: list[Mention], index: int) -> bool:
-    """Whether a word that does nothing by itself stands behind an article."""
+    """Return whether a word that does nothing by itself stands behind an article."""
     mention = mentions[index]
     return (
         mention.kind in (MentionKind.FUNCTION, MentionKind.UNKNOWN)

@@ -194,7 +194,7 @@ def _find_lost_verbs(mentions: Sequence[Mention], names: frozenset[str], outcome
 
 
 def _is_raised(name: str | None, outcome: Outcome) -> bool:
-    """Whether something goes the way up or down that a verb means, or may do so as a part."""
+    """Return whether something goes the way up or down that a verb means, or may do so as a part."""
     way = getattr(outcome.directions, name or "up")
     falls = dot(way, outcome.directions.up) < 0 or outcome.reversed_gravity
     return any(

@@ -37,12 +37,12 @@ _WORLDS = frozenset(
 
 
 def is_decorating(mentions: list[Mention], index: int, names: frozenset[str]) -> bool:
-    """Whether the word at ``index``, which is not understood, changes nothing."""
+    """Return whether the word at ``index``, which is not understood, changes nothing."""
     return any(rule(mentions, index, names) for rule in _RULES)
 
 
 def is_describing_part(mentions: list[Mention], index: int) -> bool:
-    """Whether a word tells which part: "the red part", "the blue corner"; an object has one head."""
+    """Return whether a word tells which part: "the red part", "the blue corner"; an object has one head."""
     following = mentions[index + 1] if index + 1 < len(mentions) else None
     if following is None or get_phrase(mentions, index - 1) not in DETERMINERS:
         return False
@@ -54,7 +54,7 @@ def is_describing_part(mentions: list[Mention], index: int) -> bool:
 
 
 def is_owned_aside(mentions: list[Mention], index: int) -> bool:
-    """Whether an owned thing takes no part: "topples from its plinth", "its round belly", "its quill is glued down"."""
+    """Return whether an owned thing takes no part: "topples from its plinth", "its quill is glued down"."""
     following = mentions[index + 1] if index + 1 < len(mentions) else None
     if following is None:
         return _is_left(mentions, index, frozenset())
@@ -228,7 +228,7 @@ def _get_last_verb(mentions: list[Mention]) -> Verb | None:
 
 
 def _is_passive(mentions: list[Mention]) -> bool:
-    """Whether the last verb tells what is done to the object: "is lifted", not "move it left"."""
+    """Return whether the last verb tells what is done to the object: "is lifted", not "move it left"."""
     verbs = [mention for mention in mentions if mention.kind is MentionKind.VERB]
     if not verbs:
         return True
@@ -238,7 +238,7 @@ def _is_passive(mentions: list[Mention]) -> bool:
 
 
 def _is_adjective(mention: Mention) -> bool:
-    """Whether a word may stand between an article and its noun."""
+    """Return whether a word may stand between an article and its noun."""
     loose = mention.kind is MentionKind.FUNCTION and mention.phrase not in DETERMINERS | {"by", "with", "of"}
     return loose or mention.kind in (MentionKind.UNKNOWN, MentionKind.INTENSITY)
 

@@ -141,7 +141,7 @@ def find_doubts(
 
 
 def _is_told_again(clause: Clause, clauses: list[Clause]) -> bool:
-    """Whether all that a clause without a verb says is said with one: "not left, right! push it right"."""
+    """Return whether all that a clause without a verb says is said with one: "not left, right! push it right"."""
     said = [(m.kind, m.value) for c in clauses if c.head is not None for m in c.select(*_TELLING)]
     said += [
         (MentionKind.DIRECTION, (get_verb(c.verb).direction,))
@@ -157,7 +157,7 @@ def _find_next_telling(mentions: list[Mention], index: int) -> MentionKind | Non
 
 
 def _is_turning_aside(mentions: list[Mention], index: int) -> bool:
-    """Whether what follows gravity, before any verb, is a direction to a side."""
+    """Return whether what follows gravity, before any verb, is a direction to a side."""
     for mention in mentions[index + 1 :]:
         pulls = (
             isinstance(mention.value, Verb) and mention.value.effect is Effect.PUSH
@@ -179,7 +179,7 @@ def _find_loose_quantities(mentions: list[Mention], clauses: list[Clause]) -> li
 
 
 def _is_acted_on(mentions: list[Mention], index: int) -> bool:
-    """Whether a thing is what is moved rather than what moves: "pull the handle", not "hit by a hammer"."""
+    """Return whether a thing is what is moved rather than what moves: "pull the handle", not "hit by a hammer"."""
     before = index - 1
     while before >= 0 and (
         mentions[before].phrase in DETERMINERS
@@ -197,5 +197,5 @@ def _is_acted_on(mentions: list[Mention], index: int) -> bool:
 
 
 def _is_naming_cause(mentions: list[Mention], index: int) -> bool:
-    """Whether what follows is a cause that is understood: "like in a storm"."""
+    """Return whether what follows is a cause that is understood: "like in a storm"."""
     return any(m.kind is MentionKind.CAUSE or m.phrase in CAUSES for m in mentions[index + 1 : index + 5])

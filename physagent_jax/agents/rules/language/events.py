@@ -76,6 +76,6 @@ class Event:
 
 
 def is_way_assumed(event: Event) -> bool:
-    """Whether the sentence does not say, as far as it was read, which way an event goes."""
+    """Return whether the sentence does not say, as far as it was read, which way an event goes."""
     source = event.sources.get("vector")
     return source is not None and source.why.endswith(BY_DEFAULT)

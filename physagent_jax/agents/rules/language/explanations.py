@@ -40,7 +40,7 @@ def _find_first(clause: Clause) -> int:
 
 
 def _is_explaining(clause: Clause, other: Clause) -> bool:
-    """Whether the second tells the first's motion again, with a measure that the first does not have."""
+    """Return whether the second tells the first's motion again, with a measure that the first does not have."""
     if clause.negated or other.negated or clause.verb is None:
         return False
     one, two = get_verb(clause.head), get_verb(other.head)
@@ -54,7 +54,7 @@ def _is_explaining(clause: Clause, other: Clause) -> bool:
 
 
 def _is_parting(clause: Clause) -> bool:
-    """Whether ends are pulled apart, which makes it longer."""
+    """Return whether ends are pulled apart, which makes it longer."""
     return bool(clause.select(MentionKind.SIDES)) and get_verb(clause.head).pulls
 
 
@@ -68,6 +68,6 @@ def _merge(clause: Clause, other: Clause) -> Clause:
 
 
 def _is_against(clause: Clause, other: Clause) -> bool:
-    """Whether one end is measured against the other: what is wrung turns at both."""
+    """Return whether one end is measured against the other: what is wrung turns at both."""
     ends: list[Names] = [m.value.names for m in other.select(MentionKind.PLACE) if isinstance(m.value, Place)]
     return get_verb(clause.head).wrings and len(ends) > 1

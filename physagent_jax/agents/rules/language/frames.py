@@ -122,7 +122,7 @@ def _drop_reporting(mentions: list[Mention]) -> list[Mention]:
 
 
 def _is_speech(mentions: list[Mention]) -> bool:
-    """Whether only one thing stands before who says it: "move over," said the king, and it rolled to the right"."""
+    """Return whether one thing alone stands before its speaker: "move over," said the king, and it rolled."""
     ends = [m.words in (",", "!", ".", "?") for m in mentions if m.kind is MentionKind.JOIN]
     return len(ends) == 1 and ends[0] and mentions[-1].kind is MentionKind.JOIN
 
@@ -197,7 +197,7 @@ def _drop_fragments(mentions: list[Mention], names: frozenset[str]) -> list[Ment
 
 
 def is_mood(word: str) -> bool:
-    """Whether a word tells a mood or a style, which no motion shows: "merrily", "naughty", "cinematic"."""
+    """Return whether a word tells a mood or a style, which no motion shows: "merrily", "naughty", "cinematic"."""
     if word in MOODS:
         return True
     stem = word.removesuffix("ly")

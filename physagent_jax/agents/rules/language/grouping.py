@@ -63,7 +63,7 @@ def add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> N
 
 
 def _is_subject(mentions: list[Mention], cause: Mention) -> bool:
-    """Whether "no" stands before a cause and its verb behind: "no breeze moves it"."""
+    """Return whether "no" stands before a cause and its verb behind: "no breeze moves it"."""
     denied = any(m.phrase == "no" and m.first == cause.first - 1 for m in mentions)
     behind = next(
         (m for m in mentions if m.first > cause.first and m.kind is not MentionKind.INTENSITY), None
@@ -130,7 +130,7 @@ def _open_clause(
 
 
 def _is_own_turn(last: Clause, mentions: list[Mention]) -> bool:
-    """Whether a segment names a turn that the verb before it does not make: "it slides in, does a half turn"."""
+    """Return whether a segment names a turn that the verb before it does not make: "it slides in, does a half turn"."""
     return any(map(_is_turn, mentions)) and get_verb(last.head).effect not in TURNING
 
 
@@ -140,12 +140,12 @@ def _is_turn(mention: Mention) -> bool:
 
 
 def _is_subordinate(clauses: list[Clause]) -> bool:
-    """Whether only the time was told so far: "once it has landed, ..."."""
+    """Return whether only the time was told so far: "once it has landed, ..."."""
     return len(clauses) == 1 and clauses[0].join is Join.AFTER and clauses[0].verb is not None
 
 
 def _is_another(mentions: list[Mention]) -> bool:
-    """Whether a segment tells of one more of them: "two kicks from the left and one from above"."""
+    """Return whether a segment tells of one more of them: "two kicks from the left and one from above"."""
     for mention, after in zip(mentions, mentions[1:]):
         counts = mention.kind is MentionKind.FUNCTION and mention.form in ("one", "another", "other")
         if counts and (
@@ -157,7 +157,7 @@ def _is_another(mentions: list[Mention]) -> bool:
 
 
 def _is_other_measure(last: Clause, join: Join, mentions: list[Mention]) -> bool:
-    """Whether a segment goes the other way by its own measure: "hard to the left and softly to the right"."""
+    """Return whether a segment goes the other way by its own measure: "hard to the left and softly to the right"."""
     if join is not Join.AND or last.head is None or get_verb(last.head).effect in _BOTH_WAYS:
         return False
     kinds = {mention.kind for mention in mentions}
@@ -169,7 +169,7 @@ def _is_other_measure(last: Clause, join: Join, mentions: list[Mention]) -> bool
 
 
 def _is_other_place(last: Clause, mentions: list[Mention]) -> bool:
-    """Whether a segment sends another part elsewhere: "... the top to the left and the bottom to the right"."""
+    """Return whether a segment sends another part elsewhere: "... the top to the left and the bottom to the right"."""
     kinds = {mention.kind for mention in mentions}
     return (
         MentionKind.PLACE in kinds
@@ -179,7 +179,7 @@ def _is_other_place(last: Clause, mentions: list[Mention]) -> bool:
 
 
 def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention]) -> bool:
-    """Whether a list goes the other way now: "push it left, right, and left again"."""
+    """Return whether a list goes the other way now: "push it left, right, and left again"."""
     last = clauses[-1]
     listed = len(clauses) > 1 and last.verb is None and last.cause is None
     listed = listed or any(m.form in ("it", "he", "she", "they") for m in mentions)  # "and down it came"
@@ -194,7 +194,7 @@ def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention])
 
 
 def _is_going_besides(clause: Clause, mentions: list[Mention], verb: Mention) -> bool:
-    """Whether it goes somewhere besides what it does on the spot: "it shakes so hard that it moves to the left"."""
+    """Return whether it goes somewhere besides its motion on the spot: "it shakes so hard that it moves left"."""
     at = mentions.index(verb)
     subject = at > 0 and mentions[at - 1].phrase == "it" and verb.form.endswith("s")
     told = any(m.kind is MentionKind.DIRECTION for m in mentions[at:])
@@ -203,7 +203,7 @@ def _is_going_besides(clause: Clause, mentions: list[Mention], verb: Mention) ->
 
 
 def _is_absorbed(clause: Clause, mention: Mention, fresh: bool) -> bool:
-    """Whether a second verb adds nothing: "stops moving", "a kick sends it flying"."""
+    """Return whether a second verb adds nothing: "stops moving", "a kick sends it flying"."""
     if clause.verb is None or not fresh:
         return False
     first, second = get_verb(clause.verb), get_verb(mention)
@@ -216,11 +216,11 @@ def _is_absorbed(clause: Clause, mention: Mention, fresh: bool) -> bool:
 
 
 def _is_replaceable(mention: Mention) -> bool:
-    """Whether a verb only announces the next one: "goes spinning", "stands swaying"."""
+    """Return whether a verb only announces the next one: "goes spinning", "stands swaying"."""
     return get_verb(mention).generic
 
 
 def _is_becoming(first: Mention, second: Mention) -> bool:
-    """Whether an adjective tells how it grows: "grows taller"."""
+    """Return whether an adjective tells how it grows: "grows taller"."""
     result = get_verb(second)
     return get_verb(first).effect is Effect.SWELL and result.effect is Effect.SCALE and result.generic

@@ -52,14 +52,14 @@ def apply_holding(clauses: list[Clause]) -> list[Clause]:
 
 
 def _is_let_go(clause: Clause | None) -> bool:
-    """Whether what was held is let go of, and no more is told of that."""
+    """Return whether what was held is let go of, and no more is told of that."""
     if clause is None or clause.verb is None or clause.negated or clause.modifiers:
         return False
     return get_verb(clause.verb).effect is Effect.RELEASE and clause.verb.phrase in _LETTING_GO
 
 
 def _is_hanging_in_the_air(clause: Clause, last: Clause | None) -> bool:
-    """Whether what hangs has just been moved, and nothing is told that it hangs from."""
+    """Return whether what hangs has just been moved, and nothing is told that it hangs from."""
     if clause.verb is None or clause.verb.phrase != "hang" or clause.negated or clause.join is Join.WHILE:
         return False
     if last is None or last.negated or clause.select(MentionKind.ANCHOR, MentionKind.FROM, MentionKind.PLACE):
@@ -68,7 +68,7 @@ def _is_hanging_in_the_air(clause: Clause, last: Clause | None) -> bool:
 
 
 def is_bare_hold(clause: Clause) -> bool:
-    """Whether a clause only holds the object so far."""
+    """Return whether a clause only holds the object so far."""
     verb = None if clause.verb is None else get_verb(clause.verb)
     return (
         verb is not None and verb.effect is Effect.HOLD and verb.holds == "base" and not find_places(clause)

@@ -68,7 +68,7 @@ def inherit(clauses: list[Clause], index: int) -> None:
 
 
 def _is_turn(mention: Mention) -> bool:
-    """Whether a quantity is a turn in so many words: "a quick half turn"."""
+    """Return whether a quantity is a turn in so many words: "a quick half turn"."""
     degrees = isinstance(mention.value, Quantity) and mention.value.unit == "degrees"
     return degrees and any(noun in mention.words.lower() for noun in ("turn", "rotation", "revolution"))
 

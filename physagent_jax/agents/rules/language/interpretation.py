@@ -216,7 +216,7 @@ def _resolve_amount(clause: Clause, verb: Verb, before: Event | None) -> tuple[T
 
 
 def lands_aside(clause: Clause) -> bool:
-    """Whether it tells where something comes down: "as it reaches the ground it is farther to the right"."""
+    """Return whether it tells where something comes down: "as it reaches the ground it is farther to the right"."""
     lands = clause.verb is not None and clause.verb.phrase in LANDINGS and not clause.negated
     ways = [m.value for m in clause.select(MentionKind.DIRECTION)]
     return lands and any(way not in (("up",), ("down",)) for way in ways)
@@ -264,7 +264,7 @@ def resolve_obstacles(clause: Clause, way: Vector | None, brief: SceneBrief) -> 
 
 
 def _is_swaying_in_wind(brief: SceneBrief) -> bool:
-    """Whether a bare wind makes it sway: what is held or grows sways, what is free is blown away."""
+    """Return whether a bare wind makes it sway: what is held or grows sways, what is free is blown away."""
     return brief.anchored is not None or brief.object_kind == "plant"
 
 

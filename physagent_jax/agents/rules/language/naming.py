@@ -61,7 +61,7 @@ def collect_object_words(prompt: str, brief: SceneBrief) -> frozenset[str]:
 
 
 def _is_placing(tokens: list[Token], at: int) -> bool:
-    """Whether a noun tells where or with what ("in the water", "with snow"); "press on the cake" is done to it."""
+    """Return whether a noun tells where or with what ("in the water", "with snow"); "on the cake" is done to it."""
     before = at - 1
     while before > 0 and tokens[before].text in DETERMINERS:
         before -= 1
@@ -71,12 +71,12 @@ def _is_placing(tokens: list[Token], at: int) -> bool:
 
 
 def is_telling(name: str) -> bool:
-    """Whether a name says what the object is; a noun that is not its own is then hardly the object."""
+    """Return whether a name says what the object is; a noun that is not its own is then hardly the object."""
     return any(len(word) > 2 and word.isalpha() and word not in _SAYING_NOTHING for word in _split(name))
 
 
 def has_wheels(brief: SceneBrief) -> bool:
-    """Whether it rolls on wheels, and so stays upright when it is rolled."""
+    """Return whether it rolls on wheels, and so stays upright when it is rolled."""
     return bool(_WHEELED & set(_split(brief.object_name))) or "office" in _split(brief.object_name)
 
 

@@ -52,7 +52,7 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
 
 
 def _is_noun_denied(mentions: list[Mention], negation: Mention, adjective: Mention) -> bool:
-    """Whether an article stands between "not" and an adjective, so that the noun is denied."""
+    """Return whether an article stands between "not" and an adjective, so that the noun is denied."""
     between = [m.form for m in mentions if negation.first < m.first < adjective.first]
     behind = next(
         (m for m in mentions if m.first > adjective.first and m.kind is not MentionKind.DEGREE), None
@@ -62,7 +62,7 @@ def _is_noun_denied(mentions: list[Mention], negation: Mention, adjective: Menti
 
 
 def _is_manner_denied(mentions: list[Mention], verb: Mention) -> bool:
-    """Whether only how strongly it is done is denied: "do not push it too hard"."""
+    """Return whether only how strongly it is done is denied: "do not push it too hard"."""
     behind = [m.kind for m in mentions if m.first > verb.first and m.kind is not MentionKind.FUNCTION]
     hard = [m for m in mentions if m.first > verb.first and m.kind is MentionKind.INTENSITY]
     hard = [

@@ -19,7 +19,7 @@ def find_telling(mentions: list[Mention], index: int, step: int) -> Mention | No
 
 
 def has_motion(mentions: list[Mention]) -> bool:
-    """Whether something is done in them."""
+    """Return whether something is done in them."""
     return any(mention.kind in MOTIONS for mention in mentions)
 
 

@@ -81,7 +81,7 @@ def _skip_gap(reader: Reader, position: int, until: str) -> int:
 
 
 def _is_in_noun_phrase(reader: Reader, at: int) -> bool:
-    """Whether a word can stand between a verb and its particle: in "push it until it tips over" one cannot."""
+    """Return whether a word can stand between a verb and its particle: in "push it until it tips over" one cannot."""
     token = reader.tokens[at]
     joins = m.JOINS.get(token.text, m.Join.AND) is not m.Join.AND
     if not token.is_word or joins or token.text in FINITE:
@@ -91,7 +91,7 @@ def _is_in_noun_phrase(reader: Reader, at: int) -> bool:
 
 
 def _is_noun(reader: Reader, entry: Entry, at: int) -> bool:
-    """Whether this reading is wrong because the word stands as a noun, or is the object or an agent."""
+    """Return whether this reading is wrong because the word stands as a noun, or is the object or an agent."""
     words, kind, _ = entry
     before, text = reader.get_text(at - 1), reader.tokens[at].text
     if kind is MentionKind.PLACE:
@@ -150,13 +150,13 @@ def _is_noun(reader: Reader, entry: Entry, at: int) -> bool:
 
 
 def _is_standing(reader: Reader) -> bool:
-    """Whether what is done last is done on the spot: what it stands on is no part that is moved."""
+    """Return whether what is done last is done on the spot: what it stands on is no part that is moved."""
     verbs = [e.value for e in reader.mentions if isinstance(e.value, v.Verb)]
     return bool(verbs) and verbs[-1].effect in (v.Effect.SWAY, v.Effect.TURN, v.Effect.JUMP, v.Effect.STILL)
 
 
 def _is_adverb(reader: Reader, at: int) -> bool:
-    """Whether "right" only says that it is just there: "right in the middle", "right back", "right on its head"."""
+    """Return whether "right" only stresses a place: "right in the middle", "right back", "right on its head"."""
     behind = [reader.get_text(at + reach) for reach in (1, 2, 3)]
     if behind[0] in ("back", "off", "there", "through"):
         return True
@@ -182,7 +182,7 @@ def _is_over_something(reader: Reader, at: int) -> bool:
 
 
 def _is_means(reader: Reader, verb: object, at: int) -> bool:
-    """Whether a push or blow tells how it is done: "with a sudden jerk it is lifted"."""
+    """Return whether a push or blow tells how it is done: "with a sudden jerk it is lifted"."""
     if not isinstance(verb, v.Verb) or verb.effect not in (v.Effect.PUSH, v.Effect.STRIKE):
         return False
     before = at - 1
@@ -193,7 +193,7 @@ def _is_means(reader: Reader, verb: object, at: int) -> bool:
 
 
 def _is_counted(reader: Reader, at: int) -> bool:
-    """Whether a number stands before it, past adjectives."""
+    """Return whether a number stands before it, past adjectives."""
     before = at - 1
     while reader.get_text(before) in m.INTENSITIES or reader.get_text(before) in ("quick", "consecutive"):
         before -= 1
@@ -201,13 +201,13 @@ def _is_counted(reader: Reader, at: int) -> bool:
 
 
 def _is_crossed(reader: Reader, at: int) -> bool:
-    """Whether it goes "left to right": from there to the other side."""
+    """Return whether it goes "left to right": from there to the other side."""
     pair = (reader.get_text(at), reader.get_text(at + 2))
     return reader.get_text(at + 1) == "to" and pair in (("left", "right"), ("right", "left"))
 
 
 def _is_locating_cause(reader: Reader, words: tuple[str, ...]) -> bool:
-    """Whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
+    """Return whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
     return words[0] in m.LOCATIONS and bool(reader.mentions) and reader.mentions[-1].kind is MentionKind.CAUSE
 
 
@@ -216,7 +216,7 @@ def _is_way_told_behind(reader: Reader, at: int) -> bool:
 
 
 def _is_thing(reader: Reader, at: int, size: int) -> bool:
-    """Whether a word for strength stands as a noun: "the light", "a high"."""
+    """Return whether a word for strength stands as a noun: "the light", "a high"."""
     after = reader.tokens[at + size] if at + size < len(reader.tokens) else None
     behind = reader.get_text(at + size + 1)
     if (
@@ -229,7 +229,7 @@ def _is_thing(reader: Reader, at: int, size: int) -> bool:
 
 
 def _is_describing_thing(reader: Reader, at: int, size: int) -> bool:
-    """Whether an adjective belongs to a thing ("the heavy robot") rather than to what happens ("a heavy blow")."""
+    """Return whether an adjective belongs to a thing ("the heavy robot") rather than to a motion ("a heavy blow")."""
     after = reader.get_text(at + size)
     copula = at - 1 - (reader.get_text(at - 1) in m.DEGREES)
     if reader.get_text(copula) in ("is", "are", "was") and (

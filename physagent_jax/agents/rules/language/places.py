@@ -31,7 +31,7 @@ _LYING: dict[str, m.Names] = {
 
 
 def _comes_to_lie(reader: Reader, at: int) -> bool:
-    """Whether a side is what it falls or tips on ("falls on its back"): it goes over that way."""
+    """Return whether a side is what it falls or tips on ("falls on its back"): it goes over that way."""
     if reader.get_preposition(at) not in ("on", "onto") or not reader.mentions:
         return False
     index = len(reader.mentions) - 1
@@ -94,7 +94,7 @@ def read_place(reader: Reader, at: int) -> Mention | None:
 
 
 def _is_part_with_name(reader: Reader, at: int, size: int) -> bool:
-    """Whether a side stands before a noun that the lexicon does not have: "the upper shelves", "its left sleeve"."""
+    """Return whether a side stands before a noun that the lexicon lacks: "the upper shelves", "its left sleeve"."""
     noun, owner = reader.get_text(at + size), reader.get_text(at - 1)
     owners = ("the", "its", "his", "her", "their") if reader.tokens[at].text not in _SIDES else OWNERS
     if owner not in owners or not noun.isalpha() or noun in reader.object_words or noun in _NO_PARTS:
@@ -114,7 +114,7 @@ def _find_like(reader: Reader, at: int) -> str:
 
 
 def _is_lying_on(reader: Reader, at: int) -> bool:
-    """Whether it travels on that side: "slides on its belly" moves all of it."""
+    """Return whether it travels on that side: "slides on its belly" moves all of it."""
     owned = reader.get_text(at - 1) in ("its", "his", "her") and reader.get_text(at - 2) == "on"
     if not owned or reader.tokens[at].text not in _LYING:
         return False
@@ -123,13 +123,13 @@ def _is_lying_on(reader: Reader, at: int) -> bool:
 
 
 def _is_excepted(reader: Reader, at: int) -> bool:
-    """Whether "apart from" or "aside from" stands before it: a part, and no way."""
+    """Return whether "apart from" or "aside from" stands before it: a part, and no way."""
     before = [reader.get_text(at - back) for back in (1, 2, 3)]
     return any(pair in (("from", "apart"), ("from", "aside")) for pair in zip(before, before[1:]))
 
 
 def _is_applied_to(reader: Reader, at: int, size: int) -> bool:
-    """Whether a blow that a noun names is given "to the top of it": there, and not that way."""
+    """Return whether a blow that a noun names is given "to the top of it": there, and not that way."""
     part = reader.get_text(at + size)
     owned = "of" in (part, reader.get_text(at + size + 1)) and reader.get_preposition(at) == "to"
     if not owned:
@@ -139,7 +139,7 @@ def _is_applied_to(reader: Reader, at: int, size: int) -> bool:
 
 
 def _is_told_where(reader: Reader, at: int) -> bool:
-    """Whether "back" goes a way that is named ("back to the left"), not to where it came from."""
+    """Return whether "back" goes a way that is named ("back to the left"), not to where it came from."""
     if reader.get_text(at + 1) not in ("to", "toward", "towards"):
         return False
     if reader.get_text(at + 2) in ("us", "me", "you"):
@@ -148,7 +148,7 @@ def _is_told_where(reader: Reader, at: int) -> bool:
 
 
 def _is_regaining(reader: Reader, at: int) -> bool:
-    """Whether "back" only says that it was so before: "shrinks back", "jumps back up"."""
+    """Return whether "back" only says that it was so before: "shrinks back", "jumps back up"."""
     verbs = [e.value for e in reader.mentions if isinstance(e.value, v.Verb)]
     shapes = bool(verbs) and verbs[-1].effect in (v.Effect.SCALE, v.Effect.SWELL)
     jumps = bool(verbs) and verbs[-1].effect is v.Effect.JUMP and reader.get_text(at + 1) == "up"
@@ -156,7 +156,7 @@ def _is_regaining(reader: Reader, at: int) -> bool:
 
 
 def _is_longer_phrase(reader: Reader, at: int) -> bool:
-    """Whether a fixed phrase begins here: "back and forth" is not the back."""
+    """Return whether a fixed phrase begins here: "back and forth" is not the back."""
     return any(
         len(words) > 1 and match_words(reader, words, at)
         for words, _, _ in LEXICON.get(reader.tokens[at].text, ())

@@ -187,7 +187,7 @@ def match_quantity(tokens: list[Token], at: int) -> tuple[Quantity, int] | None:
 
 
 def _is_from_the_start(tokens: list[Token], at: int) -> bool:
-    """Whether a way is measured from where all began: "as far to the right of where it began"."""
+    """Return whether a way is measured from where all began: "as far to the right of where it began"."""
     words = [_get(tokens, i) for i in range(at, at + 8)]
     where = [i for i in range(5) if words[i : i + 2] == ["of", "where"]]
     return any(words[i + 3] in ("began", "started", "was", "stood") for i in where)

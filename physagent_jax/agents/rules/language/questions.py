@@ -37,7 +37,7 @@ def find_questions(mentions: list[Mention], prompt: str, names: frozenset[str]) 
 
 
 def _is_about_object(mentions: list[Mention], names: frozenset[str]) -> bool:
-    """Whether the object itself does what is asked: "is it leaning left?", "will the robot fall?"."""
+    """Return whether the object itself does what is asked: "is it leaning left?", "will the robot fall?"."""
     at = 2 if len(mentions) > 1 and mentions[1].phrase in DETERMINERS else 1
     subject = mentions[at].phrase if at < len(mentions) else ""
     at += 1

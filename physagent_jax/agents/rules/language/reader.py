@@ -29,7 +29,7 @@ class Reader:
         self.mentions: list[Mention] = []
 
     def is_striking(self) -> bool:
-        """Whether the last verb is a blow."""
+        """Return whether the last verb is a blow."""
         verbs = [e.value for e in self.mentions if isinstance(e.value, v.Verb)]
         return bool(verbs) and verbs[-1].effect is v.Effect.STRIKE
 
@@ -44,7 +44,7 @@ class Reader:
         return self.tokens[at].text if 0 <= at < len(self.tokens) else ""
 
     def is_after_determiner(self, at: int) -> bool:
-        """Whether an article or the like stands before it."""
+        """Return whether an article or the like stands before it."""
         return self.get_text(at - 1) in OWNING
 
     def get_preposition(self, at: int) -> str:

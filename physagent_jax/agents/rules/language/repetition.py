@@ -41,7 +41,7 @@ def merge_repetitions(mentions: list[Mention], names: frozenset[str]) -> list[Me
 
 
 def _is_cognate(before: list[Mention], noun: Mention) -> bool:
-    """Whether a verb has itself for its object: "it hops a tiny hop to the left"."""
+    """Return whether a verb has itself for its object: "it hops a tiny hop to the left"."""
     at = len(before) - 1
     while at >= 0 and before[at].kind in (MentionKind.INTENSITY, MentionKind.UNKNOWN):
         at -= 1
@@ -52,7 +52,7 @@ def _is_cognate(before: list[Mention], noun: Mention) -> bool:
 
 
 def _is_sound(before: list[Mention], verb: Mention) -> bool:
-    """Whether blows that were told are only heard: "they hit it from the left, bang bang bang"."""
+    """Return whether blows that were told are only heard: "they hit it from the left, bang bang bang"."""
     told = [m.value for m in before if isinstance(m.value, Verb)]
     strikes = isinstance(verb.value, Verb) and verb.value.effect is Effect.STRIKE
     apart = bool(before) and before[-1].value is Join.COMMA
@@ -71,6 +71,6 @@ def _find_again(mentions: list[Mention], verb: Mention, at: int, names: frozense
 
 
 def _is_called(mentions: list[Mention], at: int, names: frozenset[str]) -> bool:
-    """Whether the object is called by its name: "swing, lantern, swing"."""
+    """Return whether the object is called by its name: "swing, lantern, swing"."""
     commas = [mentions[i].value for i in (at - 1, at + 1) if i < len(mentions)]
     return mentions[at].phrase in names and commas == [Join.COMMA, Join.COMMA]

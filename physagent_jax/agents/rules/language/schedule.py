@@ -85,7 +85,7 @@ def schedule(events: list[Event], brief: SceneBrief, anchored: bool) -> tuple[li
 
 
 def _is_dosed(slot: Slot, brief: SceneBrief, anchored: bool) -> bool:
-    """Whether it should end early, so that what it brought about is seen to last."""
+    """Return whether it should end early, so that what it brought about is seen to last."""
     event = slot.events[0]
     moves = event.effect in (Effect.PUSH, Effect.TURN, Effect.LEAN)
     measured = event.stays or find_effort(event.amount, event.effect, brief) is not None
@@ -155,7 +155,7 @@ def _group_slots(events: list[Event], brief: SceneBrief, last: float) -> list[Sl
 
 
 def has_to_stop(event: Event, after: list[Event], up: Vector, grounded: bool) -> bool:
-    """Whether a free object must be stopped before what comes next can be seen."""
+    """Return whether a free object must be stopped before what comes next can be seen."""
     for later in after:
         stops = later.effect is Effect.STILL
         turned = event.effect in (Effect.TURN, Effect.LEAN) and later.effect is event.effect
@@ -170,7 +170,7 @@ def has_to_stop(event: Event, after: list[Event], up: Vector, grounded: bool) ->
 
 
 def follows(before: Event, event: Event) -> bool:
-    """Whether ``event`` comes after ``before`` rather than with it."""
+    """Return whether ``event`` comes after ``before`` rather than with it."""
     if event.join in (Join.THEN, Join.COMMA, Join.BEFORE, Join.AFTER):
         return True
     if event.join is Join.WHILE:
@@ -185,7 +185,7 @@ def follows(before: Event, event: Event) -> bool:
 
 
 def contrary(before: Event, event: Event) -> bool:
-    """Whether two events joined by "and" would cancel if they happened together ("squeezed and stretched")."""
+    """Return whether two events joined by "and" would cancel if they happened together ("squeezed and stretched")."""
     if before.effect in (Effect.STRIKE, Effect.JUMP) and event.effect is Effect.FALL:
         return True  # "jumps and lands"
     if before.effect is Effect.JUMP and event.effect is Effect.TOPPLE:

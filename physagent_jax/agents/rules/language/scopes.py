@@ -97,7 +97,7 @@ def read_delays(mentions: list[Mention]) -> list[Mention]:
 
 
 def _is_earlier(mentions: list[Mention], at: int) -> bool:
-    """Whether what stands behind came first: "lift it, having pushed it left", "push it, but lift it first"."""
+    """Return whether what stands behind came first: "lift it, having pushed it left", "push it, but lift it first"."""
     done = any(e.kind is MentionKind.VERB for e in mentions[:at])
     behind = mentions[at + 1 :]
     end = next((i for i, e in enumerate(behind) if e.kind is MentionKind.JOIN), len(behind))
@@ -127,7 +127,7 @@ def read_returns(mentions: list[Mention]) -> list[Mention]:
 
 
 def _is_swinging_by_steps(mentions: list[Mention]) -> bool:
-    """Whether a measured way is followed by one against it: "left by a half, then right by a half, and back"."""
+    """Return whether a measured way is followed by one against it: "left by a half, then right by a half, and back"."""
     ways = [e.value for e in mentions if e.kind is MentionKind.DIRECTION]
     steps = any(e.kind is MentionKind.JOIN and e.value is m.Join.THEN for e in mentions)
     measured = sum(e.kind is MentionKind.QUANTITY for e in mentions)
@@ -193,13 +193,13 @@ def drop_asides(mentions: list[Mention]) -> list[Mention]:
 
 
 def _is_blown_off(before: list[Mention]) -> bool:
-    """Whether a wind whose side is told blows it "away": off, wherever that is."""
+    """Return whether a wind whose side is told blows it "away": off, wherever that is."""
     sided = any(e.kind is MentionKind.FROM and e.value in (("left",), ("right",)) for e in before)
     return sided and any(isinstance(e.value, v.Verb) and e.value.wind for e in before)
 
 
 def _is_spared(mentions: list[Mention], at: int) -> bool:
-    """Whether "instead of" stands before what is not done to a part: it is not held either."""
+    """Return whether "instead of" stands before what is not done to a part: it is not held either."""
     segment = []
     for mention in reversed(mentions[:at]):
         if mention.kind is MentionKind.JOIN:
@@ -210,13 +210,13 @@ def _is_spared(mentions: list[Mention], at: int) -> bool:
 
 
 def _is_leaning(mentions: list[Mention], at: int) -> bool:
-    """Whether a verb of leaning stands just before."""
+    """Return whether a verb of leaning stands just before."""
     verb = mentions[at - 1].value if at else None
     return isinstance(verb, v.Verb) and verb.effect is v.Effect.LEAN
 
 
 def _is_way(mentions: list[Mention], at: int) -> bool:
-    """Whether "high" stands beside a way: "high and to the right", "to the left and high"."""
+    """Return whether "high" stands beside a way: "high and to the right", "to the left and high"."""
     joins = [i for i in (at - 1, at + 1) if 0 <= i < len(mentions) and mentions[i].phrase == "and"]
     ends = at + 1 == len(mentions) or mentions[at + 1].kind is MentionKind.JOIN
     if not joins or not ends:
@@ -226,7 +226,7 @@ def _is_way(mentions: list[Mention], at: int) -> bool:
 
 
 def _is_outdone(mentions: list[Mention], at: int) -> bool:
-    """Whether "not only" stands before a part and "but all" behind it."""
+    """Return whether "not only" stands before a part and "but all" behind it."""
     only = any(e.phrase == "not only" for e in mentions[max(at - 3, 0) : at])
     behind = [e.phrase for e in mentions[at + 1 : at + 6]]
     return only and "but" in behind and bool({*behind} & m.WHOLE_WORDS)

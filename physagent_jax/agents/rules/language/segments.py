@@ -56,13 +56,13 @@ def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
 
 
 def _is_trailing(mentions: list[Mention], index: int) -> bool:
-    """Whether a word for what comes later ends its segment, and so belongs to what stands before it."""
+    """Return whether a word for what comes later ends its segment, and so belongs to what stands before it."""
     ends = index + 1 == len(mentions) or mentions[index + 1].kind is MentionKind.JOIN
     return ends and mentions[index].phrase in _LATER | _MEANWHILE
 
 
 def _begins_main_clause(mentions: list[Mention], before: list[Mention]) -> bool:
-    """Whether a subject with its verb stands behind the one that only told the time."""
+    """Return whether a subject with its verb stands behind the one that only told the time."""
     subject, *rest = mentions
     if subject.form not in ("it", "he", "she") or not any(m.kind in HEADS for m in before):
         return False

@@ -93,7 +93,7 @@ def _find_own(mentions: list[Mention], index: int, names: frozenset[str]) -> lis
 
 
 def _is_shove(verb: Verb) -> bool:
-    """Whether somebody pushes: "push", and not "move"."""
+    """Return whether somebody pushes: "push", and not "move"."""
     return verb.effect is Effect.PUSH and not verb.generic and verb.direction is None and not verb.wind
 
 

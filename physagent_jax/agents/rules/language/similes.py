@@ -110,7 +110,7 @@ def _read_supposition(mentions: list[Mention], index: int) -> None:
 
 
 def _is_telling(verb: Verb) -> bool:
-    """Whether a verb says what form its motion has, so that a likeness adds nothing to it."""
+    """Return whether a verb says what form its motion has, so that a likeness adds nothing to it."""
     stretches = verb.effect is Effect.SCALE and verb.sign > 0  # which way, the likeness may tell
     return not verb.generic and verb.effect in _SHAPED and not stretches
 

@@ -83,7 +83,7 @@ def match_time(tokens: list[Token], at: int) -> tuple[TimeSpan, int] | None:
 
 
 def _is_measured(tokens: list[Token], at: int) -> bool:
-    """Whether it was said how much: "by half its length in a second"; "in a second push it" tells a start."""
+    """Return whether it was said how much: "by half its length in a second"; "in a second push it" tells a start."""
     first = next((i + 1 for i in range(at - 1, -1, -1) if tokens[i].text in _STOPS), 0)
     last = at
     if at and tokens[at - 1].text == ":":  # "hit it: in a second it goes by half its length"

@@ -47,7 +47,7 @@ def list_unknown(
 
 
 def is_mostly_unknown(mentions: list[Mention], unknown: list[str]) -> bool:
-    """Whether so little was understood that what was is probably misunderstood: another language, say."""
+    """Return whether so little was understood that what was is probably misunderstood: another language, say."""
     words = [
         mention for mention in mentions if mention.kind is not MentionKind.JOIN or mention.words.isalpha()
     ]
@@ -55,7 +55,7 @@ def is_mostly_unknown(mentions: list[Mention], unknown: list[str]) -> bool:
 
 
 def _is_done_to(mentions: list[Mention], index: int) -> bool:
-    """Whether a noun with its article stands as a subject or an object, not after a preposition: "in a circle"."""
+    """Return whether a noun with its article is a subject or an object, not after a preposition: "in a circle"."""
     return get_phrase(mentions, index - 1) in DETERMINERS and (
         get_phrase(mentions, index - 2) not in PREPOSITIONS
     )

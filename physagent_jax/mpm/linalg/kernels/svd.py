@@ -205,7 +205,7 @@ def _factorise(F, o, sweeps):
 
 @njit(**INLINE)
 def _is_settled(a, b, c, tolerance):
-    """Whether the columns are at right angles, the longest first, in all lanes: another sweep would gain nothing."""
+    """Return whether the columns are at right angles, the longest first, in all lanes: a sweep would gain nothing."""
     aa, bb, cc = sqrt(_dot(a, a)), sqrt(_dot(b, b)), sqrt(_dot(c, c))
     askew = any_greater(fabs(_dot(a, b)), tolerance * aa * bb)
     askew |= any_greater(fabs(_dot(a, c)), tolerance * aa * cc)
