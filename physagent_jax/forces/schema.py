@@ -186,7 +186,7 @@ class Opposition(Strict):
     time: Positive
 
 
-_Compliance = Annotated[float, Field(ge=-1e6, le=1e6)]  # [s^2]
+_Compliance = Annotated[float, Field(ge=-1e15, le=1e15)]  # [s^2]; rho L^2 / E of the softest matter that can be given
 _ComplianceRow = tuple[_Compliance, _Compliance, _Compliance]
 
 

@@ -51,6 +51,17 @@ def test_across_its_axis_it_bends_as_a_beam_does(compliance):
     assert np.abs(compliance - np.diag(np.diag(compliance))).max() < 0.05 * compliance[0, 0]
 
 
+def test_the_softest_matter_that_can_be_given_has_a_compliance_that_can_be_written(bar):
+    """Linear elasticity: the compliance goes with rho / E."""
+    _, body, _ = template_of(bar, overrides={"max_particles": 500, "cells": 16})
+    soft, firm = (
+        np.array(measure_compliance(body, Material(youngs_modulus=e, poissons_ratio=0.0, density=rho), BASE))
+        for e, rho in ((1e-3, 1e6), (1e5, 1e3))
+    )
+    np.testing.assert_allclose(soft, firm * 1e11, rtol=1e-6, atol=1e-3 * np.abs(soft).max())
+    Holding(compliance=tuple(map(tuple, soft.tolist())), shift=0.1, least=1.0, most=2.0)
+
+
 def test_nothing_held_or_all_of_it_has_none(bar):
     _, body, _ = template_of(bar)
     material = Material(youngs_modulus=E, poissons_ratio=0.3, density=RHO)
