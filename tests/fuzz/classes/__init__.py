@@ -47,7 +47,7 @@ CLASSES = {
     each.name: each
     for each in (
         FuzzClass("gaussian_files", 480),
-        FuzzClass("splat_layouts", 240),
+        FuzzClass("splat_layouts", 160),
         FuzzClass("compressed_plys", 80, "splat_formats", "make_compressed_ply"),
         FuzzClass("spz_files", 80, "splat_formats", "make_spz"),
         FuzzClass("splat_files", 80, "splat_formats", "make_splat"),
