@@ -186,7 +186,8 @@ class Opposition(Strict):
     time: Positive
 
 
-_Compliance = Annotated[float, Field(ge=-1e15, le=1e15)]  # [s^2]; rho L^2 / E of the softest matter that can be given
+# [s^2]; rho L^2 / E of the softest matter that can be given is near its bound.
+_Compliance = Annotated[float, Field(ge=-1e15, le=1e15)]
 _ComplianceRow = tuple[_Compliance, _Compliance, _Compliance]
 
 
