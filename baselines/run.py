@@ -37,9 +37,9 @@ class Command:
     """Solve a benchmark task with a baseline method."""
 
     method: str
-    """Which method; a name that there is not lists them."""
+    """Name of the method; a name that there is not lists them."""
     task: str
-    """Which task; a name that there is not lists them."""
+    """Name of the task; a name that there is not lists them."""
     budget: float = 100.0
     """Simulations that may be spent; a gradient counts as 4.3."""
     seconds: float | None = None

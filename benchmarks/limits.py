@@ -62,7 +62,7 @@ class Command(harness.Command):
     json: Path = RAW / "limits.json"
     """File of the raw rows; those of other parts are kept."""
     parts: tuple[Part, ...] = PARTS
-    """Which parts to measure; none = only write the tables."""
+    """Parts to measure; none = only write the tables."""
 
 
 def main() -> int:

@@ -31,7 +31,7 @@ class Command(harness.Command):
     json: Path = RAW / "executor.json"
     """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["starts", "kinds"], ...] = ("starts", "kinds")
-    """Which to measure."""
+    """Parts to measure."""
 
 
 def main() -> int:

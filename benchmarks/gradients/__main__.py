@@ -38,7 +38,7 @@ class Command(harness.Command):
     json: Path = RAW / "gradients.json"
     """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["cost", "precision", "peers", "materials", "growth", "profile"], ...] = PARTS
-    """Which to measure."""
+    """Parts to measure."""
     repeats: int = 3
     """Timed pairs; quick: one."""
 

@@ -34,7 +34,7 @@ class Command:
     markdown: Path | None = None
     """Also fill the places for tables of this page."""
     parts: tuple[str, ...] = ()
-    """Which parts to measure; none = only write the tables."""
+    """Parts to measure; none = only write the tables."""
     only: tuple[str, ...] = ()
     """Only jobs with one of these in their names; the other rows are kept."""
     quick: bool = False

@@ -69,7 +69,7 @@ class Command(harness.Command):
         "ablation",
         "iterations",
     )
-    """Which to measure."""
+    """Parts to measure."""
     tasks: Path = TASKS
     """Folder of the tasks."""
     data: Path | None = None

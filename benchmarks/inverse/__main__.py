@@ -39,7 +39,7 @@ class Command(harness.Command):
     json: Path = RAW / "inverse.json"
     """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["exact", "noise", "finer", "unidentifiable", "landscape"], ...] = PARTS
-    """Which to measure."""
+    """Parts to measure."""
     images: Path | None = None
     """Also draw convergence and landscape into this folder."""
 

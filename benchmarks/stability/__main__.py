@@ -44,7 +44,7 @@ class Command(harness.Command):
     json: Path = RAW / "stability.json"
     """File of the raw rows; those of other parts are kept."""
     parts: tuple[Part, ...] = PARTS  # type: ignore[assignment]
-    """Which parts to run."""
+    """Parts to run."""
 
 
 def main() -> int:

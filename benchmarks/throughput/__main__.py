@@ -52,7 +52,7 @@ class Command(harness.Command):
     json: Path = RAW / "throughput.json"
     """File of the raw rows; those of other parts are kept."""
     parts: tuple[Part, ...] = PARTS  # type: ignore[assignment]
-    """Which parts to measure; none = only write the tables."""
+    """Parts to measure; none = only write the tables."""
 
 
 def main() -> int:

@@ -77,7 +77,7 @@ class Run:
     opacity_threshold: float = 0.02
     """Gaussians with less opacity are left out."""
     splat_encoding: SplatEncoding | None = None
-    """How scales and opacities are stored: as logarithm and logit (the 3DGS layout) or plain; default: found out."""
+    """Encoding of scales and opacities: as logarithm and logit (the 3DGS layout) or plain; default: found out."""
     frames: int | None = None
     """Pictures of the clip; default: as many as the sentence needs, at least the preset's 50."""
     particles: int | None = None

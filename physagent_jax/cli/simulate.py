@@ -29,7 +29,7 @@ class Simulate:
     object: Path | None = None
     """The object's file, where the scene does not name it (PhysGaussian) or it has moved."""
     splat_encoding: SplatEncoding | None = None
-    """How the object's scales and opacities are stored; default: as the scene says, else found out."""
+    """Encoding of the object's scales and opacities; default: as the scene says, else found out."""
     ledger: bool = False
     """Also record work, dissipation and impulses, frame by frame."""
     force_substep: bool = False
@@ -124,7 +124,7 @@ class ImportPhysGaussian:
     out: Path
     """Scene file to write."""
     splat_encoding: SplatEncoding | None = None
-    """How the object's scales and opacities are stored; default: found out."""
+    """Encoding of the object's scales and opacities; default: found out."""
     overwrite: bool = False
     """Replace a file that holds something else."""
 

@@ -32,7 +32,7 @@ LEAST_LENGTH = 3.0
 PLAIN_SIZE, LARGEST_PLAIN = 0.06, 0.15
 """Where few Gaussians exceed the first and none the second, there is an outline [standard deviation over length]."""
 PROMPT_OFF = 0.02
-"""How far beside what is drawn a point of a prompt may lie [share of the picture's width]."""
+"""Largest distance from what is drawn at which a point of a prompt may lie [share of the picture's width]."""
 
 
 def draw_first_picture(config: SceneConfig, body: Body) -> RenderedImage:

@@ -9,7 +9,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.scene.mesh import GRAIN, TONE, gaussians_from_mesh
 from physagent_jax.scene.mesh_files import read_mesh, read_parts
 from physagent_jax.scene.mesh_formats import FORMATS, find_mesh_format
-from physagent_jax.scene.mesh_formats.look import decode_srgb, encode_srgb
+from physagent_jax.scene.mesh_formats.look import as_rgba, decode_srgb, encode_srgb
 from physagent_jax.scene.surfels import SH_DC, bake_light
 from tests.scene.meshes import QUAD, QUAD_FACES, QUAD_UV, GltfBuilder, one_quad, png
 
@@ -465,3 +465,9 @@ def test_gltf_prescribes_up_whatever_the_name(suffix, tmp_path):
     builder.add_node(builder.add_primitive())
     for content, up in ((builder.glb(), "+y"), (builder.gltf(), "+y"), (TRIANGLE.encode(), None)):
         assert find_mesh_format(content, write(tmp_path, f"a{suffix}", content)).up == up
+
+
+def test_colours_that_are_not_finite_are_told():
+    with pytest.warns(UserWarning, match="1 colours of the mesh are not finite"):
+        rgba = as_rgba(np.array([[0.5, np.nan, 1.0], [0.0, 1.0, 0.0]]))
+    np.testing.assert_allclose(rgba, [[0.5, 0, 1, 1], [0, 1, 0, 1]])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import io
+import warnings
 from typing import Any, Literal
 
 import numpy as np
@@ -120,14 +121,17 @@ def read_pixels(data: bytes | Any) -> np.ndarray:
 def as_rgba(colours: np.ndarray) -> np.ndarray:
     """RGBA in [0, 1], shape (n, 4), of colours with or without alpha, shape (n, 3) or (n, 4).
 
-    Integers span the range of their type. Floating-point values above 1 are taken to span 0 to 255. What is not finite
-    becomes black.
+    Integers span the range of their type. Floating-point values above 1 are taken to span 0 to 255. Values that are not
+    finite become black, with a warning.
     """
     colours = np.asarray(colours)
     if colours.dtype.kind in "ui":
         values = colours / np.iinfo(colours.dtype).max
     else:
-        values = np.nan_to_num(colours.astype(np.float64), nan=0.0, posinf=1.0, neginf=0.0)
+        values = colours.astype(np.float64)
+        if bad := int((~np.isfinite(values)).any(axis=1).sum()):
+            warnings.warn(f"{bad:,} colours of the mesh are not finite: they are drawn black", stacklevel=2)
+        values = np.nan_to_num(values, nan=0.0, posinf=1.0, neginf=0.0)
         if values.size and values.max() > 1:
             values = values / 255
     values = np.clip(values, 0, 1)
