@@ -9,14 +9,9 @@ from typing import Literal
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
-from physagent_jax.agents.rules.language.accounting import find_unused
-from physagent_jax.agents.rules.language.audit import find_lost_ways, find_odd_measures
 from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, describe_skill
 from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb
-from physagent_jax.agents.rules.language.coherence import find_incoherences
 from physagent_jax.agents.rules.language.compilation import compile_slots
-from physagent_jax.agents.rules.language.cross_check import Outcome, find_disagreements
-from physagent_jax.agents.rules.language.doubts import find_doubts
 from physagent_jax.agents.rules.language.events import TOLD, Event, ValueSource
 from physagent_jax.agents.rules.language.explanations import merge_explanations
 from physagent_jax.agents.rules.language.grammar import read_clauses
@@ -26,9 +21,8 @@ from physagent_jax.agents.rules.language.modifiers import GROUND_WORDS, OPPOSITE
 from physagent_jax.agents.rules.language.naming import collect_object_words
 from physagent_jax.agents.rules.language.reading import find_mentions
 from physagent_jax.agents.rules.language.schedule import follows, schedule
-from physagent_jax.agents.rules.language.spelling import correct_spelling, describe_corrections
+from physagent_jax.agents.rules.language.spelling import describe_corrections
 from physagent_jax.agents.rules.language.timing import TimeSpan
-from physagent_jax.agents.rules.language.tokens import tokenise
 from physagent_jax.agents.rules.language.unknowns import is_mostly_unknown, list_unknown
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 from physagent_jax.agents.schema import (
@@ -141,13 +135,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     solids = [m for clause in clauses for m in clause.select(MentionKind.SOLID)]
     if len({m.first for m in solids}) > len(builder.obstacles):
         builder.unsure.append(f"Where '{solids[-1].words}' is, is not understood.")
-    lost = find_lost_ways(clauses, builder.expectations, builder.obstacles, brief.directions)
-    lost += find_odd_measures(builder.expectations, brief.directions.up)
-    lost += find_unused(mentions, clauses)
-    lost += _hold_against_words(prompt, mentions, names, events, anchor, builder)
-    for doubt in [*find_doubts(mentions, names, unknown, clauses, brief, prompt), *lost]:
-        if doubt not in builder.unsure:
-            builder.unsure.append(doubt)
+    builder.unsure += [f"'{word}' is not understood." for word in unknown]
     return SemanticReply(
         force_field=builder.build(),
         expectations=tuple(builder.expectations),
@@ -159,30 +147,6 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
         not_understood=tuple(unknown),
         notes=tuple(builder.notes),
     )
-
-
-def _hold_against_words(
-    prompt: str,
-    mentions: list[Mention],
-    names: frozenset[str],
-    events: list[Event],
-    anchor: AnchorRequest,
-    builder: ForceFieldBuilder,
-) -> list[str]:
-    """Find contradictions of a simpler reading of the words, or of the motions among themselves."""
-    tokens, directions = correct_spelling(tokenise(prompt), names), builder.brief.directions
-    outcome = Outcome(
-        motions=builder.expectations,
-        events=events,
-        anchor=anchor.kind,
-        obstacles=[(o.direction[0], o.direction[1], o.direction[2]) for o in builder.obstacles],
-        directions=directions,
-        reversed_gravity=builder.gravity == "up",
-    )
-    return [
-        *find_disagreements(tokens, mentions, names, outcome),
-        *find_incoherences(tokens, builder.expectations, anchor.kind, directions),
-    ]
 
 
 def _check_text(prompt: str) -> None:
