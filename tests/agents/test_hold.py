@@ -6,8 +6,9 @@ import functools
 
 import pytest
 
-from benchmarks.language.notation import FILES, Clause, Sentence, read_sentences
+from benchmarks.language.notation import Clause, Sentence, read_split
 from benchmarks.language.score import make_scene, score
+from benchmarks.language.totals import REQUIRED
 from physagent_jax.agents.hold import (
     Hold,
     HoldOrigin,
@@ -173,7 +174,7 @@ def settle_all() -> list[tuple[Sentence, SemanticReply, Hold | None]]:
     the one of that kind, and so is the hold.
     """
     settled = []
-    for sentence in [each for author in FILES for each in read_sentences(author)]:
+    for sentence in [each for split in REQUIRED for each in read_split(split)]:
         scene = make_scene(sentence.object_name).model_copy(update={"anchored": "rooted"})
         try:
             reply = read_sentence(sentence.text, scene)
