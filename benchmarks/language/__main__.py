@@ -19,7 +19,7 @@ from benchmarks.harness import RAW, Job, Row
 from benchmarks.language.markdown import PAGE, PARTS
 from benchmarks.language.notation import SPLITS, Sentence, read_split
 from benchmarks.language.score import get_answer, make_scene, score
-from benchmarks.language.totals import describe_shares, is_met
+from benchmarks.language.totals import count_outcomes, describe_shares, is_met
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.rules.semantic import RuleSemanticAgent
 from physagent_jax.agents.schema import SceneBrief, SemanticReply
@@ -49,8 +49,9 @@ def _list_jobs(quick: bool) -> list[Job]:
 def read_all(split: str, sentences: list[Sentence]) -> list[Row]:
     """A row for each sentence of a split; where the split is not as required, those that are not right fail."""
     rows = [read_one(sentence) for sentence in sentences]
-    harness.say(f"{split}: {describe_shares(rows)}")
-    met = is_met(split, rows)
+    count = count_outcomes(rows)
+    harness.say(f"{split}: {describe_shares(count)}")
+    met = is_met(split, count)
     return [row | {"good": met or not row["wrong"]} for row in rows]
 
 

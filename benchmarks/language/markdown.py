@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Iterable
 
 from benchmarks.harness import Page, Result, Row, Rows, Tables, condense_section, provenance, table
 from benchmarks.language.notation import SPLITS
-from benchmarks.language.totals import OUTCOMES, REQUIRED, find_outcome
+from benchmarks.language.totals import OUTCOMES, REQUIRED, count_outcomes, is_met
 
 PARTS = ("sentences",)
-_WORST = 12  # groups that the page lists
+_COLUMNS = ("sentences", "fields right", *OUTCOMES, "words ignored")
+_WORST = 8  # groups that the page lists
 
 
 def condense(result: Result) -> Result:
@@ -47,15 +47,12 @@ def _count_groups(rows: Rows) -> Rows:
             "group": group,
             "sentences": len(mine),
             "fields": sum(row["fields"] for row in mine),
-            **{name: n for name, n in Counter(map(find_outcome, mine)).items()},
+            **count_outcomes(mine),
             "ignored": sum(bool(row["named"]) and row["answer"] == "motion" for row in mine),
             "wrong": dict(Counter(name for row in mine for name in row["wrong"])),
         }
         for (split, author, group), mine in groups.items()
     ]
-
-
-_COLUMNS = ("sentences", "fields right", *OUTCOMES, "words ignored")
 
 
 def _list_totals(rows: Rows) -> str:
@@ -67,29 +64,25 @@ def _list_totals(rows: Rows) -> str:
     return table(("split", *_COLUMNS, "required"), lines)
 
 
-def _describe_requirement(split: str, rows: Sequence[Row]) -> str:
+def _describe_requirement(split: str, rows: Rows) -> str:
     if split not in REQUIRED:
         return ""
-    (least, most), count = REQUIRED[split], _sum(rows, "sentences")
-    met = _sum(rows, "right") >= least * count and _sum(rows, "silently wrong") <= most * count
+    least, most = REQUIRED[split]
+    met = is_met(split, Counter({name: _sum(rows, name) for name in OUTCOMES}))
     return f"right {least:.0%}, silently wrong {most:.0%}: {'met' if met else 'not met'}"
 
 
 def _compare_authors(rows: Rows) -> str:
-    """A line for each author of each split."""
-    keys = dict.fromkeys((row["split"], row["author"]) for row in rows)
-    lines = [
-        [f"{author}, {split}", *_list_figures(row for row in rows if (row["split"], row["author"]) == key)]
-        for key in keys
-        for split, author in [key]
-        if split in REQUIRED
-    ]
-    return table(("author", *_COLUMNS), lines)
+    """A line for each author of the splits that have a requirement."""
+    lines: dict[str, Rows] = {}
+    for row in rows:
+        if row["split"] in REQUIRED:
+            lines.setdefault(f"{row['author']}, {row['split']}", []).append(row)
+    return table(("author", *_COLUMNS), ([name, *_list_figures(mine)] for name, mine in lines.items()))
 
 
-def _list_figures(rows: Iterable[Row]) -> list[str]:
+def _list_figures(rows: Rows) -> list[str]:
     """Cells of `_COLUMNS`."""
-    rows = list(rows)
     count, fields = _sum(rows, "sentences"), _sum(rows, "fields")
     wrong = sum(sum(row["wrong"].values()) for row in rows)
     shares = (_sum(rows, name) / max(count, 1) for name in (*OUTCOMES, "ignored"))
@@ -97,25 +90,20 @@ def _list_figures(rows: Iterable[Row]) -> list[str]:
 
 
 def _compare_groups(rows: Rows) -> str:
-    """Numbers of sentences of the groups with the most development sentences that are silently wrong."""
-    silent = Counter()
+    """Counts of the groups with the most development sentences that are silently wrong."""
+    groups: dict[str, Rows] = {}
     for row in rows:
-        silent[row["group"]] += row.get("silently wrong", 0) * (row["split"] == "development")
-    lines = []
-    for name, _ in silent.most_common(_WORST):
-        cells: list[Any] = []
-        for split in REQUIRED:
-            mine = [row for row in rows if (row["group"], row["split"]) == (name, split)]
-            cells += [_sum(mine, key) for key in _GROUP_COLUMNS] if mine else [""] * len(_GROUP_COLUMNS)
-        lines.append([name, *cells])
-    return table(("group", *(f"{split}: {head}" for split in REQUIRED for head in _GROUP_COLUMNS)), lines)
-
-
-_GROUP_COLUMNS = ("sentences", "right", "silently wrong")
+        if row["split"] == "development":
+            groups.setdefault(row["group"], []).append(row)
+    worst = sorted(groups, key=lambda name: -_sum(groups[name], "silently wrong"))[:_WORST]
+    columns = ("sentences", *OUTCOMES)
+    return table(
+        ("group", *columns), ([name, *(_sum(groups[name], key) for key in columns)] for name in worst)
+    )
 
 
 def _list_fields(rows: Rows) -> str:
-    """Counts of wrong fields, of all sentences of a split that were not refused."""
+    """Counts of wrong fields, of all sentences of a split."""
     wrong = {
         split: sum((Counter(row["wrong"]) for row in rows if row["split"] == split), Counter())
         for split in REQUIRED
@@ -145,7 +133,7 @@ PAGE = Page(
     write_tables,
     (
         "physagent_jax/agents",
-        *(f"benchmarks/language/{name}" for name in ("corpus", "notation.py", "score.py")),
+        *(f"benchmarks/language/{name}" for name in ("corpus", "notation.py", "score.py", "totals.py")),
     ),
     condense,
 )

@@ -17,7 +17,7 @@ from benchmarks.language.notation import (
     read_split,
 )
 from benchmarks.language.score import get_answer, make_scene, score
-from benchmarks.language.totals import OUTCOMES, REQUIRED, describe_shares, find_outcome, is_met
+from benchmarks.language.totals import REQUIRED, describe_shares, find_outcome, is_met
 from physagent_jax.agents.schema import (
     Amount,
     ExpectedMotion,
@@ -171,15 +171,18 @@ def test_outcomes(outcome, wrong, answer, fields):
 
 
 def test_what_is_required_of_a_split():
-    """At least so many right, and at most so many silently wrong; none is lost by being marked."""
-    least, most = REQUIRED["test"]
-    right, silent = ({"wrong": wrong, "answer": "motion", "fields": 9} for wrong in ([], ["kind"]))
-    marked = {"wrong": ["answer"], "answer": "unsure", "fields": 9}
-    n_right, n_silent = round(100 * least), round(100 * most)
-    rows = [right] * n_right + [silent] * n_silent + [marked] * (100 - n_right - n_silent)
-    assert is_met("test", rows)
-    assert not is_met("test", [*rows[1:], marked]) and not is_met("test", [*rows[:-1], silent])
-    assert describe_shares(rows).startswith(f"100 sentences: {OUTCOMES[0]} {100 * least:.2f} %")
+    """At least so many right, and at most so many silently wrong, whatever is marked."""
+    least, most = (round(100 * share) for share in REQUIRED["test"])
+
+    def count(right, silent):
+        return collections.Counter(
+            {"right": right, "silently wrong": silent, "right but marked": 100 - right - silent}
+        )
+
+    assert is_met("test", count(least, most))
+    assert not is_met("test", count(least - 1, most)) and not is_met("test", count(least, most + 1))
+    assert is_met("adversarial", count(0, 100))
+    assert describe_shares(count(least, most)).startswith(f"100 sentences: right {least:.2f} %, ")
 
 
 def test_a_fall_may_begin_with_the_lean_that_it_follows_and_with_nothing_else():
