@@ -11,7 +11,9 @@ from collections.abc import Sequence
 HAULING_VERBS = frozenset({"drag", "haul", "tow"})
 """Verbs of pulling over the ground: what they take a told way leaves its place, as what slides or is carried does."""
 
-_DETERMINERS = frozenset({"the", "its", "his", "her", "their", "our", "your", "my", "this", "that", "a", "an"})
+_DETERMINERS = frozenset(
+    {"the", "its", "his", "her", "their", "our", "your", "my", "this", "that", "a", "an"}
+)
 _VIEWERS = frozenset({"us", "me", "you", "viewer", "camera", "lens", "observer", "audience"})
 # Each stands for a change of place, whatever follows it.
 _ELSEWHERE: tuple[tuple[str, ...], ...] = (

@@ -1,9 +1,9 @@
 """Holds against motions: whether a hold gives way, stays, or makes a motion impossible.
 
 A hold that only the object's kind implies gives way to a motion that needs the object free: it falls, rises, turns as
-a whole, or leaves its place (`ExpectedMotion.leaves_place`). What is bent, swayed, stretched or twisted keeps it, and
-so does a push of which neither a distance nor another place is told: it bends what is rooted. A hold that the sentence or the user asks for
-never gives way; a motion that it makes impossible is found before anything is simulated.
+a whole, or leaves its place (`ExpectedMotion.leaves_place`). What is bent, swayed, stretched or twisted keeps it. So
+does a push of which neither a distance nor another place is told: it bends what is rooted. A hold that the sentence or
+the user asks for never gives way; a motion that it makes impossible is found before anything is simulated.
 """
 
 from __future__ import annotations
