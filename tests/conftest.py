@@ -56,9 +56,9 @@ def programs_let_go():
     programs.release_programs()
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def least_optimised():
-    """Compile a module's programs with the fewest optimisations, where compiling takes much longer than running."""
+    """Compile a test's programs with the fewest optimisations, where compiling takes much longer than running."""
     config: Any = jax.config  # its flags are not typed
     before = config.read("jax_disable_most_optimizations")
     config.update("jax_disable_most_optimizations", True)

@@ -18,10 +18,7 @@ from physagent_jax.simulation.simulate import simulate_scene
 from physagent_jax.simulation.trajectory import trajectory
 from tests.scene.small_scenes import TERMS, make_config, make_rich_scene, make_small_body
 
-pytestmark = [
-    pytest.mark.filterwarnings("ignore:only .* particles per grid cell"),
-    pytest.mark.usefixtures("least_optimised"),  # derivatives of small scenes: to compile takes longest
-]
+pytestmark = pytest.mark.filterwarnings("ignore:only .* particles per grid cell")
 
 
 @pytest.fixture(scope="module")
@@ -61,6 +58,7 @@ STEPS = (".center", ".radius", ".constraints[0].window", ".constraints[1].start"
 LENGTHS = (1e-6, 1e-4)
 
 
+@pytest.mark.usefixtures("least_optimised")
 @pytest.mark.parametrize(
     "parts",
     [
@@ -100,6 +98,7 @@ def test_every_number_has_the_derivative_of_differences(parts, folder, body, x64
         assert (slope == 0) == name.endswith(STEPS), name
 
 
+@pytest.mark.usefixtures("least_optimised")
 def test_a_simulation_of_other_numbers_is_their_own(folder, body):
     """It takes over no frame of the scene's, and along its schedule its motion comes out again."""
     scene = compile_scene(make_config(folder, always_gravity=True), body, folder)
