@@ -13,8 +13,6 @@ from physagent_jax.forces.parameters import ActionParameters, ForceFieldParamete
 from physagent_jax.metrics.task_judge import ROOM
 from tests.baselines.analytic import Linear, make_evaluator, pushes
 from tests.baselines.tiny import act
-    "least_optimised"
-)  # derivatives of small scenes: to compile takes longest
 
 PUSH = act("translation", (0.6, -0.8, 0.0), 0.9)
 
