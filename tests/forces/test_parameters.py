@@ -16,6 +16,10 @@ from physagent_jax.forces.parameters import ActionParameters, ForceFieldParamete
 from physagent_jax.forces.schema import ForceField, SkillScaling
 from physagent_jax.forces.skills import compile_force_field, compute_free_path, make_closed_form_scaling
 
+pytestmark = pytest.mark.usefixtures(
+    "least_optimised"
+)  # derivatives of small scenes: to compile takes longest
+
 FRAMES, FRAME_DT = 26, 0.04
 SCALING = make_closed_form_scaling(extent=0.83, youngs_modulus=5e4, density=390.0, duration=1.0)
 REGION = {"kind": "sphere", "center": [0.4, 0.6, 0.5], "radius": 0.4}

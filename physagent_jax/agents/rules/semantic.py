@@ -10,7 +10,7 @@ from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, describe_skill
-from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb
+from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb, mark_displacements
 from physagent_jax.agents.rules.language.compilation import compile_slots
 from physagent_jax.agents.rules.language.events import TOLD, Event, ValueSource
 from physagent_jax.agents.rules.language.explanations import merge_explanations
@@ -108,6 +108,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     unknown, notes = list_unknown(mentions, names, brief)
     notes += describe_corrections(prompt, names)
     clauses = _assume_push(clauses, unknown)
+    mark_displacements(clauses, [token.text for token in correct_spelling(tokenise(prompt), names)])
     if is_mostly_unknown(mentions, unknown):
         raise UserError(
             "Most words of the prompt are not understood",
