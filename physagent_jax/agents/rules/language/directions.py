@@ -15,7 +15,7 @@ from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import FRONTS, Names, Place, Repeat
 from physagent_jax.agents.rules.language.regions import sum_directions
 from physagent_jax.agents.rules.language.solids import Solid
-from physagent_jax.agents.rules.language.verbs import PICTURE_PLANE_TURNS, TUMBLES, Effect, Verb
+from physagent_jax.agents.rules.language.verbs import Effect, Verb
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.agents.vectors import add, cosine, cross, dot, normalise, scale
 from physagent_jax.core.strict import Vector
@@ -87,7 +87,7 @@ def resolve_direction(
     else:
         return _assume_direction(clause, verb, brief, repeat)
     if verb.effect is Effect.TURN and told and total is not None:
-        tumbles = phrase in TUMBLES and abs(dot(total, brief.directions.up)) < 0.7
+        tumbles = verb.tumbles and abs(dot(total, brief.directions.up)) < 0.7
         total = find_lean_axis(total, brief) if tumbles else _find_turn_towards(total, brief)
         source = replace(
             source, why=f"{'the top' if tumbles else 'the side that faces the viewer'} turns this way"
@@ -149,9 +149,7 @@ def _resolve_turn_axis(
     elif verb.wrings and brief.long_axis is not None and not told:
         axis = brief.long_axis
     else:
-        axis = sum_directions(
-            ("toward",) if phrase in PICTURE_PLANE_TURNS else (verb.direction or "toward",), brief
-        )
+        axis = sum_directions(("toward",) if verb.picture else (verb.direction or "toward",), brief)
     sign = 1.0
     if senses:
         assert isinstance(senses[0].value, int)

@@ -28,10 +28,7 @@ from physagent_jax.agents.rules.language.regions import make_end_region, make_re
 from physagent_jax.agents.rules.language.solids import Solid
 from physagent_jax.agents.rules.language.timing import TimeSpan
 from physagent_jax.agents.rules.language.verbs import (
-    LANDINGS,
-    TURNED_OVER,
     VERBS,
-    WHOLE_TURNS,
     Effect,
     Verb,
 )
@@ -106,10 +103,8 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
             if 360.0 * repeat.count > MOST:
                 doubts.append(f"So many turns ('{words}') cannot be shown.")
         repeat = replace(repeat, count=None)
-    if phrase in TURNED_OVER and target.amount is None:
-        target = Target(Amount(value=180.0, unit="degrees"))
-    if phrase in WHOLE_TURNS and target.amount is None:
-        target = Target(Amount(value=360.0, unit="degrees"))
+    if verb.angle and target.amount is None:
+        target = Target(Amount(value=verb.angle, unit="degrees"))
     if target.everywhere:
         verb, direction = replace(verb, effect=Effect.SWELL), None
     elif target.names and not clause.select(MentionKind.DIRECTION, MentionKind.FROM):
@@ -139,7 +134,7 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         else:
             doubts.append(f"What '{reversals[0].words}' is opposed to is not understood.")
     doubts += _find_unused(clause, verb)
-    if phrase in ("droop", "sag") and brief.object_kind not in ("plant", "cloth", "animal"):
+    if verb.droops and brief.object_kind not in ("plant", "cloth", "animal"):
         doubts.append(f"How it '{phrase}s' is not understood.")
     whole_part, region_doubts = _resolve_part(clause, verb, place, brief)
     region, part, excludes = whole_part
@@ -217,7 +212,7 @@ def _resolve_amount(clause: Clause, verb: Verb, before: Event | None) -> tuple[T
 
 def lands_aside(clause: Clause) -> bool:
     """Return whether it tells where something comes down: "as it reaches the ground it is farther to the right"."""
-    lands = clause.verb is not None and clause.verb.phrase in LANDINGS and not clause.negated
+    lands = clause.verb is not None and get_verb(clause.verb).lands and not clause.negated
     ways = [m.value for m in clause.select(MentionKind.DIRECTION)]
     return lands and any(way not in (("up",), ("down",)) for way in ways)
 

@@ -1,0 +1,18 @@
+"""The lexicon: what words mean, as data (`*.yaml`), and the types of their meanings."""
+
+from physagent_jax.agents.lexicon.reading import LexiconError, make_lexicon, read_lexicon
+from physagent_jax.agents.lexicon.types import Effect, Join, Lexicon, Moment, Motion, Names, Place, Repeat
+
+__all__ = [
+    "Effect",
+    "Join",
+    "Lexicon",
+    "LexiconError",
+    "Moment",
+    "Motion",
+    "Names",
+    "Place",
+    "Repeat",
+    "make_lexicon",
+    "read_lexicon",
+]
