@@ -3,8 +3,8 @@
 import math
 
 import pytest
-from physagent_jax.agents.rules.language.schedule import LONGEST, STEP
 
+from physagent_jax.agents.compiler.schedule import LONGEST, STEP
 from physagent_jax.agents.rules.kinds import choose_kinds
 from physagent_jax.agents.rules.language.quantities import match_quantity
 from physagent_jax.agents.rules.language.tokens import tokenise
