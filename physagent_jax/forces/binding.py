@@ -7,6 +7,7 @@ differentiates. What is known is computed on the host in double precision, trace
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
@@ -208,8 +209,16 @@ class Binding:
         largest = max(map(stress, sections)) if xp is np else jax.lax.map(stress, sections).max()
         return xp.maximum(1.0, largest / (0.5 * extent))
 
-    def overcome_friction(self, k: float | Array, before: Array | float | None = None) -> list:
-        """The force that overcomes friction for a push of the whole object with k, from a speed ``before`` [m/s]."""
+    def overcome_friction(
+        self, k: float | Array, before: Array | float | None = None, *, pulse: bool = False
+    ) -> list:
+        """The force that overcomes friction for a push of the whole object.
+
+        Args:
+            k: The push for M = 1; the mean over its window where it rises and falls [m/s^2].
+            before: Speed that it begins with [m/s].
+            pulse: Whether it rises and falls as 1 - cos over its window.
+        """
         opposition = self.opposition
         if opposition is None or not opposition.friction:
             return []
@@ -218,7 +227,9 @@ class Binding:
         friction = self.leaf(find_friction(opposition, way))
         lever = self.leaf(0.0 if self._turned else opposition.lever)
         drag = self.leaf(opposition.damping_rate)
-        return [PushCompensation(self.leaf(way), friction, push, start, lever, drag, *self.window)]
+        return [
+            PushCompensation(self.leaf(way), friction, push, start, lever, drag, *self.window, pulse=pulse)
+        ]
 
     def overcome_rubbing(self, k: float | Array) -> list:
         """The force that overcomes the friction of a turn of the whole object with k."""
@@ -235,6 +246,30 @@ class Binding:
         """abs(M), and the vector with its sign."""
         xp = jnp if _is_traced(self.values.magnitude) else np
         return xp.abs(self.values.magnitude), xp.sign(self.values.magnitude) * self.values.vector
+
+    @property
+    def extent(self) -> float:
+        """The object's longest extent [m]."""
+        return float(np.ptp(self._rest, axis=0).max())
+
+    @property
+    def centre(self) -> np.ndarray:
+        """The centre of the particles at rest [m], shape (3,)."""
+        return np.average(self._rest[self._mask].astype(float), axis=0, weights=self._volume[self._mask])
+
+    def average_turn(self, profile: Callable[[Array], Array]) -> Array:
+        """Angular acceleration of a rigid body to which a field gives its profile of them around the axis.
+
+        Args:
+            profile: Function from squared distances to the axis [m^2], shape (n,), to angular accelerations there.
+        """
+        axis, arm = self.values.vector, self._rest[self._mask].astype(float) - self.centre
+        xp = jnp if _is_traced(axis) else np
+        squared = (arm**2).sum(1) - (arm @ axis) ** 2
+        inertia = self._volume[self._mask] * xp.maximum(squared, 0.0)
+        total = inertia.sum()  # 0 where all lie on the axis: nothing turns there
+        whole = xp.maximum(total, _TINY)
+        return xp.where(total > _TINY, (inertia * profile(squared)).sum() / whole, 1.0)
 
     def width(self) -> Array:
         """The object's extent along the vector, over its longest [1]."""

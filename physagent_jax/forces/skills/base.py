@@ -29,11 +29,13 @@ class Skill:
         effect: Effect of one entry in words, with {direction}, {turn} or {axis}.
         reverse_effect: The same for a negative magnitude; None = the vector's sign says it.
         causes: Motion kinds that it can bring about, as `agents.schema.MotionKind` names them.
-        words: Verbs and nouns by which a sentence reaches it, beside what the verbs' own effects do.
+        nouns: Names of the cause by which a sentence reaches it ("gust"), beside what the lexicon says of them.
+        verbs: Verbs by which a sentence reaches it; "~" stands for up to four words.
         towards: The viewer's word for the direction or axis of a sentence that names none.
         is_axis: Whether the vector is an axis of rotation (right-hand rule) and no direction.
         is_two_sided: Whether v and -v mean the same, and the magnitude's sign alone reverses it.
         is_sudden: Whether it acts in an instant, so that its window is short.
+        is_brief: Whether it is over in a part of the time that a sentence gives it.
         is_memoryless: Whether it acts the same at each instant of its window, however long that is.
         superposes: Whether its response in a window follows from that in the whole clip (`baselines.responses`).
         swings: Whether several to and fro are taken for a swing (`forces.swinging`).
@@ -52,11 +54,13 @@ class Skill:
     effect: str
     reverse_effect: str | None = None
     causes: tuple[str, ...] = ()
-    words: tuple[str, ...] = ()
+    nouns: tuple[str, ...] = ()
+    verbs: tuple[str, ...] = ()
     towards: str | None = None
     is_axis: bool = False
     is_two_sided: bool = False
     is_sudden: bool = False
+    is_brief: bool = False
     is_memoryless: bool = True
     superposes: bool = True
     swings: bool = False

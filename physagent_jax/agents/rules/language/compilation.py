@@ -30,6 +30,7 @@ from physagent_jax.agents.vectors import add, dot, normalise, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MAX, SWING
 from physagent_jax.forces.schema import ActionType
+from physagent_jax.forces.skills import find_skill
 
 _IMPULSE_FRAMES = 1.0
 _SHORTEST_SWING = 2.0  # frames; faster swings alias in the pictures
@@ -54,7 +55,9 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
                 builder.add_note(note)
             builder.unsure += [doubt for doubt in event.doubts if doubt not in builder.unsure]
             builder.obstacles += [each for each in event.obstacles if each not in builder.obstacles]
-            _COMPILERS[event.effect](event, slot.window, after, builder, slots[:index])
+            named = event.verb.skill is not None and not event.repeat.alternate
+            compiler = _compile_by_skill if named else _COMPILERS[event.effect]
+            compiler(event, slot.window, after, builder, slots[:index])
 
 
 def _is_released(event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder) -> bool:
@@ -209,6 +212,32 @@ def _compile_repeated_push(
         event.direction,
         window,
         repeats=count,
+        released=_is_released(event, window, after, builder),
+    )
+
+
+def _compile_by_skill(
+    event: Event, window: Window, after: list[Event], builder: ForceFieldBuilder, _before: list[Slot]
+) -> None:
+    """The skill that the word stands for, as often as it is told; the first motion that it causes is expected."""
+    assert event.direction is not None and event.verb.skill is not None
+    skill = find_skill(event.verb.skill)
+    kind, count = ActionType(skill.name), _limit_count(event.repeat.count or 1, window, 4.0, builder)
+    acted, strength = window, event.strength * (event.verb.sign if skill.is_two_sided else 1)
+    if count == 1 and not skill.is_sudden:
+        acted = _add_steady(event, kind, event.direction, strength, window, after, builder)
+    else:
+        for part, _ in _pair_windows(divide(window, [1.0] * (2 * count))):
+            part = _make_impulse_window(part[0]) if skill.is_sudden else part
+            builder.add_action(event, kind, event.direction, strength, part)
+    sways = builder.anchored and count > 1 and MotionKind.SWAY in skill.causes
+    builder.add_expectation(
+        event,
+        MotionKind.SWAY if sways else MotionKind(skill.causes[0]),
+        event.direction,
+        acted,
+        repeats=count,
+        sudden=skill.is_sudden,
         released=_is_released(event, window, after, builder),
     )
 

@@ -314,9 +314,11 @@ def _choose_verb(clause: Clause) -> tuple[Verb, str]:
         cause = get_verb(clause.cause)
         quakes = cause.effect is Effect.SWAY and phrase in ("hit", "strike")
         struck = (cause.wind and verb.effect is Effect.STRIKE) or quakes  # "an earthquake hits"
-        if (verb.generic and verb.effect is Effect.PUSH) or struck:
+        named = cause.skill is not None and verb.effect is Effect.STRIKE  # "a vortex hits it"
+        if (verb.generic and verb.effect is Effect.PUSH) or struck or named:
             return cause, clause.cause.phrase
-        return replace(verb, brief=verb.brief or cause.brief), phrase
+        skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
+        return replace(verb, brief=verb.brief or cause.brief, skill=skill), phrase
     return verb, phrase
 
 

@@ -7,10 +7,12 @@ words ("let ~ go" = "let it go", "lets the plant go"). Inflections are derived i
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from physagent_jax.forces.calibration import MAGNITUDE_MAX
+from physagent_jax.forces.skills import Skill, list_skills
 
 
 class Effect(enum.Enum):
@@ -54,6 +56,7 @@ class Verb:
         wrings: A turn of one end against the other, unless the sentence names a part.
         holds: The end that a HOLD verb or adjective fixes unless the sentence names one.
         bound: ``direction`` is part of what it means: nothing is lifted downwards.
+        skill: Name of the skill that it stands for; None = what its effect is compiled to.
     """
 
     effect: Effect
@@ -70,6 +73,7 @@ class Verb:
     wrings: bool = False
     holds: Literal["base", "top"] = "base"
     bound: bool = False
+    skill: str | None = None
 
 
 _D = Effect
@@ -366,8 +370,23 @@ def _build_table(rows: tuple[tuple[str, Verb], ...]) -> dict[str, Verb]:
     return {phrase.strip(): verb for phrases, verb in rows for phrase in phrases.split(",")}
 
 
-VERBS = _build_table(_VERB_ROWS) | _build_table(_RESULT_ROWS)
-CAUSES = _build_table(_CAUSE_ROWS)
+def _add_skills(table: dict[str, Verb], words: Callable[[Skill], tuple[str, ...]]) -> dict[str, Verb]:
+    """The table with the words of skills: what it knows of them already stays."""
+    named = {word: skill for skill in list_skills("actions") for word in words(skill)}
+    return table | {
+        word: replace(table.get(word) or _make_verb(skill), skill=skill.name) for word, skill in named.items()
+    }
+
+
+def _make_verb(skill: Skill) -> Verb:
+    """A word of a skill, which is read like the words of the skill's kind."""
+    effect = Effect.STRIKE if skill.is_sudden else Effect.TURN if skill.is_axis else Effect.PUSH
+    effect = Effect.SCALE if skill.is_two_sided else effect
+    return Verb(effect, direction=skill.towards, brief=skill.is_brief, skill=skill.name)
+
+
+VERBS = _add_skills(_build_table(_VERB_ROWS) | _build_table(_RESULT_ROWS), lambda skill: skill.verbs)
+CAUSES = _add_skills(_build_table(_CAUSE_ROWS), lambda skill: skill.nouns)
 
 # Verbs whose clockwise is meant in the picture plane; the others turn about the vertical, seen from above.
 PICTURE_PLANE_TURNS = frozenset({"rotate", "revolve", "flip", "tumble", "cartwheel", "somersault", "roll"})
