@@ -23,6 +23,7 @@ from physagent_jax.forces.skills.particle_translation import ParticleTranslation
 from physagent_jax.forces.skills.scale import Scale
 from physagent_jax.forces.skills.torque import Torque
 from physagent_jax.forces.skills.translation import Translation
+from physagent_jax.forces.skills.vortex import Vortex
 
 _NAMES: dict[str, type[SkillName]] = {"actions": ActionType, "constraints": ConstraintType}
 
@@ -75,6 +76,7 @@ for _skill in (
     Scale(),
     Impulse(),
     Torque(),
+    Vortex(),
     ParticleTranslation(),
     ParticleRotation(),
     ParticleImpulse(),
