@@ -24,6 +24,7 @@ from physagent_jax.forces.skills.scale import Scale
 from physagent_jax.forces.skills.torque import Torque
 from physagent_jax.forces.skills.translation import Translation
 from physagent_jax.forces.skills.vortex import Vortex
+from physagent_jax.forces.skills.wind_gust import WindGust
 
 _NAMES: dict[str, type[SkillName]] = {"actions": ActionType, "constraints": ConstraintType}
 
@@ -77,6 +78,7 @@ for _skill in (
     Impulse(),
     Torque(),
     Vortex(),
+    WindGust(),
     ParticleTranslation(),
     ParticleRotation(),
     ParticleImpulse(),
