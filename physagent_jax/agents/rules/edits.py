@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from physagent_jax.agents.matching import Cause
 from physagent_jax.agents.rules.language.schedule import divide_swings
-from physagent_jax.agents.rules.language.timing import BRIEF
+from physagent_jax.agents.grammar.measures import BRIEF
 from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, dot, norm, normalise, scale

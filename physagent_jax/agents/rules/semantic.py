@@ -10,20 +10,20 @@ from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, describe_skill
-from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb
+from physagent_jax.agents.grammar.clauses import Clause, find_places, get_verb
 from physagent_jax.agents.rules.language.compilation import compile_slots
 from physagent_jax.agents.rules.language.events import TOLD, Event, ValueSource
-from physagent_jax.agents.rules.language.explanations import merge_explanations
-from physagent_jax.agents.rules.language.grammar import read_clauses
+from physagent_jax.agents.grammar.explanations import merge_explanations
+from physagent_jax.agents.grammar.parsing import read_clauses
 from physagent_jax.agents.rules.language.interpretation import interpret, lands_aside, resolve_obstacles
-from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.grammar.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import GROUND_WORDS, OPPOSITE_GRAVITY, Join
-from physagent_jax.agents.rules.language.naming import collect_object_words
-from physagent_jax.agents.rules.language.reading import find_mentions
+from physagent_jax.agents.grammar.nouns import collect_names
+from physagent_jax.agents.grammar.reading import read_mentions
 from physagent_jax.agents.rules.language.schedule import follows, schedule
-from physagent_jax.agents.rules.language.spelling import describe_corrections
-from physagent_jax.agents.rules.language.timing import TimeSpan
-from physagent_jax.agents.rules.language.unknowns import is_mostly_unknown, list_unknown
+from physagent_jax.agents.grammar.tokens import describe_corrections
+from physagent_jax.agents.grammar.measures import TimeSpan
+from physagent_jax.agents.grammar.unknowns import is_mostly_unknown, list_unknown
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 from physagent_jax.agents.schema import (
     AnchorRequest,
@@ -101,8 +101,8 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
         UserError: Nothing in it, or too little of it, can be understood.
     """
     _check_text(prompt)
-    names = collect_object_words(prompt, brief)
-    mentions = find_mentions(prompt, names)
+    names = collect_names(prompt, brief)
+    mentions = read_mentions(prompt, names)
     clauses, mentions = merge_explanations(read_clauses(mentions), mentions)
     gravity = _read_gravity(mentions)
     unknown, notes = list_unknown(mentions, names, brief)

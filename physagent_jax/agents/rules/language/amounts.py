@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 
 from physagent_jax.agents.rules.language.modifiers import Names
-from physagent_jax.agents.rules.language.quantities import Quantity
+from physagent_jax.agents.grammar.measures import Quantity
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
 from physagent_jax.agents.rules.tolerances import MOVE, TURN, pick_band
 from physagent_jax.agents.schema import Amount, SceneBrief

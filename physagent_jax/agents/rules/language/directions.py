@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from physagent_jax.agents.rules.language.clauses import Clause, find_repeats
+from physagent_jax.agents.grammar.clauses import Clause, find_repeats
 from physagent_jax.agents.rules.language.events import BY_DEFAULT, ValueSource
-from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.grammar.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import FRONTS, Names, Place, Repeat
 from physagent_jax.agents.rules.language.regions import sum_directions
-from physagent_jax.agents.rules.language.solids import Solid
+from physagent_jax.agents.grammar.nouns import Solid
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.agents.vectors import add, cosine, cross, dot, normalise, scale

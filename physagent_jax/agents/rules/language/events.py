@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from physagent_jax.agents.rules.language.modifiers import Join, Repeat
-from physagent_jax.agents.rules.language.timing import TimeSpan
+from physagent_jax.agents.grammar.measures import TimeSpan
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
 from physagent_jax.agents.schema import Amount, ObstacleRequest
 from physagent_jax.core.strict import Vector

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from physagent_jax.agents.rules.language.amounts import MOST, Target, find_target
-from physagent_jax.agents.rules.language.clauses import (
+from physagent_jax.agents.grammar.clauses import (
     Clause,
     find_excluded,
     find_places,
@@ -20,13 +20,13 @@ from physagent_jax.agents.rules.language.directions import (
     resolve_direction,
 )
 from physagent_jax.agents.rules.language.events import TOLD, Event, ValueSource
-from physagent_jax.agents.rules.language.mentions import MentionKind
+from physagent_jax.agents.grammar.mentions import MentionKind
 from physagent_jax.agents.rules.language.modifiers import ADDRESSEES, Place, Repeat
 from physagent_jax.agents.rules.language.naming import has_wheels
-from physagent_jax.agents.rules.language.quantities import Quantity
+from physagent_jax.agents.grammar.measures import Quantity
 from physagent_jax.agents.rules.language.regions import make_end_region, make_region, sum_directions
-from physagent_jax.agents.rules.language.solids import Solid
-from physagent_jax.agents.rules.language.timing import TimeSpan
+from physagent_jax.agents.grammar.nouns import Solid
+from physagent_jax.agents.grammar.measures import TimeSpan
 from physagent_jax.agents.rules.language.verbs import (
     VERBS,
     Effect,
