@@ -13,13 +13,14 @@ from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, descr
 from physagent_jax.agents.grammar.clauses import Clause, find_places, get_verb
 from physagent_jax.agents.rules.language.compilation import compile_slots
 from physagent_jax.agents.rules.language.events import TOLD, Event, ValueSource
-from physagent_jax.agents.grammar.explanations import merge_explanations
-from physagent_jax.agents.grammar.parsing import read_clauses
+
+from physagent_jax.agents.grammar.relations import read_clauses
 from physagent_jax.agents.rules.language.interpretation import interpret, lands_aside, resolve_obstacles
 from physagent_jax.agents.grammar.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import GROUND_WORDS, OPPOSITE_GRAVITY, Join
 from physagent_jax.agents.grammar.nouns import collect_names
 from physagent_jax.agents.grammar.reading import read_mentions
+from physagent_jax.agents.rules.language.holding import apply_holding
 from physagent_jax.agents.rules.language.schedule import follows, schedule
 from physagent_jax.agents.grammar.tokens import describe_corrections
 from physagent_jax.agents.grammar.measures import TimeSpan
@@ -103,7 +104,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     _check_text(prompt)
     names = collect_names(prompt, brief)
     mentions = read_mentions(prompt, names)
-    clauses, mentions = merge_explanations(read_clauses(mentions), mentions)
+    clauses = apply_holding(read_clauses(mentions))
     gravity = _read_gravity(mentions)
     unknown, notes = list_unknown(mentions, names, brief)
     notes += describe_corrections(prompt, names)

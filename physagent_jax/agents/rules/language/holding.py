@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from physagent_jax.agents.rules.language.clauses import HOLDABLE, Clause, find_places, get_verb
-from physagent_jax.agents.rules.language.mentions import MentionKind
+from physagent_jax.agents.grammar.clauses import HOLDABLE, Clause, find_places, get_verb
+from physagent_jax.agents.grammar.mentions import MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect
 
