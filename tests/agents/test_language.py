@@ -3,10 +3,10 @@
 import math
 
 import pytest
+from physagent_jax.agents.rules.language.schedule import LONGEST, STEP
 
 from physagent_jax.agents.rules.kinds import choose_kinds
 from physagent_jax.agents.rules.language.quantities import match_quantity
-from physagent_jax.agents.rules.language.schedule import LONGEST, STEP
 from physagent_jax.agents.rules.language.tokens import tokenise
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import cosine

@@ -192,8 +192,8 @@ _PARSERS: dict[str, Callable[[Any, str], Any]] = {
     "obstacles": _make_map(_choose("wall", "block")),
     "joins": _make_map(Join),
     **dict.fromkeys(
-        "nouns addressees locations manners even fronts one_of_many unplaced ground scene_nouns negations exceptions "
-        "whole agents moods phrases words".split(),
+        "nouns addressees locations manners even fronts one_of_many unplaced wheeled ground scene_nouns negations "
+        "exceptions whole agents moods phrases words".split(),
         _make_set,
     ),
 }

@@ -198,6 +198,7 @@ class Lexicon:
     fronts: frozenset[str]
     one_of_many: frozenset[str]
     unplaced: frozenset[str]
+    wheeled: frozenset[str]
     gravity: dict[str, str]
     anchors: dict[str, str]
     obstacles: dict[str, str]
