@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind, empty, has_motion
+from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind, empty, get_last_motion, has_motion
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
 
@@ -21,7 +21,13 @@ _REPLACED = {kind: (kind,) for kind in (MentionKind.PLACE, MentionKind.SENSE, Me
     MentionKind.DIRECTION: _WAYS,
     MentionKind.FROM: _WAYS,
 }
-_LOOSE = (MentionKind.FUNCTION, MentionKind.UNKNOWN, MentionKind.IGNORED, MentionKind.INTENSITY, MentionKind.DEGREE)
+_LOOSE = (
+    MentionKind.FUNCTION,
+    MentionKind.UNKNOWN,
+    MentionKind.IGNORED,
+    MentionKind.INTENSITY,
+    MentionKind.DEGREE,
+)
 # What ends a comparison.
 _GOES_ON = (
     MentionKind.JOIN,
@@ -34,7 +40,16 @@ _GOES_ON = (
 )
 # Motions whose form is told by the verb, so that a comparison adds nothing; how fast a fall is, it would tell.
 _SHAPED = frozenset(
-    {Effect.SWAY, Effect.TURN, Effect.LEAN, Effect.TOPPLE, Effect.SCALE, Effect.SWELL, Effect.BURST, Effect.JUMP}
+    {
+        Effect.SWAY,
+        Effect.TURN,
+        Effect.LEAN,
+        Effect.TOPPLE,
+        Effect.SCALE,
+        Effect.SWELL,
+        Effect.BURST,
+        Effect.JUMP,
+    }
 )
 
 
@@ -65,7 +80,13 @@ def _is_filmed(segment: list[Mention], names: frozenset[str]) -> bool:
     films = any(m.form in get_set("camera_verbs") for m in segment[: first + 1])
     object_first = any(m.phrase in names for m in segment[:first])
     told = any(m.phrase in get_set("cameras") for m in segment[first:])
-    return films and (camera or told or first == len(segment)) or camera and not object_first and first < len(segment)
+    return (
+        films
+        and (camera or told or first == len(segment))
+        or camera
+        and not object_first
+        and first < len(segment)
+    )
 
 
 def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
@@ -74,16 +95,24 @@ def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
     if at is None or any(m.kind is MentionKind.CAUSE for m in segment) or not segment[at].form.endswith("s"):
         return False
     subject = at
-    while subject > 0 and segment[subject - 1].kind in _LOOSE and segment[subject - 1].phrase not in get_set("determiners"):
+    while (
+        subject > 0
+        and segment[subject - 1].kind in _LOOSE
+        and segment[subject - 1].phrase not in get_set("determiners")
+    ):
         subject -= 1
     noun = segment[subject:at]
-    told = any(m.kind in (MentionKind.UNKNOWN, MentionKind.IGNORED) and not m.phrase.endswith("ly") for m in noun)
+    told = any(
+        m.kind in (MentionKind.UNKNOWN, MentionKind.IGNORED) and not m.phrase.endswith("ly") for m in noun
+    )
     own = names | get_set("pronouns") | get_set("relatives")
     another = subject > 0 and segment[subject - 1].phrase in ("a", "an", "the")
     if not told or not another or any(m.phrase in own for m in segment[:at]):
         return False
     behind = segment[at + 1 :]
-    return not any(m.phrase in names | get_set("objects") for m in behind[:3] if m.form not in get_set("prepositions"))
+    return not any(
+        m.phrase in names | get_set("objects") for m in behind[:3] if m.form not in get_set("prepositions")
+    )
 
 
 def mark_exceptions(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
@@ -127,7 +156,14 @@ def read_corrections(mentions: list[Mention], _names: frozenset[str]) -> list[Me
             continue
         while begin + size < len(mentions) and mentions[begin + size].kind is MentionKind.JOIN:
             size += 1
-        stop = next((i for i in range(begin + size, len(mentions)) if mentions[i].kind in (MentionKind.JOIN, *MOTIONS)), len(mentions))
+        stop = next(
+            (
+                i
+                for i in range(begin + size, len(mentions))
+                if mentions[i].kind in (MentionKind.JOIN, *MOTIONS)
+            ),
+            len(mentions),
+        )
         said = mentions[begin + size : stop]
         told = [m for m in said if m.kind in _REPLACED]
         if not told or any(m.kind not in (*_REPLACED, MentionKind.FUNCTION) for m in said):
@@ -156,7 +192,9 @@ def read_comparisons(mentions: list[Mention], _names: frozenset[str]) -> list[Me
     """
     result = list(mentions)
     for index, mention in enumerate(mentions):
-        likens = mention.form == "like" and not (index and mentions[index - 1].form in get_set("before_likes"))
+        likens = mention.form == "like" and not (
+            index and mentions[index - 1].form in get_set("before_likes")
+        )
         supposes = mention.phrase in ("as if", "as though")
         at = next((i for i in range(index - 1, -1, -1) if mentions[i].kind is MentionKind.VERB), None)
         verb = result[at].motion if at is not None else None
@@ -196,19 +234,51 @@ def _find_end(mentions: list[Mention], index: int) -> int:
     return len(mentions)
 
 
+def read_returns(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Makes a step of "and back" behind a turn or behind measured steps: "left by a third, then right, and back"."""
+    result: list[Mention] = []
+    for at, mention in enumerate(mentions):
+        result.append(mention)
+        if mention.phrase not in ("and back", "and back again"):
+            continue
+        steps = any(m.value is Join.THEN and m.words.isalpha() for m in mentions[:at])
+        measured = any(m.kind is MentionKind.QUANTITY for m in mentions[:at])
+        verb = get_last_motion(mentions[:at])
+        swings = verb is not None and verb.effect is Effect.SWAY
+        if steps and measured and not swings or verb is not None and verb.effect is Effect.TURN:
+            back = replace(mention, kind=MentionKind.DIRECTION, value=("away",), phrase="back", words="back")
+            result[-1:] = [replace(mention, kind=MentionKind.JOIN, value=Join.THEN, phrase="then"), back]
+    return result
+
+
 def merge_repetitions(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
     """Makes one verb of one that is said again: "bounce bounce bounce", "they pushed and pushed"; blows are counted."""
     result: list[Mention] = []
     for index, mention in enumerate(mentions):
         last = next((i for i in reversed(range(len(result))) if result[i].kind in MOTIONS), None)
         between = [] if last is None else result[last + 1 :]
-        loose = all(m.kind is MentionKind.REPEAT and m.phrase == "again" or m.value in (Join.COMMA, Join.AND) or m.phrase in names for m in between)
-        if last is None or not loose or mention.kind is not MentionKind.VERB or mention.form != result[last].form:
+        loose = all(
+            m.kind is MentionKind.REPEAT
+            and m.phrase == "again"
+            or m.value in (Join.COMMA, Join.AND)
+            or m.phrase in names
+            for m in between
+        )
+        if (
+            last is None
+            or not loose
+            or mention.kind is not MentionKind.VERB
+            or mention.form != result[last].form
+        ):
             result.append(mention)
             continue
         count = next((m.value.count or 1 for m in between if isinstance(m.value, Repeat)), 1) + 1
-        counted = mention.motion is not None and (mention.motion.effect in (Effect.STRIKE, Effect.JUMP) or mention.motion.bounces)
-        vague = any(m.value is Join.AND for m in mentions[result[last].first : index] if m.kind is MentionKind.JOIN)
+        counted = mention.motion is not None and (
+            mention.motion.effect in (Effect.STRIKE, Effect.JUMP) or mention.motion.bounces
+        )
+        vague = any(
+            m.value is Join.AND for m in mentions[result[last].first : index] if m.kind is MentionKind.JOIN
+        )
         result = result[: last + 1]
         if counted:
             repeat = Repeat(3, vague=True) if vague else Repeat(count)
@@ -216,4 +286,4 @@ def merge_repetitions(mentions: list[Mention], names: frozenset[str]) -> list[Me
     return result
 
 
-PASSES = (drop_others, read_corrections, mark_exceptions, read_comparisons, merge_repetitions)
+PASSES = (drop_others, read_corrections, mark_exceptions, read_comparisons, read_returns, merge_repetitions)

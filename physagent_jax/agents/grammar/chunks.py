@@ -142,7 +142,11 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     article = reader.get_text(at - 2) in ("the", "its", "a", "an")
     if text in LEXICON.causes:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
         return reader.is_after_determiner(at) or described or reader.get_text(at - 2) in ("a", "an")
-    if _is_past(reader, at) and reader.is_after_determiner(at) and reader.get_text(at + 1) not in reader.names:
+    if (
+        _is_past(reader, at)
+        and reader.is_after_determiner(at)
+        and reader.get_text(at + 1) not in reader.names
+    ):
         return True  # "in this shot"
     plural = text.endswith("s") and text != reader.tokens[at].lemma
     if plural and before in get_set("before_nouns"):
@@ -163,7 +167,11 @@ def _is_crossing(reader: Reader, at: int) -> bool:
 
 def _is_locating_cause(reader: Reader, words: tuple[str, ...]) -> bool:
     """Whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
-    return words[0] in LEXICON.locations and bool(reader.mentions) and reader.mentions[-1].kind is MentionKind.CAUSE
+    return (
+        words[0] in LEXICON.locations
+        and bool(reader.mentions)
+        and reader.mentions[-1].kind is MentionKind.CAUSE
+    )
 
 
 def _is_describing_object(reader: Reader, at: int, size: int) -> bool:

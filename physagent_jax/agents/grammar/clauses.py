@@ -139,7 +139,11 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
     result: list[Mention] = []
     pending: Mention | None = None
     for mention in mentions:
-        ground = pending is not None and pending.phrase in ("no", "without") and mention.form in LEXICON.scene_nouns
+        ground = (
+            pending is not None
+            and pending.phrase in ("no", "without")
+            and mention.form in LEXICON.scene_nouns
+        )
         if mention.kind is MentionKind.NOT:
             pending = mention
         elif pending is not None and (mention.kind is MentionKind.SOLID or ground):
@@ -192,7 +196,11 @@ def _add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> 
             if fresh and not negated and _is_absorbed(clause, mention):
                 continue
             holds = not is_participle(mention.form) and kept  # "keep it bent"
-            if clause.verb is not None and not holds and (negated or not _is_announcing(clause.verb, mention)):
+            if (
+                clause.verb is not None
+                and not holds
+                and (negated or not _is_announcing(clause.verb, mention))
+            ):
                 clause = Clause(Join.AND)
                 clauses.append(clause)
             clause.stays = holds and get_verb(mention).effect in HOLDABLE
@@ -239,7 +247,11 @@ def _is_continuing(clauses: list[Clause], join: Join, has_verb: bool, mentions: 
     carried = last.verb is None and last.cause is not None and has_verb and join in (Join.AND, Join.RESULT)
     carried = carried and not any(m.motion and m.motion.effect is Effect.HOLD for m in mentions)
     has_cause = any(mention.kind is MentionKind.CAUSE for mention in mentions)
-    goes_on = not has_verb and join in (Join.AND, Join.COMMA, Join.RESULT) and not (has_cause and join is Join.COMMA)
+    goes_on = (
+        not has_verb
+        and join in (Join.AND, Join.COMMA, Join.RESULT)
+        and not (has_cause and join is Join.COMMA)
+    )
     goes_on = goes_on and not (last.negated and last.verb is None)  # "no rotation, just up"
     return waiting or corrects or carried or goes_on and not _is_other_place(last, mentions)
 
@@ -259,7 +271,9 @@ def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention])
         return False
     if any(repeat.alternate for repeat in find_repeats(last)):
         return False
-    before, now = ([m.value for m in group if m.kind is MentionKind.DIRECTION] for group in (last.modifiers, mentions))
+    before, now = (
+        [m.value for m in group if m.kind is MentionKind.DIRECTION] for group in (last.modifiers, mentions)
+    )
     return bool(before and now) and any({before[-1], now[0]} == set(pair) for pair in OPPOSITES)
 
 
@@ -268,7 +282,9 @@ def _is_absorbed(clause: Clause, mention: Mention) -> bool:
     if clause.verb is None:
         return False
     first, second = get_verb(clause.verb), get_verb(mention)
-    stops = first.effect is Effect.STILL and not first.generic and not clause.negated  # "never stops spinning"
+    stops = (
+        first.effect is Effect.STILL and not first.generic and not clause.negated
+    )  # "never stops spinning"
     return stops or second.generic and first.effect is not Effect.STILL and not _is_becoming(first, second)
 
 
@@ -280,11 +296,3 @@ def _is_announcing(first: Mention, second: Mention) -> bool:
 def _is_becoming(first: Motion, second: Motion) -> bool:
     """Whether an adjective tells how it grows."""
     return first.effect is Effect.SWELL and second.effect is Effect.SCALE and second.generic
-
-
-def find_places(clause):
-    return [mention.value for mention in clause.select(MentionKind.PLACE)]
-
-
-def find_excluded(clause):
-    return [mention.value for mention in clause.select(MentionKind.EXCLUDED)]

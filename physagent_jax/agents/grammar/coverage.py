@@ -86,7 +86,9 @@ def _is_ignored(mentions: list[Mention], index: int, names: frozenset[str]) -> b
 def _is_named_here(mentions: list[Mention], index: int, named: bool, taken: list[str]) -> bool:
     """Whether a noun is the object of a sentence that does not name it otherwise: "the castle", "the sand castle"."""
     before = get_phrase(mentions, index - 1)
-    done_to = before in get_set("determiners") and get_phrase(mentions, index - 2) not in get_set("prepositions")
+    done_to = before in get_set("determiners") and get_phrase(mentions, index - 2) not in get_set(
+        "prepositions"
+    )
     return before in taken or not named and not taken and done_to
 
 
@@ -98,6 +100,11 @@ def _is_heading(mentions: list[Mention], index: int, _names: frozenset[str]) -> 
 
 def _is_number(mentions: list[Mention], index: int, _names: frozenset[str]) -> bool:
     return not mentions[index].phrase.isalpha()
+
+
+def _is_measured(mentions: list[Mention], index: int, _names: frozenset[str]) -> bool:
+    """Behind a quantity that says it all: "a third of its length farther to the right"."""
+    return index > 0 and mentions[index - 1].kind is MentionKind.QUANTITY
 
 
 def _is_asking(mentions: list[Mention], index: int, names: frozenset[str]) -> bool:
@@ -122,7 +129,11 @@ def _is_reaching(mentions: list[Mention], index: int, _names: frozenset[str]) ->
     """What a wind does to what it meets: "a gust catches the sign"."""
     begin, _ = _find_segment(mentions, index)
     motion = get_last_motion(mentions[begin:index])
-    return motion is not None and motion.wind and not any(m.kind is MentionKind.VERB for m in mentions[begin:index])
+    return (
+        motion is not None
+        and motion.wind
+        and not any(m.kind is MentionKind.VERB for m in mentions[begin:index])
+    )
 
 
 def _is_in_a_fragment(mentions: list[Mention], index: int, names: frozenset[str]) -> bool:
@@ -131,7 +142,10 @@ def _is_in_a_fragment(mentions: list[Mention], index: int, names: frozenset[str]
     inside = mentions[begin:end]
     subject = any(m.phrase in names or m.phrase in get_set("pronouns") for m in inside)
     told = {m.kind for m in inside} - {MentionKind.FUNCTION, *_LOOSE}
-    apart = all(m.words in (",", ".", "!", ";", ":", "?") for m in (*mentions[begin - 1 : begin], *mentions[end : end + 1]))
+    apart = all(
+        m.words in (",", ".", "!", ";", ":", "?")
+        for m in (*mentions[begin - 1 : begin], *mentions[end : end + 1])
+    )
     repeats = any(m.phrase in get_set("repeating") for m in inside)
     return apart and not subject and not told and not repeats and any(m.kind in MOTIONS for m in mentions)
 
@@ -160,15 +174,24 @@ def _is_predicate(mentions: list[Mention], index: int, names: frozenset[str]) ->
     """Where a verb would stand: behind the object as its subject, or before it as its object."""
     subjects, objects = names | get_set("pronouns"), names | get_set("objects")
     before = index - 1
-    while before >= 0 and (mentions[before].kind in _LOOSE or mentions[before].phrase in get_set("auxiliaries")):
+    while before >= 0 and (
+        mentions[before].kind in _LOOSE or mentions[before].phrase in get_set("auxiliaries")
+    ):
         before -= 1
     behind = index + 1 + (get_phrase(mentions, index + 1) in get_set("determiners"))
     word = mentions[index].phrase
     after_subject = before >= 0 and mentions[before].phrase in subjects and not word.endswith("ly")
     linked = any(m.form in get_set("finite") for m in mentions[before + 1 : index])
     described = linked and not word.endswith(("ing", "ed"))  # "it is fragile"
-    before_object = get_phrase(mentions, behind) in objects and get_phrase(mentions, index - 1) not in get_set("determiners")
-    return after_subject and not described or before_object and get_phrase(mentions, index - 1) not in get_set("prepositions")
+    before_object = get_phrase(mentions, behind) in objects and get_phrase(
+        mentions, index - 1
+    ) not in get_set("determiners")
+    return (
+        after_subject
+        and not described
+        or before_object
+        and get_phrase(mentions, index - 1) not in get_set("prepositions")
+    )
 
 
 def _is_a_path(mentions: list[Mention], index: int, _names: frozenset[str]) -> bool:
@@ -211,7 +234,9 @@ def _is_describing(mentions: list[Mention], index: int, names: frozenset[str]) -
 def _is_acting(mentions: list[Mention], index: int, names: frozenset[str]) -> bool:
     """Whoever does it: "the baker presses the bread", "Alice nudges it"."""
     behind = index + 1
-    while behind < len(mentions) and (mentions[behind].kind in _LOOSE or mentions[behind].phrase in get_set("auxiliaries")):
+    while behind < len(mentions) and (
+        mentions[behind].kind in _LOOSE or mentions[behind].phrase in get_set("auxiliaries")
+    ):
         behind += 1
     verb = mentions[behind] if behind < len(mentions) else None
     if verb is None or verb.kind not in MOTIONS:
@@ -246,6 +271,7 @@ def _find_segment(mentions: list[Mention], index: int) -> tuple[int, int]:
 _RULES: tuple[tuple[Callable[[list[Mention], int, frozenset[str]], bool], bool], ...] = (
     (_is_heading, True),
     (_is_number, False),
+    (_is_measured, True),
     (_is_asking, True),
     (_is_described, True),
     (_is_reaching, True),

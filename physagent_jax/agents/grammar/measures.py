@@ -124,8 +124,14 @@ def _of(section: str) -> str:
 
 # A number: "2.5", "forty five", "two and a half", "a third", "three quarters", "a couple of".
 _FRACTION = _either(LEXICON.fractions)
-_DIGITS = _either(word for word, value in LEXICON.numbers.items() if 1 <= value < 10 and len(word) > 2 and word not in _VAGUE)
-_CARDINAL = rf"\d[\d.]*|(?:{_of('tens')})(?: (?:{_DIGITS}))?|{_either(NUMBERS.keys() - _VAGUE - {'a', 'an', 'half'})}"
+_DIGITS = _either(
+    word
+    for word, value in LEXICON.numbers.items()
+    if 1 <= value < 10 and len(word) > 2 and word not in _VAGUE
+)
+_CARDINAL = (
+    rf"\d[\d.]*|(?:{_of('tens')})(?: (?:{_DIGITS}))?|{_either(NUMBERS.keys() - _VAGUE - {'a', 'an', 'half'})}"
+)
 _NUMBER = (
     rf"(?:(?:a|an|one) (?:{_FRACTION})|(?:{_CARDINAL})(?: and an? (?:{_FRACTION})| (?:{_either(_SCALES)}))?"
     rf"|(?:a )?(?:{_either(_VAGUE)})(?: of)?|half|quarter|(?:a )?hundred|pi|an?)(?= )"
@@ -182,7 +188,9 @@ def _make_percent(f: _Found) -> Quantity:
 def _make_share(f: _Found) -> Quantity | None:
     if f.article and "'s" not in f.match.group():
         return None
-    return Quantity(f.value, "share", _TABLES["dimensions"][f.get("dimension")], f.by and f.part, goal=f.before == "to")
+    return Quantity(
+        f.value, "share", _TABLES["dimensions"][f.get("dimension")], f.by and f.part, goal=f.before == "to"
+    )
 
 
 def _unless_article(make: Callable[[_Found], Quantity | None]) -> Callable[[_Found], Quantity | None]:
@@ -195,7 +203,10 @@ _QUANTITIES: tuple[tuple[re.Pattern[str], Callable[[_Found], Quantity | None]], 
     (re.compile(pattern + "(?= )"), make)
     for pattern, make in (
         (rf"{_N} (?:times?|x) a?round", lambda f: Quantity(360.0 * f.value, "degrees")),
-        (rf"{_N}{_LINK}{_WHOLE} \S+ (?:per|each|every) \S+", _unless_article(lambda f: Quantity(f.value, ""))),
+        (
+            rf"{_N}{_LINK}{_WHOLE} \S+ (?:per|each|every) \S+",
+            _unless_article(lambda f: Quantity(f.value, "")),
+        ),
         (
             rf"{_N} (?:turn|spin|flip|rotation)",  # "a 180 turn"
             lambda f: Quantity(f.value, "degrees") if f.value >= _LEAST_DEGREES else None,
@@ -235,7 +246,9 @@ _QUANTITIES: tuple[tuple[re.Pattern[str], Callable[[_Found], Quantity | None]], 
 _FACTOR = re.compile(rf"(?P<factor>{_of('factors')})(?:(?: (?:in|{_OWNER}))* {_DIMENSION})?(?= )")
 _FOLD = re.compile(rf"(?P<n>{_either(NUMBERS)})fold(?= )")
 _BY_ONE = re.compile(rf"(?:its|their|one)(?: {_OWNER})* {_DIMENSION}(?= )")
-_AS_FAR = re.compile(rf"(?:{_of('as_far')})(?! as )(?P<through>(?: \S+){{0,4}} of where \S+ (?:began|started|was|stood) )?")
+_AS_FAR = re.compile(
+    rf"(?:{_of('as_far')})(?! as )(?P<through>(?: \S+){{0,4}} of where \S+ (?:began|started|was|stood) )?"
+)
 _ALL_AROUND = re.compile(r"(?P<all>all the|half ?)way a?round(?= )|all the way a?round(?= )")
 _FACTOR_OF = re.compile(rf"(?:(?:a|the) )?factor of {_N}")
 
@@ -269,7 +282,9 @@ def _match_fixed(words: Words, at: int, by: bool) -> tuple[Quantity, int] | None
     if match := words.match(_FACTOR, at):
         dimension = _TABLES["dimensions"].get(match["dimension"] or "", "")
         acts = words.get(at - 1) != "to"
-        return Quantity(_TABLES["factors"][match["factor"]], "share", dimension, acts=acts), words.find_behind(at, match)
+        return Quantity(
+            _TABLES["factors"][match["factor"]], "share", dimension, acts=acts
+        ), words.find_behind(at, match)
     if match := words.match(_FOLD, at):
         return Quantity(NUMBERS[match["n"]], "share"), at + 1
     if by and (match := words.match(_BY_ONE, at)):
@@ -423,4 +438,3 @@ def parse_moment(start: float | None, length: float | None) -> TimeSpan:
         None if start is None else Duration(start, "clip"),
         None if length is None else Duration(BRIEF if length < 0 else length, "clip"),
     )
-

@@ -28,7 +28,9 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
     texts = [token.text for token in tokens]
     places = [at for at, text in enumerate(texts) if text in own]
     if not places:
-        return frozenset(own | {t for at, t in enumerate(texts) if t in nouns and not _is_placing(tokens, at)})
+        return frozenset(
+            own | {t for at, t in enumerate(texts) if t in nouns and not _is_placing(tokens, at)}
+        )
     beside = set()
     for at in places:
         beside.update(texts[max(at - 1, 0) : at])
@@ -127,12 +129,16 @@ def _comes_to_lie(reader: Reader, at: int) -> bool:
     if reader.get_preposition(at) not in ("on", "onto"):
         return False
     loose = (MentionKind.FUNCTION, MentionKind.INTENSITY)
-    index = next((i for i in reversed(range(len(reader.mentions))) if reader.mentions[i].kind not in loose), None)
+    index = next(
+        (i for i in reversed(range(len(reader.mentions))) if reader.mentions[i].kind not in loose), None
+    )
     verb = None if index is None else reader.mentions[index].motion
     if index is None or verb is None or verb.effect not in _GOING_OVER:
         return False
     if verb.effect is not Effect.TOPPLE:
-        reader.mentions[index] = replace(reader.mentions[index], value=LEXICON.motions["topple"], phrase="topple")
+        reader.mentions[index] = replace(
+            reader.mentions[index], value=LEXICON.motions["topple"], phrase="topple"
+        )
     return True
 
 
@@ -142,7 +148,12 @@ def _is_part_with_name(reader: Reader, at: int, noun: str) -> bool:
     owners = get_set("pronouns_of_owners") if side else get_set("owners_of_parts")
     if reader.get_text(at - 1) not in owners or not noun.isalpha() or noun in reader.names:
         return False
-    return noun not in KNOWN and reader.get_preposition(at) not in get_set("before_ways") | {"on", "onto", "at", "in"}
+    return noun not in KNOWN and reader.get_preposition(at) not in get_set("before_ways") | {
+        "on",
+        "onto",
+        "at",
+        "in",
+    }
 
 
 @dataclass(frozen=True)
@@ -191,7 +202,13 @@ def read_solid(reader: Reader, at: int) -> Mention | None:
     if (kind == "block" or match["noun"] == "ceiling") and way not in get_set("against"):
         return None
     _convert_collision(reader)
-    names = ("up",) if match["noun"] == "ceiling" else ("down",) if kind == "block" and way in ("on", "onto") else ()
+    names = (
+        ("up",)
+        if match["noun"] == "ceiling"
+        else ("down",)
+        if kind == "block" and way in ("on", "onto")
+        else ()
+    )
     told, behind = _find_where(reader, at, match)
     solid = Solid("block" if kind == "block" else "wall", told or names)
     return reader.make_span(MentionKind.SOLID, solid, "solid", at, behind)
@@ -202,7 +219,9 @@ def _find_where(reader: Reader, at: int, match: re.Match[str]) -> tuple[Names, i
     places = {**read_sections()["places_of_walls"], "in front": "toward"}
     name = match["place"] and places[match["place"]]
     beside = None if match["to"] == "to" and not match["of"] else match["beside"]
-    name = name or {"front": "toward", "back": "away", "rear": "away"}.get(beside or match["side"] or "", beside or match["side"])
+    name = name or {"front": "toward", "back": "away", "rear": "away"}.get(
+        beside or match["side"] or "", beside or match["side"]
+    )
     whole = reader.words.find_behind(at, match)
     told = bool(match["place"] or beside)
     length = whole if told else whole - (match["where"] or "").count(" ")
@@ -212,7 +231,12 @@ def _find_where(reader: Reader, at: int, match: re.Match[str]) -> tuple[Names, i
 def _convert_collision(reader: Reader) -> None:
     """Makes "hits a wall", "bounces off the wall" the way there: no blow."""
     index = next(
-        (i for i in reversed(range(len(reader.mentions))) if reader.mentions[i].kind is not MentionKind.FUNCTION), -1
+        (
+            i
+            for i in reversed(range(len(reader.mentions)))
+            if reader.mentions[i].kind is not MentionKind.FUNCTION
+        ),
+        -1,
     )
     verb = reader.mentions[index].motion if index >= 0 else None
     if verb is None or verb.gravity or verb.effect not in (Effect.STRIKE, Effect.FALL):

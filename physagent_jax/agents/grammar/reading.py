@@ -7,11 +7,16 @@ over the whole list give words their scope.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from physagent_jax.agents.grammar.asides import PASSES
 from physagent_jax.agents.grammar.chunks import read_phrase, read_word
-from physagent_jax.agents.grammar.measures import Quantity, match_count, match_number, match_quantity, match_time
+from physagent_jax.agents.grammar.measures import (
+    Quantity,
+    match_count,
+    match_number,
+    match_quantity,
+    match_time,
+)
 from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
 from physagent_jax.agents.grammar.nouns import read_part, read_solid
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
@@ -35,7 +40,7 @@ def read_mentions(sentence: str, names: frozenset[str]) -> list[Mention]:
 def _read_at(reader: Reader, at: int) -> Mention:
     token = reader.tokens[at]
     if not token.is_word:
-        join = Join.COMMA if token.text in (",", ":") else Join.THEN
+        join = {",": Join.COMMA, ":": Join.RESULT}.get(token.text, Join.THEN)
         return reader.make_mention(MentionKind.JOIN, join, token.text, [at])
     if token.text in reader.names and (token.lemma not in LEXICON.motions or reader.is_after_determiner(at)):
         return reader.make_mention(MentionKind.FUNCTION, None, token.text, [at])
@@ -125,8 +130,11 @@ def _match_part_of_turn(reader: Reader, at: int) -> tuple[Quantity, int] | None:
     noun = LEXICON.motions.get(reader.tokens[behind].lemma) if behind < len(reader.tokens) else None
     after = reader.get_text(behind)
     turned = last is not None and last.effect is Effect.TURN
-    turns = noun is not None and noun.effect is Effect.TURN or turned and (
-        not after.isalpha() or after in LEXICON.senses or after in get_set("after_a_part")
+    turns = (
+        noun is not None
+        and noun.effect is Effect.TURN
+        or turned
+        and (not after.isalpha() or after in LEXICON.senses or after in get_set("after_a_part"))
     )
     return (Quantity(360.0 * value, "degrees"), behind) if turns else None
 
@@ -172,12 +180,22 @@ def _read_count(reader: Reader, at: int) -> Mention | None:
         repeat = Repeat(int(min(max(counted[0], 1), _MOST_STROKES)))
         return reader.make_span(MentionKind.REPEAT, repeat, "times", at, counted[1])
     counted = match_number(reader.words, at)
-    if counted is None or counted[0] <= 1 or counted[0] != int(counted[0]) or counted[1] >= len(reader.tokens):
+    if (
+        counted is None
+        or counted[0] <= 1
+        or counted[0] != int(counted[0])
+        or counted[1] >= len(reader.tokens)
+    ):
         return None
     behind = counted[1] + (reader.get_text(counted[1]) in LEXICON.intensities)
     thing = reader.tokens[min(behind, len(reader.tokens) - 1)]
     several = thing.text.endswith("s") and thing.text != thing.lemma  # "3.2 Compress it" is a heading
-    if several and thing.lemma in LEXICON.motions or thing.text.endswith("s") and thing.text in LEXICON.causes:
+    if (
+        several
+        and thing.lemma in LEXICON.motions
+        or thing.text.endswith("s")
+        and thing.text in LEXICON.causes
+    ):
         repeat = Repeat(int(min(counted[0], _MOST_STROKES)))
         return reader.make_span(MentionKind.REPEAT, repeat, "times", at, counted[1])
     return None

@@ -56,9 +56,13 @@ def _find_own_motion(clause: Clause, before: Clause | None) -> tuple[Mention, Mo
         if size.acts and size.dimension != "far":  # "make it twice as tall"
             motion = "stretch" if size.value >= 1 else "squeeze"
             return mention, LEXICON.motions[motion], motion
-        turn = size.unit == "degrees" and any(noun in mention.words.lower() for noun in ("turn", "rotation", "revolution"))
+        turn = size.unit == "degrees" and any(
+            noun in mention.words.lower() for noun in ("turn", "rotation", "revolution")
+        )
         idle = before is None or before.has(Effect.STILL, Effect.RELEASE, Effect.HOLD)
-        if size.unit == "degrees" and idle or turn and not (before and before.has(*_TURNING)):  # "a full turn"
+        if (
+            size.unit == "degrees" and idle or turn and not (before and before.has(*_TURNING))
+        ):  # "a full turn"
             return mention, LEXICON.motions["turn"], "turn"
     for mention in clause.select(MentionKind.GRAVITY):
         if mention.value == "down" and not clause.select(MentionKind.FROM):  # "then let gravity act"
@@ -99,7 +103,9 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             clause.join = Join.THEN  # "nothing happens until it is hit"
         if _is_falling_over(before, clause):
             _absorb(before, clause)
-        elif clause.join is Join.RESULT or _is_carried_off(before, clause) or _is_moved_by_wind(before, clause):
+        elif (
+            clause.join is Join.RESULT or _is_carried_off(before, clause) or _is_moved_by_wind(before, clause)
+        ):
             merged += _relate(before, clause)
         else:
             merged.append(clause)
@@ -137,9 +143,22 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     """Merges an effect with its cause; returns it where it stays a clause of its own."""
     first, second = get_verb(cause.head), get_verb(effect.verb)
     another = second.effect is Effect.TURN and first.gravity  # "toss it so that it flips"
-    another = another or {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY} and (
-        second.effect is not first.effect  # "twist it until it tears"
+    another = (
+        another
+        or {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY}
+        and (
+            second.effect is not first.effect  # "twist it until it tears"
+        )
     )
+    if first.wrings and second.effect is Effect.TURN:  # "wring it: its upper end turns against its lower end"
+        effect.modifiers = [m for m in effect.modifiers if m.kind is not MentionKind.PLACE]
+        _absorb(cause, effect)
+        return []
+    if first.effect is Effect.STRIKE and second.effect is Effect.PUSH:  # "hit it: it rises"
+        if second.direction and effect.verb is not None and not effect.select(*WAYS):
+            effect.modifiers.append(replace(effect.verb, kind=MentionKind.DIRECTION, value=(second.direction,)))
+        _absorb(cause, effect)
+        return []
     if second.effect in _SEPARATE or another:
         effect.join = Join.THEN if second.effect in (Effect.STILL, Effect.RELEASE) else Join.WHILE
         return [effect]
@@ -152,7 +171,9 @@ def _absorb(cause: Clause, effect: Clause, generic: bool = True) -> None:
     if not generic:
         cause.cause, cause.verb = cause.cause or cause.verb, effect.verb
     told = [m for m in effect.modifiers if m.phrase != "away" or not cause.select(*WAYS)]
-    cause.modifiers += [m for m in told if not (generic and cause.has(Effect.TOPPLE) and m.value == ("down",))]
+    cause.modifiers += [
+        m for m in told if not (generic and cause.has(Effect.TOPPLE) and m.value == ("down",))
+    ]
     cause.mentions += effect.mentions
 
 
@@ -161,7 +182,11 @@ def _is_carried_off(before: Clause, clause: Clause) -> bool:
     verb = get_verb(clause.verb)
     if clause.join not in (Join.AND, Join.COMMA) or not (verb.generic and verb.effect is Effect.PUSH):
         return False
-    pushed = before.has(Effect.PUSH) and not get_verb(before.head).generic and get_verb(before.head).direction is None
+    pushed = (
+        before.has(Effect.PUSH)
+        and not get_verb(before.head).generic
+        and get_verb(before.head).direction is None
+    )
     driven = pushed and not before.select(*WHERE) and bool(clause.select(*WAYS))
     return before.has(Effect.STRIKE) or driven
 

@@ -22,7 +22,9 @@ def read_sections() -> dict[str, dict]:
     folder = resources.files("physagent_jax.agents.lexicon")
     sections: dict[str, dict] = {}
     for name in FILES:
-        for section, rows in yaml.load((folder / f"{name}.yaml").read_text(encoding="utf-8"), _LOADER).items():
+        for section, rows in yaml.load(
+            (folder / f"{name}.yaml").read_text(encoding="utf-8"), _LOADER
+        ).items():
             rows = rows if isinstance(rows, dict) else {None: rows}
             sections[section] = {
                 word.strip(): value for value, words in rows.items() for word in str(words).split(",")
@@ -38,5 +40,9 @@ def get_set(section: str) -> frozenset[str]:
 LEXICON = read_lexicon()
 NUMBERS: dict[str, float] = {
     **LEXICON.numbers,
-    **{word: float(value) for part in ("tens", "teens", "multiples") for word, value in read_sections()[part].items()},
+    **{
+        word: float(value)
+        for part in ("tens", "teens", "multiples")
+        for word, value in read_sections()[part].items()
+    },
 }

@@ -6,13 +6,13 @@ import re
 from dataclasses import dataclass, replace
 
 from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_sections
+from physagent_jax.agents.lexicon import read_forms
 
 # A word with its contraction, a number, or a mark of punctuation that can end a clause.
 _TOKEN = re.compile(
     r"(?<!\w)(?:i\.e|e\.g)\.?(?!\w)|(?<!\w)[-\u2212](?=\d)|(?<=\s)-(?=\s)|\d{1,9}(?:\.\d{1,9})?|[^\W\d_]+(?:'[^\W\d_]+)?|[,;.!?:\n\u2014\u2013%\u00b0/]"
 )
 _SIGNS = {"%": "percent", "\u00b0": "degrees", "/": "per", "-": "minus", "\u2212": "minus"}
-_VOWELS = "aeiou"
 _LEAST, _LEAST_NAME, _LONG_NAME = 3, 6, 8  # letters of words, and of names, in which slips are undone
 
 
@@ -61,37 +61,7 @@ def tokenise(sentence: str) -> list[Token]:
     return [token for token in tokens if token.text]
 
 
-def inflect(verb: str) -> set[str]:
-    """Regular and irregular forms of a one-word verb.
-
-    Doubling of the last consonant depends on stress, which letters do not show where there are several syllables: both
-    spellings are produced, and the wrong one is never met. With one vowel it is doubled ("taped" is of "tape").
-    """
-    forms = {verb, verb + "s", verb + "ed", verb + "ing"} | set(LEXICON.irregular.get(verb, "").split())
-    if verb.endswith(("s", "x", "z", "ch", "sh", "o")):
-        forms.add(verb + "es")
-    if verb.endswith("e"):
-        forms |= {verb + "d", verb[:-1] + "ing"}
-    if verb.endswith("y") and verb[-2:-1] not in _VOWELS:
-        forms |= {verb[:-1] + "ies", verb[:-1] + "ied"}
-    if len(verb) > 2 and verb[-1] not in _VOWELS + "wxy" and verb[-2] in _VOWELS and verb[-3] not in _VOWELS:
-        forms |= {verb + verb[-1] + "ed", verb + verb[-1] + "ing"}
-        if sum(letter in _VOWELS + "y" for letter in verb) == 1:
-            forms -= {verb + "ed", verb + "ing"}
-    return forms
-
-
-def _collect_forms() -> dict[str, str]:
-    """Every inflected form of every verb in the lexicon, to its lemma; lemmas themselves win."""
-    lemmas = {phrase.split()[0] for phrase in LEXICON.motions} | set(LEXICON.irregular)
-    forms: dict[str, str] = {}
-    for lemma in sorted(lemmas):
-        for form in inflect(lemma):
-            forms.setdefault(form, lemma)
-    return forms | {lemma: lemma for lemma in lemmas}
-
-
-FORMS = _collect_forms()
+FORMS = read_forms()
 
 
 def is_participle(form: str) -> bool:
@@ -119,7 +89,9 @@ def correct_spelling(tokens: list[Token], names: frozenset[str]) -> list[Token]:
     known = KNOWN | names
     meant = {text: _find_meant(text, known, names) for text in {token.text for token in tokens}}
     return [
-        token if (word := meant[token.text]) is None else replace(token, text=word, lemma=FORMS.get(word, word))
+        token
+        if (word := meant[token.text]) is None
+        else replace(token, text=word, lemma=FORMS.get(word, word))
         for token in tokens
     ]
 
