@@ -9,7 +9,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind, empty, get_last_motion, has_motion
+from physagent_jax.agents.grammar.mentions import (
+    MOTIONS,
+    Mention,
+    MentionKind,
+    empty,
+    get_last_motion,
+    has_motion,
+)
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
 
@@ -205,7 +212,7 @@ def read_comparisons(mentions: list[Mention], _names: frozenset[str]) -> list[Me
         same = model is not None and LEXICON.motions[model].effect is verb.effect
         if model is not None and verb.generic and not same:
             result[at] = replace(result[at], value=LEXICON.motions[model], phrase=model)
-        elif not (_is_telling(verb) or same):
+        elif not (_is_telling(verb) or same or supposes and not verb.generic):
             continue
         inside = [i for i in range(index, end) if not supposes or mentions[i].kind is MentionKind.VERB]
         done = supposes and any(mentions[i].kind in MOTIONS for i in range(index, end))
@@ -240,6 +247,11 @@ def read_returns(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
     for at, mention in enumerate(mentions):
         result.append(mention)
         if mention.phrase not in ("and back", "and back again"):
+            continue
+        if (
+            at + 1 < len(mentions) and mentions[at + 1].kind is MentionKind.DIRECTION
+        ):  # "up 10 cm and back down"
+            result[-1] = replace(mention, kind=MentionKind.JOIN, value=Join.THEN, phrase="then")
             continue
         steps = any(m.value is Join.THEN and m.words.isalpha() for m in mentions[:at])
         measured = any(m.kind is MentionKind.QUANTITY for m in mentions[:at])

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from physagent_jax.agents.grammar.measures import parse_moment
-from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader
-from physagent_jax.agents.grammar.tables import LEXICON, get_set
-from physagent_jax.agents.lexicon import Join, Place
+from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
+from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set
+from physagent_jax.agents.lexicon import Effect, Join, Motion, Place
 
 GAP = "~"
 LONGEST_GAP = 4
@@ -60,7 +60,11 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
     if not matches:
         return None
     (words, kind, value), used = max(matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0]))
-    if kind is MentionKind.DIRECTION and (
+    if kind is MentionKind.VERB and isinstance(value, Motion) and _is_means(reader, value, at):
+        kind = MentionKind.CAUSE
+    elif kind is MentionKind.DIRECTION and words == ("away",) and _is_way_told_behind(reader, at):
+        kind, value = MentionKind.FUNCTION, None  # "flies away to the right"
+    elif kind is MentionKind.DIRECTION and (
         reader.get_preposition(at) == "from" or _is_crossing(reader, at) or _is_locating_cause(reader, words)
     ):
         kind = MentionKind.FROM
@@ -130,13 +134,21 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     before, text = reader.get_text(at - 1), reader.tokens[at].text
     if kind is MentionKind.PLACE:
         assert isinstance(value, Place)
-        owned = before in get_set("owners_of_parts") or at > 0 and reader.tokens[at - 1].possessive
+        possessive = at > 0 and reader.tokens[at - 1].possessive and before not in get_set("persons")
+        owned = before in get_set("owners_of_parts") or possessive
+        if isinstance(value, Place) and value.names == ("down",) and _is_standing(reader, at):
+            return True  # "wobble it on its base"
         another = before in ("a", "an") and not set(words) & LEXICON.one_of_many
         return (text in LEXICON.agents and not owned) or another and reader.get_text(at + 1) != "of"
+    if kind is MentionKind.DIRECTION:
+        return words == ("right",) and _is_adverb(reader, at)  # "right on its head"
     if kind is not MentionKind.VERB:
         return False
     if len(words) > 1:  # "push it over and over" does not push it over, "push it over the edge" neither
-        over = words[-2:] == (GAP, "over") and reader.get_text(used[-1] + 1) in get_set("determiners")
+        behind = reader.get_text(used[-1] + 1)
+        over = words[-2:] == (GAP, "over") and (
+            behind in get_set("determiners") or behind in NUMBERS or behind.isdigit()
+        )
         return over or begins_longer_phrase(reader, used[-1])
     described = before in LEXICON.intensities and not before.endswith("ly")
     article = reader.get_text(at - 2) in ("the", "its", "a", "an")
@@ -154,9 +166,37 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     return words[0] in LEXICON.nouns and (described and article or before in ("the", "its", "a"))
 
 
+def _is_standing(reader: Reader, at: int) -> bool:
+    """Whether what is done last is done on the spot: what it stands on is no part that is moved."""
+    motion = get_last_motion(reader.mentions)
+    spot = motion is not None and motion.effect in (Effect.SWAY, Effect.TURN, Effect.JUMP, Effect.STILL)
+    return spot and reader.get_preposition(at) == "on"
+
+
+def _is_adverb(reader: Reader, at: int) -> bool:
+    """Whether "right" only stresses a place: "right in the middle", "right back"."""
+    behind = [reader.get_text(at + reach) for reach in (1, 2, 3)]
+    noun = behind[2] if behind[1] in get_set("determiners") else behind[1]
+    stressed = noun in LEXICON.parts or noun in LEXICON.ends or noun in get_set("times_of_day")
+    return behind[0] in ("back", "off", "there", "through") or behind[0] in ("in", "on", "at") and stressed
+
+
 def _is_past(reader: Reader, at: int) -> bool:
     text = reader.tokens[at].text
     return text != reader.tokens[at].lemma and not text.endswith(("ing", "s"))
+
+
+def _is_means(reader: Reader, motion: Motion, at: int) -> bool:
+    """Whether a push or a blow tells how it is done: "with a sudden jerk it is lifted"."""
+    before = at - 1
+    while reader.get_text(before) in LEXICON.intensities or reader.get_text(before) in LEXICON.moments:
+        before -= 1
+    means = reader.get_text(before) in ("a", "an", "one") and reader.get_text(before - 1) == "with"
+    return means and motion.effect in (Effect.PUSH, Effect.STRIKE)
+
+
+def _is_way_told_behind(reader: Reader, at: int) -> bool:
+    return reader.get_text(at + 1) == "to" and reader.get_text(at + 3) in ("left", "right")
 
 
 def _is_crossing(reader: Reader, at: int) -> bool:

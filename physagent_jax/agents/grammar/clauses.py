@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from physagent_jax.agents.grammar.measures import Quantity
 from physagent_jax.agents.grammar.mentions import MOTIONS, WAYS, Mention, MentionKind
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.grammar.tokens import is_participle
@@ -24,6 +25,7 @@ WHERE = (
     MentionKind.REPEAT,
     MentionKind.REVERSAL,
 )
+TURNING = (Effect.TURN, Effect.ROLL, Effect.LEAN, Effect.TOPPLE)
 HOLDABLE = (Effect.PUSH, Effect.LEAN, Effect.SCALE, Effect.SWELL, Effect.TURN)
 OPPOSITES: tuple[tuple[Names, Names], ...] = (
     (("left",), ("right",)),
@@ -33,6 +35,7 @@ OPPOSITES: tuple[tuple[Names, Names], ...] = (
 OPPOSITE_GRAVITY = {"down": "none", "none": "down", "up": "down"}
 # Of several connectives in a row (", and then") the one that stands last here counts.
 _RANK = (Join.COMMA, Join.AND, Join.RESULT, Join.WHILE, Join.BUT, Join.THEN, Join.AFTER, Join.BEFORE)
+_TIMED = (Join.WHILE, Join.AFTER, Join.BEFORE)
 _STRENGTHS = (MentionKind.INTENSITY, MentionKind.COMPARATIVE)
 _NEGATABLE = (*WHERE, *MOTIONS, *_STRENGTHS, MentionKind.DEGREE, MentionKind.GRAVITY, MentionKind.ANCHOR)
 _EMPTY = (MentionKind.FUNCTION, MentionKind.UNKNOWN, MentionKind.IGNORED)
@@ -88,6 +91,13 @@ def get_verb(mention: Mention | None) -> Motion:
     return mention.motion
 
 
+def is_turn(mention: Mention) -> bool:
+    """Whether a quantity is a turn in so many words: "a quick half turn"."""
+    words = mention.words.lower()
+    degrees = isinstance(mention.value, Quantity) and mention.value.unit == "degrees"
+    return degrees and any(noun in words for noun in ("turn", "rotation", "revolution"))
+
+
 def find_repeats(clause: Clause) -> list[Repeat]:
     """The counts that a clause names; "in both directions, left and right" goes there once."""
     counts = [m.value for m in clause.select(MentionKind.REPEAT) if isinstance(m.value, Repeat)]
@@ -105,16 +115,36 @@ def group_mentions(mentions: list[Mention]) -> list[Clause]:
 def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
     """What stands between connectives, each with the connective before it."""
     segments: list[tuple[Join, list[Mention]]] = [(Join.THEN, [])]
-    for mention in mentions:
+    for index, mention in enumerate(mentions):
         join, inside = segments[-1]
         if mention.kind is not MentionKind.JOIN:
-            inside.append(mention)
+            if len(segments) == 1 and join in _TIMED and _begins_main_clause(mentions[index:], inside):
+                segments.append((Join.COMMA, []))  # "as it falls it spins"
+            segments[-1][1].append(mention)
+        elif join in (Join.AND, Join.COMMA) and inside and _is_trailing(mentions, index):
+            assert isinstance(mention.value, Join)
+            segments[-1] = (mention.value, inside)  # "lift it and spin it afterwards"
         elif any(m.kind is not MentionKind.FUNCTION for m in inside):
             assert isinstance(mention.value, Join)
             segments.append((mention.value, []))
         else:
             segments[-1] = (_combine(join, mention, len(segments) == 1), inside)
     return [segment for segment in segments if segment[1]]
+
+
+def _is_trailing(mentions: list[Mention], index: int) -> bool:
+    """Whether a word for what comes later ends its segment, and so belongs to what stands before it."""
+    ends = index + 1 == len(mentions) or mentions[index + 1].kind is MentionKind.JOIN
+    return ends and mentions[index].phrase in get_set("later") | get_set("meanwhile")
+
+
+def _begins_main_clause(mentions: list[Mention], before: list[Mention]) -> bool:
+    """Whether a subject with its verb stands behind the one that only told the time."""
+    if mentions[0].form not in get_set("pronouns") or not any(m.kind in MOTIONS for m in before):
+        return False
+    follows = next((m for m in mentions[1:] if m.kind is not MentionKind.INTENSITY), None)
+    finite = follows is not None and follows.kind is MentionKind.VERB and follows.form.endswith("s")
+    return follows is not None and (finite or follows.form in get_set("auxiliaries"))
 
 
 def _combine(join: Join, mention: Mention, first: bool) -> Join:
@@ -195,7 +225,9 @@ def _add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> 
         elif mention.kind is MentionKind.VERB:
             if fresh and not negated and _is_absorbed(clause, mention):
                 continue
-            holds = not is_participle(mention.form) and kept  # "keep it bent"
+            bare = fresh and clause.has(Effect.HOLD) and get_verb(clause.verb).holds == "base"
+            holds = not is_participle(mention.form) and (kept or bare)  # "keep it bent", "hold it bent"
+            gone = negated and clause.head is None and len(clauses) > 1 and bool(clause.select(*WAYS))
             if (
                 clause.verb is not None
                 and not holds
@@ -207,11 +239,11 @@ def _add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> 
             clause.verb, clause.negated, negated = mention, negated, False
             clause.mentions.append(mention)
         elif mention.kind is MentionKind.CAUSE:
-            if negated and has_verb:  # "moves without wind": the cause is merely absent
+            if negated and clause.verb is not None:  # "moves without wind": the cause is merely absent
                 negated = False
                 continue
             clause.cause = clause.cause or mention
-            clause.negated, negated = clause.negated or negated, False
+            clause.negated = clause.negated or negated and not has_verb  # "no breeze stirs it"
             clause.mentions.append(mention)
         elif mention.kind not in _EMPTY:
             clause.modifiers.append(mention)
@@ -239,7 +271,10 @@ def _is_continuing(clauses: list[Clause], join: Join, has_verb: bool, mentions: 
     last = clauses[-1]
     if any(mention.kind is MentionKind.ORDINAL for mention in mentions):
         return False
-    if not has_verb and (_is_turning_back(clauses, join, mentions)):
+    turns = any(is_turn(mention) for mention in mentions) and not last.has(
+        *TURNING
+    )  # "..., does a half turn"
+    if not has_verb and (_is_turning_back(clauses, join, mentions) or turns and last.head is not None):
         return False
     waiting = last.head is None and not (len(clauses) > 1 and last.select(*WHERE)) and join is not Join.THEN
     corrects = join is Join.BUT and not has_verb and not last.negated  # "not to the left but to the right"
@@ -266,14 +301,15 @@ def _is_other_place(last: Clause, mentions: list[Mention]) -> bool:
 def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention]) -> bool:
     """Whether a list goes the other way now: "push it left, right, and left again"."""
     last = clauses[-1]
-    listed = len(clauses) > 1 and last.head is None
+    measured = any(m.kind in (*_STRENGTHS, MentionKind.QUANTITY) for m in mentions) and not last.has(
+        Effect.SWAY, Effect.SCALE, Effect.SWELL
+    )
+    listed = len(clauses) > 1 and last.head is None or measured  # "gently to the left and hard to the right"
     if join is not Join.COMMA and not (join is Join.AND and listed):
         return False
     if any(repeat.alternate for repeat in find_repeats(last)):
         return False
-    before, now = (
-        [m.value for m in group if m.kind is MentionKind.DIRECTION] for group in (last.modifiers, mentions)
-    )
+    before, now = ([m.value for m in group if m.kind in WAYS] for group in (last.modifiers, mentions))
     return bool(before and now) and any({before[-1], now[0]} == set(pair) for pair in OPPOSITES)
 
 

@@ -6,10 +6,10 @@ import re
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from physagent_jax.agents.grammar.chunks import begins_longer_phrase
+from physagent_jax.agents.grammar.chunks import PHRASES, begins_longer_phrase
 from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind, Reader, get_last_motion
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
-from physagent_jax.agents.grammar.tokens import FORMS, KNOWN, Token, tokenise
+from physagent_jax.agents.grammar.tokens import FORMS, Token, tokenise
 from physagent_jax.agents.lexicon import Effect, Names, Place
 from physagent_jax.agents.schema import SceneBrief
 
@@ -89,7 +89,8 @@ def _read_side(reader: Reader, at: int, size: int, phrase: str, names: Names) ->
     plural = noun not in ("sides", "faces") and FORMS.get(noun) is None  # "from the left tips it over"
     part = noun.removesuffix("s") if plural else noun
     used = list(range(at, at + size + 1))
-    towards = reader.get_preposition(at) in get_set("before_ways")
+    given = _is_given_to(reader, at + size)
+    towards = reader.get_preposition(at) in get_set("before_ways") and not given
     if part in LEXICON.part_nouns:
         if towards or part == "side" and _comes_to_lie(reader, at):
             return _make_direction(reader, names, phrase, used)
@@ -111,6 +112,13 @@ def _read_side(reader: Reader, at: int, size: int, phrase: str, names: Names) ->
     if noun in ("to", "toward", "towards") and _is_way(reader, at + 2):
         return reader.make_mention(MentionKind.FUNCTION, None, phrase, [at])  # "back to the left"
     return reader.make_mention(MentionKind.DIRECTION, names, phrase, [at])
+
+
+def _is_given_to(reader: Reader, at: int) -> bool:
+    """Whether a blow that a noun names is given "to the top of it": there, and not that way."""
+    head = next((m for m in reversed(reader.mentions) if m.motion), None)
+    owned = "of" in (reader.get_text(at), reader.get_text(at + 1)) and reader.get_preposition(at - 1) == "to"
+    return owned and head is not None and head.kind is MentionKind.CAUSE
 
 
 def _is_way(reader: Reader, at: int) -> bool:
@@ -148,7 +156,8 @@ def _is_part_with_name(reader: Reader, at: int, noun: str) -> bool:
     owners = get_set("pronouns_of_owners") if side else get_set("owners_of_parts")
     if reader.get_text(at - 1) not in owners or not noun.isalpha() or noun in reader.names:
         return False
-    return noun not in KNOWN and reader.get_preposition(at) not in get_set("before_ways") | {
+    known = noun in PHRASES or FORMS.get(noun, noun) in PHRASES or noun in LEXICON.words - {"body"}
+    return not known and reader.get_preposition(at) not in get_set("before_ways") | {
         "on",
         "onto",
         "at",

@@ -57,11 +57,12 @@ def _read_condition(reader: Reader, at: int) -> Mention | None:
 
 
 def _read_once(reader: Reader, at: int) -> Mention | None:
-    """Reads "once it has landed": a time, and no count."""
+    """Reads "once it has landed", a time and no count, and "..., so it goes right", what comes of it."""
+    join = {"once": Join.AFTER, "so": Join.RESULT}.get(reader.get_text(at))
     subject = get_set("pronouns") | reader.names | {"the"}
-    if reader.get_text(at) != "once" or reader.get_text(at + 1) not in subject:
+    if join is None or reader.get_text(at + 1) not in subject:
         return None
-    return reader.make_mention(MentionKind.JOIN, Join.AFTER, "once", [at])
+    return reader.make_mention(MentionKind.JOIN, join, reader.get_text(at), [at])
 
 
 def _read_prevention(reader: Reader, at: int) -> Mention | None:

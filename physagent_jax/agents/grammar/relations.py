@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from physagent_jax.agents.grammar.clauses import WHERE, Clause, get_verb, group_mentions
+from physagent_jax.agents.grammar.clauses import TURNING, WHERE, Clause, get_verb, group_mentions, is_turn
 from physagent_jax.agents.grammar.measures import Quantity
 from physagent_jax.agents.grammar.mentions import WAYS, Mention, MentionKind
 from physagent_jax.agents.grammar.tables import LEXICON
 from physagent_jax.agents.grammar.tokens import is_participle
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
 
-_TURNING = (Effect.TURN, Effect.ROLL, Effect.LEAN, Effect.TOPPLE)
 _MOVING = (
     *WAYS,
     MentionKind.SENSE,
@@ -28,8 +27,11 @@ _SEPARATE = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HO
 def read_clauses(mentions: list[Mention]) -> list[Clause]:
     """The clauses of a sentence in the order in which they happen."""
     clauses = group_mentions(mentions)
-    for index in range(len(clauses)):
+    for index, clause in enumerate(clauses):
         _inherit(clauses, index)
+        blown = clause.head is not None and get_verb(clause.head).wind and clause.select(MentionKind.FROM)
+        if blown:  # "a wind from the right blows it away": off, wherever that is
+            clause.modifiers = [m for m in clause.modifiers if m.phrase != "away"]
     return _sort_clauses(_merge_results(clauses))
 
 
@@ -56,13 +58,9 @@ def _find_own_motion(clause: Clause, before: Clause | None) -> tuple[Mention, Mo
         if size.acts and size.dimension != "far":  # "make it twice as tall"
             motion = "stretch" if size.value >= 1 else "squeeze"
             return mention, LEXICON.motions[motion], motion
-        turn = size.unit == "degrees" and any(
-            noun in mention.words.lower() for noun in ("turn", "rotation", "revolution")
-        )
+        turn = is_turn(mention)
         idle = before is None or before.has(Effect.STILL, Effect.RELEASE, Effect.HOLD)
-        if (
-            size.unit == "degrees" and idle or turn and not (before and before.has(*_TURNING))
-        ):  # "a full turn"
+        if size.unit == "degrees" and idle or turn and not (before and before.has(*TURNING)):  # "a full turn"
             return mention, LEXICON.motions["turn"], "turn"
     for mention in clause.select(MentionKind.GRAVITY):
         if mention.value == "down" and not clause.select(MentionKind.FROM):  # "then let gravity act"
@@ -156,7 +154,9 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
         return []
     if first.effect is Effect.STRIKE and second.effect is Effect.PUSH:  # "hit it: it rises"
         if second.direction and effect.verb is not None and not effect.select(*WAYS):
-            effect.modifiers.append(replace(effect.verb, kind=MentionKind.DIRECTION, value=(second.direction,)))
+            effect.modifiers.append(
+                replace(effect.verb, kind=MentionKind.DIRECTION, value=(second.direction,))
+            )
         _absorb(cause, effect)
         return []
     if second.effect in _SEPARATE or another:
