@@ -7,11 +7,13 @@ the grammar. The words are data: `lexicon/measures.yaml`.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
-from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_sections
+from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_rows, read_sections
 from physagent_jax.agents.grammar.tokens import Token
 
 BRIEF = 0.15
@@ -110,6 +112,10 @@ class Words:
 _TABLES = read_sections()
 _SCALES = {word: value for word, value in LEXICON.fractions.items() if word != "half"} | _TABLES["scales"]
 _VAGUE = get_set("vague")
+_GROUPS = ("factors", "as_far", "dimensions", "angles", "metres", "other_units", "compared", "adjectives")
+_BEGINNINGS = {word.split()[0] for name in ("factors", "as_far") for word in _TABLES[name]} | get_set(
+    "before_factors"
+)
 _LEAST_DEGREES = 45  # of a "180 turn": nobody asks for so many turns
 
 
@@ -136,12 +142,16 @@ _NUMBER = (
     rf"(?:(?:a|an|one) (?:{_FRACTION})|(?:{_CARDINAL})(?: and an? (?:{_FRACTION})| (?:{_either(_SCALES)}))?"
     rf"|(?:a )?(?:{_either(_VAGUE)})(?: of)?|half|quarter|(?:a )?hundred|pi|an?)(?= )"
 )
-_OWNER = rf"(?:\S+'s|{_of('owners')})"
-_DIMENSION = rf"(?P<dimension>{_of('dimensions')})"
-_COMPARED = rf"(?: (?:{_of('compared')}) )"
-_LINK = "(?: (?:an?|of|one))*"
-_WHOLE = f"(?P<whole>(?: (?:{_of('full')}))?(?: body)?)"
 _UNIT = _either(LEXICON.units)
+# The placeholders of `lexicon/quantities.yaml`; a table is a group of its own name.
+_PLACES = {
+    "N": rf"(?P<n>{_NUMBER})",
+    "link": "(?: (?:an?|of|one))*",
+    "whole": f"(?P<whole>(?: (?:{_of('full')}))?(?: body)?)",
+    "owner": rf"(?:\S+'s|{_of('owners')})",
+    "time": f"(?:{_UNIT})",
+    "n_fold": f"(?P<n>{_either(NUMBERS)})",
+} | {name: f"(?P<{name}>{_of(name)})" for name in _GROUPS}
 
 
 def compute_number(text: str) -> float:
@@ -156,148 +166,65 @@ def compute_number(text: str) -> float:
     return number * (1.0 if value is None else value) + fraction
 
 
-@dataclass(frozen=True)
-class _Found:
-    """A match of a quantity's pattern: its number, and the words before it."""
-
-    match: re.Match[str]
-    value: float
-    before: str
-    by: bool
-
-    def get(self, name: str) -> str:
-        """The text of a group."""
-        return (self.match.groupdict().get(name) or "").strip()
-
-    @property
-    def article(self) -> bool:
-        """Whether the number is only an article: "a turn" is none, "a full turn" is one."""
-        return self.get("n") in ("a", "an") and not self.get("whole")
-
-    @property
-    def part(self) -> bool:
-        """Whether it is a part of a whole."""
-        return self.value < 1.0
+def _compile(row: dict[str, Any]) -> re.Pattern[str]:
+    """The pattern of a row of `lexicon/quantities.yaml`."""
+    filled = re.sub(r"\{(\w*[a-zA-Z]\w*)\}", lambda found: _PLACES[found[1]], row["words"])
+    return re.compile(filled + "(?= )")
 
 
-def _make_percent(f: _Found) -> Quantity:
-    by = f.match["compared"] is not None or f.before not in ("to", "at", "until")
-    return Quantity(f.value / 100.0, "share", _TABLES["dimensions"].get(f.get("dimension"), ""), by)
-
-
-def _make_share(f: _Found) -> Quantity | None:
-    if f.article and "'s" not in f.match.group():
-        return None
-    return Quantity(
-        f.value, "share", _TABLES["dimensions"][f.get("dimension")], f.by and f.part, goal=f.before == "to"
-    )
-
-
-def _unless_article(make: Callable[[_Found], Quantity | None]) -> Callable[[_Found], Quantity | None]:
-    return lambda f: None if f.article else make(f)
-
-
-_N = rf"(?P<n>{_NUMBER})"
-# Patterns of quantities with a number, in the order in which they are tried.
-_QUANTITIES: tuple[tuple[re.Pattern[str], Callable[[_Found], Quantity | None]], ...] = tuple(
-    (re.compile(pattern + "(?= )"), make)
-    for pattern, make in (
-        (rf"{_N} (?:times?|x) a?round", lambda f: Quantity(360.0 * f.value, "degrees")),
-        (
-            rf"{_N}{_LINK}{_WHOLE} \S+ (?:per|each|every) \S+",
-            _unless_article(lambda f: Quantity(f.value, "")),
-        ),
-        (
-            rf"{_N} (?:turn|spin|flip|rotation)",  # "a 180 turn"
-            lambda f: Quantity(f.value, "degrees") if f.value >= _LEAST_DEGREES else None,
-        ),
-        (
-            rf"{_N}{_LINK}{_WHOLE} (?P<unit>{_of('angles')})",
-            _unless_article(lambda f: Quantity(f.value * _TABLES["angles"][f.get("unit")], "degrees")),
-        ),
-        (
-            rf"{_N}{_LINK} (?P<unit>{_of('metres')})",
-            lambda f: (
-                None
-                if f.article and f.get("unit") in ("m", "foot", "feet")
-                else Quantity(f.value * _TABLES["metres"][f.get("unit")], "metres")
-            ),
-        ),
-        (rf"{_N}{_LINK}{_WHOLE} lengths?", _unless_article(lambda f: Quantity(f.value, "lengths"))),
-        (rf"{_N}{_LINK} (?:{_of('other_units')})", _unless_article(lambda f: Quantity(f.value, ""))),
-        (
-            rf"{_N} percent(?:(?: of)*(?: in)?(?: {_OWNER})* {_DIMENSION})?(?P<compared>(?={_COMPARED}))?",
-            _make_percent,
-        ),
-        (
-            rf"{_N}(?: times?)? as (?P<unit>{_of('adjectives')})(?: as)?",
-            lambda f: Quantity(f.value, "share", _TABLES["adjectives"][f.get("unit")], acts=True),
-        ),
-        (rf"{_N}{_LINK}(?: times?)?(?: in)?(?: {_OWNER})+(?: in)? {_DIMENSION}", _make_share),
-        (rf"{_N} (?:times?|x)(?={_COMPARED})", lambda f: Quantity(f.value, "share")),
-        (rf"{_N} times?", lambda f: Quantity(f.value, "share") if f.value != round(f.value) else None),
-        (rf"{_N}(?={_COMPARED})", lambda f: Quantity(f.value, "share", "", True) if f.part else None),
-        (
-            rf"{_N}(?! (?:an? |of |one )*(?:{_UNIT}) )",  # "by half"
-            lambda f: Quantity(f.value, "share", "", True) if f.by and f.part else None,
-        ),
-    )
-)
-_FACTOR = re.compile(rf"(?P<factor>{_of('factors')})(?:(?: (?:in|{_OWNER}))* {_DIMENSION})?(?= )")
-_FOLD = re.compile(rf"(?P<n>{_either(NUMBERS)})fold(?= )")
-_BY_ONE = re.compile(rf"(?:its|their|one)(?: {_OWNER})* {_DIMENSION}(?= )")
-_AS_FAR = re.compile(
-    rf"(?:{_of('as_far')})(?! as )(?P<through>(?: \S+){{0,4}} of where \S+ (?:began|started|was|stood) )?"
-)
-_ALL_AROUND = re.compile(r"(?P<all>all the|half ?)way a?round(?= )|all the way a?round(?= )")
-_FACTOR_OF = re.compile(rf"(?:(?:a|the) )?factor of {_N}")
+_QUANTITIES = [(_compile(row), row) for row in read_rows("quantities")]
 
 
 def match_quantity(words: Words, at: int) -> tuple[Quantity, int] | None:
     """The quantity that begins at token ``at`` and the index behind it, or None."""
-    before = words.get(at - 1)
-    by = before == "by" or (before == "about" and words.get(at - 2) == "by")
-    fixed = _match_fixed(words, at, by)
-    if fixed is not None:
-        return fixed
-    if not _begins_number(words.get(at)):
+    if not _begins_number(words.get(at)) and words.get(at) not in _BEGINNINGS:
         return None
-    before = words.get(at - 2) if before in _TABLES["about"] else before
-    for pattern, make in _QUANTITIES:
+    for pattern, row in _QUANTITIES:
         match = words.match(pattern, at)
-        if match is None:
-            continue
-        quantity = make(_Found(match, compute_number(match["n"]), before, by))
-        if quantity is not None:
+        quantity = _make_quantity(row, match.groupdict(), match.group(), words, at) if match else None
+        if match and quantity:
             return quantity, words.find_behind(at, match)
     return None
 
 
+def _make_quantity(
+    row: dict[str, Any], groups: dict[str, str], text: str, words: Words, at: int
+) -> Quantity | None:
+    """The quantity of a row whose pattern matches, or None if its condition does not hold."""
+    number = groups.get("n") or ""
+    value = compute_number(number) if number else 1.0
+    before = words.get(at - 1)
+    by = before == "by" or (before == "about" and words.get(at - 2) == "by")
+    before = words.get(at - 2) if before in _TABLES["about"] else before
+    counted = number not in ("a", "an") or bool(groups.get("whole"))
+    holds = {
+        "": False,
+        "always": True,
+        "counted": counted,
+        "measured": counted or groups.get("metres") not in ("m", "foot", "feet"),  # "a foot"
+        "owned": counted or "'s" in text,
+        "part": value < 1.0,
+        "by": by,
+        "part_by": value < 1.0 and by,
+        "broken": value != round(value),
+        "large": value >= _LEAST_DEGREES,
+        "to": before == "to",
+        "unless_to": before not in ("to", "at", "until"),
+    }
+    if not holds[row.get("when", "always")]:
+        return None
+    scales = [_TABLES[name][groups[name]] for name in ("factors", "angles", "metres") if groups.get(name)]
+    named = [_TABLES[name][groups[name]] for name in ("dimensions", "adjectives") if groups.get(name)]
+    return Quantity(
+        value * float(row.get("scale", 1.0)) * math.prod(map(float, scales)),
+        row["unit"],
+        named[0] if named else row.get("dimension", ""),
+        *(holds[row.get(name, "")] for name in ("relative", "acts", "goal")),
+    )
+
+
 def _begins_number(word: str) -> bool:
     return word[:1].isdigit() and word.isascii() or word in NUMBERS or word in _SCALES or word in _VAGUE
-
-
-def _match_fixed(words: Words, at: int, by: bool) -> tuple[Quantity, int] | None:
-    """Reads what has no number of its own: "doubles its height", "as far", "all the way round"."""
-    if match := words.match(_FACTOR, at):
-        dimension = _TABLES["dimensions"].get(match["dimension"] or "", "")
-        acts = words.get(at - 1) != "to"
-        return Quantity(
-            _TABLES["factors"][match["factor"]], "share", dimension, acts=acts
-        ), words.find_behind(at, match)
-    if match := words.match(_FOLD, at):
-        return Quantity(NUMBERS[match["n"]], "share"), at + 1
-    if by and (match := words.match(_BY_ONE, at)):
-        return Quantity(1.0, "share", _TABLES["dimensions"][match["dimension"]]), words.find_behind(at, match)
-    if match := words.match(_AS_FAR, at):
-        told = match.group().removesuffix(match["through"] or "")
-        return Quantity(2.0 if match["through"] else 1.0, "share", "far", acts=True), at + told.count(" ") + 1
-    if match := words.match(_ALL_AROUND, at):
-        degrees = 180.0 if match.group().startswith("half") else 360.0
-        return Quantity(degrees, "degrees"), words.find_behind(at, match)
-    if match := words.match(_FACTOR_OF, at):
-        return Quantity(compute_number(match["n"]), "share"), words.find_behind(at, match)
-    return None
 
 
 # A length of time, and moments.
@@ -414,8 +341,8 @@ def match_time(words: Words, at: int, measured: bool) -> tuple[TimeSpan, int] | 
     return None
 
 
-_COUNT = re.compile(rf"{_N} (?:{_of('times')})(?= )")
-_COUNTED = re.compile(rf"{_N}(?= )")
+_COUNT = re.compile(rf"(?P<n>{_NUMBER}) (?:{_of('times')})(?= )")
+_COUNTED = re.compile(rf"(?P<n>{_NUMBER})(?= )")
 
 
 def match_count(words: Words, at: int) -> tuple[float, int] | None:

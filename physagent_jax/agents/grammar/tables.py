@@ -7,29 +7,35 @@ from __future__ import annotations
 
 import functools
 from importlib import resources
+from typing import Any
 
 import yaml
 
 from physagent_jax.agents.lexicon import read_lexicon
 
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_FOLDER = resources.files("physagent_jax.agents.lexicon")
 FILES = ("measures", "expressions", "scenery")
 
 
 @functools.cache
 def read_sections() -> dict[str, dict]:
     """All sections; a set of words is a table whose values are None."""
-    folder = resources.files("physagent_jax.agents.lexicon")
     sections: dict[str, dict] = {}
     for name in FILES:
         for section, rows in yaml.load(
-            (folder / f"{name}.yaml").read_text(encoding="utf-8"), _LOADER
+            (_FOLDER / f"{name}.yaml").read_text(encoding="utf-8"), _LOADER
         ).items():
             rows = rows if isinstance(rows, dict) else {None: rows}
             sections[section] = {
                 word.strip(): value for value, words in rows.items() for word in str(words).split(",")
             }
     return sections
+
+
+def read_rows(name: str) -> list[dict[str, Any]]:
+    """The rows of a file that is one list."""
+    return yaml.load((_FOLDER / f"{name}.yaml").read_text(encoding="utf-8"), _LOADER)
 
 
 def get_set(section: str) -> frozenset[str]:
