@@ -18,7 +18,7 @@ from physagent_jax.agents.grammar.mentions import (
     has_motion,
 )
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
-from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
+from physagent_jax.agents.lexicon import Effect, Join, Motion
 
 OTHER = "other"
 """Phrase of emptied words that are said of something else than the object."""
@@ -263,39 +263,4 @@ def read_returns(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
     return result
 
 
-def merge_repetitions(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
-    """Makes one verb of one that is said again: "bounce bounce bounce", "they pushed and pushed"; blows are counted."""
-    result: list[Mention] = []
-    for index, mention in enumerate(mentions):
-        last = next((i for i in reversed(range(len(result))) if result[i].kind in MOTIONS), None)
-        between = [] if last is None else result[last + 1 :]
-        loose = all(
-            m.kind is MentionKind.REPEAT
-            and m.phrase == "again"
-            or m.value in (Join.COMMA, Join.AND)
-            or m.phrase in names
-            for m in between
-        )
-        if (
-            last is None
-            or not loose
-            or mention.kind is not MentionKind.VERB
-            or mention.form != result[last].form
-        ):
-            result.append(mention)
-            continue
-        count = next((m.value.count or 1 for m in between if isinstance(m.value, Repeat)), 1) + 1
-        counted = mention.motion is not None and (
-            mention.motion.effect in (Effect.STRIKE, Effect.JUMP) or mention.motion.bounces
-        )
-        vague = any(
-            m.value is Join.AND for m in mentions[result[last].first : index] if m.kind is MentionKind.JOIN
-        )
-        result = result[: last + 1]
-        if counted:
-            repeat = Repeat(3, vague=True) if vague else Repeat(count)
-            result.append(replace(mention, kind=MentionKind.REPEAT, value=repeat, phrase="again"))
-    return result
-
-
-PASSES = (drop_others, read_corrections, mark_exceptions, read_comparisons, read_returns, merge_repetitions)
+PASSES = (drop_others, read_corrections, mark_exceptions, read_comparisons, read_returns)

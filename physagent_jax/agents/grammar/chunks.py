@@ -140,8 +140,6 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
             return True  # "wobble it on its base"
         another = before in ("a", "an") and not set(words) & LEXICON.one_of_many
         return (text in LEXICON.agents and not owned) or another and reader.get_text(at + 1) != "of"
-    if kind is MentionKind.DIRECTION:
-        return words == ("right",) and _is_adverb(reader, at)  # "right on its head"
     if kind is not MentionKind.VERB:
         return False
     if len(words) > 1:  # "push it over and over" does not push it over, "push it over the edge" neither
@@ -171,14 +169,6 @@ def _is_standing(reader: Reader, at: int) -> bool:
     motion = get_last_motion(reader.mentions)
     spot = motion is not None and motion.effect in (Effect.SWAY, Effect.TURN, Effect.JUMP, Effect.STILL)
     return spot and reader.get_preposition(at) == "on"
-
-
-def _is_adverb(reader: Reader, at: int) -> bool:
-    """Whether "right" only stresses a place: "right in the middle", "right back"."""
-    behind = [reader.get_text(at + reach) for reach in (1, 2, 3)]
-    noun = behind[2] if behind[1] in get_set("determiners") else behind[1]
-    stressed = noun in LEXICON.parts or noun in LEXICON.ends or noun in get_set("times_of_day")
-    return behind[0] in ("back", "off", "there", "through") or behind[0] in ("in", "on", "at") and stressed
 
 
 def _is_past(reader: Reader, at: int) -> bool:

@@ -228,11 +228,8 @@ def _add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> 
             bare = fresh and clause.has(Effect.HOLD) and get_verb(clause.verb).holds == "base"
             holds = not is_participle(mention.form) and (kept or bare)  # "keep it bent", "hold it bent"
             gone = negated and clause.head is None and len(clauses) > 1 and bool(clause.select(*WAYS))
-            if (
-                clause.verb is not None
-                and not holds
-                and (negated or not _is_announcing(clause.verb, mention))
-            ):
+            replaced = clause.verb is None or holds or not negated and _is_announcing(clause.verb, mention)
+            if gone or not replaced:
                 clause = Clause(Join.AND)
                 clauses.append(clause)
             clause.stays = holds and get_verb(mention).effect in HOLDABLE

@@ -9,11 +9,9 @@ from typing import Literal
 from physagent_jax.agents.grammar.chunks import PHRASES, begins_longer_phrase
 from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind, Reader, get_last_motion
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
-from physagent_jax.agents.grammar.tokens import FORMS, Token, tokenise
+from physagent_jax.agents.grammar.tokens import FORMS, tokenise
 from physagent_jax.agents.lexicon import Effect, Names, Place
 from physagent_jax.agents.schema import SceneBrief
-
-_GOING_OVER = (Effect.LEAN, Effect.TOPPLE, Effect.FALL)
 
 
 def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
@@ -28,9 +26,7 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
     texts = [token.text for token in tokens]
     places = [at for at, text in enumerate(texts) if text in own]
     if not places:
-        return frozenset(
-            own | {t for at, t in enumerate(texts) if t in nouns and not _is_placing(tokens, at)}
-        )
+        return frozenset(own | {t for at, t in enumerate(texts) if t in nouns})
     beside = set()
     for at in places:
         beside.update(texts[max(at - 1, 0) : at])
@@ -41,16 +37,6 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
         if texts[at + 1 : at + 2] == ["of"]:
             beside.update(texts[at + 2 : at + 3])
     return frozenset(own | (beside & nouns))
-
-
-def _is_placing(tokens: list[Token], at: int) -> bool:
-    """Whether a noun tells where or with what ("in the water", "with snow"); "on the cake" is done to it."""
-    before = at - 1
-    while before > 0 and tokens[before].text in get_set("determiners"):
-        before -= 1
-    if before < 0 or tokens[before].text not in get_set("prepositions"):
-        return False
-    return tokens[before].text not in ("on", "at") or tokens[before - 1].text not in FORMS
 
 
 def is_telling(name: str) -> bool:
@@ -72,9 +58,6 @@ def _has_other_meaning(word: str) -> bool:
 
 def read_part(reader: Reader, at: int) -> Mention | None:
     """Reads parts, and directions that share words with them: "the left arm", "the top", "from the front"."""
-    lying = read_sections()["lying"].get(reader.get_text(at))
-    if lying and _comes_to_lie(reader, at):
-        return reader.make_mention(MentionKind.DIRECTION, (lying,), f"{reader.get_text(at)} side", [at])
     for size in (2, 1):
         phrase = " ".join(token.text for token in reader.tokens[at : at + size])
         names = LEXICON.part_adjectives.get(phrase)
@@ -89,10 +72,9 @@ def _read_side(reader: Reader, at: int, size: int, phrase: str, names: Names) ->
     plural = noun not in ("sides", "faces") and FORMS.get(noun) is None  # "from the left tips it over"
     part = noun.removesuffix("s") if plural else noun
     used = list(range(at, at + size + 1))
-    given = _is_given_to(reader, at + size)
-    towards = reader.get_preposition(at) in get_set("before_ways") and not given
+    towards = reader.get_preposition(at) in get_set("before_ways")
     if part in LEXICON.part_nouns:
-        if towards or part == "side" and _comes_to_lie(reader, at):
+        if towards:
             return _make_direction(reader, names, phrase, used)
         return reader.make_mention(
             MentionKind.PLACE, Place(names, LEXICON.part_nouns[part]), f"{phrase} {part}", used
@@ -114,13 +96,6 @@ def _read_side(reader: Reader, at: int, size: int, phrase: str, names: Names) ->
     return reader.make_mention(MentionKind.DIRECTION, names, phrase, [at])
 
 
-def _is_given_to(reader: Reader, at: int) -> bool:
-    """Whether a blow that a noun names is given "to the top of it": there, and not that way."""
-    head = next((m for m in reversed(reader.mentions) if m.motion), None)
-    owned = "of" in (reader.get_text(at), reader.get_text(at + 1)) and reader.get_preposition(at - 1) == "to"
-    return owned and head is not None and head.kind is MentionKind.CAUSE
-
-
 def _is_way(reader: Reader, at: int) -> bool:
     """Whether a way is told within two words."""
     told = LEXICON.directions.keys() | LEXICON.ends.keys() | get_set("speakers")
@@ -130,24 +105,6 @@ def _is_way(reader: Reader, at: int) -> bool:
 def _make_direction(reader: Reader, names: Names, phrase: str, used: list[int]) -> Mention:
     kind = MentionKind.FROM if reader.get_preposition(used[0]) == "from" else MentionKind.DIRECTION
     return reader.make_mention(kind, names, phrase, used)
-
-
-def _comes_to_lie(reader: Reader, at: int) -> bool:
-    """Whether a side is what it falls or tips on ("falls on its back"): it goes over that way."""
-    if reader.get_preposition(at) not in ("on", "onto"):
-        return False
-    loose = (MentionKind.FUNCTION, MentionKind.INTENSITY)
-    index = next(
-        (i for i in reversed(range(len(reader.mentions))) if reader.mentions[i].kind not in loose), None
-    )
-    verb = None if index is None else reader.mentions[index].motion
-    if index is None or verb is None or verb.effect not in _GOING_OVER:
-        return False
-    if verb.effect is not Effect.TOPPLE:
-        reader.mentions[index] = replace(
-            reader.mentions[index], value=LEXICON.motions["topple"], phrase="topple"
-        )
-    return True
 
 
 def _is_part_with_name(reader: Reader, at: int, noun: str) -> bool:

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from physagent_jax.agents.grammar.asides import PASSES
 from physagent_jax.agents.grammar.chunks import read_phrase, read_word
 from physagent_jax.agents.grammar.measures import (
-    Quantity,
     match_count,
     match_number,
     match_quantity,
@@ -48,14 +47,6 @@ def _read_at(reader: Reader, at: int) -> Mention:
     return next((mention for mention in found if mention is not None), None) or read_word(reader, at)
 
 
-def _read_condition(reader: Reader, at: int) -> Mention | None:
-    """Reads "does it fall if it is pushed": both happen; a sentence that begins with "what if" tells one thing."""
-    done = any(mention.kind is MentionKind.VERB for mention in reader.mentions)
-    if reader.get_text(at) != "if" or reader.get_text(at - 1) == "as" or not done:
-        return None
-    return reader.make_mention(MentionKind.JOIN, Join.WHILE, "if", [at])
-
-
 def _read_once(reader: Reader, at: int) -> Mention | None:
     """Reads "once it has landed", a time and no count, and "..., so it goes right", what comes of it."""
     join = {"once": Join.AFTER, "so": Join.RESULT}.get(reader.get_text(at))
@@ -88,16 +79,6 @@ def _read_state(reader: Reader, at: int) -> Mention | None:
     return reader.make_mention(MentionKind.FUNCTION, None, "state", [at])
 
 
-def _read_coming(reader: Reader, at: int) -> Mention | None:
-    """Reads "the robot comes towards us": it moves; "a breeze comes" is only there."""
-    subject = reader.get_text(at - 1) in reader.names | get_set("pronouns")
-    if not subject or reader.get_text(at) not in get_set("comes"):
-        return None
-    if reader.get_text(at + 1) not in get_set("nearer"):
-        return None
-    return reader.make_mention(MentionKind.VERB, LEXICON.motions["move"], "move", [at])
-
-
 def _read_manner(reader: Reader, at: int) -> Mention | None:
     """The noun in "with great force", "at high speed": its adjective says how it is done."""
     if reader.get_text(at) not in LEXICON.manners or get_last_motion(reader.mentions) is None:
@@ -111,33 +92,14 @@ def _read_manner(reader: Reader, at: int) -> Mention | None:
 
 
 def _read_quantity(reader: Reader, at: int) -> Mention | None:
-    """Reads "90 degrees", "half a body length", "twice as strong", and the quarter in "turns a quarter to the left"."""
-    found = match_quantity(reader.words, at) or _match_part_of_turn(reader, at)
+    """Reads "90 degrees", "half a body length", "twice as strong"."""
+    found = match_quantity(reader.words, at)
     if found is None:
         return None
     quantity, behind = found
     if quantity.dimension == "strength":
         return reader.make_span(MentionKind.COMPARATIVE, quantity.value, "as strong", at, behind)
     return reader.make_span(MentionKind.QUANTITY, quantity, "quantity", at, behind)
-
-
-def _match_part_of_turn(reader: Reader, at: int) -> tuple[Quantity, int] | None:
-    """A number that is no whole one, where a turn was told: "a quarter", "one and a half somersaults"."""
-    counted = match_number(reader.words, at)
-    if counted is None or counted[0] == int(counted[0]):
-        return None
-    value, behind = counted
-    last = get_last_motion(reader.mentions)
-    noun = LEXICON.motions.get(reader.tokens[behind].lemma) if behind < len(reader.tokens) else None
-    after = reader.get_text(behind)
-    turned = last is not None and last.effect is Effect.TURN
-    turns = (
-        noun is not None
-        and noun.effect is Effect.TURN
-        or turned
-        and (not after.isalpha() or after in LEXICON.senses or after in get_set("after_a_part"))
-    )
-    return (Quantity(360.0 * value, "degrees"), behind) if turns else None
 
 
 def _read_ordinal(reader: Reader, at: int) -> Mention | None:
@@ -205,10 +167,8 @@ def _read_count(reader: Reader, at: int) -> Mention | None:
 _READERS: tuple[Callable[[Reader, int], Mention | None], ...] = (
     read_solid,
     _read_once,
-    _read_condition,
     _read_prevention,
     _read_state,
-    _read_coming,
     _read_manner,
     _read_quantity,
     _read_ordinal,

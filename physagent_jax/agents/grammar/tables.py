@@ -19,10 +19,10 @@ FILES = ("measures", "expressions", "scenery")
 
 
 @functools.cache
-def read_sections() -> dict[str, dict]:
-    """All sections; a set of words is a table whose values are None."""
+def read_sections(files: tuple[str, ...] = FILES) -> dict[str, dict]:
+    """The sections of files; a set of words is a table whose values are None."""
     sections: dict[str, dict] = {}
-    for name in FILES:
+    for name in files:
         for section, rows in yaml.load(
             (_FOLDER / f"{name}.yaml").read_text(encoding="utf-8"), _LOADER
         ).items():
@@ -38,6 +38,7 @@ def read_rows(name: str) -> list[dict[str, Any]]:
     return yaml.load((_FOLDER / f"{name}.yaml").read_text(encoding="utf-8"), _LOADER)
 
 
+@functools.cache
 def get_set(section: str) -> frozenset[str]:
     """A section as a set of words."""
     return frozenset(read_sections()[section])
