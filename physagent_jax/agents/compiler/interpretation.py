@@ -23,34 +23,19 @@ from physagent_jax.agents.vectors import normalise, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import Region
 
-_WAYS = frozenset(WAYS)
-_LINES = frozenset({*WAYS, WayKind.LINE, WayKind.PLANE})
-_SIDES = frozenset({WayKind.SIDES})
-# What each effect makes use of; other ways beside it are not understood.
-_USED: dict[Effect, frozenset[WayKind]] = {
-    Effect.PUSH: _LINES | _SIDES,
-    Effect.LEAN: _LINES,
-    Effect.SWAY: _LINES | _SIDES,
-    Effect.SCALE: _LINES | _SIDES,
-    Effect.SWELL: _SIDES,
-    Effect.STRIKE: _LINES | _SIDES,
-    Effect.BURST: _SIDES,
-    Effect.TURN: _LINES,
-    Effect.ROLL: _LINES,
-    Effect.FALL: _LINES,
-    Effect.TOPPLE: _WAYS,
-    Effect.JUMP: _LINES,
-    Effect.HOLD: _LINES | _SIDES,
-    Effect.RELEASE: _WAYS,
-    Effect.STILL: frozenset(),
+# What each kind of way means nothing for; nor does a part for what all of the object does.
+_NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
+_NO_LINES = (*_NO_WAYS, Effect.TOPPLE, Effect.RELEASE)
+_NO_SIDES = (Effect.LEAN, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE, Effect.JUMP, *_NO_LINES[2:])
+_USELESS = {
+    WayKind.TO: _NO_WAYS,
+    WayKind.FROM: _NO_WAYS,
+    WayKind.LINE: _NO_LINES,
+    WayKind.PLANE: _NO_LINES,
+    WayKind.SIDES: _NO_SIDES,
+    WayKind.AGAIN: (),
 }
-_WHOLE = (
-    Effect.ROLL,
-    Effect.BURST,
-    Effect.TOPPLE,
-    Effect.JUMP,
-    Effect.FALL,
-)  # all of it does them, and no part
+_WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 _SIDED = (Effect.PUSH, Effect.STRIKE, Effect.SWAY, Effect.SCALE, Effect.SWELL)
@@ -70,10 +55,9 @@ class _Draft:
     target: Target = Target()
     doubts: list[str] = field(default_factory=list)
 
-    def turn(self, vector: Vector | None, why: str, repeat: Repeat | None = None) -> None:
+    def turn(self, vector: Vector | None, why: str) -> None:
         """Sets another direction than the clause alone tells."""
-        source = replace(self.heading.source, why=why)
-        self.heading = Heading(vector, repeat or self.heading.repeat, source)
+        self.heading = Heading(vector, self.heading.repeat, replace(self.heading.source, why=why))
 
 
 def interpret(meaning: Meaning, before: Event | None, brief: SceneBrief) -> Event:
@@ -96,7 +80,6 @@ def interpret(meaning: Meaning, before: Event | None, brief: SceneBrief) -> Even
     draft.doubts += _find_unused(meaning, draft.motion)
     if motion.droops and brief.object_kind not in _LIMP:
         draft.doubts.append(f"How '{meaning.words}' is done is not understood.")
-    region, end, excludes = _resolve_part(draft)
     sources = {
         "action_type": ValueSource(meaning.words, f"'{phrase}' is a {draft.motion.effect.value}"),
         "magnitude": strength_source,
@@ -105,26 +88,33 @@ def interpret(meaning: Meaning, before: Event | None, brief: SceneBrief) -> Even
     }
     if part:
         sources["region"] = ValueSource(part.text, "a part of the object")
+    return _make_event(draft, strength, sources)
+
+
+def _make_event(draft: _Draft, strength: float, sources: dict[str, ValueSource]) -> Event:
+    """The event of a finished draft."""
+    meaning, vector = draft.meaning, draft.heading.vector
+    region, end, excludes = _resolve_part(draft)
     return Event(
-        draft.motion,
-        phrase,
-        meaning.text,
-        meaning.clause.order,
-        draft.heading.vector,
-        strength,
-        region,
-        end,
-        excludes,
-        draft.target.amount,
-        meaning.stays,
-        meaning.clause.even,
-        tuple(resolve_obstacles(meaning.clause.solids, draft.heading.vector, brief)),
-        draft.heading.repeat,
-        meaning.timing,
-        any(each.wind for each in (meaning.cause, meaning.verb) if each is not None),
-        sources,
-        draft.heading.notes,
-        tuple(draft.doubts),
+        motion=draft.motion,
+        phrase=draft.phrase,
+        words=meaning.text,
+        order=meaning.clause.order,
+        direction=vector,
+        strength=strength,
+        region=region,
+        part=end,
+        excludes_part=excludes,
+        amount=draft.target.amount,
+        stays=meaning.stays,
+        even=meaning.clause.even,
+        obstacles=tuple(resolve_obstacles(meaning.clause.solids, vector, draft.brief)),
+        repeat=draft.heading.repeat,
+        when=meaning.timing,
+        wind=any(each.wind for each in (meaning.cause, meaning.verb) if each is not None),
+        sources=sources,
+        notes=draft.heading.notes,
+        doubts=tuple(draft.doubts),
     )
 
 
@@ -143,7 +133,7 @@ def _act_from_sides(draft: _Draft) -> None:
     sides, told = meaning.pick(WayKind.SIDES), meaning.pick(*WAYS)
     beside = (
         told and sides and sides[0].phrase == "either side"
-    )  # "hit it away: by less than a tenth to either side"
+    )  # "away, by less than a tenth to either side"
     if motion.effect is Effect.BURST:
         motion = replace(motion, effect=Effect.STRIKE) if told else motion
     elif sides and motion.effect in _SIDED and motion.effect is not Effect.SWAY:
@@ -239,8 +229,7 @@ def _resolve_again(draft: _Draft) -> None:
 def _find_unused(meaning: Meaning, motion: Motion) -> list[str]:
     """Find words about place, direction and number that mean nothing for the clause's motion."""
     clause, effect = meaning.clause, motion.effect
-    used = _USED[effect] | {WayKind.AGAIN}
-    unused = [way.text for way in meaning.ways if way.kind not in used]
+    unused = [way.text for way in meaning.ways if effect in _USELESS[way.kind]]
     if effect in _WHOLE:
         lands = motion.lands  # "lands on its feet"
         parts = [*meaning.parts, *meaning.excluded]

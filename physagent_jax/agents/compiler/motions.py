@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from physagent_jax.agents.compiler.directions import WAYS
 from physagent_jax.agents.compiler.events import Event, ValueSource
-from physagent_jax.agents.compiler.words import Meaning, WayKind, find_strength
+from physagent_jax.agents.compiler.words import Meaning, WayKind
 from physagent_jax.agents.lexicon import Effect, Motion, read_lexicon
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.agents.vectors import clamp
@@ -79,7 +79,7 @@ def resolve_strength(meaning: Meaning, motion: Motion, before: Event | None) -> 
     if meaning.cause is not None and meaning.verb is not None and meaning.cause not in (motion, meaning.verb):
         value *= meaning.cause.strength
     clause, degree, absolute = meaning.clause, 1.0, []
-    told = [each for word in clause.strength if (each := find_strength(word))]
+    told = list(meaning.strengths)
     told += [("relative", each.value) for each in clause.quantities if each.dimension == "strength"]
     for kind, factor in told:
         if kind == "degree":
