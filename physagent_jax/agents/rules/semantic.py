@@ -10,7 +10,7 @@ from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, describe_skill
-from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb
+from physagent_jax.agents.rules.language.clauses import Clause, find_places, get_verb, mark_displacements
 from physagent_jax.agents.rules.language.compilation import compile_slots
 from physagent_jax.agents.rules.language.events import TOLD, Event, ValueSource
 from physagent_jax.agents.rules.language.explanations import merge_explanations
@@ -21,8 +21,9 @@ from physagent_jax.agents.rules.language.modifiers import GROUND_WORDS, OPPOSITE
 from physagent_jax.agents.rules.language.naming import collect_object_words
 from physagent_jax.agents.rules.language.reading import find_mentions
 from physagent_jax.agents.rules.language.schedule import follows, schedule
-from physagent_jax.agents.rules.language.spelling import describe_corrections
+from physagent_jax.agents.rules.language.spelling import correct_spelling, describe_corrections
 from physagent_jax.agents.rules.language.timing import TimeSpan
+from physagent_jax.agents.rules.language.tokens import tokenise
 from physagent_jax.agents.rules.language.unknowns import is_mostly_unknown, list_unknown
 from physagent_jax.agents.rules.language.verbs import VERBS, Effect, Verb
 from physagent_jax.agents.schema import (
@@ -108,6 +109,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     unknown, notes = list_unknown(mentions, names, brief)
     notes += describe_corrections(prompt, names)
     clauses = _assume_push(clauses, unknown)
+    mark_displacements(clauses, [token.text for token in correct_spelling(tokenise(prompt), names)])
     if is_mostly_unknown(mentions, unknown):
         raise UserError(
             "Most words of the prompt are not understood",

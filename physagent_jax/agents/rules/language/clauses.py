@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from physagent_jax.agents.displacement import ends_elsewhere
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
 from physagent_jax.agents.rules.language.modifiers import Join, Names, Place, Repeat
 from physagent_jax.agents.rules.language.verbs import Effect, Verb
@@ -42,6 +43,7 @@ class Clause:
         negated: It is said *not* to happen.
         inherited: The verb is that of the clause before.
         stays: What it brings about is to be held.
+        elsewhere: It says that what is moved ends at another place (`agents.displacement`).
         mentions: All mentions, for quoting.
     """
 
@@ -52,6 +54,7 @@ class Clause:
     negated: bool = False
     inherited: bool = False
     stays: bool = False
+    elsewhere: bool = False
     mentions: list[Mention] = field(default_factory=list)
 
     def select(self, *kinds: MentionKind) -> list[Mention]:
@@ -73,6 +76,19 @@ def get_verb(mention: Mention | None) -> Verb:
     """The value of a VERB or CAUSE mention."""
     assert mention is not None and isinstance(mention.value, Verb)
     return mention.value
+
+
+def mark_displacements(clauses: list[Clause], words: list[str]) -> None:
+    """Mark the clauses whose words, from their first mention to the next clause's, tell of another place.
+
+    Args:
+        clauses: The clauses.
+        words: The sentence's tokens in lower case.
+    """
+    firsts = [min((m.first for m in clause.mentions), default=len(words)) for clause in clauses]
+    for clause, first in zip(clauses, firsts):
+        end = min((each for each in firsts if each > first), default=len(words))
+        clause.elsewhere = ends_elsewhere(words[first:end])
 
 
 def find_places(clause: Clause) -> list[Place]:

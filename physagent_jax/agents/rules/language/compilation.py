@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from physagent_jax.agents.displacement import HAULING_VERBS
 from physagent_jax.agents.rules.language.amounts import (
     find_effort,
     find_held_magnitude,
@@ -179,22 +180,26 @@ def _compile_push(
         event.direction,
         acted,
         released=_is_released(event, window, after, builder),
-        leaves_place=_leaves_place(event),
+        leaves_place=_leaves_place(event, after),
     )
 
 
-def _leaves_place(event: Event) -> bool:
+def _leaves_place(event: Event, after: list[Event]) -> bool:
     """Return whether a push or a blow takes the whole object elsewhere: it is thrown, goes somewhere, or goes so far.
 
-    A lean and a wind bend what is rooted, however far. So may a push or a blow of which no distance is told; a verb
-    that says no more than that the object goes a told way does not.
+    A lean and a wind bend what is rooted, however far. So may a push or a blow of which neither a distance nor another
+    place is told; a verb that says no more than that the object goes a told way does not. What is let go afterwards
+    springs back, and is in no other place.
     """
     if event.region is not None or event.part is not None or event.wind or event.effect is Effect.LEAN:
         return False
     thrown = event.effect is Effect.STRIKE and (event.verb.gravity or event.verb.direction == "up")
-    goes = event.effect is Effect.PUSH and event.verb.generic and not is_way_assumed(event)
+    way_told = event.effect is Effect.PUSH and not is_way_assumed(event)
+    goes = way_told and event.verb.generic
+    elsewhere = event.elsewhere or way_told and event.phrase in HAULING_VERBS
+    returns = any(later.effect is Effect.RELEASE for later in after)
     told = event.amount is not None and event.amount.unit in ("lengths", "metres")
-    return thrown or goes or told or event.effect is Effect.JUMP
+    return thrown or goes or told or elsewhere and not returns or event.effect is Effect.JUMP
 
 
 def _compile_repeated_push(
@@ -403,7 +408,7 @@ def _compile_strike(
         sudden=True,
         repeats=count,
         released=builder.anchored,
-        leaves_place=_leaves_place(event),
+        leaves_place=_leaves_place(event, after),
     )
     thrown = event.verb.gravity or builder.default_drop
     if rises and thrown and not any(e.effect in (Effect.FALL, Effect.TOPPLE) for e in after):

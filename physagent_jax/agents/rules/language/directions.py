@@ -24,7 +24,7 @@ ASSUMED = "left"
 WAYS = frozenset({MentionKind.DIRECTION, MentionKind.FROM})
 TURNING = frozenset({MentionKind.SENSE, MentionKind.VIEW})
 TOWARDS = (Effect.PUSH, Effect.STRIKE, Effect.SCALE, Effect.LEAN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE)
-"""What these do goes a way."""
+"""Effects that go a way."""
 
 
 def resolve_direction(

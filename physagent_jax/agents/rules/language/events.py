@@ -44,6 +44,7 @@ class Event:
         repeat: Count and alternation.
         when: Time that the sentence names.
         wind: A wind does it.
+        elsewhere: The sentence says that the object ends at another place: "away", "aside", "off the table".
         sources: Where each value comes from.
         notes: Assumptions.
         doubts: What was not understood and matters.
@@ -65,6 +66,7 @@ class Event:
     repeat: Repeat = Repeat()
     when: TimeSpan = TimeSpan()
     wind: bool = False
+    elsewhere: bool = False
     sources: dict[str, ValueSource] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()

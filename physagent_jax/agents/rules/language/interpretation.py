@@ -171,6 +171,7 @@ def interpret(clause: Clause, before: Event | None, brief: SceneBrief) -> Event:
         repeat,
         when,
         any(get_verb(m).wind for m in (clause.cause, clause.verb) if m is not None),
+        clause.elsewhere,
         sources,
         tuple(notes),
         tuple(doubts),

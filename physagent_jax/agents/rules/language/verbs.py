@@ -394,7 +394,7 @@ PICTURE_PLANE_TURNS = frozenset({"rotate", "revolve", "flip", "tumble", "cartwhe
 LANDINGS = frozenset(
     {"land", "reach the ground", "hit the ground", "hit the floor", "strike the ground", "touch the ground"}
 )
-"""How a fall ends: told after a fall, they tell of the same one."""
+"""Ends of a fall: told after a fall, they tell of the same one."""
 TUMBLES = frozenset(
     {"flip", "tumble", "somersault", "cartwheel", "turn over", "turn ~ over", "roll over", "roll ~ over"}
     | {"backflip", "back flip", "front flip", "frontflip"}
