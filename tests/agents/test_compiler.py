@@ -221,6 +221,8 @@ def test_holding_what_was_moved_and_what_was_not() -> None:
     squeeze = Clause(motion="squeeze")
     reply = compile_clauses(squeeze, Clause(motion="hold"))
     assert reply.expectations[0].stays and reply.anchor.kind is None
+    kept = compile_clauses(squeeze, Clause(motion="squeeze", stays=True))  # "squeeze it and keep it squeezed"
+    assert [each.stays for each in kept.expectations] == [True]
     reply = compile_clauses(Clause(motion="hold", parts=(Part(word="bottom"),)), squeeze)
     assert reply.anchor.kind == "base" and not reply.expectations[0].stays
     held = compile_forces(Intent(clauses=(squeeze,), held=Held(end="top", text="hanging")), make_brief())
