@@ -206,10 +206,9 @@ def _is_locating_cause(reader: Reader, words: tuple[str, ...]) -> bool:
 
 def _is_describing_object(reader: Reader, at: int, size: int) -> bool:
     """Whether an adjective belongs to the object ("the heavy robot") rather than to a motion ("a heavy blow")."""
-    behind = at + size
-    while reader.get_text(behind) in LEXICON.intensities:
-        behind += 1
-    return reader.is_after_determiner(at) and reader.get_text(behind) in reader.names
+    behind = [reader.get_text(at + size + step) for step in range(LONGEST_GAP)]
+    noun = next((word for word in behind if word not in LEXICON.intensities), "")
+    return reader.is_after_determiner(at) and noun in reader.names
 
 
 def _is_asked(reader: Reader, at: int) -> bool:

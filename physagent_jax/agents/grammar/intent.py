@@ -34,6 +34,7 @@ _UNITS = {
     "clip": ("clip", 1.0),
 }
 _SENSES = {1: "counterclockwise", -1: "clockwise"}
+_MOST_CLAUSES, _MOST_WORDS = 100, 1000  # limits of the intent
 _LONGEST, _MOST, _LONGEST_TIME, _MOST_TIMES = 200, 1e9, 1e6, 1_000_000  # limits of the intent
 
 
@@ -42,14 +43,17 @@ def make_intent(
 ) -> intent.Intent:
     """The intent of clauses, with what stands between them."""
     told = [clause for clause in clauses if clause.head is not None]
+    doubts = [doubt for clause in told for doubt in _list_doubts(clause)]
+    if len(told) > _MOST_CLAUSES:
+        doubts.insert(0, f"Only the first {_MOST_CLAUSES} of {len(told)} motions are read.")
     return intent.Intent(
-        clauses=tuple(_make_clause(clause, clauses) for clause in told),
+        clauses=tuple(_make_clause(clause, clauses) for clause in told[:_MOST_CLAUSES]),
         held=_find_held(clauses),
         surroundings=_describe_surroundings(clauses, mentions),
-        ignored=coverage.ignored,
-        unknown=coverage.doubtful,
-        doubts=tuple(doubt for clause in told for doubt in _list_doubts(clause)),
-        notes=tuple(notes),
+        ignored=tuple(map(_cut, coverage.ignored[:_MOST_WORDS])),
+        unknown=tuple(map(_cut, coverage.doubtful[:_MOST_WORDS])),
+        doubts=tuple(doubts[:_MOST_CLAUSES]),
+        notes=tuple(notes[:_MOST_CLAUSES]),
     )
 
 

@@ -146,7 +146,7 @@ _UNIT = _either(LEXICON.units)
 # The placeholders of `lexicon/quantities.yaml`; a table is a group of its own name.
 _PLACES = {
     "N": rf"(?P<n>{_NUMBER})",
-    "link": "(?: (?:an?|of|one))*",
+    "link": "(?: (?:an?|of|one)){0,3}",
     "whole": f"(?P<whole>(?: (?:{_of('full')}))?(?: body)?)",
     "owner": rf"(?:\S+'s|{_of('owners')})",
     "time": f"(?:{_UNIT})",
@@ -316,22 +316,21 @@ _TIMES: tuple[tuple[str, re.Pattern[str], Callable[[re.Match[str]], TimeSpan | N
 _REST_OF_CLIP = re.compile(r"(?:in|during|over) the (?P<order>second|third|last) (?:[^\w\s]|$)")
 
 
-def match_time(words: Words, at: int, measured: bool) -> tuple[TimeSpan, int] | None:
+def match_time(words: Words, at: int, is_measured: Callable[[], bool]) -> tuple[TimeSpan, int] | None:
     """The phrase of time that begins at token ``at`` and the index behind it, or None.
 
     Args:
         words: The sentence.
         at: Index of a token.
-        measured: Whether a quantity was told, so that "in a second" is the time that it takes; else it is a moment.
+        is_measured: Whether a quantity was told, so that "in a second" is the time that it takes; else it is a moment.
     """
     if words.get(at) not in _TABLES["before_times"] and not _begins_number(words.get(at)):
         return None
     counted = words.get(at) not in ("a", "an") or words.get(at - 1) in _TABLES["before_a_time"]
-    holds = {"": True, "measured": measured, "counted": counted}
     for condition, pattern, make in _TIMES:
-        match = words.match(pattern, at) if holds[condition] else None
+        match = words.match(pattern, at) if condition != "counted" or counted else None
         span = make(match) if match else None
-        if match and span:
+        if match and span and (condition != "measured" or is_measured()):
             total = condition == "measured" and words.get(at - 1) == ","
             return replace(span, total=total), words.find_behind(at, match)
     match = words.match(_REST_OF_CLIP, at)

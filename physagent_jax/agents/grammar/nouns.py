@@ -155,6 +155,8 @@ def read_solid(reader: Reader, at: int) -> Mention | None:
     if (pair := reader.words.match(_PAIR, at)) is not None:
         solid = Solid("wall", ("left",), ("right",))
         return reader.make_span(MentionKind.SOLID, solid, "solid", at, reader.words.find_behind(at, pair))
+    if reader.get_text(at) not in get_set("plates") | get_set("sides_of_parts") | LEXICON.obstacles.keys():
+        return None
     before = at - 1
     while reader.get_text(before) in get_set("before_walls"):
         before -= 1
