@@ -77,7 +77,10 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
     for begin, end in list_segments(mentions):
         segment = mentions[begin:end]
         if _is_filmed(segment, names) or named and _is_done_by_another(segment, names):
-            result[begin:end] = [empty(m, OTHER if m.kind in MOTIONS else "aside") for m in segment]
+            result[begin:end] = [
+                empty(m, OTHER if m.kind in MOTIONS or m.form in get_set("camera_verbs") else "aside")
+                for m in segment
+            ]
     return result
 
 
@@ -117,10 +120,9 @@ def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
     another = subject > 0 and segment[subject - 1].phrase in ("a", "an", "the")
     if not told or not another or any(m.phrase in own for m in segment[:at]):
         return False
-    behind = segment[at + 1 :]
-    return not any(
-        m.phrase in names | get_set("objects") for m in behind[:3] if m.form not in get_set("prepositions")
-    )
+    behind = [m.phrase for m in segment[at + 1 : at + 3]]
+    thing = behind[1:] if behind and behind[0] in get_set("determiners") else behind[:1]
+    return not set(thing) & (names | get_set("objects"))  # "a crane lifts the robot"
 
 
 def mark_exceptions(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:

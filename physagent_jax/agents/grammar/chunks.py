@@ -158,6 +158,12 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         and reader.get_text(at + 1) not in reader.names
     ):
         return True  # "in this shot"
+    filmed = (
+        text in get_set("camera_words")
+        and before not in get_set("finite") | get_set("pronouns") | reader.names
+    )
+    if filmed:
+        return True  # "a close shot of it"
     plural = text.endswith("s") and text != reader.tokens[at].lemma
     if plural and before in get_set("before_nouns"):
         return True  # "on waves"
