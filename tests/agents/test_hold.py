@@ -7,7 +7,7 @@ import functools
 import pytest
 
 from benchmarks.language.notation import FILES, Clause, Sentence, read_sentences
-from benchmarks.language.score import make_scene
+from benchmarks.language.score import make_scene, score
 from physagent_jax.agents.grammar.semantic import read_sentence
 from physagent_jax.agents.hold import (
     Hold,
@@ -217,6 +217,8 @@ def test_holds_are_what_the_authors_of_the_corpus_understand():
         needed = _is_free_for_author(sentence)
         if needed is None or reply.unsure or (hold and hold.origin is not HoldOrigin.KIND):
             continue
+        if ("kind", False) in score(sentence, reply, make_scene(sentence.object_name)):
+            continue  # another motion is read, which has another hold
         counts[needed] += 1
         assert (hold is None) == needed, sentence.text
     assert counts[True] > 150 and counts[False] > 350

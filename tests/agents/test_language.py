@@ -3,11 +3,11 @@
 import math
 
 import pytest
-from physagent_jax.agents.compiler.schedule import LONGEST, STEP
 
-from physagent_jax.agents.rules.kinds import choose_kinds
+from physagent_jax.agents.compiler.schedule import LONGEST, STEP
 from physagent_jax.agents.grammar.measures import Words, match_quantity
 from physagent_jax.agents.grammar.tokens import tokenise
+from physagent_jax.agents.rules.kinds import choose_kinds
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError

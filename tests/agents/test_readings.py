@@ -262,61 +262,12 @@ def test_the_long_axis_is_the_object_s():
 @pytest.mark.parametrize(
     "prompt",
     [
-        # something else moves
-        "a bird lands on the robot", "jump over it", "sit on the robot", "the camera moves left",
-        "tilt the plate to the left", "push the wall",
-        # which way is not told
-        "lower it upwards", "pull its right arm", "does it move when it is hit from the left", "push it on the left",
-        "hit it from the left, the right and above", "push it, but neither to the left nor to the right",
-        "push it under the table", "roll it into a ball", "drag it to the table",
-        # how it is at first
-        "the fallen robot is pushed to the left", "the robot is on the left, push it to the right",
-        # what a word belongs to
-        "turn it on", "turn it on its head", "turn its back to us", "hop twice, the second time higher",
-        "it wants to go left but it can not", "stretch it by pulling its head up", "don't stay still",
-        "squeeze it three times with one second pauses", "bend it left and hold it there three times",
-        "push it left, pausing in between", "push it a foot to the left",
-        # what cannot be had
-        "hold the left side and pull the right side to the right", "first there is no gravity, then it falls",
-        # likenesses that tell how fast, or what is not known
-        "the robot drops like a snowflake", "it moves like a snake", "push it left as if it were made of porcelain",
-        # things that are not here, ways that are not told
-        "a monkey climbs on the robot", "it crashes into something on its left", "the robot exits stage left",
-        "gravity drags the robot sideways to the left", "between two kicks to the left it rests",
-        "stretch it horizontally and vertically", "it is pushed but does not move", "a hand enters and knocks it over",
-        "push it left with a growing strength", "it moves left on the trampoline", "the drapes rise. The robot spins",
-        "straighten the robot", "push the robot upright",
-        "the robot sags", "the top is pushed left, the bottom right",
-        # ends and figures that read like ways and verbs
-        "push its top left", "bend the head away and its lower right", "the robot does the splits",
-        "drag it left and right simultaneously",
-        # how, in a word that is not known
-        "push it left, lethargically",
-        # where it is struck, and what is said of nothing
-        "a slap to the left side tips it over", "boot it off its feet", "nothing could push it",
-        # ways that would get lost
-        "raise it to the left", "it sinks to the right", "lift it from above", "jump down", "both sides rise",
-        "push it left and its head right", "the head goes right, the body left", "tilt it 45 degrees from the vertical",
-        "stretch it to twice its height and back",
-        # what is taken back or does not come about
-        "nobody kicks the robot", "the robot fails to rise", "it is about to topple", "it was going to jump",
-        "up, no, push it left", "even if it is kicked, it stays", "although it is hit from the left, it stands still",
-        "it does not move when it is pushed from the left",
-        "it is still falling", "bend it left and don't let go", "fix the base, then release it and pull it up",
-        "it remains tilted", "lift it and keep it up", "push it left. Undo that.", "push it. Gently. To the left.",
-        # words for ways and sides that tell none
-        "shake the left", "it left the floor", "the left robot rises", "push it right before it lands",
-        "fling the robot against it", "it leans into the wind from the left", 
-        "push it up with the right hand", "hit it from both sides in turn", "it turns to the camera",
-        "lift it and put it back", "raise it halfway", "tilt it to one side and then the other",
-        "bring the robot more near", "the breeze turns it", "let it go left",
-        "pull it out by the feet", "the robot kicks back", "turn it around so that we see the back", "off it goes",
-        "a push in the back", "push it away from it", "the robot rises, hovers and comes down",
-        # what changes or is more
-        "push it left with twice the force", "gravity is off until it is hit", "it is free to move, push it left",
-        # questions and other things
-        "who lifted the robot?", "did it fall?", "how far did it move left?", "I don't know which way to push it",
-        "push the other robot", "the viewer moves left", "it is hit by a ball rolling to the left",
+        "don't stay still", "first there is no gravity, then it falls", "the robot drops like a snowflake",
+        "it moves like a snake", "push it left as if it were made of porcelain",
+        "push it left with a growing strength", "it moves left on the trampoline",
+        "the drapes rise. The robot spins", "straighten the robot", "push the robot upright",
+        "the robot sags", "push it left, lethargically", "the robot fails to rise",
+        "although it is hit from the left, it stands still", "push it left. Undo that.",
     ],
 )  # fmt: skip
 def test_what_is_said_to_be_unclear(prompt):
