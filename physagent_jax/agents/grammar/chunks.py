@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from physagent_jax.agents.grammar.measures import parse_moment
+from physagent_jax.agents.grammar.measures import make_moment
 from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
 from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Place
@@ -35,7 +35,7 @@ def _index_phrases() -> dict[str, list[Entry]]:
         (MentionKind.REVERSAL, lexicon.reversals),
         (MentionKind.EVEN, dict.fromkeys(lexicon.even)),
         (MentionKind.EXCEPT, dict.fromkeys(lexicon.exceptions)),
-        (MentionKind.TIME, {p: parse_moment(m.starts, m.lasts) for p, m in lexicon.moments.items()}),
+        (MentionKind.TIME, {p: make_moment(m.starts, m.lasts) for p, m in lexicon.moments.items()}),
         (MentionKind.NOT, dict.fromkeys(lexicon.negations)),
         (MentionKind.FUNCTION, dict.fromkeys(lexicon.phrases)),
         (MentionKind.IGNORED, dict.fromkeys(get_set("ignored_phrases"))),

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from physagent_jax.agents.grammar.measures import Quantity
 from physagent_jax.agents.grammar.mentions import MOTIONS, WAYS, Mention, MentionKind
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.grammar.tokens import is_participle
+from physagent_jax.agents.intent import Quantity
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Names, Repeat
 
 WHERE = (
