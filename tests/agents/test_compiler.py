@@ -267,6 +267,32 @@ def test_what_an_intent_leaves_aside_is_passed_on() -> None:
     assert not calm.unsure
 
 
+def test_evidence_quotes_the_sentence() -> None:
+    clause = Clause(
+        motion="push",
+        said="pushes",
+        ways=(Way(word="left", text="to the left"),),
+        strength=("gently",),
+        parts=(Part(word="head", text="its head"),),
+        timing=Timing(lasts=Duration(value=1, text="for a second")),
+    )
+    told = {item.field: item.words for item in compile_clauses(clause).evidence}
+    assert told == {
+        "actions[0].action_type": "pushes",
+        "actions[0].vector": "to the left",
+        "actions[0].magnitude": "gently",
+        "actions[0].region": "its head",
+        "actions[0].active_time": "for a second",
+    }
+
+
+def test_what_goes_elsewhere_leaves_its_place() -> None:
+    push = Clause(motion="push", ways=(Way(word="left"),))
+    for elsewhere in (False, True):
+        reply = compile_clauses(push.model_copy(update={"elsewhere": elsewhere}))
+        assert reply.expectations[0].leaves_place is elsewhere
+
+
 def test_words_that_nobody_knows_are_doubts() -> None:
     clause = Clause(
         motion="push",
