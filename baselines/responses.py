@@ -32,7 +32,7 @@ from physagent_jax.metrics.task_judge import compute_residuals
 _SUPERPOSED = [skill for skill in list_skills("actions") if skill.superposes]
 
 SKILLS = tuple(ActionType(s.name) for s in sorted(_SUPERPOSED, key=lambda s: s.is_axis or s.is_two_sided))
-"""Those whose response in any window follows from one simulation. Of equals the first is preferred: along a way."""
+"""Skills whose response in any window follows from one simulation; among equals the first is preferred."""
 
 WRING = ConstraintType("enforce_particle_rotation")
 """Two ends turned against each other and held so: what no torque does to a body that springs back. Prescribed motions

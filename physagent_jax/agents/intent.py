@@ -234,11 +234,11 @@ class Intent(Strict):
         notes: Assumptions made, in plain sentences.
     """
 
-    clauses: Annotated[tuple[Clause, ...], Field(max_length=100)] = ()
+    clauses: Annotated[tuple[Clause, ...], Field(max_length=10_000)] = ()
     held: Held | None = None
     surroundings: Surroundings = Surroundings()
     materials: Annotated[tuple[Word, ...], Field(max_length=20)] = ()
     ignored: Annotated[tuple[Word, ...], Field(max_length=1000)] = ()
     unknown: Annotated[tuple[Word, ...], Field(max_length=1000)] = ()
-    doubts: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], Field(max_length=100)] = ()
-    notes: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], Field(max_length=100)] = ()
+    doubts: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], Field(max_length=10_000)] = ()
+    notes: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], Field(max_length=10_000)] = ()

@@ -42,7 +42,7 @@ class Event:
         repeat: Count and alternation.
         when: Time that the sentence names.
         wind: Whether a wind does it.
-        elsewhere: Whether the sentence says that the object ends at another place.
+        elsewhere: Whether the sentence says that the object ends at another place: "away", "aside", "off the table".
         sources: Where each value comes from.
         notes: Assumptions.
         doubts: What was not understood and matters.

@@ -93,25 +93,19 @@ class Task:
         """Whether a push or a blow takes the whole object elsewhere: it is thrown, goes somewhere, or goes so far.
 
         A lean and a wind bend what is rooted, however far. So may a push or a blow of which neither a distance nor
-        another place is told; a motion that says no more than that the object goes a told way does not. What is let
-        go afterwards springs back, and is in no other place.
+        another place is told; a motion that says no more than that the object goes a told way does not. What is let go
+        afterwards springs back, and is in no other place.
         """
         event = self.event
         if event.region is not None or event.part is not None or event.wind or event.effect is Effect.LEAN:
             return False
         thrown = event.effect is Effect.STRIKE and (event.motion.gravity or event.motion.direction == "up")
         way_told = event.effect is Effect.PUSH and not event.is_way_assumed
+        goes = way_told and event.motion.generic
         elsewhere = event.elsewhere or way_told and event.motion.hauls
         told = event.amount is not None and event.amount.unit in ("lengths", "metres")
-        return (
-            thrown
-            or way_told
-            and event.motion.generic
-            or told
-            or elsewhere
-            and not self._is_let_go
-            or event.effect is Effect.JUMP
-        )
+        elsewhere = elsewhere and not self._is_let_go
+        return thrown or goes or told or elsewhere or event.effect is Effect.JUMP
 
     @property
     def _is_let_go(self) -> bool:

@@ -35,6 +35,7 @@ _LOOSE = (
     MentionKind.INTENSITY,
     MentionKind.DEGREE,
 )
+_REACH = 20  # words before a correction in which the corrected ones stand
 # What ends a comparison.
 _GOES_ON = (
     MentionKind.JOIN,
@@ -76,7 +77,10 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
     for begin, end in list_segments(mentions):
         segment = mentions[begin:end]
         if _is_filmed(segment, names) or named and _is_done_by_another(segment, names):
-            result[begin:end] = [empty(m, OTHER if m.kind in MOTIONS else "aside") for m in segment]
+            result[begin:end] = [
+                empty(m, OTHER if m.kind in MOTIONS or m.form in get_set("camera_verbs") else "aside")
+                for m in segment
+            ]
     return result
 
 
@@ -116,10 +120,9 @@ def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
     another = subject > 0 and segment[subject - 1].phrase in ("a", "an", "the")
     if not told or not another or any(m.phrase in own for m in segment[:at]):
         return False
-    behind = segment[at + 1 :]
-    return not any(
-        m.phrase in names | get_set("objects") for m in behind[:3] if m.form not in get_set("prepositions")
-    )
+    behind = [m.phrase for m in segment[at + 1 : at + 3]]
+    thing = behind[1:] if behind and behind[0] in get_set("determiners") else behind[:1]
+    return not set(thing) & (names | get_set("objects"))  # "a crane lifts the robot"
 
 
 def mark_exceptions(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
@@ -163,20 +166,17 @@ def read_corrections(mentions: list[Mention], _names: frozenset[str]) -> list[Me
             continue
         while begin + size < len(mentions) and mentions[begin + size].kind is MentionKind.JOIN:
             size += 1
-        stop = next(
-            (
-                i
-                for i in range(begin + size, len(mentions))
-                if mentions[i].kind in (MentionKind.JOIN, *MOTIONS)
-            ),
-            len(mentions),
-        )
+        stop = begin + size
+        while stop < len(mentions) and mentions[stop].kind not in (MentionKind.JOIN, *MOTIONS):
+            stop += 1
         said = mentions[begin + size : stop]
         told = [m for m in said if m.kind in _REPLACED]
         if not told or any(m.kind not in (*_REPLACED, MentionKind.FUNCTION) for m in said):
             continue
         for mention in told:
-            for place in [i for i in range(begin) if result[i].kind in _REPLACED[mention.kind]][-1:]:
+            for place in [
+                i for i in range(max(begin - _REACH, 0), begin) if result[i].kind in _REPLACED[mention.kind]
+            ][-1:]:
                 result[place] = empty(result[place])
         first = begin - (mentions[begin - 1].kind is MentionKind.JOIN)
         result[first : begin + size] = [empty(m) for m in result[first : begin + size]]
@@ -198,13 +198,14 @@ def read_comparisons(mentions: list[Mention], _names: frozenset[str]) -> list[Me
     Where the verb says nothing by itself ("moves"), a thing known for one motion does ("like a pendulum").
     """
     result = list(mentions)
+    at: int | None = None
     for index, mention in enumerate(mentions):
+        at = index if mention.kind is MentionKind.VERB else at
+        verb = result[at].motion if at is not None else None
         likens = mention.form == "like" and not (
             index and mentions[index - 1].form in get_set("before_likes")
         )
         supposes = mention.phrase in ("as if", "as though")
-        at = next((i for i in range(index - 1, -1, -1) if mentions[i].kind is MentionKind.VERB), None)
-        verb = result[at].motion if at is not None else None
         if mention.kind is not MentionKind.FUNCTION or not (likens or supposes) or at is None or verb is None:
             continue
         end = _find_end(mentions, index)

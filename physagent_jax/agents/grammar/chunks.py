@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from physagent_jax.agents.grammar.measures import parse_moment
+from physagent_jax.agents.grammar.measures import make_moment
 from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
 from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Place
@@ -35,7 +35,7 @@ def _index_phrases() -> dict[str, list[Entry]]:
         (MentionKind.REVERSAL, lexicon.reversals),
         (MentionKind.EVEN, dict.fromkeys(lexicon.even)),
         (MentionKind.EXCEPT, dict.fromkeys(lexicon.exceptions)),
-        (MentionKind.TIME, {p: parse_moment(m.starts, m.lasts) for p, m in lexicon.moments.items()}),
+        (MentionKind.TIME, {p: make_moment(m.starts, m.lasts) for p, m in lexicon.moments.items()}),
         (MentionKind.NOT, dict.fromkeys(lexicon.negations)),
         (MentionKind.FUNCTION, dict.fromkeys(lexicon.phrases)),
         (MentionKind.IGNORED, dict.fromkeys(get_set("ignored_phrases"))),
@@ -158,6 +158,12 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         and reader.get_text(at + 1) not in reader.names
     ):
         return True  # "in this shot"
+    filmed = (
+        text in get_set("camera_words")
+        and before not in get_set("finite") | get_set("pronouns") | reader.names
+    )
+    if filmed:
+        return True  # "a close shot of it"
     plural = text.endswith("s") and text != reader.tokens[at].lemma
     if plural and before in get_set("before_nouns"):
         return True  # "on waves"
@@ -206,10 +212,9 @@ def _is_locating_cause(reader: Reader, words: tuple[str, ...]) -> bool:
 
 def _is_describing_object(reader: Reader, at: int, size: int) -> bool:
     """Whether an adjective belongs to the object ("the heavy robot") rather than to a motion ("a heavy blow")."""
-    behind = at + size
-    while reader.get_text(behind) in LEXICON.intensities:
-        behind += 1
-    return reader.is_after_determiner(at) and reader.get_text(behind) in reader.names
+    behind = [reader.get_text(at + size + step) for step in range(LONGEST_GAP)]
+    noun = next((word for word in behind if word not in LEXICON.intensities), "")
+    return reader.is_after_determiner(at) and noun in reader.names
 
 
 def _is_asked(reader: Reader, at: int) -> bool:

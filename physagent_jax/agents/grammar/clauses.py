@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from physagent_jax.agents.grammar.measures import Quantity
+from physagent_jax.agents.grammar.displacement import ends_elsewhere
 from physagent_jax.agents.grammar.mentions import MOTIONS, WAYS, Mention, MentionKind
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.grammar.tokens import is_participle
+from physagent_jax.agents.intent import Quantity
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Names, Repeat
 
 WHERE = (
@@ -39,6 +40,7 @@ _TIMED = (Join.WHILE, Join.AFTER, Join.BEFORE)
 _STRENGTHS = (MentionKind.INTENSITY, MentionKind.COMPARATIVE)
 _NEGATABLE = (*WHERE, *MOTIONS, *_STRENGTHS, MentionKind.DEGREE, MentionKind.GRAVITY, MentionKind.ANCHOR)
 _EMPTY = (MentionKind.FUNCTION, MentionKind.UNKNOWN, MentionKind.IGNORED)
+_REACH = 12  # words behind a verb that may tell how it is done
 _NOT_HARD, _NOT_GENTLY = 0.8, 1.2
 
 
@@ -54,6 +56,7 @@ class Clause:
         negated: Whether it is said *not* to happen.
         inherited: Whether the verb is that of the clause before.
         stays: Whether what it brings about is to be held.
+        elsewhere: Whether what is moved ends at another place (`grammar.displacement`).
         mentions: All mentions, for quoting.
     """
 
@@ -64,6 +67,7 @@ class Clause:
     negated: bool = False
     inherited: bool = False
     stays: bool = False
+    elsewhere: bool = False
     mentions: list[Mention] = field(default_factory=list)
 
     def select(self, *kinds: MentionKind) -> list[Mention]:
@@ -83,6 +87,19 @@ class Clause:
     def words(self) -> str:
         """The words of the mention that decides what is done."""
         return self.head.words if self.head else ""
+
+
+def mark_displacements(clauses: list[Clause], words: list[str]) -> None:
+    """Mark the clauses whose words, from their first mention to the next clause's, tell of another place.
+
+    Args:
+        clauses: The clauses.
+        words: The sentence's tokens in lower case.
+    """
+    firsts = [min((m.first for m in clause.mentions), default=len(words)) for clause in clauses]
+    for clause, first in zip(clauses, firsts):
+        end = min((each for each in firsts if each > first), default=len(words))
+        clause.elsewhere = ends_elsewhere(words[first:end])
 
 
 def get_verb(mention: Mention | None) -> Motion:
@@ -168,7 +185,7 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
     """Resolves "not" on everything but verbs: what is negated vanishes or turns into its opposite."""
     result: list[Mention] = []
     pending: Mention | None = None
-    for mention in mentions:
+    for index, mention in enumerate(mentions):
         ground = (
             pending is not None
             and pending.phrase in ("no", "without")
@@ -181,7 +198,7 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
             result += [mention] if ground else []
         elif pending is None or mention.kind not in _NEGATABLE:
             result.append(mention)
-        elif mention.kind is MentionKind.VERB and _is_manner_denied(mentions, mention):
+        elif mention.kind is MentionKind.VERB and _is_manner_denied(mentions[index + 1 : index + _REACH]):
             result.append(mention)  # "do not push it too hard" pushes it
         elif mention.kind is not MentionKind.DEGREE:
             result += _negate(pending, mention)
@@ -189,9 +206,8 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
     return result
 
 
-def _is_manner_denied(mentions: list[Mention], verb: Mention) -> bool:
-    """Whether only how strongly it is done is denied: "do not push it too hard"."""
-    behind = [m for m in mentions if m.first > verb.first]
+def _is_manner_denied(behind: list[Mention]) -> bool:
+    """Whether only how strongly it is done is denied: "do not push it too hard"; ``behind`` follows the verb."""
     hard = any(m.kind is MentionKind.INTENSITY and isinstance(m.value, float) and m.value > 1 for m in behind)
     return hard and not any(m.kind is MentionKind.VERB for m in behind)
 

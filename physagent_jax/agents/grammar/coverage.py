@@ -262,6 +262,7 @@ def _is_acting(spot: _Spot) -> bool:
 # In their order: the first that holds decides whether the word is ignored; what none holds for is doubtful.
 _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (_is_heading, True),
+    (_is_in_a_fragment, True),
     (_is_number, False),
     (_is_measured, True),
     (_is_asking, True),
@@ -273,7 +274,6 @@ _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (_is_struck, False),
     (_is_result, False),
     (_is_placed, True),
-    (_is_in_a_fragment, True),
     (_is_describing, True),
     (_is_predicate, False),
     (_is_acting, True),

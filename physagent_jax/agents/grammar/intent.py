@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from physagent_jax.agents import intent
 from physagent_jax.agents.grammar.clauses import OPPOSITE_GRAVITY, Clause, find_repeats, get_verb
 from physagent_jax.agents.grammar.coverage import Coverage
-from physagent_jax.agents.grammar.displacement import ends_elsewhere
-from physagent_jax.agents.grammar.measures import Duration, Quantity, TimeSpan
 from physagent_jax.agents.grammar.mentions import Mention, MentionKind
-from physagent_jax.agents.grammar.nouns import Solid
 from physagent_jax.agents.grammar.tables import LEXICON
 from physagent_jax.agents.lexicon import Effect, Join, Place
 
@@ -28,14 +23,9 @@ _STRENGTHS = {
     MentionKind.INTENSITY: LEXICON.intensities,
     MentionKind.COMPARATIVE: LEXICON.comparatives,
 }
-_UNITS = {
-    "second": ("seconds", 1.0),
-    "millisecond": ("seconds", 0.001),
-    "frame": ("frames", 1.0),
-    "clip": ("clip", 1.0),
-}
 _SENSES = {1: "counterclockwise", -1: "clockwise"}
-_LONGEST, _MOST, _LONGEST_TIME, _MOST_TIMES = 200, 1e9, 1e6, 1_000_000  # limits of the intent
+_MOST_CLAUSES, _MOST_WORDS = 100, 1000  # limits of the intent
+_LONGEST, _MOST_TIMES = 200, 1_000_000
 
 
 def make_intent(
@@ -43,18 +33,21 @@ def make_intent(
 ) -> intent.Intent:
     """The intent of clauses, with what stands between them."""
     told = [clause for clause in clauses if clause.head is not None]
+    doubts = [doubt for clause in told for doubt in _list_doubts(clause)]
+    if len(told) > _MOST_CLAUSES:
+        doubts.insert(0, f"Only the first {_MOST_CLAUSES} of {len(told)} motions are read.")
     return intent.Intent(
-        clauses=tuple(_make_clause(clause, clauses, mentions) for clause in told),
+        clauses=tuple(_make_clause(clause, clauses) for clause in told[:_MOST_CLAUSES]),
         held=_find_held(clauses),
         surroundings=_describe_surroundings(clauses, mentions),
-        ignored=coverage.ignored,
-        unknown=coverage.doubtful,
-        doubts=tuple(doubt for clause in told for doubt in _list_doubts(clause)),
-        notes=tuple(notes),
+        ignored=tuple(map(_cut, coverage.ignored[:_MOST_WORDS])),
+        unknown=tuple(map(_cut, coverage.doubtful[:_MOST_WORDS])),
+        doubts=tuple(doubts[:_MOST_CLAUSES]),
+        notes=tuple(notes[:_MOST_CLAUSES]),
     )
 
 
-def _make_clause(clause: Clause, clauses: list[Clause], all_mentions: list[Mention]) -> intent.Clause:
+def _make_clause(clause: Clause, clauses: list[Clause]) -> intent.Clause:
     """A clause in words."""
     held = _is_holding_an_end(clause, clauses)
     gravity = "gravity" if clause.select(MentionKind.GRAVITY) else None
@@ -78,20 +71,11 @@ def _make_clause(clause: Clause, clauses: list[Clause], all_mentions: list[Menti
             inherited=clause.inherited,
             stays=clause.stays,
             even=bool(clause.select(MentionKind.EVEN)),
-            elsewhere=ends_elsewhere(_list_words(clause, clauses, all_mentions)),
+            elsewhere=clause.elsewhere,
             said=_cut(clause.words),
             text=_cut(" ".join(m.words for m in sorted(mentions, key=lambda m: m.first))),
         )
     )
-
-
-def _list_words(clause: Clause, clauses: list[Clause], mentions: list[Mention]) -> list[str]:
-    """All words from the clause's first mention to the next clause's, understood or not."""
-    firsts = [min(m.first for m in each.mentions) for each in clauses if each.mentions]
-    begin = min((m.first for m in clause.mentions), default=0)
-    end = min((first for first in firsts if first > begin), default=None)
-    said = [m.words for m in mentions if m.first >= begin and (end is None or m.first < end)]
-    return " ".join(said).lower().split()
 
 
 def _cut(words: str) -> str:
@@ -171,23 +155,17 @@ def _name_part(mention: Mention) -> str:
 
 
 def _list_quantities(clause: Clause) -> tuple[intent.Quantity, ...]:
-    found: list[dict[str, Any]] = []
-    for mention in clause.select(MentionKind.QUANTITY):
-        told = mention.value
-        assert isinstance(told, Quantity)
-        relation = "is" if told.acts else "to" if told.goal else "by" if told.relative else ""
-        unit = told.unit or "other"
-        row = dict(
-            value=told.value, unit=unit, dimension=told.dimension, relation=relation, text=mention.words
-        )
-        found.append(row)
+    told = [
+        (m.value, m.words)
+        for m in clause.select(MentionKind.QUANTITY)
+        if isinstance(m.value, intent.Quantity)
+    ]
     for mention in clause.select(MentionKind.COMPARATIVE):
-        if mention.phrase == "as strong":
-            found.append(dict(value=mention.value, unit="share", dimension="strength", text=mention.words))
-    return tuple(
-        intent.Quantity.model_validate({**row, "value": min(row["value"], _MOST), "text": _cut(row["text"])})
-        for row in found
-    )
+        if mention.phrase == "as strong" and isinstance(mention.value, float):
+            told.append(
+                (intent.Quantity(value=mention.value, unit="share", dimension="strength"), mention.words)
+            )
+    return tuple(quantity.model_copy(update={"text": _cut(words)}) for quantity, words in told)
 
 
 def _find_timing(clause: Clause) -> intent.Timing:
@@ -195,21 +173,16 @@ def _find_timing(clause: Clause) -> intent.Timing:
     timing = intent.Timing()
     for mention in clause.select(MentionKind.TIME):
         told = mention.value
-        assert isinstance(told, TimeSpan)
-        update: dict[str, Any] = {}
-        if told.start is not None:
-            update["starts"] = _make_duration(told.start, mention.words)
-        if told.length is not None:
-            length = _make_duration(told.length, mention.words)
-            update |= {"lasts": length, "within": told.whole, "overall": told.total}
-        timing = timing.model_copy(update=update)
+        assert isinstance(told, intent.Timing)
+        text = {"text": _cut(mention.words)}
+        if told.starts is not None:
+            timing = timing.model_copy(update={"starts": told.starts.model_copy(update=text)})
+        if told.lasts is not None:
+            lasts = told.lasts.model_copy(update=text)
+            timing = timing.model_copy(
+                update={"lasts": lasts, "within": told.within, "overall": told.overall}
+            )
     return timing
-
-
-def _make_duration(told: Duration, words: str) -> intent.Duration:
-    unit, factor = _UNITS[told.unit]
-    value = min(max(told.value * factor, -_LONGEST_TIME), _LONGEST_TIME)
-    return intent.Duration.model_validate(dict(value=value, unit=unit, text=_cut(words)))
 
 
 def _list_repetitions(clause: Clause) -> tuple[intent.Repetition, ...]:
@@ -229,18 +202,15 @@ def _list_repetitions(clause: Clause) -> tuple[intent.Repetition, ...]:
 
 
 def _make_solid(mention: Mention) -> intent.Solid:
-    solid = mention.value
-    assert isinstance(solid, Solid)
-    return intent.Solid.model_validate(
-        dict(kind=solid.kind, sides=solid.names, opposite=solid.opposite, text=_cut(mention.words))
-    )
+    assert isinstance(mention.value, intent.Solid)
+    return mention.value.model_copy(update={"text": _cut(mention.words)})
 
 
 def _list_doubts(clause: Clause) -> list[str]:
     """What a clause says twice."""
-    times = [(m, m.value) for m in clause.select(MentionKind.TIME) if isinstance(m.value, TimeSpan)]
-    starts = [m.words for m, told in times if told.start or m.words.lower().startswith("at the ")]
-    lengths = [m.words for m, told in times if told.length]
+    times = [(m, m.value) for m in clause.select(MentionKind.TIME) if isinstance(m.value, intent.Timing)]
+    starts = [m.words for m, told in times if told.starts or m.words.lower().startswith("at the ")]
+    lengths = [m.words for m, told in times if told.lasts]
     return [
         f"Which of several times ({', '.join(several)}) is meant is not understood."
         for several in (starts, lengths)

@@ -10,72 +10,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from typing import Any
 
 from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_rows, read_sections
 from physagent_jax.agents.grammar.tokens import Token
-
-BRIEF = 0.15
-"""Share of the clip that "briefly" lasts."""
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A number with its unit, as the sentence has it.
-
-    Attributes:
-        value: The number.
-        unit: "degrees", "lengths" (body lengths), "metres", "share" (of ``dimension``) or "" (one that nothing
-            here is measured in: newtons, pixels, metres per second).
-        dimension: Dimension of a share: "length", "height", "width", "depth", "size", "volume", "far",
-            "strength", or "".
-        relative: It says by how much, not to what.
-        acts: It says by itself that the size changes ("doubles its height", "becomes twice as tall").
-        goal: It says to where ("to twice its height").
-    """
-
-    value: float
-    unit: str
-    dimension: str = ""
-    relative: bool = False
-    acts: bool = False
-    goal: bool = False
-
-
-@dataclass(frozen=True)
-class Duration:
-    """A length of time in "second", "millisecond", "frame" or "clip" (fraction of the whole)."""
-
-    value: float
-    unit: str
-
-    def to_frames(self, frame_count: int, frame_dt: float) -> float:
-        """The same in frames; the clip's last frame is ``frame_count - 1``."""
-        per_unit = {
-            "second": 1.0 / frame_dt,
-            "millisecond": 0.001 / frame_dt,
-            "frame": 1.0,
-            "clip": float(frame_count - 1),
-        }
-        return self.value * per_unit[self.unit]
-
-
-@dataclass(frozen=True)
-class TimeSpan:
-    """The sentence's statement about the time of an action; None = nothing.
-
-    Attributes:
-        start: When it begins.
-        length: How long its cause acts; if ``whole``, in what time all of it has happened ("within a second").
-        whole: See ``length``.
-        total: ``length`` is that of all that was said so far: "left, then up, in a second".
-    """
-
-    start: Duration | None = None
-    length: Duration | None = None
-    whole: bool = False
-    total: bool = False
+from physagent_jax.agents.intent import Duration, Quantity, Timing
 
 
 class Words:
@@ -116,6 +55,7 @@ _GROUPS = ("factors", "as_far", "dimensions", "angles", "metres", "other_units",
 _BEGINNINGS = {word.split()[0] for name in ("factors", "as_far") for word in _TABLES[name]} | get_set(
     "before_factors"
 )
+_MOST, _LONGEST = 1e9, 1e6  # of a quantity, and of a time
 _LEAST_DEGREES = 45  # of a "180 turn": nobody asks for so many turns
 
 
@@ -146,7 +86,7 @@ _UNIT = _either(LEXICON.units)
 # The placeholders of `lexicon/quantities.yaml`; a table is a group of its own name.
 _PLACES = {
     "N": rf"(?P<n>{_NUMBER})",
-    "link": "(?: (?:an?|of|one))*",
+    "link": "(?: (?:an?|of|one)){0,3}",
     "whole": f"(?P<whole>(?: (?:{_of('full')}))?(?: body)?)",
     "owner": rf"(?:\S+'s|{_of('owners')})",
     "time": f"(?:{_UNIT})",
@@ -215,11 +155,12 @@ def _make_quantity(
         return None
     scales = [_TABLES[name][groups[name]] for name in ("factors", "angles", "metres") if groups.get(name)]
     named = [_TABLES[name][groups[name]] for name in ("dimensions", "adjectives") if groups.get(name)]
+    relations = ("is", "acts"), ("to", "goal"), ("by", "relative")
     return Quantity(
-        value * float(row.get("scale", 1.0)) * math.prod(map(float, scales)),
-        row["unit"],
-        named[0] if named else row.get("dimension", ""),
-        *(holds[row.get(name, "")] for name in ("relative", "acts", "goal")),
+        value=min(value * float(row.get("scale", 1.0)) * math.prod(map(float, scales)), _MOST),
+        unit=row["unit"],
+        dimension=named[0] if named else row.get("dimension", ""),
+        relation=next((relation for relation, name in relations if holds[row.get(name, "")]), ""),
     )
 
 
@@ -246,94 +187,99 @@ _SPAN = (
 )
 
 
+def _last(value: float, unit: str) -> Duration:
+    """A length of time in a unit of the lexicon, or in parts of the clip."""
+    value = min(max(value / 1000.0 if unit == "millisecond" else value, -_LONGEST), _LONGEST)
+    return Duration(
+        value=value, unit="clip" if unit == "clip" else "frames" if unit == "frame" else "seconds"
+    )
+
+
 def _make_duration(match: re.Match[str]) -> Duration:
     if match["d_n"] is None:
-        return Duration(0.5, "clip")
+        return _last(0.5, "clip")
     more = LEXICON.fractions[match["d_more"]] if match["d_more"] else 0.0
-    return Duration(compute_number(match["d_n"]) + more, LEXICON.units[match["d_unit"]])
+    return _last(compute_number(match["d_n"]) + more, LEXICON.units[match["d_unit"]])
 
 
-def _make_moment(match: re.Match[str]) -> TimeSpan:
+def _make_moment(match: re.Match[str]) -> Timing:
     if match["named"]:
-        return TimeSpan(Duration(compute_number(match["named_n"]), LEXICON.units[match["named"]]))
-    return TimeSpan(_make_duration(match))
+        return Timing(starts=_last(compute_number(match["named_n"]), LEXICON.units[match["named"]]))
+    return Timing(starts=_make_duration(match))
 
 
-def _make_start(match: re.Match[str]) -> TimeSpan:
-    return TimeSpan(_make_duration(match))
+def _make_span(starts: float, lasts: float, unit: str) -> Timing:
+    return Timing(starts=_last(starts, unit), lasts=_last(lasts, unit))
 
 
-def _make_length(match: re.Match[str]) -> TimeSpan | None:
-    return TimeSpan(length=_make_duration(match)) if match["d_n"] else None
-
-
-def _find_part(size: float, order: str) -> TimeSpan:
+def _find_part(size: float, order: str) -> Timing:
     """A part of the clip: the second third."""
     count = _TABLES["orders"][order]
-    start = 1.0 - size if count < 0 else min(count * size, 1.0 - size)
-    return TimeSpan(Duration(start, "clip"), Duration(size, "clip"))
+    return _make_span(1.0 - size if count < 0 else min(count * size, 1.0 - size), size, "clip")
 
 
-def _make_part(match: re.Match[str]) -> TimeSpan | None:
+def _make_part(match: re.Match[str]) -> Timing | None:
     """Reads "the first half", "the last 10 frames", "the first second"."""
-    order = _TABLES["orders"][match["order"]]
     if match["noun"] in LEXICON.clip_parts and not match["part_n"]:
         return _find_part(LEXICON.clip_parts[match["noun"]], match["order"])
-    unit = LEXICON.units.get(match["noun"])
+    order, unit = _TABLES["orders"][match["order"]], LEXICON.units.get(match["noun"])
     value = compute_number(match["part_n"]) if match["part_n"] else 1.0
     if unit is None or (order > 0 and value != 1.0):
         return None
-    start = -value if order < 0 else order * value  # counted from the end: a negative start
-    return TimeSpan(Duration(start, unit), Duration(value, unit))
+    return _make_span(-value if order < 0 else order * value, value, unit)  # negative: from the end
 
 
-def _make_span(match: re.Match[str]) -> TimeSpan | None:
+def _make_interval(match: re.Match[str]) -> Timing | None:
     """Reads "from frame 10 to 20", "between 1 and 2 seconds", "from 1 s on"."""
     named = LEXICON.units.get(match["first_named"] or match["first_unit"] or "")
     first = compute_number(match["first"])
     if match["on"]:
-        return TimeSpan(Duration(first, named)) if named else None
-    last = compute_number(match["last"])
-    unit = LEXICON.units.get(match["unit"] or "") or named
-    if not unit or last <= first:
-        return None
-    return TimeSpan(Duration(first, unit), Duration(last - first, unit))
+        return Timing(starts=_last(first, named)) if named else None
+    last, unit = compute_number(match["last"]), LEXICON.units.get(match["unit"] or "") or named
+    return _make_span(first, last - first, unit) if unit and last > first else None
 
 
-_TIMES: tuple[tuple[str, re.Pattern[str], Callable[[re.Match[str]], TimeSpan | None]], ...] = tuple(
+_TIMES: tuple[tuple[str, re.Pattern[str], Callable[[re.Match[str]], Timing | None]], ...] = tuple(
     (condition, re.compile(pattern + "(?= )"), make)
     for condition, pattern, make in (
         ("", rf"(?:for|in|over|during|throughout) (?:the )?{_PART}", _make_part),
-        ("", rf"(?:for|lasting) {_LENGTH}", lambda m: TimeSpan(length=_make_duration(m))),
-        ("", rf"within {_LENGTH}", lambda m: TimeSpan(None, _make_duration(m), True)),
-        ("measured", rf"(?:in|over) {_LENGTH}", lambda m: TimeSpan(None, _make_duration(m), True)),
-        ("", _SPAN, _make_span),
+        ("", rf"(?:for|lasting) {_LENGTH}", lambda m: Timing(lasts=_make_duration(m))),
+        ("", rf"within {_LENGTH}", lambda m: Timing(lasts=_make_duration(m), within=True)),
+        ("measured", rf"(?:in|over) {_LENGTH}", lambda m: Timing(lasts=_make_duration(m), within=True)),
+        ("", _SPAN, _make_interval),
         ("", rf"(?:after|at) {_MOMENT}", _make_moment),
-        ("counted", rf"{_LENGTH} (?:in(?= (?:[^\w\s]|$))|into the (?:{_of('films')}))", _make_start),
-        ("counted", rf"{_LENGTH}(?! (?:later|after|in |into) )", _make_length),
+        (
+            "counted",
+            rf"{_LENGTH} (?:in(?= (?:[^\w\s]|$))|into the (?:{_of('films')}))",
+            lambda m: Timing(starts=_make_duration(m)),
+        ),
+        (
+            "counted",
+            rf"{_LENGTH}(?! (?:later|after|in |into) )",
+            lambda m: Timing(lasts=_make_duration(m)) if m["d_n"] else None,
+        ),
     )
 )
 _REST_OF_CLIP = re.compile(r"(?:in|during|over) the (?P<order>second|third|last) (?:[^\w\s]|$)")
 
 
-def match_time(words: Words, at: int, measured: bool) -> tuple[TimeSpan, int] | None:
+def match_time(words: Words, at: int, is_measured: Callable[[], bool]) -> tuple[Timing, int] | None:
     """The phrase of time that begins at token ``at`` and the index behind it, or None.
 
     Args:
         words: The sentence.
         at: Index of a token.
-        measured: Whether a quantity was told, so that "in a second" is the time that it takes; else it is a moment.
+        is_measured: Whether a quantity was told, so that "in a second" is the time that it takes; else it is a moment.
     """
     if words.get(at) not in _TABLES["before_times"] and not _begins_number(words.get(at)):
         return None
     counted = words.get(at) not in ("a", "an") or words.get(at - 1) in _TABLES["before_a_time"]
-    holds = {"": True, "measured": measured, "counted": counted}
     for condition, pattern, make in _TIMES:
-        match = words.match(pattern, at) if holds[condition] else None
+        match = words.match(pattern, at) if condition != "counted" or counted else None
         span = make(match) if match else None
-        if match and span:
+        if match and span and (condition != "measured" or is_measured()):
             total = condition == "measured" and words.get(at - 1) == ","
-            return replace(span, total=total), words.find_behind(at, match)
+            return span.model_copy(update={"overall": total}), words.find_behind(at, match)
     match = words.match(_REST_OF_CLIP, at)
     named = [token.text for token in words.tokens[:at] if token.text in LEXICON.clip_parts] if match else []
     if match and named:  # "... in the first half and up in the second"
@@ -359,9 +305,9 @@ def match_number(words: Words, at: int) -> tuple[float, int] | None:
     return None if match is None else (compute_number(match["n"]), words.find_behind(at, match))
 
 
-def parse_moment(start: float | None, length: float | None) -> TimeSpan:
-    """A span in fractions of the clip; None leaves it to the sequence, a negative length is brief."""
-    return TimeSpan(
-        None if start is None else Duration(start, "clip"),
-        None if length is None else Duration(BRIEF if length < 0 else length, "clip"),
+def make_moment(starts: float | None, lasts: float | None) -> Timing:
+    """A fixed phrase of time in fractions of the clip; None leaves it to the sequence."""
+    return Timing(
+        starts=None if starts is None else _last(starts, "clip"),
+        lasts=None if lasts is None else _last(lasts, "clip"),
     )

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import replace
 
 from physagent_jax.agents.grammar.chunks import PHRASES, begins_longer_phrase
-from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind, Reader, get_last_motion
+from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind, Reader
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.grammar.tokens import FORMS, tokenise
+from physagent_jax.agents.intent import Solid
 from physagent_jax.agents.lexicon import Effect, Names, Place
 from physagent_jax.agents.schema import SceneBrief
 
@@ -122,21 +122,6 @@ def _is_part_with_name(reader: Reader, at: int, noun: str) -> bool:
     }
 
 
-@dataclass(frozen=True)
-class Solid:
-    """A wall or block as the sentence has it.
-
-    Attributes:
-        kind: "wall" or "block"; "" for plates that squeeze, which are no surroundings.
-        names: Its place, in the viewer's words; empty = wherever the motion goes.
-        opposite: The place of the other of two; empty = there is one.
-    """
-
-    kind: Literal["wall", "block", ""]
-    names: Names = ()
-    opposite: Names = ()
-
-
 _SIDE = "left|right|front|back|rear"
 _NOUN = "|".join(sorted(LEXICON.obstacles, key=len, reverse=True))
 _OF_IT = r"(?: (?:of )?(?:it|him|her|(?:the )(?P<owner>\S+)))?"
@@ -153,8 +138,10 @@ _PAIR = re.compile(
 def read_solid(reader: Reader, at: int) -> Mention | None:
     """A wall or block with its place: "the wall on the right", "into the left wall"; what "hits" it only goes there."""
     if (pair := reader.words.match(_PAIR, at)) is not None:
-        solid = Solid("wall", ("left",), ("right",))
+        solid = Solid(sides=("left",), opposite=("right",))
         return reader.make_span(MentionKind.SOLID, solid, "solid", at, reader.words.find_behind(at, pair))
+    if reader.get_text(at) not in get_set("plates") | get_set("sides_of_parts") | LEXICON.obstacles.keys():
+        return None
     before = at - 1
     while reader.get_text(before) in get_set("before_walls"):
         before -= 1
@@ -168,19 +155,20 @@ def read_solid(reader: Reader, at: int) -> Mention | None:
     if (kind == "block" or match["noun"] == "ceiling") and way not in get_set("against"):
         return None
     _convert_collision(reader)
-    names = (
-        ("up",)
-        if match["noun"] == "ceiling"
-        else ("down",)
-        if kind == "block" and way in ("on", "onto")
-        else ()
-    )
-    told, behind = _find_where(reader, at, match)
-    solid = Solid("block" if kind == "block" else "wall", told or names)
+    side, behind = _find_where(reader, at, match)
+    if not side:
+        side = (
+            "up"
+            if match["noun"] == "ceiling"
+            else "down"
+            if kind == "block" and way in ("on", "onto")
+            else ""
+        )
+    solid = Solid.model_validate({"kind": kind, "sides": (side,) if side else ()})
     return reader.make_span(MentionKind.SOLID, solid, "solid", at, behind)
 
 
-def _find_where(reader: Reader, at: int, match: re.Match[str]) -> tuple[Names, int]:
+def _find_where(reader: Reader, at: int, match: re.Match[str]) -> tuple[str, int]:
     """Where a wall is, and the index behind; "against the wall to the left" tells the way instead."""
     places = {**read_sections()["places_of_walls"], "in front": "toward"}
     name = match["place"] and places[match["place"]]
@@ -191,7 +179,7 @@ def _find_where(reader: Reader, at: int, match: re.Match[str]) -> tuple[Names, i
     whole = reader.words.find_behind(at, match)
     told = bool(match["place"] or beside)
     length = whole if told else whole - (match["where"] or "").count(" ")
-    return ((name,) if name else ()), length
+    return name or "", length
 
 
 def _convert_collision(reader: Reader) -> None:
@@ -218,6 +206,3 @@ def _convert_collision(reader: Reader) -> None:
     else:
         motion = "move"
     reader.mentions[index] = replace(reader.mentions[index], value=LEXICON.motions[motion], phrase=motion)
-
-
-__all__ = ["Solid", "collect_names", "get_last_motion", "is_telling", "read_part", "read_solid"]

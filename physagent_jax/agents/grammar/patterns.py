@@ -13,6 +13,8 @@ from physagent_jax.agents.grammar.tables import LEXICON
 from physagent_jax.agents.grammar.tokens import FORMS, tokenise
 
 _NEAREST, _ALIKE, _SHOWN = 3, 0.6, 2
+_TABLE = "<!-- patterns -->"
+_PAGE = "page.md"  # what stands around the table of patterns in the documentation
 
 
 @dataclass(frozen=True)
@@ -68,3 +70,20 @@ def suggest_motions(word: str) -> list[str]:
     """The known motions that are spelled most like a word."""
     known = [phrase for phrase in (*LEXICON.motions, *LEXICON.causes) if "~" not in phrase]
     return difflib.get_close_matches(FORMS.get(word, word), known, _NEAREST, _ALIKE) if word else []
+
+
+def describe_patterns() -> str:
+    """The page of the documented language, in Markdown."""
+    head, _, tail = (
+        (resources.files("physagent_jax.agents.grammar") / _PAGE)
+        .read_text(encoding="utf-8")
+        .partition(_TABLE)
+    )
+    lines, group = [head.rstrip()], ""
+    for pattern in read_patterns():
+        if pattern.group != group:
+            group = pattern.group
+            lines.append(f"\n## {group}\n\n| form | for example |\n|---|---|")
+        form = pattern.form.replace("|", "\\|")
+        lines.append(f"| {form} | {'; '.join(pattern.examples)} |")
+    return "\n".join([*lines, tail])

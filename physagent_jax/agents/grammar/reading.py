@@ -116,7 +116,7 @@ def _read_ordinal(reader: Reader, at: int) -> Mention | None:
 
 def _read_time(reader: Reader, at: int) -> Mention | None:
     """Reads "for two seconds", "in the first half"."""
-    found = match_time(reader.words, at, _is_measured(reader, at))
+    found = match_time(reader.words, at, lambda: _is_measured(reader, at))
     if found is None:
         return None
     return reader.make_span(MentionKind.TIME, found[0], "time", at, found[1])

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from physagent_jax.agents.grammar.clauses import TURNING, WHERE, Clause, get_verb, group_mentions, is_turn
-from physagent_jax.agents.grammar.measures import Quantity
 from physagent_jax.agents.grammar.mentions import WAYS, Mention, MentionKind
 from physagent_jax.agents.grammar.tables import LEXICON
 from physagent_jax.agents.grammar.tokens import is_participle
+from physagent_jax.agents.intent import Quantity
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
 
 _MOVING = (
@@ -55,7 +55,7 @@ def _find_own_motion(clause: Clause, before: Clause | None) -> tuple[Mention, Mo
     for mention in clause.select(MentionKind.QUANTITY):
         size = mention.value
         assert isinstance(size, Quantity)
-        if size.acts and size.dimension != "far":  # "make it twice as tall"
+        if size.relation == "is" and size.dimension != "far":  # "make it twice as tall"
             motion = "stretch" if size.value >= 1 else "squeeze"
             return mention, LEXICON.motions[motion], motion
         turn = is_turn(mention)
