@@ -81,17 +81,15 @@ class ModelError(UserError):
 
 
 class ChatModel(Protocol):
-    """A language model that answers messages."""
+    """A language model that answers messages.
 
-    @property
-    def name(self) -> str:
-        """The adapter and the model, like "openai:NAME": another name is another run."""
-        ...
+    Attributes:
+        name: The adapter and the model, like "openai:NAME": another name is another run.
+        has_eyes: Whether it takes pictures.
+    """
 
-    @property
-    def has_eyes(self) -> bool:
-        """Return whether it takes pictures."""
-        ...
+    name: str
+    has_eyes: bool
 
     def generate(
         self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None = None
@@ -114,3 +112,8 @@ def read_json_or_none(text: str) -> Any | None:
         return decode_json(text.encode(), "the answer")
     except ValueError:
         return None
+
+
+def make_writable(text: str) -> str:
+    """The text with a mark for each half of a surrogate pair, which no file and no request can hold."""
+    return text.encode("utf-8", "replace").decode()

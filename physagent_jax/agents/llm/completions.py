@@ -6,7 +6,7 @@ import base64
 from collections.abc import Mapping
 from typing import Any
 
-from physagent_jax.agents.llm.base import ChatMessage, Generation, Usage, read_json_or_none
+from physagent_jax.agents.llm.base import ChatMessage, Generation, Usage, make_writable, read_json_or_none
 from physagent_jax.core.reading import shorten
 
 _MOST_TOKENS = 10**9  # that an answer can have cost
@@ -14,7 +14,7 @@ _MOST_TOKENS = 10**9  # that an answer can have cost
 
 def format_message(message: ChatMessage) -> dict[str, Any]:
     """A message as servers take it; pictures are data URLs."""
-    written = message.text.encode("utf-8", "replace").decode()  # halves of surrogate pairs cannot be sent
+    written = make_writable(message.text)
     if not message.pictures:
         return {"role": message.role, "content": written}
     urls = (f"data:image/png;base64,{base64.b64encode(each).decode()}" for each in message.pictures)
@@ -57,7 +57,7 @@ def read_completion(
     """
     try:
         choice, usage, told = completion["choices"][0], completion.get("usage"), completion.get("model")
-        text, cut = _read_content(choice["message"]), choice.get("finish_reason") == "length"
+        text, cut = make_writable(_read_content(choice["message"])), choice.get("finish_reason") == "length"
     except (LookupError, TypeError, AttributeError):
         raise ValueError("it has no text") from None
     tokens = [_read_tokens(usage, name) for name in ("prompt_tokens", "completion_tokens")]

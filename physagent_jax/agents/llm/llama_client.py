@@ -62,6 +62,7 @@ class LlamaModel:
             raise MissingPackageError(
                 f"the chat model `llama` needs its package ({error})", "llama"
             ) from None
+        self.name, self.has_eyes = f"llama:{path.stem}", False
         self.key = secrets.token_hex(16)
         params = xllamacpp.CommonParams()
         params.model.path = str(path)
@@ -74,16 +75,6 @@ class LlamaModel:
         except RuntimeError as error:
             raise ModelError(f"the model's file {shorten(path)} cannot be loaded", got=error) from None
         self.url = f"{self._server.listening_address}/v1"
-
-    @property
-    def name(self) -> str:
-        """The adapter and the file."""
-        return f"llama:{self._options.path.stem}"
-
-    @property
-    def has_eyes(self) -> bool:
-        """Return whether it takes pictures."""
-        return False
 
     def close(self) -> None:
         """Stop the threads of llama.cpp and free the memory; they stop with the process otherwise."""

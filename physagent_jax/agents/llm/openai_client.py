@@ -75,6 +75,7 @@ class OpenAIModel:
             import openai
         except ImportError as error:
             raise MissingPackageError(f"the chat model `openai` needs its package ({error})", "llm") from None
+        self.name, self.has_eyes = f"openai:{self._options.model}", self._options.eyes
         self.sleep: Callable[[float], None] = time.sleep
         self._openai, self._httpx = openai, httpx2
         self._key = read_key(self._options.url)
@@ -90,16 +91,6 @@ class OpenAIModel:
             http_client=openai.DefaultHttpxClient(**bounds, follow_redirects=False),
             default_headers={"Accept-Encoding": "identity"},
         )
-
-    @property
-    def name(self) -> str:
-        """The adapter and the model."""
-        return f"openai:{self._options.model}"
-
-    @property
-    def has_eyes(self) -> bool:
-        """Return whether it takes pictures."""
-        return self._options.eyes
 
     def close(self) -> None:
         """Close the connections."""

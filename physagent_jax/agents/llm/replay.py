@@ -18,13 +18,12 @@ from physagent_jax.agents.llm.base import (
     ChatModel,
     Generation,
     ModelError,
-    Usage,
-    read_json_or_none,
+    make_writable,
 )
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import explain_write_error, make_folders
 from physagent_jax.core.reading import decode_json, parse_model, read_bytes, shorten
-from physagent_jax.core.strict import Count, NonNegative, Strict
+from physagent_jax.core.strict import Strict
 
 _MOST_BYTES = 2**28  # of a cassette
 _SHOWN = 40  # characters of a difference
@@ -53,24 +52,12 @@ class Request(Strict):
         return hashlib.sha256(text.encode()).hexdigest()
 
 
-class Answer(Strict):
-    """What a model answered; see `Generation`."""
-
-    text: str
-    model: str
-    input_tokens: Count | None = None
-    output_tokens: Count | None = None
-    latency_seconds: NonNegative = 0.0
-    failures: tuple[str, ...] = ()
-    cut: bool = False
-
-
 class Entry(Strict):
     """One line of a cassette."""
 
     key: str
     request: Request
-    answer: Answer
+    answer: Generation
 
 
 def read_cassette(path: Path) -> dict[str, Entry]:
@@ -106,17 +93,7 @@ class ReplayModel:
             known = f"It holds: {', '.join(recorded) or 'nothing'}"
             raise UserError(f"the cassette {shorten(path)} {wrong}", got=model or None, do=known)
         self._model = model or next(iter(recorded))
-        self._has_eyes = recorded[self._model]
-
-    @property
-    def name(self) -> str:
-        """The recorded model."""
-        return f"replay:{self._model}"
-
-    @property
-    def has_eyes(self) -> bool:
-        """Return whether the recorded model takes pictures."""
-        return self._has_eyes
+        self.name, self.has_eyes = f"replay:{self._model}", recorded[self._model]
 
     def close(self) -> None:
         """There is nothing to free."""
@@ -125,12 +102,12 @@ class ReplayModel:
         self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None = None
     ) -> Generation:
         """The recorded answer; see `ChatModel`."""
-        request = _describe(self._model, self._has_eyes, messages, schema)
+        request = _describe(self._model, self.has_eyes, messages, schema)
         if request.key not in self._entries:
             what = find_difference(request, (each.request for each in self._entries.values()))
             do = "Record the exchange again, or ask what was asked then"
             raise ModelError(f"the cassette {shorten(self._path)} does not hold this request: {what}", do=do)
-        return _revive(self._entries[request.key].answer)
+        return self._entries[request.key].answer
 
 
 class Recorder:
@@ -142,18 +119,9 @@ class Recorder:
     """
 
     def __init__(self, model: ChatModel, path: str | Path):
+        self.name, self.has_eyes = model.name, model.has_eyes
         self._model, self._path = model, Path(path)
         self._entries = read_cassette(self._path) if self._path.exists() else {}
-
-    @property
-    def name(self) -> str:
-        """The model that is asked."""
-        return self._model.name
-
-    @property
-    def has_eyes(self) -> bool:
-        """Return whether the model takes pictures."""
-        return self._model.has_eyes
 
     def close(self) -> None:
         """Close the model."""
@@ -165,18 +133,9 @@ class Recorder:
         """The recorded answer, or a new one; see `ChatModel`."""
         request = _describe(self.name, self.has_eyes, messages, schema)
         if request.key not in self._entries:
-            made = self._model.generate(messages, schema)
-            answer = Answer(
-                text=_make_writable(made.text),
-                model=_make_writable(made.model),
-                input_tokens=made.usage.input_tokens,
-                output_tokens=made.usage.output_tokens,
-                latency_seconds=round(made.latency_seconds, 3),
-                failures=tuple(map(_make_writable, made.failures)),
-                cut=made.cut,
-            )
+            answer = self._model.generate(messages, schema)
             self._add(Entry(key=request.key, request=request, answer=answer))
-        return _revive(self._entries[request.key].answer)
+        return self._entries[request.key].answer
 
     def _add(self, entry: Entry) -> None:
         self._entries[entry.key] = entry
@@ -224,7 +183,7 @@ def _describe(
     sent = tuple(
         SentMessage(
             role=each.role,
-            text=_make_writable(each.text),
+            text=make_writable(each.text),
             pictures=tuple(hashlib.sha256(picture).hexdigest() for picture in each.pictures),
         )
         for each in messages
@@ -232,16 +191,3 @@ def _describe(
     return Request(
         model=model, has_eyes=has_eyes, schema_=None if schema is None else dict(schema), messages=sent
     )
-
-
-def _revive(answer: Answer) -> Generation:
-    usage = Usage(answer.input_tokens, answer.output_tokens)
-    parsed = read_json_or_none(answer.text)
-    return Generation(
-        answer.text, parsed, usage, answer.latency_seconds, answer.model, answer.failures, answer.cut
-    )
-
-
-def _make_writable(text: str) -> str:
-    """The text with a mark for each half of a surrogate pair, which no file can hold."""
-    return text.encode("utf-8", "replace").decode()

@@ -59,17 +59,17 @@ def ask(
             exchange.seconds += error.latency_seconds
             exchange.refusals += error.failures
             raise AgentError(error.what, trace=exchange.trace(), got=error.got, do=error.do) from error
-        text = exchange.add(generation)
+        exchange.add(generation)
         try:
-            found = extract_object(text)
-            value = schema.model_validate_json(json.dumps(found.value))
+            found, left_out = extract_object(generation.text)
+            value = schema.model_validate_json(json.dumps(found))
             if validate is not None:
                 validate(value)
         except (ValueError, RecursionError) as error:
             cut = " (it was cut at the limit of tokens: write less)" if generation.cut else ""
             exchange.refuse(explain_refusal(error) + cut, again=attempt + 1 < tries)
             continue
-        exchange.repairs += found.repairs
+        exchange.repairs += left_out
         return Reply(value, exchange.trace())
     last = exchange.refusals[-1]
     raise AgentError(
@@ -97,21 +97,8 @@ def drop_titles(schema: Any) -> Any:
     return {key: drop_titles(each) for key, each in kept.items()}
 
 
-@dataclass(frozen=True)
-class Found:
-    """A JSON object in an answer.
-
-    Attributes:
-        value: The object.
-        repairs: What was left out around it, a sentence each.
-    """
-
-    value: dict[str, Any]
-    repairs: tuple[str, ...] = ()
-
-
-def extract_object(text: str) -> Found:
-    """The first JSON object of an answer; thoughts, fences and words around it are left out.
+def extract_object(text: str) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """The first JSON object of an answer, and what was left out around it, a sentence each.
 
     Raises:
         ValueError: There is no whole object, or a list stands in its place.
@@ -140,7 +127,7 @@ def extract_object(text: str) -> Found:
     if re.sub(r"```(?:json)?", "", rest).strip():
         more = "A second object" if _OBJECT_BEGINS.search(said, end) else "Text"
         repairs.append(f"{more} around the answer's first JSON object was left out.")
-    return Found(value, tuple(repairs))
+    return value, tuple(repairs)
 
 
 def _find_end(text: str, start: int) -> int:
@@ -188,9 +175,9 @@ class _Exchange:
     def __post_init__(self):
         self.said = [Message(role=m.role, text=m.text, pictures=len(m.pictures)) for m in self.messages]
 
-    def add(self, generation: Generation) -> str:
-        """Note an answer; return its text, in which every character can be written."""
-        text = generation.text.encode("utf-8", "replace").decode()
+    def add(self, generation: Generation) -> None:
+        """Note an answer."""
+        text = generation.text
         self.raw = text if len(text) <= LONGEST_ANSWER else _clip(text, _LONGEST_KEPT)
         self.refusals += generation.failures
         self.model = generation.model
@@ -198,7 +185,6 @@ class _Exchange:
         self.output_tokens += generation.usage.output_tokens or 0
         self.seconds += generation.latency_seconds
         self.said.append(Message(role="assistant", text=self.raw))
-        return text
 
     def refuse(self, why: str, again: bool) -> None:
         """Note why the last answer cannot be used, and tell the model if it is asked again."""

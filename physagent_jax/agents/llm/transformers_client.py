@@ -55,6 +55,7 @@ class TransformersModel:
         except ImportError as error:
             what = f"the chat model `transformers` needs its packages ({error})"
             raise MissingPackageError(what, "models") from None
+        self.name, self.has_eyes = f"transformers:{path.resolve().name}", False
         self._torch = torch
         device = self._options.device
         if device == "auto":
@@ -70,16 +71,6 @@ class TransformersModel:
             raise ModelError(f"the model in {shorten(path)} cannot be loaded", got=shorten(error)) from None
         if not self._tokenizer.chat_template:
             raise UserError(f"the model in {shorten(path)} has no chat template", do="Take an instruct model")
-
-    @property
-    def name(self) -> str:
-        """The adapter and the folder."""
-        return f"transformers:{self._options.path.resolve().name}"
-
-    @property
-    def has_eyes(self) -> bool:
-        """Return whether it takes pictures."""
-        return False
 
     def close(self) -> None:
         """Free the memory."""
