@@ -21,7 +21,7 @@ from physagent_jax.agents.llm.replay import Recorder
 from physagent_jax.agents.trace import AgentError, Trace
 
 SEED = 40
-TIMEOUT, SHORT_TIMEOUT = 20.0, 0.15  # of an attempt, and of one that is to run into it [s]
+TIMEOUT, SHORT_TIMEOUT = 20.0, 0.5  # of an attempt, and of one that is to run into it [s]
 RETRIES = 2
 LARGEST_TRACE = 1_000_000  # bytes of one call's trace
 LONGEST_ERROR = 2_000  # characters
