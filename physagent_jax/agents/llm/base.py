@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import decode_json
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,8 @@ class Generation:
         usage: Tokens.
         latency_seconds: Waited for the answer, retries included [s].
         model: Identifier of the model that answered, as its provider reports it.
+        failures: Why earlier attempts gave no answer, a sentence each.
+        cut: Whether the answer ends at the limit of tokens.
     """
 
     text: str
@@ -50,6 +52,8 @@ class Generation:
     usage: Usage
     latency_seconds: float
     model: str
+    failures: tuple[str, ...] = ()
+    cut: bool = False
 
 
 class ModelError(UserError):
@@ -60,25 +64,32 @@ class ModelError(UserError):
         got: The offending value, if showing it helps.
         do: What to do about it.
         latency_seconds: Waited in vain [s].
+        failures: Why each attempt gave no answer, a sentence each.
     """
 
-    def __init__(self, what: str, *, got: object = None, do: str = "", latency_seconds: float = 0.0):
+    def __init__(
+        self,
+        what: str,
+        *,
+        got: object = None,
+        do: str = "",
+        latency_seconds: float = 0.0,
+        failures: tuple[str, ...] = (),
+    ):
         super().__init__(what, got=got, do=do)
-        self.latency_seconds = latency_seconds
+        self.latency_seconds, self.failures = latency_seconds, failures
 
 
 class ChatModel(Protocol):
-    """A language model that answers messages."""
+    """A language model that answers messages.
 
-    @property
-    def name(self) -> str:
-        """The adapter and the model, like "openai:NAME": another name is another run."""
-        ...
+    Attributes:
+        name: The adapter and the model, like "openai:NAME": another name is another run.
+        has_eyes: Whether it takes pictures.
+    """
 
-    @property
-    def has_eyes(self) -> bool:
-        """Whether it takes pictures."""
-        ...
+    name: str
+    has_eyes: bool
 
     def generate(
         self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None = None
@@ -95,34 +106,14 @@ class ChatModel(Protocol):
         ...
 
 
-def read_json(text: str) -> Any:
-    """The value that a JSON text stands for.
-
-    Raises:
-        ValueError: It is no JSON, nests too deeply, names a key twice, or has NaN or an infinity.
-    """
-    try:
-        return json.loads(text, object_pairs_hook=_build_object, parse_constant=_refuse_constant)
-    except RecursionError:
-        raise ValueError("the JSON nests too deeply") from None
-
-
 def read_json_or_none(text: str) -> Any | None:
-    """`read_json`, or None for a text that is no JSON."""
+    """The value that a JSON text stands for; None for a text that is no JSON within bounds."""
     try:
-        return read_json(text)
+        return decode_json(text.encode(), "the answer")
     except ValueError:
         return None
 
 
-def _build_object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    built = dict(pairs)
-    if len(built) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
-        raise ValueError(f"the key {twice[:80]!r} stands twice in one object")
-    return built
-
-
-def _refuse_constant(text: str) -> float:
-    raise ValueError(f"{text} is no number of JSON")
+def make_writable(text: str) -> str:
+    """The text with a mark for each half of a surrogate pair, which no file and no request can hold."""
+    return text.encode("utf-8", "replace").decode()

@@ -10,8 +10,10 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from physagent_jax.agents.llm.base import ChatMessage, ChatModel, Generation, ModelError, read_json
+from physagent_jax.agents.llm.base import ChatMessage, ChatModel, Generation, ModelError
 from physagent_jax.agents.trace import AgentError, Message, Reply, Trace
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.reading import decode_json, shorten
 
 Value = TypeVar("Value", bound=BaseModel)
 
@@ -48,24 +50,26 @@ def ask(
     Raises:
         AgentError: The model gave no answer, or none that fits; the error has the whole exchange.
     """
-    described = schema.model_json_schema()
+    described = drop_titles(schema.model_json_schema())
     exchange = _Exchange(list(state(messages, described) if state_schema else messages))
     for attempt in range(tries):
         try:
             generation = model.generate(exchange.messages, described)
         except ModelError as error:
             exchange.seconds += error.latency_seconds
+            exchange.refusals += error.failures
             raise AgentError(error.what, trace=exchange.trace(), got=error.got, do=error.do) from error
         exchange.add(generation)
         try:
-            found = extract_object(generation.text)
-            value = schema.model_validate_json(json.dumps(found.value))
+            found, left_out = extract_object(generation.text)
+            value = schema.model_validate_json(json.dumps(found))
             if validate is not None:
                 validate(value)
         except (ValueError, RecursionError) as error:
-            exchange.refuse(explain_refusal(error), again=attempt + 1 < tries)
+            cut = " (it was cut at the limit of tokens: write less)" if generation.cut else ""
+            exchange.refuse(explain_refusal(error) + cut, again=attempt + 1 < tries)
             continue
-        exchange.repairs += found.repairs
+        exchange.repairs += left_out
         return Reply(value, exchange.trace())
     last = exchange.refusals[-1]
     raise AgentError(
@@ -83,21 +87,18 @@ def state(messages: Sequence[ChatMessage], schema: dict[str, Any]) -> list[ChatM
     return [ChatMessage(first.role, asked, first.pictures), *others]
 
 
-@dataclass(frozen=True)
-class Found:
-    """A JSON object in an answer.
-
-    Attributes:
-        value: The object.
-        repairs: What was left out around it, a sentence each.
-    """
-
-    value: dict[str, Any]
-    repairs: tuple[str, ...] = ()
+def drop_titles(schema: Any) -> Any:
+    """A JSON schema without the titles of its fields, which repeat their names."""
+    if isinstance(schema, list):
+        return [drop_titles(each) for each in schema]
+    if not isinstance(schema, dict):
+        return schema
+    kept = {key: each for key, each in schema.items() if key != "title" or not isinstance(each, str)}
+    return {key: drop_titles(each) for key, each in kept.items()}
 
 
-def extract_object(text: str) -> Found:
-    """The first JSON object of an answer; thoughts, fences and words around it are left out.
+def extract_object(text: str) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """The first JSON object of an answer, and what was left out around it, a sentence each.
 
     Raises:
         ValueError: There is no whole object, or a list stands in its place.
@@ -121,12 +122,12 @@ def extract_object(text: str) -> Found:
         raise ValueError("the answer is a list of objects, and one object is asked for")
     start = begins.start()
     end = _find_end(said, start)
-    value = read_json(said[start:end])
+    value = decode_json(said[start:end].encode(), "the answer")
     rest = said[:start] + said[end:]
     if re.sub(r"```(?:json)?", "", rest).strip():
         more = "A second object" if _OBJECT_BEGINS.search(said, end) else "Text"
         repairs.append(f"{more} around the answer's first JSON object was left out.")
-    return Found(value, tuple(repairs))
+    return value, tuple(repairs)
 
 
 def _find_end(text: str, start: int) -> int:
@@ -145,8 +146,10 @@ def _find_end(text: str, start: int) -> int:
 
 def explain_refusal(error: Exception) -> str:
     """One line about what is wrong with an answer, for the model and for people."""
+    if isinstance(error, UserError):
+        return shorten(error.what if error.got is None else f"{error.what} (got {error.got})", 500)
     if not isinstance(error, ValidationError):
-        return " ".join(str(error).split())[:500].rstrip(".")
+        return shorten(error, 500).rstrip(".")
     faults = [
         f"{'.'.join(map(str, fault['loc'])) or 'the object'}: {fault['msg']}"[:300]
         for fault in error.errors(include_url=False, include_context=False, include_input=False)
@@ -174,9 +177,9 @@ class _Exchange:
 
     def add(self, generation: Generation) -> None:
         """Note an answer."""
-        self.raw = _clip(
-            generation.text, _LONGEST_KEPT if len(generation.text) > LONGEST_ANSWER else LONGEST_ANSWER
-        )
+        text = generation.text
+        self.raw = text if len(text) <= LONGEST_ANSWER else _clip(text, _LONGEST_KEPT)
+        self.refusals += generation.failures
         self.model = generation.model
         self.input_tokens += generation.usage.input_tokens or 0
         self.output_tokens += generation.usage.output_tokens or 0
@@ -188,7 +191,10 @@ class _Exchange:
         self.refusals.append(why)
         if not again:
             return
-        asked = f"That answer cannot be used: {why}. Answer again with one JSON object that fits the schema and nothing else."
+        asked = (
+            f"That answer cannot be used: {why}. "
+            "Answer again with one JSON object that fits the schema and nothing else."
+        )
         quoted = _clip(self.raw, _LONGEST_QUOTED) or "(nothing)"
         self.messages += [ChatMessage("assistant", quoted), ChatMessage("user", asked)]
         self.said.append(Message(role="user", text=asked))
