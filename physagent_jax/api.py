@@ -15,8 +15,8 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.protocols import PerceptionBackends
-from physagent_jax.run.finished import FinishedRun, open_run
 from physagent_jax.run.chosen_agents import open_agents
+from physagent_jax.run.finished import FinishedRun, open_run
 from physagent_jax.run.loop import run_loop
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.reading import place_for_field, read_for_scene

@@ -55,7 +55,15 @@ OPTIONS = {
 }
 """The option that sets each field of the spec; the box of an anchor and the pictures' height have theirs below."""
 
-_BESIDE = {"out", "spec", "record", "max_minutes", "max_memory", "overwrite", "json_line"}  # not what a run is
+_BESIDE = {
+    "out",
+    "spec",
+    "record",
+    "max_minutes",
+    "max_memory",
+    "overwrite",
+    "json_line",
+}  # not what a run is
 
 
 def to_spec(options: Mapping[str, Any]) -> RunSpec:
@@ -117,18 +125,23 @@ def choose_model(
     if cassette is not None:
         if place is not None or name is not None:
             raise UserError(
-                "`--replay` and `--llm` both say who answers", do="Pass one of them; the cassette knows its model"
+                "`--replay` and `--llm` both say who answers",
+                do="Pass one of them; the cassette knows its model",
             )
         return {"name": "replay", "options": {"path": str(cassette)}}
     if place is None:
         for option, given in (("--model", name is not None), ("--eyes", eyes)):
             if given:
-                raise UserError(f"`{option}` means nothing without `--llm`", do="Pass --llm http://HOST:PORT/v1")
+                raise UserError(
+                    f"`{option}` means nothing without `--llm`", do="Pass --llm http://HOST:PORT/v1"
+                )
         return None
     seeing = {"eyes": True} if eyes else {}
     if place.startswith(("http://", "https://")):
         if name is None:
-            raise UserError("`--llm` needs the model's name", got=place, do="Pass --model NAME, as the server has it")
+            raise UserError(
+                "`--llm` needs the model's name", got=place, do="Pass --model NAME, as the server has it"
+            )
         return {"name": "openai", "options": {"url": place, "model": name, **seeing}}
     path = Path(place)
     if name is not None:
@@ -228,7 +241,9 @@ def _check_model(options: Mapping[str, Any]) -> None:
             do="Pass --reader model, --planner chat or --executor chat too",
         )
     if options["form"] is not None and options["reader"] == "grammar":
-        raise UserError("`--form` means nothing where no model reads", do="Pass --reader model, or leave it out")
+        raise UserError(
+            "`--form` means nothing where no model reads", do="Pass --reader model, or leave it out"
+        )
     if options["record"] is not None and options["llm"] is None:
         raise UserError("`--record` has nothing to record without `--llm`", do="Pass --llm, or leave it out")
 

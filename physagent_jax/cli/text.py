@@ -41,7 +41,9 @@ def check_arguments(arguments: Sequence[str]) -> None:
     for argument in arguments:
         if (old := argument.partition("=")[0]) in _RENAMED:
             new = _RENAMED[old]
-            raise UserError(f"`{old}` is called `{new}` now", got=argument, do=f"Pass {new} grammar, model or both")
+            raise UserError(
+                f"`{old}` is called `{new}` now", got=argument, do=f"Pass {new} grammar, model or both"
+            )
         shown = shorten(repr(argument), 60)
         if not argument or (argument.startswith("--") and argument.endswith("=")):
             raise UserError("an argument is empty", got=shown, do="Leave the option out, or give it a value")

@@ -167,16 +167,24 @@ class AgentChoice(Strict):
 
     @model_validator(mode="after")
     def _check_known(self) -> AgentChoice:
-        chosen = ((agents.SEMANTIC, self.semantic), (agents.PLANNER, self.planner), (agents.EXECUTOR, self.executor))
+        chosen = (
+            (agents.SEMANTIC, self.semantic),
+            (agents.PLANNER, self.planner),
+            (agents.EXECUTOR, self.executor),
+        )
         for registry, choice in chosen:
             registry.check(choice.name)
         asking = [
-            f"{registry.what} {choice.name!r}" for registry, choice in chosen if choice.name in agents.ASK_A_MODEL
+            f"{registry.what} {choice.name!r}"
+            for registry, choice in chosen
+            if choice.name in agents.ASK_A_MODEL
         ]
         if self.model is not None:
             MODELS.check(self.model.name)
             if not asking:
-                raise ValueError("`agents.model` names a language model that no agent asks: choose one that does")
+                raise ValueError(
+                    "`agents.model` names a language model that no agent asks: choose one that does"
+                )
         elif asking:
             raise ValueError(
                 f"{asking[0]} asks a language model, and `agents.model` names none: name one, like "

@@ -12,9 +12,22 @@ from tests.agents.llm.scripted import ScriptedModel, push
 from tests.run.specs import small
 
 PROMPT = "push the robot to the left"
-SMALL = ["--frames", "10", "--particles", "600", "--resolution", "96", "--video-size", "off", "--max-iterations", "2"]
+SMALL = [
+    "--frames",
+    "10",
+    "--particles",
+    "600",
+    "--resolution",
+    "96",
+    "--video-size",
+    "off",
+    "--max-iterations",
+    "2",
+]
 SERVER = ["--llm", "http://127.0.0.1:9/v1", "--model", "tiny"]
-READ = {"clauses": [{"words": PROMPT, "motion": "push", "relation": "to", "word": "left", "strength": "gentle"}]}
+READ = {
+    "clauses": [{"words": PROMPT, "motion": "push", "relation": "to", "word": "left", "strength": "gentle"}]
+}
 NO = {"comparison": "It <b>hardly</b> moves.", "verdict": "FAIL", "suggestion": "Push harder."}
 YES = {"comparison": "It goes left.", "verdict": "SUCCESS"}
 HARDER = {"reason": "More force.", "actions": [push(9.0)]}
@@ -70,7 +83,9 @@ def test_a_run_with_three_agents_that_ask_a_model(tmp_path, robot_path, models, 
     capsys.readouterr()
 
 
-def test_a_run_goes_on_with_the_same_model_and_is_another_run_with_another(tmp_path, robot_path, models, capsys):
+def test_a_run_goes_on_with_the_same_model_and_is_another_run_with_another(
+    tmp_path, robot_path, models, capsys
+):
     made, _ = models
     out = tmp_path / "run"
     chosen = command(robot_path, out, "--planner", "both", *SERVER)

@@ -26,13 +26,17 @@ def find_disagreements(
     mine = sorted(reading.expectations, key=lambda motion: motion.window)
     theirs = sorted(second.expectations, key=lambda motion: motion.window)
     if [motion.kind for motion in mine] != [motion.kind for motion in theirs]:
-        said = [", then ".join(describe_motion(m, brief) for m in side) or "nothing" for side in (mine, theirs)]
+        said = [
+            ", then ".join(describe_motion(m, brief) for m in side) or "nothing" for side in (mine, theirs)
+        ]
         return [f"Grammar and model disagree on the motion: {said[0]}; {reader} reads {said[1]}."]
     doubts = []
     for one, other in zip(mine, theirs):
         if not _go_the_same_way(one, other):
             said = [describe_motion(m, brief) for m in (one, other)]
-            doubts.append(f"Grammar and model disagree on the direction: {said[0]}; {reader} reads {said[1]}.")
+            doubts.append(
+                f"Grammar and model disagree on the direction: {said[0]}; {reader} reads {said[1]}."
+            )
         if not _act_on_the_same_part(one, other):
             said = [_describe_part(m, brief) for m in (one, other)]
             doubts.append(f"Grammar and model disagree on the part: {said[0]}; {reader} reads {said[1]}.")

@@ -41,7 +41,9 @@ class ModelExecutor(ExecutorAgent):
         def check(form: RewriteForm) -> None:
             field, _ = build_field(form, context.brief, context.expectations)
             if not (field.actions or field.constraints or field.default_drop):
-                raise ValueError("nothing acts in this force field; write all of it, with what stays as it was")
+                raise ValueError(
+                    "nothing acts in this force field; write all of it, with what stays as it was"
+                )
             if field in tried:
                 raise ValueError("inside the ledger this is a force field that was tried before; change it")
 
@@ -74,7 +76,9 @@ class ModelExecutor(ExecutorAgent):
     def _rewrite_by_rules(self, error: AgentError, context: AgentContext, failed: Round) -> Reply[Rewrite]:
         if not has_bad_answers(error):
             raise error
-        why = f"No answer of {self._model.name} can be used: the rules have rewritten the force field instead."
+        why = (
+            f"No answer of {self._model.name} can be used: the rules have rewritten the force field instead."
+        )
         rewrite = RuleExecutor().rewrite(context, failed).value
         trace = error.trace.model_copy(update=dict(repairs=(*error.trace.repairs, why)))
         return Reply(rewrite.model_copy(update=dict(changes=(why, *rewrite.changes))), trace)

@@ -176,7 +176,9 @@ def check_words(form: SentenceForm, sentence: str) -> None:
         strange = [word for word in _list_words(clause.words) if word not in said]
         if strange or not _list_words(clause.words):
             what = f"{strange[0]!r} does not stand in the sentence" if strange else "they are empty"
-            raise ValueError(f"clauses.{index}.words: {what}; copy them from the sentence, or leave the clause out")
+            raise ValueError(
+                f"clauses.{index}.words: {what}; copy them from the sentence, or leave the clause out"
+            )
 
 
 def _list_words(text: str) -> list[str]:

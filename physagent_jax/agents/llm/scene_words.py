@@ -30,7 +30,9 @@ def describe_scene(brief: SceneBrief) -> dict[str, object]:
 def list_directions(brief: SceneBrief) -> str:
     """The viewer's directions as vectors, a line each."""
     table = brief.directions.model_dump()
-    return "\n".join(f"- {name}: [{', '.join(f'{c + 0.0:.4g}' for c in vector)}]" for name, vector in table.items())
+    return "\n".join(
+        f"- {name}: [{', '.join(f'{c + 0.0:.4g}' for c in vector)}]" for name, vector in table.items()
+    )
 
 
 def write_field(field: ForceField) -> str:

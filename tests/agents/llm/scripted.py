@@ -10,6 +10,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.schema import MotionReport
 from tests.agents.scenes import brief, make_report
 
+
 class ScriptedModel:
     """Answers in turn; a `ModelError` among the answers is raised. Keeps what it was asked."""
 

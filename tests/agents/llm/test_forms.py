@@ -70,7 +70,9 @@ def test_two_directions_are_added():
 
 
 def test_every_line_and_side_is_known():
-    words = [word for word in get_args(get_args(ClauseForm.model_fields["word"].annotation)[0]) if word not in WAYS]
+    words = [
+        word for word in get_args(get_args(ClauseForm.model_fields["word"].annotation)[0]) if word not in WAYS
+    ]
     for motion, word in itertools.product(("stretch", "squeeze"), words):
         if word in ("away", "back"):
             continue
@@ -106,7 +108,9 @@ def test_amounts_times_and_settings():
     (swing,) = compile_one({"motion": "sway", "times": 3}).expectations
     assert swing.repeats == 3
     assert compile_one({"motion": "spin", "setting": "no gravity"}).world.gravity == "none"
-    assert compile_one({"motion": "push", "word": "left", "setting": "held at its base"}).anchor.kind == "base"
+    assert (
+        compile_one({"motion": "push", "word": "left", "setting": "held at its base"}).anchor.kind == "base"
+    )
     (wall,) = compile_one({"motion": "push", "word": "right", "wall": "right"}).world.obstacles
     assert wall.direction == pytest.approx((1, 0, 0))
 
@@ -114,7 +118,11 @@ def test_amounts_times_and_settings():
 def test_what_a_model_writes_for_not_said_is_left_out():
     said = {"motion": "push", "word": "none", "part": None, "turning": "", "strength": "plain"}
     assert ClauseForm.model_validate(said) == ClauseForm(motion="push")
-    for wrong in ({"motion": "dance"}, {"motion": "push", "vector": [1, 0, 0]}, {"motion": "push", "number": -1}):
+    for wrong in (
+        {"motion": "dance"},
+        {"motion": "push", "vector": [1, 0, 0]},
+        {"motion": "push", "number": -1},
+    ):
         with pytest.raises(ValidationError):
             ClauseForm.model_validate(wrong)
 
@@ -187,7 +195,12 @@ def test_the_papers_form_is_mended_by_the_hard_rules():
     )
     field, repairs = build_field(PaperForm.model_validate_json(text), brief())
     assert [(a.magnitude, a.active_time) for a in field.actions] == [(1.6, (10, 48)), (-1, None)]
-    assert {each.rule for each in repairs} == {"known_skills", "unit_vectors", "magnitude_range", "window_in_clip"}
+    assert {each.rule for each in repairs} == {
+        "known_skills",
+        "unit_vectors",
+        "magnitude_range",
+        "window_in_clip",
+    }
     push, press = expect_motions(field, brief())
     assert (push.kind, push.direction, push.window) == (MotionKind.MOVE, (-1, 0, 0), (10, 48))
     assert press.kind is MotionKind.SQUEEZE

@@ -39,7 +39,9 @@ def test_hard_rules_win_and_are_recorded():
     reply = ModelExecutor(ScriptedModel(wild)).rewrite(CONTEXT, failed()).value
     first = reply.force_field.actions[0]
     assert (first.vector, first.magnitude, first.active_time) == ((-1, 0, 0), 1.6, (0, 48))
-    assert {"magnitude_range", "directional_rigidity", "window_in_clip", "known_skills"} <= set(reply.rules_applied)
+    assert {"magnitude_range", "directional_rigidity", "window_in_clip", "known_skills"} <= set(
+        reply.rules_applied
+    )
     assert any("n_grid" in change for change in reply.changes)
 
 
@@ -53,7 +55,10 @@ def test_a_field_that_was_tried_or_in_which_nothing_acts_goes_back():
     model = ScriptedModel(answer(push(1.0)), answer(), answer(push(1.3)))
     reply = ModelExecutor(model).rewrite(CONTEXT, failed(force_field=field(push(1.0))))
     assert reply.value.force_field == field(push(1.3))
-    assert "tried before" in reply.trace.validation_errors[0] and "nothing acts" in reply.trace.validation_errors[1]
+    assert (
+        "tried before" in reply.trace.validation_errors[0]
+        and "nothing acts" in reply.trace.validation_errors[1]
+    )
 
 
 def test_the_rules_rewrite_where_no_answer_can_be_used_and_it_is_told():
