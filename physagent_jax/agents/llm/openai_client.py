@@ -83,7 +83,8 @@ class OpenAIModel:
         chosen = self._options.model_dump(include={"temperature", "max_tokens", "seed"})
         self._fields = {name: value for name, value in chosen.items() if value is not None}
         self._deadline = math.inf
-        bounds = {"event_hooks": {"response": [self._bound]}, "timeout": self._options.timeout}
+        tls = not (self._options.url or "").startswith("http:")  # else there are no certificates to load
+        bounds = {"event_hooks": {"response": [self._bound]}, "timeout": self._options.timeout, "verify": tls}
         self._client = openai.OpenAI(
             api_key=self._key or "none",
             base_url=self._options.url,
