@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 SEMANTIC = Registry(
     "`agents.semantic`",
     {
-        "grammar": "physagent_jax.agents.rules.semantic:RuleSemanticAgent",
-        "rules": "physagent_jax.agents.rules.semantic:RuleSemanticAgent",  # as run specs called it before
+        "grammar": "physagent_jax.agents.grammar.semantic:GrammarSemanticAgent",
+        "rules": "physagent_jax.agents.grammar.semantic:GrammarSemanticAgent",  # as run specs called it before
         "model": "physagent_jax.agents.llm.semantic:ModelSemanticAgent",
         "both": "physagent_jax.agents.llm.semantic:BothReaders",
     },

@@ -9,6 +9,7 @@ import pytest
 from benchmarks.language.notation import Clause, Sentence, read_split
 from benchmarks.language.score import make_scene, score
 from benchmarks.language.totals import REQUIRED
+from physagent_jax.agents.grammar.semantic import read_sentence
 from physagent_jax.agents.hold import (
     Hold,
     HoldOrigin,
@@ -17,7 +18,6 @@ from physagent_jax.agents.hold import (
     find_leaving,
     refuse_impossible,
 )
-from physagent_jax.agents.rules.semantic import read_sentence
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SemanticReply
 from physagent_jax.agents.trace import Reply
 from physagent_jax.core.errors import UserError

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from physagent_jax.agents.compiler.schedule import LONGEST, STEP
 from physagent_jax.agents.rules.kinds import choose_kinds
-from physagent_jax.agents.rules.language.schedule import LONGEST, STEP
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError

@@ -7,6 +7,7 @@ from typing import Literal, get_args
 
 from physagent_jax.agents.compiler import compile_intent
 from physagent_jax.agents.context import AgentContext
+from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.llm.base import ChatModel, ModelError
 from physagent_jax.agents.llm.disagreement import find_disagreements
@@ -25,7 +26,6 @@ from physagent_jax.agents.llm.splitting import split_clauses
 from physagent_jax.agents.llm.structured import ask
 from physagent_jax.agents.llm.templates import list_rows, quote, write_messages
 from physagent_jax.agents.protocols import SemanticAgent
-from physagent_jax.agents.rules.semantic import RuleSemanticAgent
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import AgentError, Reply, Trace
 from physagent_jax.core.errors import UserError
@@ -67,7 +67,7 @@ class ModelSemanticAgent(SemanticAgent):
             why = f"No answer of {self._model.name} fits the form: the grammar has read the sentence instead."
             trace = error.trace.model_copy(update=dict(repairs=(*error.trace.repairs, why)))
         try:
-            reply = RuleSemanticAgent().compile(context).value
+            reply = GrammarSemanticAgent().compile(context).value
         except UserError as error:
             what = f"{why} {error.what}"
             raise AgentError(what, trace=trace, got=error.got, do=error.do) from error
@@ -94,7 +94,7 @@ class BothReaders(SemanticAgent):
 
     def compile(self, context: AgentContext) -> Reply[SemanticReply]:
         """Read the sentence twice; see `protocols.SemanticAgent`. What the grammar refuses stays refused."""
-        reading = RuleSemanticAgent().compile(context).value
+        reading = GrammarSemanticAgent().compile(context).value
         try:
             second = read_with_model(self._model, context, self._form)
         except AgentError as error:

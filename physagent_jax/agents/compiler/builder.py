@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from physagent_jax.agents.rules.language.events import Event
-from physagent_jax.agents.rules.language.schedule import Window
-from physagent_jax.agents.rules.language.verbs import Effect
+from physagent_jax.agents.compiler.amounts import MOST
+from physagent_jax.agents.compiler.events import Event
+from physagent_jax.agents.compiler.schedule import find_frames
+from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.schema import (
     Amount,
     Evidence,
@@ -17,6 +18,7 @@ from physagent_jax.agents.schema import (
     SceneBrief,
 )
 from physagent_jax.agents.vectors import clamp
+from physagent_jax.agents.windows import Window
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import Action, ActionType, ForceField, VelocityConstraint, is_too_short
@@ -118,11 +120,11 @@ class ForceFieldBuilder:
 
     def _find_duration(self, event: Event) -> Amount | None:
         """The cause's duration, if the sentence says so in seconds or frames."""
-        told = event.when.length
-        if told is None or told.unit == "clip" or event.effect is Effect.STILL:
+        told = event.when.lasts
+        if told is None or told.unit == "clip" or told.value <= 0 or event.effect is Effect.STILL:
             return None
-        frames = told.to_frames(self.brief.frame_count, self.brief.frame_dt)
-        return Amount(value=round(frames * self.brief.frame_dt, 6), unit="seconds")
+        seconds = (find_frames(told, self.brief) or 0.0) * self.brief.frame_dt
+        return Amount(value=round(min(seconds, MOST), 6), unit="seconds")
 
     def enable_gravity(self, words: str, why: str) -> None:
         """Lets the object fall from the first frame."""
@@ -136,6 +138,11 @@ class ForceFieldBuilder:
         """Adds an assumption once."""
         if text not in self.notes:
             self.notes.append(text)
+
+    def add_doubt(self, text: str) -> None:
+        """Adds what was not understood and matters, once."""
+        if text not in self.unsure:
+            self.unsure.append(text)
 
     def fit_window(self, window: Window) -> Window | None:
         """``window`` inside the clip, in whole frames if it keeps one; None (all) if the clip has one frame."""

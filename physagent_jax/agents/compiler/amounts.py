@@ -8,9 +8,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from physagent_jax.agents.rules.language.modifiers import Names
-from physagent_jax.agents.rules.language.quantities import Quantity
-from physagent_jax.agents.rules.language.verbs import Effect, Verb
+from physagent_jax.agents.intent import Quantity
+from physagent_jax.agents.lexicon import Effect, Motion, Names
 from physagent_jax.agents.rules.tolerances import MOVE, TURN, pick_band
 from physagent_jax.agents.schema import Amount, SceneBrief
 from physagent_jax.agents.vectors import clamp
@@ -18,10 +17,12 @@ from physagent_jax.forces import calibration
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 
 MOST = 1e5  # of any unit, as in `agents.schema.Amount`: more is no target
+_LEAST = 1e-6  # of any unit
 _AXES: dict[str, Names] = {"height": ("up",), "width": ("right",), "depth": ("toward",)}
 _TRAVELS = (Effect.PUSH, Effect.STRIKE, Effect.ROLL, Effect.SWAY, Effect.LEAN, Effect.JUMP)
 _TURNS = (Effect.TURN, Effect.LEAN, Effect.SWAY, Effect.TOPPLE, Effect.ROLL)
 _SCALES = (Effect.SCALE, Effect.SWELL)
+_UNITS = {"lengths": _TRAVELS, "metres": _TRAVELS, "degrees": _TURNS}
 _SAME_HEIGHT = 0.1
 """[body lengths] by which a height may differ from the one that everything is dropped from."""
 
@@ -37,51 +38,44 @@ class Target:
         amount: The target; None if the quantity does not fit the motion.
         names: The axis that it names; empty = none.
         everywhere: Whether all dimensions change.
-        sign: Sign of a stretch (+1) or squeeze (-1) that the quantity alone tells.
         usual: Whether the quantity is what the motion has by itself: there is nothing to aim at.
     """
 
-    amount: Amount | None
+    amount: Amount | None = None
     names: Names = ()
     everywhere: bool = False
-    sign: int = 0
     usual: bool = False
 
 
-def find_target(quantity: Quantity, verb: Verb, before: Amount | None) -> Target:
-    """The target that ``quantity`` sets for ``verb``; ``before`` is the target of the event before."""
-    value, unit, effect = quantity.value, quantity.unit, verb.effect
+def find_target(quantity: Quantity, motion: Motion, before: Amount | None) -> Target:
+    """The target that ``quantity`` sets for ``motion``; ``before`` is the target of the event before."""
+    value, effect, share = quantity.value, motion.effect, quantity.unit == "share"
     if quantity.dimension == "far":
-        fits = {"lengths": _TRAVELS, "metres": _TRAVELS, "degrees": _TURNS}
-        known = before is not None and effect in fits.get(before.unit, ())
-        return Target(before.model_copy(update={"value": before.value * value}) if known and before else None)
-    if value > MOST:
-        return Target(None)
-    if unit == "degrees" and effect in _TURNS:
-        return Target(Amount(value=value, unit="degrees"))
-    if unit == "lengths" and effect in _TRAVELS:
+        known = before is not None and effect in _UNITS.get(before.unit, ())
+        if known and before is not None and before.value * value <= MOST:
+            return Target(before.model_copy(update={"value": before.value * value}))
+        return Target()
+    if not _LEAST <= value <= MOST:
+        return Target()
+    if effect in _UNITS.get(quantity.unit, ()):
+        return Target(Amount.model_validate({"value": value, "unit": quantity.unit}))
+    if effect is Effect.FALL and (quantity.unit == "lengths" or share and quantity.dimension == "length"):
+        return Target(usual=abs(value - calibration.DROP_HEIGHT) <= _SAME_HEIGHT)
+    becomes = quantity.relation in ("to", "is")  # "pull it to twice its length", "until it is half as tall"
+    if share and effect in _TRAVELS and quantity.dimension and not becomes:
         return Target(Amount(value=value, unit="lengths"))
-    if unit == "metres" and effect in _TRAVELS:
-        return Target(Amount(value=value, unit="metres"))
-    if effect is Effect.FALL and (unit == "lengths" or unit == "share" and quantity.dimension == "length"):
-        return Target(None, usual=abs(value - calibration.DROP_HEIGHT) <= _SAME_HEIGHT)
-    becomes = quantity.goal or quantity.acts  # "pull it to twice its length", "until it is half as tall"
-    if unit == "share" and effect in _TRAVELS and quantity.dimension and not becomes:
-        return Target(Amount(value=value, unit="lengths"))
-    if unit == "share" and effect in _SCALES and quantity.dimension != "volume":
-        return _find_scale(quantity, verb)
-    return Target(None)
+    if share and effect in _SCALES and quantity.dimension != "volume":
+        return _find_scale(quantity, motion)
+    return Target()
 
 
-def _find_scale(quantity: Quantity, verb: Verb) -> Target:
+def _find_scale(quantity: Quantity, motion: Motion) -> Target:
     """A share as a factor of the extent: "to half", "by half", "by 30 percent"."""
-    sign = verb.sign
-    factor = 1.0 + sign * quantity.value if quantity.relative else quantity.value
-    if (factor - 1.0) * sign <= 0:  # "stretch it to half its length", "squeeze it by 120 percent"
-        return Target(None)
-    axis = _AXES.get(quantity.dimension, ())
-    amount = Amount(value=round(factor, 6), unit="factor") if factor > 0 else None
-    return Target(amount, axis, quantity.dimension == "size", sign)
+    factor = 1.0 + motion.sign * quantity.value if quantity.relation == "by" else quantity.value
+    if (factor - 1.0) * motion.sign <= 0:  # "stretch it to half its length", "squeeze it by 120 percent"
+        return Target()
+    amount = Amount(value=round(factor, 6), unit="factor") if factor >= _LEAST else None
+    return Target(amount, _AXES.get(quantity.dimension, ()), quantity.dimension == "size")
 
 
 def find_lengths(amount: Amount | None, brief: SceneBrief) -> float | None:
@@ -110,11 +104,6 @@ def find_word_effort(strength: float, effect: Effect) -> float | None:
     return None
 
 
-def find_reference_seconds(brief: SceneBrief) -> float:
-    """T of a free object's skills [s]."""
-    return min((brief.frame_count - 1) * brief.frame_dt, calibration.REFERENCE_TIME)
-
-
 def find_span(effort: float, usual: float, brief: SceneBrief) -> float:
     """The time for which an object is pushed and then braked, so that a magnitude in range brings it there [s].
 
@@ -123,12 +112,6 @@ def find_span(effort: float, usual: float, brief: SceneBrief) -> float:
     reference = calibration.REFERENCE_TIME
     shortest, longest = (reference * math.sqrt(2.0 * effort / m) for m in (MAGNITUDE_MAX, MAGNITUDE_MIN))
     return clamp(usual, shortest, max(longest, 4.0 * brief.frame_dt))
-
-
-def find_magnitude(effort: float, seconds: float, braked: bool, brief: SceneBrief) -> float:
-    """M that reaches ``effort`` in ``seconds``, from rest; out of range if it cannot."""
-    reference = find_reference_seconds(brief)
-    return (2.0 if braked else 1.0) * effort * (reference / max(seconds, brief.frame_dt)) ** 2
 
 
 def find_held_magnitude(amount: Amount, effect: Effect, brief: SceneBrief) -> float | None:

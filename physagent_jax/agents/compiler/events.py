@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from physagent_jax.agents.rules.language.modifiers import Join, Repeat
-from physagent_jax.agents.rules.language.timing import TimeSpan
-from physagent_jax.agents.rules.language.verbs import Effect, Verb
+from physagent_jax.agents.intent import Timing
+from physagent_jax.agents.lexicon import Effect, Motion, Repeat
 from physagent_jax.agents.schema import Amount, ObstacleRequest
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import Region
 
-TOLD = "time as told"
 BY_DEFAULT = "by default"
 
 
@@ -28,31 +26,31 @@ class Event:
     """One thing that happens.
 
     Attributes:
-        verb, phrase: What is done, and the lexicon's entry.
+        motion, phrase: What is done, and the lexicon's word for it.
         words: The clause's words.
-        join: Relation to the event before.
-        direction: Unit world direction, stretch axis or rotation axis; None if the verb needs none or
-            acts in all directions.
+        order: Relation to the event before (`intent.Clause.order`).
+        direction: Unit world direction, stretch axis or rotation axis; None if the motion needs none or acts in all
+            directions.
         strength: Magnitude in [0.4, 1.6].
         region: Part of the object; None = all of it.
         part: The end that is named (unit vector towards it); None = none, or a part that is no end.
-        excludes_part: ``part`` is the one that is not meant.
+        excludes_part: Whether ``part`` is the one that is not meant.
         amount: A quantity that the sentence names.
-        stays: It is to be held where it was brought.
-        even: It is to go at one speed.
+        stays: Whether it is to be held where it was brought.
+        even: Whether it is to go at one speed.
         obstacles: Solids that it meets.
         repeat: Count and alternation.
         when: Time that the sentence names.
-        wind: A wind does it.
+        wind: Whether a wind does it.
         sources: Where each value comes from.
         notes: Assumptions.
         doubts: What was not understood and matters.
     """
 
-    verb: Verb
+    motion: Motion
     phrase: str
     words: str
-    join: Join
+    order: str
     direction: Vector | None
     strength: float
     region: Region | None = None
@@ -63,7 +61,7 @@ class Event:
     even: bool = False
     obstacles: tuple[ObstacleRequest, ...] = ()
     repeat: Repeat = Repeat()
-    when: TimeSpan = TimeSpan()
+    when: Timing = Timing()
     wind: bool = False
     sources: dict[str, ValueSource] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -72,10 +70,15 @@ class Event:
     @property
     def effect(self) -> Effect:
         """The kind of effect."""
-        return self.verb.effect
+        return self.motion.effect
 
+    @property
+    def is_way_assumed(self) -> bool:
+        """Whether the sentence does not say which way it goes."""
+        source = self.sources.get("vector")
+        return source is not None and source.why.endswith(BY_DEFAULT)
 
-def is_way_assumed(event: Event) -> bool:
-    """Return whether the sentence does not say, as far as it was read, which way an event goes."""
-    source = event.sources.get("vector")
-    return source is not None and source.why.endswith(BY_DEFAULT)
+    @property
+    def is_timed(self) -> bool:
+        """Whether the sentence says when or how long it is."""
+        return self.when != Timing()

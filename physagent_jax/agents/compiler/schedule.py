@@ -9,15 +9,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from physagent_jax.agents.rules.language.amounts import find_effort, find_span, find_word_effort
-from physagent_jax.agents.rules.language.events import Event
-from physagent_jax.agents.rules.language.modifiers import Join
-from physagent_jax.agents.rules.language.verbs import Effect
+from physagent_jax.agents.compiler.amounts import find_effort, find_span, find_word_effort
+from physagent_jax.agents.compiler.events import Event
+from physagent_jax.agents.intent import Duration
+from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.agents.vectors import clamp, dot
+from physagent_jax.agents.windows import Window
 from physagent_jax.core.strict import Vector
 
-Window = tuple[float, float]
 _MOTIONS = (Effect.PUSH, Effect.STRIKE, Effect.JUMP, Effect.ROLL)
 _STILL_SHARE = 0.5  # stillness at the end needs less of the clip than what comes before it
 _SMALLEST_SHARE = 0.1  # of a run of events, kept for those without a told length
@@ -28,6 +28,7 @@ _SWING = (
 )
 _REST = 0.5  # [s] after a motion by a quantity, in which it is seen to be reached
 LONGEST = 10.0  # [s] of a clip that a sentence can ask for
+_MOST_FRAMES = 10_000  # of any clip (`agents.schema`)
 
 
 @dataclass
@@ -61,7 +62,7 @@ def schedule(events: list[Event], brief: SceneBrief, anchored: bool) -> tuple[li
     if not brief.frames_fixed:
         slots = _group_slots(events, brief, math.inf)
         _find_needs(slots, brief, anchored)
-        most = max(int(LONGEST / brief.frame_dt), frame_count)
+        most = max(min(int(LONGEST / brief.frame_dt), _MOST_FRAMES), frame_count)
         needed = max(frame_count, math.ceil(_find_end(slots, brief)) + 1)
         if needed > most:
             notes.append(f"The clip is {LONGEST:g} s long at most: what does not fit is shortened.")
@@ -108,7 +109,7 @@ def _find_needs(slots: list[Slot], brief: SceneBrief, anchored: bool) -> None:
             seconds = max(seconds, usual, _STROKE * (event.repeat.count or 1))
             effort = find_effort(event.amount, event.effect, brief)
             stops = has_to_stop(event, after, brief.directions.up, brief.world == "ground")
-            if event.amount is None and stops and not event.verb.brief:
+            if event.amount is None and stops and not event.motion.brief:
                 effort = find_word_effort(event.strength, event.effect)
             if effort is not None and not anchored:
                 seconds = max(find_span(effort, STEP, brief), STEP if len(slots) > 1 else 0.0)
@@ -136,22 +137,28 @@ def _group_slots(events: list[Event], brief: SceneBrief, last: float) -> list[Sl
         brief: The scene.
         last: The clip's last frame; infinity while its length is still to be found.
     """
-    frame_count, frame_dt = brief.frame_count, brief.frame_dt
-    clip_end = float(frame_count - 1)
+    clip_end = float(brief.frame_count - 1)
     slots: list[Slot] = []
     latest = 0.0
     for index, event in enumerate(events):
         if index and not follows(events[index - 1], event):
             slots[-1].events.append(event)
             continue
-        start = event.when.start.to_frames(frame_count, frame_dt) if event.when.start else None
-        length = event.when.length.to_frames(frame_count, frame_dt) if event.when.length else None
+        start, length = (find_frames(told, brief) for told in (event.when.starts, event.when.lasts))
         if start is not None:
             start = clamp(clip_end + start if start < 0 else start, 0.0, max(last - 1.0, 0.0))
             start = start if start > latest or not slots else None
             latest = start if start is not None else latest
         slots.append(Slot([event], start, None if length is None else clamp(length, min(1.0, last), last)))
     return slots
+
+
+def find_frames(told: Duration | None, brief: SceneBrief) -> float | None:
+    """A told length of time in frames; a clip is as long as its last frame's index."""
+    if told is None:
+        return None
+    per_unit = {"seconds": 1.0 / brief.frame_dt, "frames": 1.0, "clip": float(brief.frame_count - 1)}
+    return told.value * per_unit[told.unit]
 
 
 def has_to_stop(event: Event, after: list[Event], up: Vector, grounded: bool) -> bool:
@@ -171,20 +178,18 @@ def has_to_stop(event: Event, after: list[Event], up: Vector, grounded: bool) ->
 
 def follows(before: Event, event: Event) -> bool:
     """Return whether ``event`` comes after ``before`` rather than with it."""
-    if event.join in (Join.THEN, Join.COMMA, Join.BEFORE, Join.AFTER):
-        return True
-    if event.join is Join.WHILE:
-        return False
-    if event.when.start is not None and event.when.start != before.when.start:
+    if event.order != "and":
+        return event.order == "then"
+    if event.when.starts is not None and event.when.starts != before.when.starts:
         return True  # "rolls left and tips over at the end"
-    if event.effect is Effect.RELEASE or (event.effect is Effect.STILL and not event.verb.generic):
+    if event.effect is Effect.RELEASE or (event.effect is Effect.STILL and not event.motion.generic):
         return True
     if before.effect is Effect.FALL and event.effect is Effect.SWAY:
         return True  # "drops and jiggles"
-    return contrary(before, event)
+    return _contrary(before, event)
 
 
-def contrary(before: Event, event: Event) -> bool:
+def _contrary(before: Event, event: Event) -> bool:
     """Return whether two events joined by "and" would cancel if they happened together ("squeezed and stretched")."""
     if before.effect in (Effect.STRIKE, Effect.JUMP) and event.effect is Effect.FALL:
         return True  # "jumps and lands"
@@ -198,7 +203,7 @@ def contrary(before: Event, event: Event) -> bool:
         crossed = before.direction and event.direction and abs(dot(before.direction, event.direction)) < 0.5
         if crossed:
             return False  # "wider and shorter"
-        return before.verb.sign != event.verb.sign
+        return before.motion.sign != event.motion.sign
     if before.direction is None or event.direction is None or before.region != event.region:
         return False
     return dot(before.direction, event.direction) < -0.5
@@ -227,35 +232,3 @@ def _weight(slot: Slot, free: list[Slot]) -> float:
     if all(each.need > 0.0 for each in free):
         return slot.need
     return _STILL_SHARE if all(e.effect is Effect.STILL for e in slot.events) else 1.0
-
-
-_MANY = 4  # swings in one window: half a second or less each, in a clip of the usual length
-
-
-def divide_swings(window: Window, count: int, held: bool) -> list[Window]:
-    """Pushes that swing an object to and fro ``count`` times, each against the one before.
-
-    What is held is pushed for half a period each. What is free is pushed half as long first and last, so that it comes
-    back to its place and stops there; in whole frames where there is room, or it would drift. What is held and shakes
-    faster than it would swing by itself is as good as free: a whole first push would throw it farther than all others.
-    """
-    if held and count < _MANY:
-        return divide(window, [1.0] * (2 * count))
-    shares = [0.5, *[1.0] * (2 * count - 1), 0.5]
-    if held:
-        return divide(window, shares)
-    whole = 2 * int((window[1] - window[0]) / (4 * count))  # frames of half a period
-    if whole < 2:
-        return divide(window, shares)
-    first = float(round(window[0]))
-    return divide((first, first + 2.0 * count * whole), shares)
-
-
-def divide(window: Window, shares: list[float]) -> list[Window]:
-    """Consecutive windows in the ratio of ``shares``."""
-    first, last = window
-    total = sum(shares)
-    edges = [first]
-    for share in shares[:-1]:
-        edges.append(edges[-1] + (last - first) * share / total)
-    return list(zip(edges, [*edges[1:], last]))
