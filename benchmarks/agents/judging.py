@@ -1,7 +1,7 @@
 """`python -m benchmarks.agents.judging --models NAME=PLACE ...`: motion reports judged by the rules and by models.
 
-The clips, their sentences and labels are those of `benchmarks.verdicts`. Every judge gets the same report; models get its
-text alone, no pictures. The sentence is read by the grammar; one that it refuses is a FAIL without a question.
+The clips, their sentences and labels are those of `benchmarks.verdicts`. Every judge gets the same report; models get
+its text alone, no pictures. The sentence is read by the grammar; one that it refuses is a FAIL without a question.
 """
 
 from __future__ import annotations
