@@ -200,25 +200,12 @@ def _count(rows: Rows) -> Rows:
 
 def write_tables(summary: Result) -> Tables:
     """The table of readers: shares of outcomes, and the cost of a sentence."""
-    head = [
-        "reader",
-        "form",
-        "split",
-        "sentences",
-        "motion right",
-        *OUTCOMES,
-        "unusable",
-        "s",
-        "tokens in",
-        "tokens out",
-    ]
+    shown, costs = ("motion right", *OUTCOMES, "unusable"), ("seconds", "input_tokens", "output_tokens")
+    head = ["reader", "form", "split", "sentences", *shown, "s", "tokens in", "tokens out"]
     rows = []
     for row in summary[PART]["rows"]:
-        shares = [
-            f"{100 * row.get(name, 0) / row['sentences']:.0f} %"
-            for name in ("motion right", *OUTCOMES, "unusable")
-        ]
-        cost = [number(row[name]) for name in ("seconds", "input_tokens", "output_tokens")]
+        shares = [f"{100 * row.get(name, 0) / row['sentences']:.0f} %" for name in shown]
+        cost = [number(row[name]) for name in costs]
         rows.append([row["reader"], row["form"], row["split"], str(row["sentences"]), *shares, *cost])
     return {"reading": table(head, rows)}
 

@@ -49,7 +49,9 @@ def make_agents(
     """The agents of these names; those that ask no model by default.
 
     Args:
-        semantic, planner, executor: Names, with their options.
+        semantic: Name of who reads the sentence, with its options.
+        planner: Name of who judges the motion, likewise.
+        executor: Name of who rewrites the force field, likewise.
         model: The chat model that they share; None = there is none.
 
     Raises:

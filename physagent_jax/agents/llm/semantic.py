@@ -123,7 +123,7 @@ def check_form(form: str) -> Form:
 
 
 def has_bad_answers(error: AgentError) -> bool:
-    """Return whether a model answered and no answer could be used; a server that cannot be reached is another matter."""
+    """Return whether a model answered and no answer could be used: a server that is away is another matter."""
     return not isinstance(error.__cause__, ModelError | NoMotion)
 
 
