@@ -4,6 +4,7 @@ import json
 
 import pytest
 
+from physagent_jax.agents.llm.replay import Recorder
 from physagent_jax.cli import main
 from physagent_jax.run import chosen_agents
 from physagent_jax.run.manifest import Manifest
@@ -81,6 +82,26 @@ def test_a_run_with_three_agents_that_ask_a_model(tmp_path, robot_path, models, 
     assert asked[1] == (("openai", options), None)
     assert (tmp_path / "again/motion.npz").read_bytes() == (out / "motion.npz").read_bytes()
     capsys.readouterr()
+
+
+def test_a_recorded_run_is_replayed_without_a_model(tmp_path, robot_path, monkeypatch, capsys):
+    tape, first, again = tmp_path / "tape.jsonl", tmp_path / "first", tmp_path / "again"
+    chosen = ["--reader", "model", "--planner", "chat", "--executor", "chat"]
+    with monkeypatch.context() as patch:
+        model = ScriptedModel(READ, NO, HARDER, YES)
+        patch.setattr(chosen_agents, "make_model", lambda choice, record: Recorder(model, record))
+        assert main(command(robot_path, first, *chosen, *SERVER, "--record", str(tape))) == 0
+    assert main(command(robot_path, again, *chosen, "--replay", str(tape))) == 0
+    assert (again / "motion.npz").read_bytes() == (first / "motion.npz").read_bytes()
+    assert read_spec(again / "run.json").agents.model.options == {"path": str(tape)}
+    manifest = Manifest.model_validate_json((again / "manifest.json").read_bytes())
+    assert manifest.agents[0].implementation == "model(replay:scripted:chat-1, clauses)"
+    assert sum(cost.input_tokens for cost in manifest.agents) == 400
+
+    capsys.readouterr()
+    other = [each if each != PROMPT else "push the robot to the right" for each in command(robot_path, again)]
+    assert main([*other, *chosen, "--replay", str(tape), "--overwrite"]) == 2
+    assert "does not hold this request" in capsys.readouterr().err
 
 
 def test_a_run_goes_on_with_the_same_model_and_is_another_run_with_another(
