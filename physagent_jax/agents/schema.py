@@ -211,6 +211,8 @@ class SemanticReply(Strict):
         anchor: What the sentence says about holding.
         world: What it says about gravity, ground and obstacles.
         frame_count: Frames that the clip should have for what is asked; None = as the brief says.
+        materials: Words for what the object is made of: "jelly" in "a robot made of jelly".
+        ignored: Words about looks, scenery, camera or mood, which do not bear on the motion: no bar to success.
         evidence: Which words led to which value.
         not_understood: Content words that led to nothing.
         unsure: What was not understood and would change the motion, in plain sentences: no motion can then be called
@@ -223,6 +225,8 @@ class SemanticReply(Strict):
     anchor: AnchorRequest = AnchorRequest()
     world: WorldRequest = WorldRequest()
     frame_count: int | None = Field(default=None, ge=2, le=10_000)
+    materials: tuple[str, ...] = ()
+    ignored: tuple[str, ...] = ()
     evidence: tuple[Evidence, ...] = ()
     not_understood: tuple[str, ...] = ()
     unsure: tuple[str, ...] = ()
@@ -271,12 +275,14 @@ class Judgement(Strict):
         score: 0 (contrary) .. 1 (as asked), ranks the rounds; None = the planner gives none.
         checks: Every comparison made, if the planner judges by comparisons.
         suggestion: What the executor should change, in words (empty on SUCCESS).
+        notes: How it came about, in plain sentences: a model's comparison, a disagreement between judges.
     """
 
     verdict: Verdict
     score: float | None = Field(default=None, ge=0, le=1)
     checks: tuple[Check, ...] = ()
     suggestion: str = ""
+    notes: tuple[str, ...] = ()
 
 
 class Rewrite(Strict):

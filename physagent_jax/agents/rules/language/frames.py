@@ -6,8 +6,8 @@ whatever words are in them.
 
 from __future__ import annotations
 
-from physagent_jax.agents.rules.language.function_words import MOODS
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind, empty
+from physagent_jax.agents.rules.language.modifiers import MOODS
 from physagent_jax.agents.rules.language.reader import OWNING
 
 _HEADS = (MentionKind.VERB, MentionKind.CAUSE)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
-from physagent_jax.agents.rules.language.function_words import FUNCTION_PHRASES
 from physagent_jax.agents.rules.language.mentions import MentionKind
+from physagent_jax.agents.rules.language.modifiers import FUNCTION_PHRASES
 from physagent_jax.agents.rules.language.timing import parse_moment
 
 Entry = tuple[tuple[str, ...], MentionKind, object]

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import re
 
-from physagent_jax.agents.rules.language.function_words import FUNCTION_WORDS
-from physagent_jax.agents.rules.language.modifiers import PLACES
+from physagent_jax.agents.rules.language.modifiers import FUNCTION_WORDS, PLACES
 from physagent_jax.agents.rules.language.tokens import FORMS, Token, tokenise
 from physagent_jax.agents.schema import SceneBrief
 

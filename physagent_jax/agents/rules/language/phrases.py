@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
-from physagent_jax.agents.rules.language.function_words import AGENT_NOUNS, FUNCTION_WORDS
 from physagent_jax.agents.rules.language.lexicon import LEXICON, Entry
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.modifiers import AGENT_NOUNS, FUNCTION_WORDS
 from physagent_jax.agents.rules.language.quantities import match_quantity
 from physagent_jax.agents.rules.language.reader import FINITE, OWNING, Reader
 from physagent_jax.agents.rules.language.timing import parse_number

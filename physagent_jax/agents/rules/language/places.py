@@ -6,9 +6,9 @@ from dataclasses import replace
 
 from physagent_jax.agents.rules.language import modifiers as m
 from physagent_jax.agents.rules.language import verbs as v
-from physagent_jax.agents.rules.language.function_words import FUNCTION_WORDS
 from physagent_jax.agents.rules.language.lexicon import LEXICON
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
+from physagent_jax.agents.rules.language.modifiers import FUNCTION_WORDS
 from physagent_jax.agents.rules.language.naming import OWNERS
 from physagent_jax.agents.rules.language.phrases import match_words
 from physagent_jax.agents.rules.language.reader import Reader

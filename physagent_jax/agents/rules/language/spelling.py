@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from physagent_jax.agents.rules.language import modifiers as m
-from physagent_jax.agents.rules.language.function_words import FUNCTION_WORDS, MOODS
 from physagent_jax.agents.rules.language.lexicon import LEXICON
+from physagent_jax.agents.rules.language.modifiers import FUNCTION_WORDS, MOODS, UNPLACED_PARTS
 from physagent_jax.agents.rules.language.quantities import (
     ADJECTIVES,
     ANGLES,
@@ -18,7 +18,6 @@ from physagent_jax.agents.rules.language.quantities import (
     UNKNOWN_UNITS,
 )
 from physagent_jax.agents.rules.language.tokens import FORMS, Token, tokenise
-from physagent_jax.agents.rules.language.unplaced import UNPLACED_PARTS
 
 _LEAST, _LEAST_NAME, _LONG_NAME = 3, 6, 8
 _WORDS_OF_THEIR_OWN = frozenset(

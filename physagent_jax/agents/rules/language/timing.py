@@ -11,7 +11,7 @@ from physagent_jax.agents.rules.language.tokens import Token
 _STOPS = frozenset({".", ";", ":", "!", "?"})
 _NOT_OF_A_UNIT = frozenset("of turn turns body length lengths rotation revolution".split())
 _FILMS = frozenset({"video", "clip", "shot", "scene", "animation", "film", "movie", "sequence", "take"})
-BRIEF = 0.15  # of the clip: "briefly"
+BRIEF = MOMENTS["briefly"].lasts or 0.0  # of the clip
 
 
 @dataclass(frozen=True)
@@ -94,10 +94,10 @@ def _is_measured(tokens: list[Token], at: int) -> bool:
 
 def parse_moment(phrase: str) -> TimeSpan:
     """The meaning of a fixed phrase of `modifiers.MOMENTS`."""
-    start, length = MOMENTS[phrase]
+    moment = MOMENTS[phrase]
     return TimeSpan(
-        None if start is None else Duration(start, "clip"),
-        None if length is None else Duration(BRIEF if length < 0 else length, "clip"),
+        None if moment.starts is None else Duration(moment.starts, "clip"),
+        None if moment.lasts is None else Duration(moment.lasts, "clip"),
     )
 
 

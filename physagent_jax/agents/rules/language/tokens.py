@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from physagent_jax.agents.rules.language.verbs import IRREGULAR_FORMS, VERBS
+from physagent_jax.agents.lexicon import read_forms
 
 # A word with its contraction, a number, or a mark of punctuation that can end a clause.
 _TOKEN = re.compile(
@@ -13,7 +13,6 @@ _TOKEN = re.compile(
 )
 _SIGNS = {"%": "percent", "\u00b0": "degrees", "/": "per", "-": "minus", "\u2212": "minus"}
 _ABBREVIATIONS = frozenset({"approx", "ca", "deg", "sec", "vs", "incl"})
-_VOWELS = "aeiou"
 
 
 @dataclass(frozen=True)
@@ -61,37 +60,7 @@ def tokenise(prompt: str) -> list[Token]:
     return [t for t in tokens if t.text]
 
 
-def inflect(verb: str) -> set[str]:
-    """Regular and irregular forms of a one-word verb.
-
-    Doubling of the last consonant depends on stress, which letters do not show where there are several syllables: both
-    spellings are produced, and the wrong one is never met. With one vowel it is doubled ("taped" is of "tape").
-    """
-    forms = {verb, verb + "s", verb + "ed", verb + "ing"} | set(IRREGULAR_FORMS.get(verb, "").split())
-    if verb.endswith(("s", "x", "z", "ch", "sh", "o")):
-        forms.add(verb + "es")
-    if verb.endswith("e"):
-        forms |= {verb + "d", verb[:-1] + "ing"}
-    if verb.endswith("y") and verb[-2:-1] not in _VOWELS:
-        forms |= {verb[:-1] + "ies", verb[:-1] + "ied"}
-    if len(verb) > 2 and verb[-1] not in _VOWELS + "wxy" and verb[-2] in _VOWELS and verb[-3] not in _VOWELS:
-        forms |= {verb + verb[-1] + "ed", verb + verb[-1] + "ing"}
-        if sum(letter in _VOWELS + "y" for letter in verb) == 1:
-            forms -= {verb + "ed", verb + "ing"}
-    return forms
-
-
-def _collect_forms() -> dict[str, str]:
-    """Every inflected form of every verb in the lexicon, to its lemma; lemmas themselves win."""
-    lemmas = {phrase.split()[0] for phrase in VERBS} | set(IRREGULAR_FORMS)
-    forms: dict[str, str] = {}
-    for lemma in sorted(lemmas):
-        for form in inflect(lemma):
-            forms.setdefault(form, lemma)
-    return forms | {lemma: lemma for lemma in lemmas}
-
-
-FORMS = _collect_forms()
+FORMS = read_forms()
 
 
 def is_participle(form: str) -> bool:

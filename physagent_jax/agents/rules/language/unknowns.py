@@ -5,10 +5,9 @@ from __future__ import annotations
 from physagent_jax.agents.rules.language.decoration import is_decorating, is_describing_part, is_owned_aside
 from physagent_jax.agents.rules.language.frames import is_mood
 from physagent_jax.agents.rules.language.mentions import Mention, MentionKind
-from physagent_jax.agents.rules.language.modifiers import PARTS
+from physagent_jax.agents.rules.language.modifiers import PARTS, UNPLACED_PARTS
 from physagent_jax.agents.rules.language.naming import DETERMINERS, OWNERS, PREPOSITIONS, is_telling
 from physagent_jax.agents.rules.language.neighbours import get_phrase
-from physagent_jax.agents.rules.language.unplaced import UNPLACED_PARTS
 from physagent_jax.agents.schema import SceneBrief
 
 _LEAST_WORDS, _MOST_UNKNOWN = 3, 0.5

@@ -1,0 +1,1 @@
+"""The grammar: sentence -> mentions -> clauses -> `agents.intent.Intent`."""

@@ -1,0 +1,104 @@
+"""Force fields as a model writes them: checked for their shape alone, then mended by the hard rules."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, JsonValue
+
+from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
+from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.core.strict import Number, Numbers, Vector
+from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField
+
+ActionName = Literal[tuple(each.value for each in ActionType)]  # type: ignore[valid-type]
+ConstraintName = Literal[tuple(each.value for each in ConstraintType)]  # type: ignore[valid-type]
+
+
+class _Lenient(BaseModel):
+    """Keeps what it does not know, for the hard rules to remove and to record."""
+
+    model_config = ConfigDict(extra="allow", frozen=True, allow_inf_nan=False)
+
+
+class ActionForm(_Lenient):
+    """An action in the paper's schema, with the library's region."""
+
+    action_type: ActionName
+    vector: Numbers
+    magnitude: Number = 1.0
+    active_time: tuple[Number, Number] | None = None
+    region: dict[str, JsonValue] | None = None
+
+
+class ConstraintForm(_Lenient):
+    """A prescribed velocity."""
+
+    constraint_type: ConstraintName
+    vector: Numbers
+    magnitude: Number = 1.0
+    active_time: tuple[Number, Number] | None = None
+    region: dict[str, JsonValue] | None = None
+    held_until: Number | None = None
+
+
+class PaperForm(_Lenient):
+    """The paper's force field (appendix A.1)."""
+
+    default_drop: bool = False
+    actions: Annotated[tuple[ActionForm, ...], Field(max_length=50)]
+
+
+class RewriteForm(PaperForm):
+    """A whole force field that takes another's place.
+
+    Attributes:
+        reason: What changed and why.
+        constraints: Prescribed velocities.
+    """
+
+    reason: Annotated[str, Field(max_length=2000)] = ""
+    constraints: Annotated[tuple[ConstraintForm, ...], Field(max_length=50)] = ()
+
+
+def build_field(
+    form: PaperForm, brief: SceneBrief, expectations: tuple[ExpectedMotion, ...] = ()
+) -> tuple[ForceField, tuple[Repair, ...]]:
+    """The force field of a form, inside the hard rules, and what they mended."""
+    raw: dict[str, Any] = form.model_dump(mode="json", exclude_none=True, exclude={"reason"})
+    return apply_hard_rules(raw, brief, expectations)
+
+
+_KINDS = {
+    ActionType.TRANSLATION: MotionKind.MOVE,
+    ActionType.IMPULSE: MotionKind.MOVE,
+    ActionType.TORQUE: MotionKind.ROTATE,
+    ActionType.SCALE: MotionKind.STRETCH,
+}
+
+
+def expect_motions(field: ForceField, brief: SceneBrief) -> tuple[ExpectedMotion, ...]:
+    """Motions that a force field without a sentence's words leads a viewer to expect."""
+    last = float(brief.frame_count - 1)
+    motions = [_expect(action, last) for action in field.actions]
+    if field.default_drop:
+        motions.append(ExpectedMotion(kind=MotionKind.FALL, window=(0.0, last)))
+    return tuple(motions) or (ExpectedMotion(kind=MotionKind.STILL, window=(0.0, last)),)
+
+
+def _expect(action: Action, last: float) -> ExpectedMotion:
+    kind, sign = _KINDS[action.action_type], 1.0
+    if kind is MotionKind.STRETCH:
+        kind = MotionKind.STRETCH if action.magnitude > 0 else MotionKind.SQUEEZE
+    elif action.magnitude < 0:
+        sign = -1.0
+    x, y, z = action.vector
+    way: Vector = (sign * x + 0.0, sign * y + 0.0, sign * z + 0.0)
+    return ExpectedMotion(
+        kind=kind,
+        direction=way,
+        strength=abs(action.magnitude),
+        window=action.active_time or (0.0, last),
+        sudden=action.action_type is ActionType.IMPULSE,
+        partial=action.region is not None,
+    )
