@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
-from physagent_jax.core.errors import UserError
+from physagent_jax.core.errors import MissingPackageError, UserError
 from physagent_jax.core.reading import decode_json
 
 
@@ -112,6 +113,18 @@ def read_json_or_none(text: str) -> Any | None:
         return decode_json(text.encode(), "the answer")
     except ValueError:
         return None
+
+
+def import_package(name: str, adapter: str, extra: str) -> Any:
+    """A package that an adapter needs, of an extra of this project.
+
+    Raises:
+        MissingPackageError: It is not installed.
+    """
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise MissingPackageError(f"the chat model `{adapter}` needs a package ({error})", extra) from None
 
 
 def make_writable(text: str) -> str:

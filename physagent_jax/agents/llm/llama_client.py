@@ -13,9 +13,8 @@ from typing import Any
 
 from pydantic import Field
 
-from physagent_jax.agents.llm.base import ChatMessage, Generation, ModelError
+from physagent_jax.agents.llm.base import ChatMessage, Generation, ModelError, import_package
 from physagent_jax.agents.llm.completions import format_message, format_schema, read_completion
-from physagent_jax.core.errors import MissingPackageError
 from physagent_jax.core.reading import check_regular, shorten
 from physagent_jax.core.strict import Strict
 
@@ -56,12 +55,7 @@ class LlamaModel:
         self._options = LlamaOptions(**options)
         path = self._options.path
         check_regular(path, most=_LARGEST_FILE, what="the model's file")
-        try:
-            import xllamacpp
-        except ImportError as error:
-            raise MissingPackageError(
-                f"the chat model `llama` needs its package ({error})", "llama"
-            ) from None
+        xllamacpp = import_package("xllamacpp", "llama", "llama")
         self.name, self.has_eyes = f"llama:{path.stem}", False
         self.key = secrets.token_hex(16)
         params = xllamacpp.CommonParams()

@@ -14,9 +14,9 @@ from urllib.parse import urlsplit
 
 from pydantic import Field
 
-from physagent_jax.agents.llm.base import ChatMessage, Generation, ModelError
+from physagent_jax.agents.llm.base import ChatMessage, Generation, ModelError, import_package
 from physagent_jax.agents.llm.completions import format_message, format_schema, read_completion
-from physagent_jax.core.errors import MissingPackageError, UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
 from physagent_jax.core.strict import Seed, Strict
 
@@ -71,14 +71,10 @@ class OpenAIModel:
 
     def __init__(self, **options: Any):
         self._options = OpenAIOptions(**options)
-        try:
-            import httpx2
-            import openai
-        except ImportError as error:
-            raise MissingPackageError(f"the chat model `openai` needs its package ({error})", "llm") from None
+        openai, httpx = (import_package(name, "openai", "llm") for name in ("openai", "httpx2"))
         self.name, self.has_eyes = f"openai:{self._options.model}", self._options.eyes
         self.sleep: Callable[[float], None] = time.sleep
-        self._openai, self._httpx = openai, httpx2
+        self._openai, self._httpx = openai, httpx
         self._key = read_key(self._options.url)
         self._formats = ["json_schema", "json_object", "text"]
         chosen = self._options.model_dump(include={"temperature", "max_tokens", "seed"})

@@ -9,10 +9,19 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from physagent_jax.agents.llm.base import ChatMessage, Generation, ModelError, Usage, read_json_or_none
-from physagent_jax.core.errors import MissingPackageError, UserError
+from physagent_jax.agents.llm.base import (
+    ChatMessage,
+    Generation,
+    ModelError,
+    Usage,
+    import_package,
+    read_json_or_none,
+)
+from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
 from physagent_jax.core.strict import Strict
+
+_PACKAGES = ("torch", "transformers")
 
 
 class TransformersOptions(Strict):
@@ -49,12 +58,7 @@ class TransformersModel:
             raise UserError(
                 f"there is no model in the folder {shorten(path)}", do="Name the one with config.json"
             )
-        try:
-            import torch
-            import transformers
-        except ImportError as error:
-            what = f"the chat model `transformers` needs its packages ({error})"
-            raise MissingPackageError(what, "models") from None
+        torch, transformers = (import_package(each, "transformers", "models") for each in _PACKAGES)
         self.name, self.has_eyes = f"transformers:{path.resolve().name}", False
         self._torch = torch
         device = self._options.device

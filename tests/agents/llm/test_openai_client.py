@@ -28,7 +28,7 @@ def key(monkeypatch):
 
 
 class Asked:
-    """What came of some requests: answers or errors, the server and the pauses."""
+    """Some requests and their outcomes: answers or errors, the server and the pauses."""
 
     def __init__(self, *answers, times=1, schema=None, messages=ASKED, **options):
         self.pauses, self.outcomes = [], []
@@ -85,7 +85,7 @@ def refusal(words, status=400):
 
 @pytest.mark.parametrize("status", [400, 404, 422])
 def test_a_server_without_schemas_is_asked_for_plain_json_and_then_for_text(status):
-    """What it rejects is remembered: the next request does not try it again."""
+    """The next request does not try again what it rejected."""
     answers = [refusal("unknown response_format", status)] * 2 + [complete("{}")]
     asked = Asked(*answers, times=2, schema=OPEN)
     formats = [request.get("response_format", {}).get("type") for request in asked.requests]

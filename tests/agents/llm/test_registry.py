@@ -1,6 +1,6 @@
 """Chat models by name: what is missing or wrong is one error that says what to do."""
 
-import builtins
+import sys
 
 import pytest
 
@@ -23,20 +23,12 @@ def files(tmp_path):
     [("openai", "openai", "llm"), ("llama", "xllamacpp", "llama"), ("transformers", "torch", "models")],
 )
 def test_a_missing_package_names_the_extra(monkeypatch, files, name, package, extra):
-    real = builtins.__import__
-
-    def refuse(wanted, *others, **more):
-        if wanted.split(".")[0] == package:
-            raise ImportError(f"No module named {package!r}")
-        return real(wanted, *others, **more)
-
-    monkeypatch.setattr(builtins, "__import__", refuse)
+    monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(MissingPackageError) as caught:
         make_model((name, files.get(name, {"model": "m"})))
-    assert str(caught.value) == (
-        f"the chat model `{name}` needs its package{'s' * (name == 'transformers')} "
-        f"(No module named '{package}'). Install the extra: pip install 'physagent-jax[{extra}]'."
-    )
+    told = str(caught.value)
+    assert told.startswith(f"the chat model `{name}` needs a package (") and package in told
+    assert told.endswith(f"Install the extra: pip install 'physagent-jax[{extra}]'.")
 
 
 @pytest.mark.parametrize(
