@@ -20,7 +20,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
 from physagent_jax.core.strict import Seed, Strict
 
-OWN_KEY, COMMON_KEY = "PHYSAGENT_LLM_KEY", "OPENAI_API_KEY"
+OWN_KEY, COMMON_KEY, ADDRESS = "PHYSAGENT_LLM_KEY", "OPENAI_API_KEY", "OPENAI_BASE_URL"
 LONGEST_BODY = 4 * 2**20
 """Bytes of a server's answer that are read."""
 LONGEST_WAIT = 60.0
@@ -40,7 +40,8 @@ class OpenAIOptions(Strict):
 
     Attributes:
         model: Name of the model, as the server knows it.
-        url: Address of the server's API, like "http://127.0.0.1:8000/v1"; None = that of the package `openai`.
+        url: Address of the server's API, like "http://127.0.0.1:8000/v1"; None = that of the environment variable
+            OPENAI_BASE_URL, or OpenAI's own.
         eyes: Whether the model takes pictures.
         timeout: Longest wait for one answer [s].
         retries: Attempts after the first one, where the server is busy or away; after a time-out at most one.
@@ -75,12 +76,13 @@ class OpenAIModel:
         self.name, self.has_eyes = f"openai:{self._options.model}", self._options.eyes
         self.sleep: Callable[[float], None] = time.sleep
         self._openai, self._httpx = openai, httpx
-        self._key = read_key(self._options.url)
+        self._url = self._options.url or os.environ.get(ADDRESS)
+        self._key = read_key(self._url)
         self._formats = ["json_schema", "json_object", "text"]
         chosen = self._options.model_dump(include={"temperature", "max_tokens", "seed"})
         self._fields = {name: value for name, value in chosen.items() if value is not None}
         self._deadline = math.inf
-        address = urlsplit(self._options.url or "https:")
+        address = urlsplit(self._url or "https:")
         bounds = {
             "event_hooks": {"response": [self._bound]},
             "timeout": self._options.timeout,
@@ -89,7 +91,7 @@ class OpenAIModel:
         }
         self._client = openai.OpenAI(
             api_key=self._key or "none",
-            base_url=self._options.url,
+            base_url=self._url,
             max_retries=0,
             http_client=openai.DefaultHttpxClient(**bounds, follow_redirects=False),
             default_headers={"Accept-Encoding": "identity"},
@@ -118,7 +120,7 @@ class OpenAIModel:
                 if tried <= most and pause <= LONGEST_WAIT:
                     self.sleep(pause)
                     continue
-                where = f" at {self._options.url}" if self._options.url else ""
+                where = f" at {self._url}" if self._url else ""
                 times = f" in {tried} attempts" if tried > 1 else ""
                 raise ModelError(
                     f"{self.name}{where} gave no answer{times}: {failure}",
