@@ -19,7 +19,7 @@ def write_tables(result: Result) -> Tables:
 
 
 def write_adversarial(rows: Sequence[Mapping]) -> str:
-    """What became of adversarial replies: in sum, and by kind."""
+    """Endings of adversarial replies: in sum, and by kind."""
     kinds: dict[str, list[Mapping]] = {}
     for row in rows:
         kinds.setdefault(row["kind"], []).append(row)

@@ -25,7 +25,7 @@ KEY = "sk-adversarial-0123456789abcdef"
 
 @dataclasses.dataclass(frozen=True)
 class Draw:
-    """What a script is made of.
+    """Ingredients of a script.
 
     Attributes:
         right: A right answer of the agent that asks.

@@ -160,7 +160,7 @@ def explain_refusal(error: Exception) -> str:
 
 @dataclass
 class _Exchange:
-    """What was said so far, to the model and for the trace."""
+    """The exchange so far, for the model and for the trace."""
 
     messages: list[ChatMessage]
     said: list[Message] = field(default_factory=list)
