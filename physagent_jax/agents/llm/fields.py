@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
@@ -10,9 +10,6 @@ from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.core.strict import Number, Numbers, Vector
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField
-
-ActionName = Literal[tuple(each.value for each in ActionType)]  # type: ignore[valid-type]
-ConstraintName = Literal[tuple(each.value for each in ConstraintType)]  # type: ignore[valid-type]
 
 
 class _Lenient(BaseModel):
@@ -24,7 +21,7 @@ class _Lenient(BaseModel):
 class ActionForm(_Lenient):
     """An action in the paper's schema, with the library's region."""
 
-    action_type: ActionName
+    action_type: ActionType
     vector: Numbers
     magnitude: Number = 1.0
     active_time: tuple[Number, Number] | None = None
@@ -34,7 +31,7 @@ class ActionForm(_Lenient):
 class ConstraintForm(_Lenient):
     """A prescribed velocity."""
 
-    constraint_type: ConstraintName
+    constraint_type: ConstraintType
     vector: Numbers
     magnitude: Number = 1.0
     active_time: tuple[Number, Number] | None = None

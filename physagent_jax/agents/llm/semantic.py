@@ -50,7 +50,8 @@ class ModelSemanticAgent(SemanticAgent):
     """
 
     def __init__(self, model: ChatModel, form: Form = "clauses"):
-        self._model, self._form = model, check_form(form)
+        self._model = model
+        self._form: Form = check_form(form)
 
     @property
     def name(self) -> str:
@@ -85,7 +86,8 @@ class BothReaders(SemanticAgent):
     """
 
     def __init__(self, model: ChatModel, form: Form = "clauses"):
-        self._model, self._form = model, check_form(form)
+        self._model = model
+        self._form: Form = check_form(form)
 
     @property
     def name(self) -> str:
@@ -198,8 +200,8 @@ def _ask_by_clause(model: ChatModel, context: AgentContext) -> Reply[Intent]:
         forms.append(answer.value)
         trace = join_traces([trace, answer.trace])
         before = f"The clause before: {quote(piece.text)}\n"
-    texts, orders = [piece.text for piece in pieces], [piece.order for piece in pieces]
-    return Reply(join_clauses(forms, texts, orders), trace)
+    intent = join_clauses(forms, [piece.text for piece in pieces], [piece.order for piece in pieces])
+    return Reply(intent, trace)
 
 
 def _read_field(model: ChatModel, context: AgentContext) -> Reply[SemanticReply]:
