@@ -141,7 +141,13 @@ class ClauseForm(Strict):
         return {key: each for key, each in value.items() if each is not None and each not in ("", "none")}
 
 
-class OrderedClauseForm(ClauseForm):
+class _Words(Strict):
+    """The words come first, so that a model copies them before it says what they mean."""
+
+    words: Text
+
+
+class OrderedClauseForm(ClauseForm, _Words):
     """A clause among those of a whole sentence.
 
     Attributes:
@@ -149,7 +155,6 @@ class OrderedClauseForm(ClauseForm):
         order: "then" follows the clause before; "together" happens at the same time.
     """
 
-    words: Text
     order: Order = "then"
 
 
