@@ -18,6 +18,7 @@ from benchmarks.agents.server import ScriptedServer
 from benchmarks.harness import Row
 from physagent_jax.agents.llm.openai_client import OWN_KEY, OpenAIModel
 from physagent_jax.agents.llm.replay import Recorder
+from physagent_jax.agents.llm.semantic import NoMotion
 from physagent_jax.agents.trace import AgentError, Trace
 
 SEED = 40
@@ -25,6 +26,7 @@ TIMEOUT, SHORT_TIMEOUT = 20.0, 0.5  # of an attempt, and of one that is to run i
 RETRIES = 2
 LARGEST_TRACE = 1_000_000  # bytes of one call's trace
 LONGEST_ERROR = 2_000  # characters
+_INSTEAD = "No answer of "  # begins what agents say when the rules have answered instead
 
 
 def measure_kind(kind: Kind, role: Role, variant: int) -> Row:
@@ -68,11 +70,12 @@ def _ask(kind: Kind, role: Role, server: ScriptedServer, folder: Path) -> tuple[
     model = Recorder(client, folder / "cassette.jsonl")
     try:
         reply = role.ask(model)
-        ending, text, trace = "answered", "", reply.trace
+        text = next((each for each in reply.trace.repairs if each.startswith(_INSTEAD)), "")
+        ending, trace = "refused" if text else "answered", reply.trace
         _write(folder / "reply.json", reply.value)
     except AgentError as error:
-        refused = any(message.role == "assistant" for message in error.trace.messages)
-        ending, text, trace = "refused" if refused else "failed", str(error), error.trace
+        ending = "answered" if isinstance(error.__cause__, NoMotion) else "failed"
+        text, trace = str(error), error.trace
         (folder / "error.txt").write_text(text)
     finally:
         model.close()

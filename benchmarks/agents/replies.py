@@ -15,7 +15,7 @@ from typing import Any, Literal
 from benchmarks.agents.server import Answer, complete
 
 Ending = Literal["answered", "refused", "failed"]
-"""An answer of the model is used; all were refused; none came."""
+"""An answer of the model is used; all were refused, and the rules answer instead; none came, which is an error."""
 
 MEGABYTES_10 = 10_000_000
 HOURS_24 = 86_400  # [s]

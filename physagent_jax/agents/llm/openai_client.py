@@ -32,6 +32,7 @@ _FORMAT_WORDS = ("response_format", "json_schema", "json_object", "schema", "gra
 _OPTIONAL = ("temperature", "seed")  # fields that a request can do without
 _REJECTED = (400, 404, 415, 422, 501)
 _BUSY = (408, 409, 425, 429)
+_ANY = 1000  # retries, as many as the options allow
 
 
 class OpenAIOptions(Strict):
@@ -42,7 +43,7 @@ class OpenAIOptions(Strict):
         url: Address of the server's API, like "http://127.0.0.1:8000/v1"; None = that of the package `openai`.
         eyes: Whether the model takes pictures.
         timeout: Longest wait for one answer [s].
-        retries: Attempts after the first one, where the server is busy or away.
+        retries: Attempts after the first one, where the server is busy or away; after a time-out at most one.
         max_tokens: Longest answer [tokens].
         temperature: Randomness of the answer; 0 = none.
         seed: Seed of that randomness; None = the server's choice.
@@ -51,7 +52,7 @@ class OpenAIOptions(Strict):
     model: Annotated[str, Field(min_length=1, max_length=300)]
     url: Annotated[str, Field(max_length=2_000)] | None = None
     eyes: bool = False
-    timeout: float = Field(default=120.0, ge=0.01, le=3600)
+    timeout: float = Field(default=300.0, ge=0.01, le=3600)
     retries: int = Field(default=4, ge=0, le=20)
     max_tokens: int = Field(default=2_000, ge=1, le=1_000_000)
     temperature: float = Field(default=0.0, ge=0, le=2)
@@ -83,8 +84,13 @@ class OpenAIModel:
         chosen = self._options.model_dump(include={"temperature", "max_tokens", "seed"})
         self._fields = {name: value for name, value in chosen.items() if value is not None}
         self._deadline = math.inf
-        tls = not (self._options.url or "").startswith("http:")  # else there are no certificates to load
-        bounds = {"event_hooks": {"response": [self._bound]}, "timeout": self._options.timeout, "verify": tls}
+        address = urlsplit(self._options.url or "https:")
+        bounds = {
+            "event_hooks": {"response": [self._bound]},
+            "timeout": self._options.timeout,
+            "verify": address.scheme == "https",  # else there are no certificates to load
+            "trust_env": address.hostname not in _LOOPBACK,  # a proxy sees nothing that stays on this machine
+        }
         self._client = openai.OpenAI(
             api_key=self._key or "none",
             base_url=self._options.url,
@@ -112,7 +118,8 @@ class OpenAIModel:
                     continue
                 pause = min(_FIRST_PAUSE * 2**tried, _LONGEST_PAUSE) if failure.wait is None else failure.wait
                 tried += 1
-                if failure.passing and tried <= self._options.retries and pause <= LONGEST_WAIT:
+                most = min(self._options.retries, failure.most_retries)
+                if tried <= most and pause <= LONGEST_WAIT:
                     self.sleep(pause)
                     continue
                 where = f" at {self._options.url}" if self._options.url else ""
@@ -137,13 +144,13 @@ class OpenAIModel:
             )
             return answer.http_response.content.decode("utf-8", "replace")
         except openai.APITimeoutError:
-            raise _Failure(f"no answer within {self._options.timeout:g} s", passing=True) from None
+            raise _Failure(f"no answer within {self._options.timeout:g} s", most_retries=1) from None
         except openai.APIConnectionError as error:
             cause = error.__cause__
             if isinstance(cause, _Failure):
                 raise cause from None
             why = shorten(self._redact(str(cause or error)))
-            raise _Failure(f"the connection failed: {why}", passing=True) from None
+            raise _Failure(f"the connection failed: {why}", most_retries=_ANY) from None
         except openai.APIStatusError as error:
             text = self._redact(error.response.text)
             raise read_refusal(error.status_code, text, error.response.headers) from None
@@ -185,15 +192,15 @@ class _Failure(Exception):
     """An attempt without an answer; its text holds no key.
 
     Attributes:
-        passing: Whether the next attempt may succeed.
+        most_retries: Attempts that are worth making after it.
         wait: Pause that the server asks for [s].
         rejected: The server's words, in lower case, where it rejects what was sent.
         do: What to do about it.
     """
 
-    def __init__(self, what: str, *, passing: bool = False, wait: float | None = None, rejected="", do=""):
+    def __init__(self, what: str, *, most_retries: int = 0, wait: float | None = None, rejected="", do=""):
         super().__init__(what)
-        self.passing, self.wait, self.rejected, self.do = passing, wait, rejected, do
+        self.most_retries, self.wait, self.rejected, self.do = most_retries, wait, rejected, do
 
 
 def read_refusal(status: int, text: str, headers: Mapping[str, str]) -> _Failure:
@@ -202,10 +209,11 @@ def read_refusal(status: int, text: str, headers: Mapping[str, str]) -> _Failure
     if status in (401, 403):
         return _Failure(what, do=f"Set {OWN_KEY} or {COMMON_KEY} to a valid key")
     passing = (status in _BUSY or status >= 500) and "insufficient_quota" not in text
-    wait = read_wait(headers) if passing else None
+    wait, retries = (read_wait(headers), _ANY) if passing else (None, 0)
     if wait is not None and wait > LONGEST_WAIT:
         what += f" (the server asks to wait {wait:g} s)"
-    return _Failure(what, passing=passing, wait=wait, rejected=text.lower() if status in _REJECTED else "")
+    rejected = text.lower() if status in _REJECTED else ""
+    return _Failure(what, most_retries=retries, wait=wait, rejected=rejected)
 
 
 def read_wait(headers: Mapping[str, str]) -> float | None:

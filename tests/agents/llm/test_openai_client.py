@@ -147,8 +147,8 @@ def test_a_spent_account_is_not_asked_again():
 
 
 def test_silence_ends_at_the_time_out():
-    asked = Asked(Answer(manner="silent"), timeout=0.05, retries=1)
-    assert asked.outcome.failures == ("no answer within 0.05 s",) * 2
+    asked = Asked(Answer(manner="silent"), timeout=0.05, retries=5)
+    assert asked.outcome.failures == ("no answer within 0.05 s",) * 2  # one more try, not five
 
 
 def test_an_answer_drop_by_drop_ends_at_the_time_out():
@@ -238,6 +238,14 @@ def test_addresses_that_cannot_be_used_are_refused(url, words):
     with pytest.raises(UserError, match=words) as caught:
         OpenAIModel(model="m", url=url)
     assert "secret" not in str(caught.value)
+
+
+def test_a_proxy_sees_nothing_that_stays_on_this_machine(monkeypatch):
+    for name in ("http_proxy", "HTTP_PROXY", "ALL_PROXY"):
+        monkeypatch.setenv(name, "http://127.0.0.1:1")
+    monkeypatch.delenv("no_proxy", raising=False)
+    monkeypatch.delenv("NO_PROXY", raising=False)
+    assert Asked(complete("yes"), retries=0).outcome.text == "yes"
 
 
 def test_nothing_listens():
