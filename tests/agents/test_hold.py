@@ -6,9 +6,14 @@ import functools
 
 import pytest
 
+<<<<<<< HEAD
 from benchmarks.language.notation import Clause, Sentence, read_split
 from benchmarks.language.score import make_scene, score
 from benchmarks.language.totals import REQUIRED
+=======
+from benchmarks.language.notation import FILES, Clause, Sentence, read_sentences
+from benchmarks.language.score import make_scene, score
+>>>>>>> compiler
 from physagent_jax.agents.grammar.semantic import read_sentence
 from physagent_jax.agents.hold import (
     Hold,
@@ -222,6 +227,8 @@ def test_holds_are_what_the_authors_of_the_corpus_understand():
         fixed = hold and hold.origin is not HoldOrigin.KIND
         if needed is None or reply.unsure or fixed or not _are_motions_right(sentence, reply):
             continue
+        if ("kind", False) in score(sentence, reply, make_scene(sentence.object_name)):
+            continue  # another motion is read, which has another hold
         counts[needed] += 1
         if (hold is None) != needed:
             wrong.append(sentence)

@@ -234,7 +234,7 @@ def _act_from_sides(draft: _Draft) -> None:
         motion = replace(motion, effect=Effect.STRIKE) if told else motion
     elif sides and motion.effect in _SIDED and motion.effect is not Effect.SWAY:
         if motion.effect in (Effect.PUSH, Effect.STRIKE) and not beside:
-            outward = motion.pulls or "outward" in sides[0].phrase or "outward" in sides[0].text
+            outward = motion.pulls or sides[0].phrase in ("outward", "outwards", "apart")
             motion = replace(motion, effect=Effect.SCALE, sign=1 if outward else -1)
         if motion.effect in (Effect.SCALE, Effect.SWELL) and sides[0].names == ("all",):
             motion = replace(motion, effect=Effect.SWELL)
