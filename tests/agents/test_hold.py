@@ -6,14 +6,9 @@ import functools
 
 import pytest
 
-<<<<<<< HEAD
 from benchmarks.language.notation import Clause, Sentence, read_split
 from benchmarks.language.score import make_scene, score
 from benchmarks.language.totals import REQUIRED
-=======
-from benchmarks.language.notation import FILES, Clause, Sentence, read_sentences
-from benchmarks.language.score import make_scene, score
->>>>>>> compiler
 from physagent_jax.agents.grammar.semantic import read_sentence
 from physagent_jax.agents.hold import (
     Hold,

@@ -1,11 +1,11 @@
-"""Closed lists of words that a model may choose from, as types of a form's fields."""
+"""Types of a form's fields: closed lists of words, and plain text."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import GetCoreSchemaHandler
+from pydantic import AfterValidator, Field, GetCoreSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
 
@@ -33,3 +33,12 @@ class OneOf:
         """An enumeration of the words."""
         del schema, handler
         return {"type": "string", "enum": list(self._list_words())}
+
+
+def _make_plain(text: str) -> str:
+    """The text on one line; what is not printable, a terminal's escapes among it, becomes a space."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
+Phrase = Annotated[str, Field(max_length=200), AfterValidator(_make_plain)]
+Sentences = Annotated[str, Field(max_length=2000), AfterValidator(_make_plain)]

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
+from physagent_jax.agents.llm.choices import Sentences
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.core.strict import Number, Numbers, Vector
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField
@@ -54,7 +55,7 @@ class RewriteForm(PaperForm):
         constraints: Prescribed velocities.
     """
 
-    reason: Annotated[str, Field(max_length=2000)] = ""
+    reason: Sentences = ""
     constraints: Annotated[tuple[ConstraintForm, ...], Field(max_length=50)] = ()
 
 

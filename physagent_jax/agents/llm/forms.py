@@ -26,7 +26,7 @@ from physagent_jax.agents.intent import (
     Timing,
     Way,
 )
-from physagent_jax.agents.llm.choices import OneOf
+from physagent_jax.agents.llm.choices import OneOf, Phrase
 from physagent_jax.core.strict import Strict
 
 NOTHING, RELEASE = "nothing", "let go"  # a release follows what it ends, whatever joins them
@@ -89,7 +89,6 @@ PartName = Annotated[str, OneOf(lambda: PARTS)]
 Unit = Annotated[str, OneOf(lambda: _UNITS)]
 Setting = Annotated[str, OneOf(lambda: SETTINGS)]
 Order = Literal["then", "together"]
-Text = Annotated[str, Field(max_length=200)]
 
 
 class ClauseForm(Strict):
@@ -144,7 +143,7 @@ class ClauseForm(Strict):
 class _Words(Strict):
     """The words come first, so that a model copies them before it says what they mean."""
 
-    words: Text
+    words: Phrase
 
 
 class OrderedClauseForm(ClauseForm, _Words):
@@ -168,8 +167,8 @@ class SentenceForm(Strict):
     """
 
     clauses: Annotated[tuple[OrderedClauseForm, ...], Field(max_length=12)]
-    material: Text | None = None
-    unclear: Annotated[tuple[Text, ...], Field(max_length=20)] = ()
+    material: Phrase | None = None
+    unclear: Annotated[tuple[Phrase, ...], Field(max_length=20)] = ()
 
 
 def check_words(form: SentenceForm, sentence: str) -> None:

@@ -2,6 +2,8 @@
 
 import itertools
 import json
+import re
+from importlib import resources
 from typing import get_args
 
 import pytest
@@ -157,6 +159,26 @@ def test_an_invented_clause_is_refused():
         else:
             with pytest.raises(ValueError, match=fault):
                 check_words(form, said)
+
+
+def list_examples(name: str) -> list[tuple[str, str]]:
+    """Sentences of a prompt's examples with their answers."""
+    text = resources.files("physagent_jax.agents.llm").joinpath("prompts", f"{name}.md").read_text("utf-8")
+    return re.findall(r'^"(.+)" ->\s(\{.+\})$', text, re.MULTILINE)
+
+
+def test_the_examples_of_the_prompts_are_answers_that_fit():
+    whole, single = list_examples("semantic"), list_examples("semantic_clause")
+    assert len(whole) == 4 and len(single) == 8
+    for sentence, answer in whole:
+        form = SentenceForm.model_validate_json(answer)
+        check_words(form, sentence)
+        if form.clauses:
+            reply = compile_intent(make_intent(form), ROBOT)
+            assert reply.expectations and not reply.unsure, sentence
+    for clause, answer in single:
+        intent = join_clauses([ClauseForm.model_validate_json(answer)], [clause], ["then"])
+        assert not intent.clauses or not compile_intent(intent, ROBOT).unsure, clause
 
 
 @pytest.mark.parametrize(
