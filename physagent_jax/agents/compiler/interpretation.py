@@ -169,9 +169,11 @@ def _join_cause(meaning: Meaning) -> tuple[Motion, str]:
         return verb, meaning.phrase
     quakes = cause.effect is Effect.SWAY and meaning.phrase in ("hit", "strike")  # "an earthquake hits"
     struck = (cause.wind and verb.effect is Effect.STRIKE) or quakes
-    if (verb.generic and verb.effect is Effect.PUSH) or struck:
+    named = cause.skill is not None and verb.effect is Effect.STRIKE  # "a vortex hits it"
+    if (verb.generic and verb.effect is Effect.PUSH) or struck or named:
         return cause, meaning.cause_phrase
-    return replace(verb, brief=verb.brief or cause.brief), meaning.phrase
+    skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
+    return replace(verb, brief=verb.brief or cause.brief, skill=skill), meaning.phrase
 
 
 def _is_swaying_in_wind(brief: SceneBrief) -> bool:

@@ -63,7 +63,7 @@ def _make_clause(clause: Clause, clauses: list[Clause]) -> intent.Clause:
             cause=None if held else cause or None,
             order=_find_order(clause),
             ways=_list_ways(clause),
-            turning={1: "counterclockwise", -1: "clockwise"}[senses[0].value] if senses else None,
+            turning=("counterclockwise" if senses[0].value == 1 else "clockwise") if senses else None,
             seen_from=views[0].value[0] if views and isinstance(views[0].value, tuple) else None,
             parts=_list_parts(clause),
             strength=tuple(
@@ -268,11 +268,11 @@ def _make_solid(mention: Mention) -> intent.Solid:
 
 def _list_doubts(clause: Clause) -> list[str]:
     """What a clause says twice."""
-    times = [m for m in clause.select(MentionKind.TIME) if isinstance(m.value, TimeSpan)]
-    starts = [m for m in times if m.value.start or m.words.lower().startswith("at the ")]
-    lengths = [m for m in times if m.value.length]
+    times = [(m.value, m.words) for m in clause.select(MentionKind.TIME) if isinstance(m.value, TimeSpan)]
+    starts = [words for told, words in times if told.start or words.lower().startswith("at the ")]
+    lengths = [words for told, words in times if told.length]
     return [
-        f"Which of several times ({', '.join(m.words for m in several)}) is meant is not understood."
+        f"Which of several times ({', '.join(several)}) is meant is not understood."
         for several in (starts, lengths)
         if len(several) > 1 and not clause.negated
     ]
