@@ -11,6 +11,7 @@ from physagent_jax.agents.llm.choices import Sentences
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.core.strict import Number, Numbers, Vector
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField
+from physagent_jax.forces.skills import get_skill
 
 
 class _Lenient(BaseModel):
@@ -67,14 +68,6 @@ def build_field(
     return apply_hard_rules(raw, brief, expectations)
 
 
-_KINDS = {
-    ActionType.TRANSLATION: MotionKind.MOVE,
-    ActionType.IMPULSE: MotionKind.MOVE,
-    ActionType.TORQUE: MotionKind.ROTATE,
-    ActionType.SCALE: MotionKind.STRETCH,
-}
-
-
 def expect_motions(field: ForceField, brief: SceneBrief) -> tuple[ExpectedMotion, ...]:
     """Motions that a force field without a sentence's words leads a viewer to expect."""
     last = float(brief.frame_count - 1)
@@ -85,18 +78,18 @@ def expect_motions(field: ForceField, brief: SceneBrief) -> tuple[ExpectedMotion
 
 
 def _expect(action: Action, last: float) -> ExpectedMotion:
-    kind, sign = _KINDS[action.action_type], 1.0
-    if kind is MotionKind.STRETCH:
-        kind = MotionKind.STRETCH if action.magnitude > 0 else MotionKind.SQUEEZE
-    elif action.magnitude < 0:
-        sign = -1.0
+    skill, reversed_ = get_skill(action), action.magnitude < 0
+    kind = MotionKind(skill.causes[0])
+    if kind is MotionKind.STRETCH and reversed_:
+        kind = MotionKind.SQUEEZE
     x, y, z = action.vector
+    sign = -1.0 if reversed_ and not skill.is_two_sided else 1.0
     way: Vector = (sign * x + 0.0, sign * y + 0.0, sign * z + 0.0)
     return ExpectedMotion(
         kind=kind,
         direction=way,
         strength=abs(action.magnitude),
         window=action.active_time or (0.0, last),
-        sudden=action.action_type is ActionType.IMPULSE,
+        sudden=skill.is_sudden,
         partial=action.region is not None,
     )

@@ -28,6 +28,7 @@ from physagent_jax.agents.intent import (
 )
 from physagent_jax.agents.llm.choices import OneOf, Phrase
 from physagent_jax.core.strict import Strict
+from physagent_jax.forces.skills import list_skills
 
 NOTHING, RELEASE = "nothing", "let go"  # a release follows what it ends, whatever joins them
 MOTIONS: dict[str, str] = {
@@ -57,7 +58,18 @@ MOTIONS: dict[str, str] = {
     RELEASE: "what acted before stops, and it comes back",
     "stand still": "it is asked not to move",
 }
-"""Motions that a model may choose, in the lexicon's words, and what each covers."""
+"""Motions that a model may choose, in the lexicon's words, and what each covers; `list_motions` adds those of skills."""
+
+
+def list_motions() -> dict[str, str]:
+    """All motions that a model may choose, those that skills bring by their own words included."""
+    named: dict[str, str] = {}
+    for skill in list_skills("actions"):
+        words = [word for word in (*skill.nouns, *skill.verbs) if "~" not in word]
+        if words:
+            named[words[0]] = ", ".join(words)
+    return MOTIONS | {word: meaning for word, meaning in named.items() if word not in MOTIONS}
+
 
 STRENGTHS: dict[str, tuple[str, ...]] = {
     "gentle": ("gently",),
@@ -83,7 +95,7 @@ Direct = Literal[
     "horizontal", "vertical", "depth", "long axis",
     "both sides", "all sides", "outward", "inward", "back",
 ]  # fmt: skip
-Motion = Annotated[str, OneOf(lambda: (NOTHING, *MOTIONS))]
+Motion = Annotated[str, OneOf(lambda: (NOTHING, *list_motions()))]
 Strength = Annotated[str, OneOf(lambda: STRENGTHS)]
 PartName = Annotated[str, OneOf(lambda: PARTS)]
 Unit = Annotated[str, OneOf(lambda: _UNITS)]

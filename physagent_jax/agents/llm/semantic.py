@@ -13,12 +13,12 @@ from physagent_jax.agents.llm.base import ChatModel, ModelError
 from physagent_jax.agents.llm.disagreement import find_disagreements
 from physagent_jax.agents.llm.fields import PaperForm, build_field, expect_motions
 from physagent_jax.agents.llm.forms import (
-    MOTIONS,
     SETTINGS,
     ClauseForm,
     SentenceForm,
     check_words,
     join_clauses,
+    list_motions,
     make_intent,
 )
 from physagent_jax.agents.llm.scene_words import describe_scene
@@ -229,7 +229,7 @@ def _read_field(model: ChatModel, context: AgentContext) -> Reply[SemanticReply]
 
 
 def _list_choices() -> dict[str, str]:
-    return {"motions": list_rows(MOTIONS), "settings": ", ".join(SETTINGS)}
+    return {"motions": list_rows(list_motions()), "settings": ", ".join(SETTINGS)}
 
 
 def _doubt(reading: SemanticReply, doubts: Sequence[str]) -> SemanticReply:
