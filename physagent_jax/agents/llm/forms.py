@@ -58,7 +58,7 @@ MOTIONS: dict[str, str] = {
     RELEASE: "what acted before stops, and it comes back",
     "stand still": "it is asked not to move",
 }
-"""Motions that a model may choose, in the lexicon's words, and what each covers; `list_motions` adds those of skills."""
+"""Motions that a model may choose, in the lexicon's words, and what each covers; skills add theirs (`list_motions`)."""
 
 
 def list_motions() -> dict[str, str]:
