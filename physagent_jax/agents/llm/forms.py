@@ -146,7 +146,7 @@ class ClauseForm(Strict):
     @model_validator(mode="before")
     @classmethod
     def _drop_unsaid(cls, value: Any) -> Any:
-        """What a model writes for "not said" is left out."""
+        """Leave out what a model writes for "not said"."""
         if not isinstance(value, dict):
             return value
         return {key: each for key, each in value.items() if each is not None and each not in ("", "none")}

@@ -145,7 +145,7 @@ def _get_suggestion(form: JudgementForm) -> str:
 
 
 def _heed_doubts(judgement: Judgement, context: AgentContext) -> Judgement:
-    """What was not understood of the sentence bars a success, whoever judges (`SemanticReply.unsure`)."""
+    """Bar a success where the sentence is in doubt, whoever judges (`SemanticReply.unsure`)."""
     unsure = context.reading.unsure if context.reading else ()
     if not unsure or judgement.verdict is Verdict.FAIL:
         return judgement

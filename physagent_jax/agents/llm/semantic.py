@@ -33,7 +33,7 @@ from physagent_jax.core.errors import UserError
 Form = Literal["clauses", "by-clause", "paper"]
 FORMS: tuple[Form, ...] = get_args(Form)
 MOST_CHARACTERS = 4000
-"""Of a sentence that is sent to a model."""
+"""Length of a sentence that is sent to a model, at most."""
 
 
 class NoMotion(UserError):
