@@ -44,7 +44,7 @@ class Command(harness.Command):
     json: Path = RAW / "agents-judging.json"
     """File of the raw rows."""
     parts: tuple[Literal["judging"], ...] = (PART,)
-    """What is measured."""
+    """Parts to measure."""
     models: tuple[str, ...] = ()
     """NAME=PLACE each: a GGUF file, a cassette, or URL#MODEL of a server."""
     sight: Sight = "truth"

@@ -46,7 +46,7 @@ class Command(harness.Command):
     json: Path = RAW / "agents-reading.json"
     """File of the raw rows."""
     parts: tuple[Literal["reading"], ...] = (PART,)
-    """What is measured."""
+    """Parts to measure."""
     models: tuple[str, ...] = ()
     """NAME=PLACE each: a GGUF file, a cassette, or URL#MODEL of a server."""
     forms: tuple[Form, ...] = FORMS

@@ -30,13 +30,13 @@ from physagent_jax.forces.schema import (
     VelocityConstraint,
     is_too_short,
 )
+from physagent_jax.forces.skills import Skill, find_skill
 
 LONGEST_IMPULSE = 2.0  # frames
 _GROUPS = {
     "actions": ("action_type", ActionType, Action),
     "constraints": ("constraint_type", ConstraintType, VelocityConstraint),
 }
-_IMPULSES = (ActionType.IMPULSE.value, ConstraintType.PARTICLE_IMPULSE.value)
 _SAME_VECTOR = 0.9999
 _PARALLEL = 0.9
 
@@ -115,7 +115,7 @@ def known_skills(entries: Entries, _context: Context) -> tuple[Entries, list[str
         clean[group] = []
         items = entries.get(group) or []
         for index, item in enumerate(items if isinstance(items, (list, tuple)) else []):
-            if not isinstance(item, Mapping) or item.get(type_key) not in {t.value for t in types}:
+            if not isinstance(item, Mapping) or item.get(type_key) not in [*types]:
                 reasons.append(f"{group}[{index}] is not a known skill: dropped")
                 continue
             unknown = [key for key in item if key not in model.model_fields]
@@ -204,7 +204,8 @@ def gravity_makes_it_fall(entries: Entries, context: Context) -> tuple[Entries, 
     lowered = [
         cause
         for cause in list_causes(ForceField.model_validate(entries))
-        if cause.type in (ActionType.TRANSLATION, ConstraintType.PARTICLE_TRANSLATION)
+        if "fall" in cause.skill.causes
+        and not cause.skill.is_sudden
         and cause.item.region is None
         and cosine(cause.direction, down) > _PARALLEL
         and not any(agrees(cause, e) for e in context.expectations if e.kind is MotionKind.SWAY)
@@ -253,8 +254,11 @@ def held_until_in_clip(entries: Entries, context: Context) -> tuple[Entries, lis
             continue
         given = _read_numbers([item.pop("held_until")], 1)
         window = item.get("active_time")
-        blow = item.get("constraint_type") == ConstraintType.PARTICLE_IMPULSE.value
-        until = None if given is None or window is None or blow else min(given[0], end)
+        until = (
+            None
+            if given is None or window is None or _get_skill(group, item).is_sudden
+            else min(given[0], end)
+        )
         if until is not None and window is not None and until > window[1]:
             item["held_until"] = until
         if given is None or item.get("held_until") != given[0]:
@@ -282,8 +286,7 @@ def brief_impulse(entries: Entries, context: Context) -> tuple[Entries, list[str
     reasons: list[str] = []
     end = float(context.brief.frame_count - 1)
     for group, index, item in _map_each(entries):
-        type_key = _GROUPS[group][0]
-        if item[type_key] not in _IMPULSES or end < 1:
+        if not _get_skill(group, item).is_sudden or end < 1:
             continue
         first, last = item.get("active_time") or (0.0, end)
         if last - first > LONGEST_IMPULSE:
@@ -359,7 +362,7 @@ def paired_translation(entries: Entries, context: Context) -> tuple[Entries, lis
         slabs = [
             cause
             for cause in list_causes(field)
-            if cause.type is ConstraintType.PARTICLE_TRANSLATION
+            if cause.skill.deforms == "ends"
             and cause.item.region is not None
             and abs(cosine(cause.item.vector, expectation.direction)) > _PARALLEL
             and overlaps(cause, expectation.window)
@@ -402,6 +405,10 @@ def _map_each(entries: Entries):
     for group in _GROUPS:
         for index, item in enumerate(entries[group]):
             yield group, index, item
+
+
+def _get_skill(group: str, item: Mapping[str, Any]) -> Skill:
+    return find_skill(item[_GROUPS[group][0]])
 
 
 def _read_numbers(value: Any, count: int) -> tuple | None:

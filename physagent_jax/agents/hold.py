@@ -16,7 +16,7 @@ from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SemanticRepl
 from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.schema import ActionType
+from physagent_jax.forces.skills import get_skill
 
 _UPWARD = 0.5  # cosine to the vertical from which on a way leads up
 _LEVEL = 0.7  # cosine to the vertical below which an axis is level
@@ -140,13 +140,13 @@ def _list_motions(reply: SemanticReply) -> tuple[ExpectedMotion, ...]:
     if field.default_drop:
         motions.append(ExpectedMotion(kind=MotionKind.FALL, window=(0, 1)))
     for action in field.actions:
-        if action.action_type in (ActionType.TRANSLATION, ActionType.IMPULSE) and action.region is None:
+        if "move" in get_skill(action).causes and action.region is None:
             motions.append(
                 ExpectedMotion(
                     kind=MotionKind.MOVE,
                     direction=action.vector,
                     window=action.active_time or (0, 1),
-                    sudden=action.action_type is ActionType.IMPULSE,
+                    sudden=get_skill(action).is_sudden,
                 )
             )
     return tuple(motions)

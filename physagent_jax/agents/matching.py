@@ -10,34 +10,14 @@ from physagent_jax.agents.vectors import cosine, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import (
     Action,
-    ActionType,
     BoxRegion,
-    ConstraintType,
     ForceField,
     HalfSpaceRegion,
     Region,
     VelocityConstraint,
 )
+from physagent_jax.forces.skills import Skill, get_skill, list_skills
 
-_LINEAR = (
-    ActionType.TRANSLATION,
-    ActionType.IMPULSE,
-    ConstraintType.PARTICLE_TRANSLATION,
-    ConstraintType.PARTICLE_IMPULSE,
-)
-FITTING_TYPES: dict[MotionKind, tuple[ActionType | ConstraintType, ...]] = {
-    MotionKind.MOVE: _LINEAR,
-    MotionKind.SWAY: _LINEAR,
-    MotionKind.FALL: _LINEAR,
-    MotionKind.STRETCH: (ActionType.SCALE, ConstraintType.PARTICLE_TRANSLATION),
-    MotionKind.SQUEEZE: (
-        ActionType.SCALE,
-        ConstraintType.PARTICLE_TRANSLATION,
-        ConstraintType.MOVING_PLATE,
-    ),
-    MotionKind.ROTATE: (ActionType.TORQUE, ConstraintType.PARTICLE_ROTATION),
-    MotionKind.STILL: (),
-}
 _ALIGNED = 0.5
 _AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)
 
@@ -62,14 +42,25 @@ class Cause:
         return f"{self.group}[{self.index}]"
 
     @property
-    def type(self) -> ActionType | ConstraintType:
-        """Its action or constraint type."""
-        return self.item.action_type if isinstance(self.item, Action) else self.item.constraint_type
+    def skill(self) -> Skill:
+        """Its skill."""
+        return get_skill(self.item)
+
+    @property
+    def pushes(self) -> bool:
+        """Return whether it is a force that lasts and moves the whole of its particles along a direction."""
+        return self.group == "actions" and "move" in self.skill.causes and not self.skill.is_sudden
 
     @property
     def direction(self) -> Vector:
         """The vector with the magnitude's sign."""
         return scale(self.item.vector, 1.0 if self.item.magnitude > 0 else -1.0)
+
+
+def find_first_skill(kind: MotionKind, sudden: bool = False) -> Skill:
+    """The skill by which forces bring about a motion; the first of the library's, or a blow where it is sudden."""
+    fitting = (s for s in list_skills("actions") if s.is_sudden is sudden and (sudden or kind in s.causes))
+    return next(fitting)
 
 
 def list_causes(force_field: ForceField) -> list[Cause]:
@@ -107,7 +98,7 @@ def find_causes(expectation: ExpectedMotion, force_field: ForceField) -> list[Ca
     fitting = [
         cause
         for cause in list_causes(force_field)
-        if cause.type in FITTING_TYPES[expectation.kind] and overlaps(cause, expectation.window)
+        if expectation.kind in cause.skill.causes and overlaps(cause, expectation.window)
     ]
     if (
         expectation.kind in _AXIAL
@@ -148,7 +139,7 @@ def find_misfits(
         cause
         for cause in list_causes(force_field)
         if cause.group == "actions"
-        and cause.type not in FITTING_TYPES[expectation.kind]
+        and expectation.kind not in cause.skill.causes
         and overlaps(cause, expectation.window)
         and cause.name not in needed
     ]
@@ -156,10 +147,10 @@ def find_misfits(
 
 def _moves_ends(cause: Cause) -> MotionKind | None:
     """Return whether a constraint moves an end of the object outwards or inwards; None = neither."""
-    if cause.type is ConstraintType.MOVING_PLATE:
+    if cause.skill.deforms == "plates":
         return MotionKind.SQUEEZE
     region = cause.item.region
-    if cause.type is not ConstraintType.PARTICLE_TRANSLATION or region is None:
+    if cause.skill.deforms is None or region is None:
         return None
     along = max((cosine(cause.direction, side) for side in _list_ends(region)), key=abs, default=0.0)
     if abs(along) < _ALIGNED:

@@ -8,13 +8,10 @@ from collections.abc import Sequence
 from physagent_jax.agents.matching import Cause
 from physagent_jax.agents.vectors import cosine, dot
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import ActionType, BoxRegion, ConstraintType, HalfSpaceRegion, Region
+from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region
 
 _PARALLEL = 0.9
 _SAMPLES = [i / 8 for i in range(9)]
-_ONE_KIND = {
-    ConstraintType.PARTICLE_IMPULSE: ActionType.IMPULSE
-}  # a blow is a blow, however it is carried out
 
 
 def find_room(cause: Cause, others: Sequence[Cause], last: float) -> tuple[float, list[Cause]]:
@@ -53,8 +50,8 @@ def has_room(room: float) -> bool:
 
 def acts_alike(one: Cause, other: Cause) -> bool:
     """Return whether two entries are of one kind, along one line, and on the same particles."""
-    kinds = [_ONE_KIND.get(c.type, c.type) for c in (one, other)]  # type: ignore[arg-type]
-    if kinds[0] is not kinds[1] or abs(cosine(one.item.vector, other.item.vector)) < _PARALLEL:
+    kinds = [cause.skill.stacks_with or cause.skill.name for cause in (one, other)]
+    if kinds[0] != kinds[1] or abs(cosine(one.item.vector, other.item.vector)) < _PARALLEL:
         return False
     return one.item.object == other.item.object and do_regions_meet(one.item.region, other.item.region)
 
@@ -73,7 +70,7 @@ def get_span(cause: Cause, last: float) -> tuple[float, float]:
 def _project(cause: Cause, other: Cause) -> float:
     """The other's magnitude in the sense of ``cause``; an axis of a stretch has no sense of its own."""
     value = other.item.magnitude * (1.0 if cause.item.magnitude > 0 else -1.0)
-    if cause.type is ActionType.SCALE:
+    if cause.skill.is_two_sided:
         return value
     return value if cosine(cause.item.vector, other.item.vector) > 0 else -value
 

@@ -49,7 +49,7 @@ class Plan:
     frames: int | None = None
     """Pictures of the clip; default: as many as the sentence needs."""
     reader: Literal["grammar", "model", "both"] = "grammar"
-    """Who reads the sentence; both: the grammar's reading stands, and the model may doubt it."""
+    """Agent that reads the sentence; both: the grammar's reading stands, and the model may doubt it."""
     form: Literal["clauses", "by-clause", "paper"] | None = None
     """As for `physagent run`."""
     llm: str | None = None
@@ -57,9 +57,9 @@ class Plan:
     model: str | None = None
     """Name of the model, as the server of --llm has it."""
     record: Path | None = None
-    """Keep every request to the model and its answer in this cassette."""
+    """Cassette that keeps every request to the model and its answer."""
     replay: Path | None = None
-    """Take the model's answers from this cassette, in place of --llm."""
+    """Cassette with the model's answers, in place of --llm."""
     json_line: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one line of JSON instead of sentences."""
 

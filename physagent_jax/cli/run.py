@@ -89,25 +89,25 @@ class Run:
     max_iterations: int = 3
     """Rounds at most."""
     reader: Literal["grammar", "model", "both"] = "grammar"
-    """Who reads the sentence; both: the grammar's reading stands, and the model may doubt it."""
+    """Agent that reads the sentence; both: the grammar's reading stands, and the model may doubt it."""
     form: Literal["clauses", "by-clause", "paper"] | None = None
-    """What a model writes when it reads: words of the whole sentence (clauses, the default), words clause by clause
-    (by-clause, for small models), or the paper's force field."""
+    """Answer of a model that reads: words of the whole sentence (clauses, the default), words clause by clause
+    (by-clause, for small models), or the paper's force field (paper)."""
     planner: Literal["rules", "chat", "both"] = "rules"
-    """Who judges the motion; chat: a model; both: a success needs rules and model."""
+    """Agent that judges the motion; chat: a model; both: a success needs rules and model."""
     executor: Literal["rules", "chat"] = "rules"
-    """Who rewrites the force field; chat: a model, inside the hard rules."""
+    """Agent that rewrites the force field; chat: a model, inside the hard rules."""
     llm: str | None = None
     """The language model: http://HOST:PORT/v1 of a server, a GGUF file, or a folder with a model. A key comes from the
     environment alone."""
     model: str | None = None
     """Name of the model, as the server of --llm has it."""
     eyes: bool = False
-    """The model takes pictures: a planner that asks it shows it key frames."""
+    """Show key frames to the model that judges: it has to take pictures."""
     record: Path | None = None
-    """Keep every request to the model and its answer in this cassette."""
+    """Cassette that keeps every request to the model and its answer."""
     replay: Path | None = None
-    """Take the model's answers from this cassette, in place of --llm."""
+    """Cassette with the model's answers, in place of --llm."""
     probe: bool = False
     """First try force fields on a coarse version of the scene; the rounds then begin with the best of them."""
     seed: int = 0

@@ -8,8 +8,9 @@ import warnings
 import numpy as np
 
 from physagent_jax.forces import calibration
+from physagent_jax.forces.free_path import compute_free_path
+from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField, Holding
-from physagent_jax.forces.skills import compute_free_path, make_closed_form_scaling
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.camera import frame_camera, shows_points
 from physagent_jax.scene.compliance import find_compliance

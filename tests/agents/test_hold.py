@@ -222,6 +222,8 @@ def test_holds_are_what_the_authors_of_the_corpus_understand():
         fixed = hold and hold.origin is not HoldOrigin.KIND
         if needed is None or reply.unsure or fixed or not _are_motions_right(sentence, reply):
             continue
+        if ("kind", False) in score(sentence, reply, make_scene(sentence.object_name)):
+            continue  # another motion is read, which has another hold
         counts[needed] += 1
         if (hold is None) != needed:
             wrong.append(sentence)

@@ -5,9 +5,9 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from physagent_jax.agents.rules.language.compilation import MAX_ACTIONS
 
-from physagent_jax.agents.rules.language import modifiers, verbs
+from physagent_jax.agents.compiler.builder import MAX_ACTIONS
+from physagent_jax.agents.lexicon import read_lexicon
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError
@@ -203,10 +203,11 @@ def check_windows(reply, frame_count: int) -> None:
     assert reply.expectations
 
 
+WORDS = read_lexicon()
 LEXICON = sorted(
-    {word for words in (verbs.VERBS, verbs.CAUSES, modifiers.DIRECTIONS, modifiers.INTENSITIES, modifiers.REPEATS,
-                        modifiers.JOINS, modifiers.PLACES, modifiers.MOMENTS, modifiers.ANCHORS, modifiers.GRAVITY,
-                        modifiers.SENSES, modifiers.AXES, modifiers.SIDES, modifiers.COMPARATIVES)
+    {word for words in (WORDS.motions, WORDS.causes, WORDS.directions, WORDS.intensities, WORDS.repeats,
+                        WORDS.joins, WORDS.parts, WORDS.moments, WORDS.anchors, WORDS.gravity,
+                        WORDS.senses, WORDS.axes, WORDS.sides, WORDS.comparatives)
      for word in words}
     | {"the", "a", "to", "from", "robot", "not", "no", ",", ".", "for 2 seconds", "half", "side", "its",
        "after 3 frames"}
@@ -240,7 +241,7 @@ def check_text(text: str, scene) -> None:
 
 def test_every_verb_of_the_lexicon_does_something():
     """Each lemma alone, said of the object, is understood."""
-    for phrase, verb in verbs.VERBS.items():
+    for phrase, verb in WORDS.motions.items():
         reply = read(f"{phrase.replace('~', 'it')} the robot to the left")
         moves = reply.force_field.actions or reply.force_field.default_drop
         still = {e.kind for e in reply.expectations} <= {MotionKind.STILL, MotionKind.FALL}

@@ -15,8 +15,8 @@ from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, S
 from physagent_jax.agents.vectors import add, scale
 from physagent_jax.forces import calibration
 from physagent_jax.forces.parameters import ForceFieldParameters
+from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, HalfSpaceRegion
-from physagent_jax.forces.skills import make_closed_form_scaling
 from physagent_jax.forces.swinging import find_strokes
 from physagent_jax.perception.schema import MotionReport, PartMotion
 from tests.agents.scenes import judge, make_report, rewrite

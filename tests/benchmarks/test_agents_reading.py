@@ -8,7 +8,9 @@ from tests.agents.llm.scripted import ScriptedModel
 
 def test_a_smaller_sample_is_the_beginning_of_a_larger_one():
     large = reading.draw_sample("development", 30, 40)
-    assert reading.draw_sample("development", 10, 40) == large[:10] != reading.draw_sample("development", 10, 41)
+    assert (
+        reading.draw_sample("development", 10, 40) == large[:10] != reading.draw_sample("development", 10, 41)
+    )
     assert len(reading.draw_sample("development", 10**6, 40)) == len(read_split("development"))
 
 

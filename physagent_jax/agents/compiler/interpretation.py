@@ -169,9 +169,11 @@ def _join_cause(meaning: Meaning) -> tuple[Motion, str]:
         return verb, meaning.phrase
     quakes = cause.effect is Effect.SWAY and meaning.phrase in ("hit", "strike")  # "an earthquake hits"
     struck = (cause.wind and verb.effect is Effect.STRIKE) or quakes
-    if (verb.generic and verb.effect is Effect.PUSH) or struck:
+    named = cause.skill is not None and verb.effect is Effect.STRIKE  # "a vortex hits it"
+    if (verb.generic and verb.effect is Effect.PUSH) or struck or named:
         return cause, meaning.cause_phrase
-    return replace(verb, brief=verb.brief or cause.brief), meaning.phrase
+    skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
+    return replace(verb, brief=verb.brief or cause.brief, skill=skill), meaning.phrase
 
 
 def _is_swaying_in_wind(brief: SceneBrief) -> bool:
@@ -234,7 +236,7 @@ def _act_from_sides(draft: _Draft) -> None:
         motion = replace(motion, effect=Effect.STRIKE) if told else motion
     elif sides and motion.effect in _SIDED and motion.effect is not Effect.SWAY:
         if motion.effect in (Effect.PUSH, Effect.STRIKE) and not beside:
-            outward = motion.pulls or "outward" in sides[0].phrase or "outward" in sides[0].text
+            outward = motion.pulls or sides[0].phrase in ("outward", "outwards", "apart")
             motion = replace(motion, effect=Effect.SCALE, sign=1 if outward else -1)
         if motion.effect in (Effect.SCALE, Effect.SWELL) and sides[0].names == ("all",):
             motion = replace(motion, effect=Effect.SWELL)

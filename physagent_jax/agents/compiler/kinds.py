@@ -19,6 +19,8 @@ def choose_reply_kinds(reply: SemanticReply, brief: SceneBrief) -> SemanticReply
             "world": "free" if weightless else "ground" if reply.world.ground else brief.world,
         }
     )
+    if scene.frame_count < 2:
+        return reply  # nothing moves in one frame
     choice = choose_kinds(reply.force_field, reply.expectations, scene)
     if not choice.reasons:
         return reply

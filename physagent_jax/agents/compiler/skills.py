@@ -24,6 +24,7 @@ from physagent_jax.agents.vectors import add, dot, normalise, scale
 from physagent_jax.agents.windows import Window, divide, divide_swings
 from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MAX, SWING
 from physagent_jax.forces.schema import ActionType
+from physagent_jax.forces.skills import find_skill
 
 _IMPULSE_FRAMES = 1.0
 _SHORTEST_SWING = 2.0  # frames; faster swings alias in the pictures
@@ -46,7 +47,9 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
             for doubt in event.doubts:
                 builder.add_doubt(doubt)
             builder.obstacles += [each for each in event.obstacles if each not in builder.obstacles]
-            _COMPILERS[event.effect](Task(event, slot.window, after, slots[:index], builder))
+            named = event.motion.skill is not None and not event.repeat.alternate
+            compiler = _compile_by_skill if named else _COMPILERS[event.effect]
+            compiler(Task(event, slot.window, after, slots[:index], builder))
 
 
 def _compile_push(task: Task) -> None:
@@ -90,6 +93,31 @@ def _compile_repeated_push(task: Task) -> None:
     kind = MotionKind.SWAY if builder.anchored and count > 1 else MotionKind.MOVE
     builder.add_expectation(
         event, kind, event.direction, task.window, repeats=count, released=task.is_released
+    )
+
+
+def _compile_by_skill(task: Task) -> None:
+    """The skill that the word stands for, as often as it is told; the first motion that it causes is expected."""
+    event, builder = task.event, task.builder
+    assert event.motion.skill is not None
+    skill = find_skill(event.motion.skill)
+    kind, count = ActionType(skill.name), _limit_count(task, event.repeat.count or 1, 2 * _SHORTEST_SWING)
+    acted, strength = task.window, event.strength * (event.motion.sign if skill.is_two_sided else 1)
+    if count == 1 and not skill.is_sudden:
+        acted = add_steady(task, kind, task.direction, strength)
+    else:
+        for part in divide(task.window, [1.0] * (2 * count))[::2]:
+            part = _make_impulse_window(part[0]) if skill.is_sudden else part
+            builder.add_action(event, kind, task.direction, strength, part)
+    sways = builder.anchored and count > 1 and MotionKind.SWAY in skill.causes
+    builder.add_expectation(
+        event,
+        MotionKind.SWAY if sways else MotionKind(skill.causes[0]),
+        event.direction,
+        acted,
+        repeats=count,
+        sudden=skill.is_sudden,
+        released=task.is_released,
     )
 
 

@@ -188,12 +188,14 @@ def find_way(way: intent.Way) -> KnownWay | None:
     def make(kind: WayKind, names: Names) -> KnownWay:
         return KnownWay(kind, names, text, way.text or way.word)
 
-    for said in (text, bare):
+    for said in (" ".join(way.word.lower().split()), text, bare):
         if said in lexicon.reversals or said in ("same", "other", "opposite"):
             names = ("same",) if lexicon.reversals.get(said, said) == "same" else ("other",)
             return make(WayKind.AGAIN, names)
         if said in lexicon.sides:
             return make(WayKind.SIDES, (lexicon.sides[said],))
+        if said in ("apart", "together"):
+            return make(WayKind.SIDES, ("both",))
         line, plane = lexicon.axes.get(said), lexicon.planes.get(said) or lexicon.planes.get(said + "ly")
         named = _find_directions(said)
         if relation is intent.Relation.IN and (names := plane or line or named):

@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import itertools
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from fractions import Fraction
 from importlib import resources
 from typing import Any
@@ -18,6 +18,7 @@ import yaml
 
 from physagent_jax.agents.lexicon.types import Effect, Join, Lexicon, Moment, Motion, Names, Place, Repeat
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.skills import Skill, list_skills
 
 FILES = (
     "motions",
@@ -44,7 +45,28 @@ class LexiconError(ValueError):
 def read_lexicon() -> Lexicon:
     """The lexicon of the package."""
     folder = resources.files("physagent_jax.agents.lexicon")
-    return make_lexicon({name: (folder / f"{name}.yaml").read_text(encoding="utf-8") for name in FILES})
+    lexicon = make_lexicon({name: (folder / f"{name}.yaml").read_text(encoding="utf-8") for name in FILES})
+    return replace(
+        lexicon,
+        motions=_add_skills(lexicon.motions, lambda skill: skill.verbs),
+        causes=_add_skills(lexicon.causes, lambda skill: skill.nouns),
+    )
+
+
+def _add_skills(table: dict[str, Motion], get_words: Callable[[Skill], tuple[str, ...]]) -> dict[str, Motion]:
+    """The table with the words of skills; what it says of them already stays."""
+    named = {word: skill for skill in list_skills("actions") for word in get_words(skill)}
+    return table | {
+        word: replace(table.get(word) or _make_motion(skill), skill=skill.name)
+        for word, skill in named.items()
+    }
+
+
+def _make_motion(skill: Skill) -> Motion:
+    """The meaning of a skill's word, which is read like the words of the skill's kind."""
+    effect = Effect.STRIKE if skill.is_sudden else Effect.TURN if skill.is_axis else Effect.PUSH
+    effect = Effect.SCALE if skill.is_two_sided else effect
+    return Motion(effect, direction=skill.towards, brief=skill.is_brief, skill=skill.name)
 
 
 def make_lexicon(texts: Mapping[str, str]) -> Lexicon:

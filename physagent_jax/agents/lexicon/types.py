@@ -60,6 +60,7 @@ class Motion:
         coasts: Whether it goes on by itself unless a way is told.
         droops: Whether only what is limp does it.
         lets_go: Whether what was held falls, if nothing else was done to it.
+        skill: Name of the skill that it stands for; None = what its effect is compiled to.
     """
 
     effect: Effect
@@ -85,6 +86,7 @@ class Motion:
     coasts: bool = False
     droops: bool = False
     lets_go: bool = False
+    skill: str | None = None
 
 
 class Join(enum.Enum):

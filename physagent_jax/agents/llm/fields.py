@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
+from physagent_jax.agents.llm.choices import Sentences
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.core.strict import Number, Numbers, Vector
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField
-
-ActionName = Literal[tuple(each.value for each in ActionType)]  # type: ignore[valid-type]
-ConstraintName = Literal[tuple(each.value for each in ConstraintType)]  # type: ignore[valid-type]
+from physagent_jax.forces.skills import get_skill
 
 
 class _Lenient(BaseModel):
@@ -24,7 +23,7 @@ class _Lenient(BaseModel):
 class ActionForm(_Lenient):
     """An action in the paper's schema, with the library's region."""
 
-    action_type: ActionName
+    action_type: ActionType
     vector: Numbers
     magnitude: Number = 1.0
     active_time: tuple[Number, Number] | None = None
@@ -34,7 +33,7 @@ class ActionForm(_Lenient):
 class ConstraintForm(_Lenient):
     """A prescribed velocity."""
 
-    constraint_type: ConstraintName
+    constraint_type: ConstraintType
     vector: Numbers
     magnitude: Number = 1.0
     active_time: tuple[Number, Number] | None = None
@@ -57,7 +56,7 @@ class RewriteForm(PaperForm):
         constraints: Prescribed velocities.
     """
 
-    reason: Annotated[str, Field(max_length=2000)] = ""
+    reason: Sentences = ""
     constraints: Annotated[tuple[ConstraintForm, ...], Field(max_length=50)] = ()
 
 
@@ -67,14 +66,6 @@ def build_field(
     """The force field of a form, inside the hard rules, and what they mended."""
     raw: dict[str, Any] = form.model_dump(mode="json", exclude_none=True, exclude={"reason"})
     return apply_hard_rules(raw, brief, expectations)
-
-
-_KINDS = {
-    ActionType.TRANSLATION: MotionKind.MOVE,
-    ActionType.IMPULSE: MotionKind.MOVE,
-    ActionType.TORQUE: MotionKind.ROTATE,
-    ActionType.SCALE: MotionKind.STRETCH,
-}
 
 
 def expect_motions(field: ForceField, brief: SceneBrief) -> tuple[ExpectedMotion, ...]:
@@ -87,18 +78,18 @@ def expect_motions(field: ForceField, brief: SceneBrief) -> tuple[ExpectedMotion
 
 
 def _expect(action: Action, last: float) -> ExpectedMotion:
-    kind, sign = _KINDS[action.action_type], 1.0
-    if kind is MotionKind.STRETCH:
-        kind = MotionKind.STRETCH if action.magnitude > 0 else MotionKind.SQUEEZE
-    elif action.magnitude < 0:
-        sign = -1.0
+    skill, reversed_ = get_skill(action), action.magnitude < 0
+    kind = MotionKind(skill.causes[0])
+    if kind is MotionKind.STRETCH and reversed_:
+        kind = MotionKind.SQUEEZE
     x, y, z = action.vector
+    sign = -1.0 if reversed_ and not skill.is_two_sided else 1.0
     way: Vector = (sign * x + 0.0, sign * y + 0.0, sign * z + 0.0)
     return ExpectedMotion(
         kind=kind,
         direction=way,
         strength=abs(action.magnitude),
         window=action.active_time or (0.0, last),
-        sudden=action.action_type is ActionType.IMPULSE,
+        sudden=skill.is_sudden,
         partial=action.region is not None,
     )

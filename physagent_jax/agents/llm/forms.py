@@ -26,9 +26,11 @@ from physagent_jax.agents.intent import (
     Timing,
     Way,
 )
+from physagent_jax.agents.llm.choices import OneOf, Phrase
 from physagent_jax.core.strict import Strict
+from physagent_jax.forces.skills import list_skills
 
-NOTHING = "nothing"
+NOTHING, RELEASE = "nothing", "let go"  # a release follows what it ends, whatever joins them
 MOTIONS: dict[str, str] = {
     "push": "it is pushed, or moves, slides, drifts or flies somewhere",
     "pull": "it is pulled or dragged",
@@ -53,10 +55,21 @@ MOTIONS: dict[str, str] = {
     "fall": "gravity lets it fall: dropped, falls, bounces",
     "topple": "it falls over",
     "jump": "it leaps",
-    "let go": "what acted before stops, and it comes back",
+    RELEASE: "what acted before stops, and it comes back",
     "stand still": "it is asked not to move",
 }
-"""Motions that a model may choose, in the lexicon's words, and what each covers."""
+"""Motions that a model may choose, in the lexicon's words, and what each covers; skills add theirs (`list_motions`)."""
+
+
+def list_motions() -> dict[str, str]:
+    """All motions that a model may choose, those that skills bring by their own words included."""
+    named: dict[str, str] = {}
+    for skill in list_skills("actions"):
+        words = [word for word in (*skill.nouns, *skill.verbs) if "~" not in word]
+        if words:
+            named[words[0]] = ", ".join(words)
+    return MOTIONS | {word: meaning for word, meaning in named.items() if word not in MOTIONS}
+
 
 STRENGTHS: dict[str, tuple[str, ...]] = {
     "gentle": ("gently",),
@@ -82,12 +95,12 @@ Direct = Literal[
     "horizontal", "vertical", "depth", "long axis",
     "both sides", "all sides", "outward", "inward", "back",
 ]  # fmt: skip
-Motion = Literal[(NOTHING, *MOTIONS)]  # type: ignore[valid-type]
-Strength = Literal[tuple(STRENGTHS)]  # type: ignore[valid-type]
-PartName = Literal[tuple(PARTS)]  # type: ignore[valid-type]
-Unit = Literal[tuple(_UNITS)]  # type: ignore[valid-type]
-Setting = Literal[SETTINGS]  # type: ignore[valid-type]
-Text = Annotated[str, Field(max_length=200)]
+Motion = Annotated[str, OneOf(lambda: (NOTHING, *list_motions()))]
+Strength = Annotated[str, OneOf(lambda: STRENGTHS)]
+PartName = Annotated[str, OneOf(lambda: PARTS)]
+Unit = Annotated[str, OneOf(lambda: _UNITS)]
+Setting = Annotated[str, OneOf(lambda: SETTINGS)]
+Order = Literal["then", "together"]
 
 
 class ClauseForm(Strict):
@@ -133,13 +146,19 @@ class ClauseForm(Strict):
     @model_validator(mode="before")
     @classmethod
     def _drop_unsaid(cls, value: Any) -> Any:
-        """What a model writes for "not said" is left out."""
+        """Leave out what a model writes for "not said"."""
         if not isinstance(value, dict):
             return value
         return {key: each for key, each in value.items() if each is not None and each not in ("", "none")}
 
 
-class OrderedClauseForm(ClauseForm):
+class _Words(Strict):
+    """The words come first, so that a model copies them before it says what they mean."""
+
+    words: Phrase
+
+
+class OrderedClauseForm(ClauseForm, _Words):
     """A clause among those of a whole sentence.
 
     Attributes:
@@ -147,8 +166,7 @@ class OrderedClauseForm(ClauseForm):
         order: "then" follows the clause before; "together" happens at the same time.
     """
 
-    words: Text
-    order: Literal["then", "together"] = "then"
+    order: Order = "then"
 
 
 class SentenceForm(Strict):
@@ -161,8 +179,8 @@ class SentenceForm(Strict):
     """
 
     clauses: Annotated[tuple[OrderedClauseForm, ...], Field(max_length=12)]
-    material: Text | None = None
-    unclear: Annotated[tuple[Text, ...], Field(max_length=20)] = ()
+    material: Phrase | None = None
+    unclear: Annotated[tuple[Phrase, ...], Field(max_length=20)] = ()
 
 
 def check_words(form: SentenceForm, sentence: str) -> None:
@@ -185,15 +203,16 @@ def _list_words(text: str) -> list[str]:
     return re.findall(r"\w+", text.casefold())
 
 
+Piece = tuple[ClauseForm, str, Order]  # a filled form, the words that it is about, and how it follows
+
+
 def make_intent(form: SentenceForm) -> Intent:
     """The intent that a filled form stands for."""
-    pieces = [(clause, clause.words, clause.order) for clause in form.clauses]
+    pieces: list[Piece] = [(clause, clause.words, clause.order) for clause in form.clauses]
     return _build(pieces, materials=(form.material,) if form.material else (), unknown=form.unclear)
 
 
-def join_clauses(
-    forms: Sequence[ClauseForm], texts: Sequence[str], orders: Sequence[Literal["then", "together"]]
-) -> Intent:
+def join_clauses(forms: Sequence[ClauseForm], texts: Sequence[str], orders: Sequence[Order]) -> Intent:
     """The intent of a sentence whose clauses were asked for one by one.
 
     Args:
@@ -205,7 +224,7 @@ def join_clauses(
 
 
 def _build(
-    pieces: Sequence[tuple[ClauseForm, str, Literal["then", "together"]]],
+    pieces: Sequence[Piece],
     materials: tuple[str, ...] = (),
     unknown: tuple[str, ...] = (),
 ) -> Intent:
@@ -220,7 +239,7 @@ def _build(
             end = {"held at its base": "base", "held at its top": "top", "not held": "none"}[form.setting]
             held = Held.model_validate({"end": end, "text": text})
         if form.motion != NOTHING:
-            clauses.append(_make_clause(form, text, order))
+            clauses.append(_make_clause(form, text, "then" if form.motion == RELEASE else order))
         elif form.wall is not None:
             walls.append(Solid(sides=(form.wall,), text=text))
         elif form.setting is None:
@@ -238,15 +257,14 @@ def _build(
     )
 
 
-def _make_clause(form: ClauseForm, text: str, order: Literal["then", "together"]) -> Clause:
+def _make_clause(form: ClauseForm, text: str, order: Order) -> Clause:
     words = [word for word in (form.word, form.and_word) if word is not None]
     ways = tuple(Way(relation=Relation(form.relation), word=word, text=text) for word in dict.fromkeys(words))
     repeats = form.times is not None or form.to_and_fro
     repetition = Repetition(times=form.times, alternating=form.to_and_fro, text=text)
-    seconds = {
-        name: None if value is None else Duration(value=value, text=text)
-        for name, value in (("starts", form.starts), ("lasts", form.lasts))
-    }
+    starts, lasts = (
+        None if value is None else Duration(value=value, text=text) for value in (form.starts, form.lasts)
+    )
     return Clause(
         motion=form.motion,
         order=order,
@@ -255,7 +273,7 @@ def _make_clause(form: ClauseForm, text: str, order: Literal["then", "together"]
         parts=() if form.part is None else (Part(word=PARTS[form.part], text=text),),
         strength=STRENGTHS[form.strength],
         quantities=_make_quantities(form, text),
-        timing=Timing(**seconds),
+        timing=Timing(starts=starts, lasts=lasts),
         repetitions=(repetition,) if repeats else (),
         solids=() if form.wall is None else (Solid(sides=(form.wall,), text=text),),
         negated=form.negated,

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
-
-from pydantic import Field
 
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.llm.base import ChatModel
+from physagent_jax.agents.llm.choices import Sentences
 from physagent_jax.agents.llm.scene_words import describe_rounds, describe_scene, write_field
 from physagent_jax.agents.llm.semantic import has_bad_answers
 from physagent_jax.agents.llm.structured import ask
@@ -32,9 +30,9 @@ class JudgementForm(Strict):
         suggestion: What to change in the force field.
     """
 
-    comparison: Annotated[str, Field(max_length=2000)] = ""
+    comparison: Sentences = ""
     verdict: Verdict
-    suggestion: Annotated[str, Field(max_length=2000)] = ""
+    suggestion: Sentences = ""
 
 
 class ModelPlanner(PlannerAgent):
@@ -147,7 +145,7 @@ def _get_suggestion(form: JudgementForm) -> str:
 
 
 def _heed_doubts(judgement: Judgement, context: AgentContext) -> Judgement:
-    """What was not understood of the sentence bars a success, whoever judges (`SemanticReply.unsure`)."""
+    """Bar a success where the sentence is in doubt, whoever judges (`SemanticReply.unsure`)."""
     unsure = context.reading.unsure if context.reading else ()
     if not unsure or judgement.verdict is Verdict.FAIL:
         return judgement

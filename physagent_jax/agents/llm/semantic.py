@@ -13,12 +13,12 @@ from physagent_jax.agents.llm.base import ChatModel, ModelError
 from physagent_jax.agents.llm.disagreement import find_disagreements
 from physagent_jax.agents.llm.fields import PaperForm, build_field, expect_motions
 from physagent_jax.agents.llm.forms import (
-    MOTIONS,
     SETTINGS,
     ClauseForm,
     SentenceForm,
     check_words,
     join_clauses,
+    list_motions,
     make_intent,
 )
 from physagent_jax.agents.llm.scene_words import describe_scene
@@ -33,7 +33,7 @@ from physagent_jax.core.errors import UserError
 Form = Literal["clauses", "by-clause", "paper"]
 FORMS: tuple[Form, ...] = get_args(Form)
 MOST_CHARACTERS = 4000
-"""Of a sentence that is sent to a model."""
+"""Length of a sentence that is sent to a model, at most."""
 
 
 class NoMotion(UserError):
@@ -50,7 +50,8 @@ class ModelSemanticAgent(SemanticAgent):
     """
 
     def __init__(self, model: ChatModel, form: Form = "clauses"):
-        self._model, self._form = model, check_form(form)
+        self._model = model
+        self._form: Form = check_form(form)
 
     @property
     def name(self) -> str:
@@ -85,7 +86,8 @@ class BothReaders(SemanticAgent):
     """
 
     def __init__(self, model: ChatModel, form: Form = "clauses"):
-        self._model, self._form = model, check_form(form)
+        self._model = model
+        self._form: Form = check_form(form)
 
     @property
     def name(self) -> str:
@@ -198,8 +200,8 @@ def _ask_by_clause(model: ChatModel, context: AgentContext) -> Reply[Intent]:
         forms.append(answer.value)
         trace = join_traces([trace, answer.trace])
         before = f"The clause before: {quote(piece.text)}\n"
-    texts, orders = [piece.text for piece in pieces], [piece.order for piece in pieces]
-    return Reply(join_clauses(forms, texts, orders), trace)
+    intent = join_clauses(forms, [piece.text for piece in pieces], [piece.order for piece in pieces])
+    return Reply(intent, trace)
 
 
 def _read_field(model: ChatModel, context: AgentContext) -> Reply[SemanticReply]:
@@ -227,7 +229,7 @@ def _read_field(model: ChatModel, context: AgentContext) -> Reply[SemanticReply]
 
 
 def _list_choices() -> dict[str, str]:
-    return {"motions": list_rows(MOTIONS), "settings": ", ".join(SETTINGS)}
+    return {"motions": list_rows(list_motions()), "settings": ", ".join(SETTINGS)}
 
 
 def _doubt(reading: SemanticReply, doubts: Sequence[str]) -> SemanticReply:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from physagent_jax.agents.matching import Cause
+from physagent_jax.agents.matching import Cause, find_first_skill
 from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, dot, norm, normalise, scale
@@ -23,14 +23,6 @@ from physagent_jax.perception.schema import MotionReport
 
 _BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it
 POINTED = 0.95  # cosine from which a vector points where the sentence says
-_TYPES = {
-    MotionKind.MOVE: ActionType.TRANSLATION,
-    MotionKind.SWAY: ActionType.TRANSLATION,
-    MotionKind.FALL: ActionType.TRANSLATION,
-    MotionKind.STRETCH: ActionType.SCALE,
-    MotionKind.SQUEEZE: ActionType.SCALE,
-    MotionKind.ROTATE: ActionType.TORQUE,
-}
 AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)
 
 
@@ -50,23 +42,63 @@ class Change:
 
 
 @dataclass(frozen=True)
-class Case:
+class Wish:
+    """One expected motion and the force field that is to bring it about.
+
+    Attributes:
+        force_field: The force field so far.
+        expectation: The motion.
+        expectations: All motions of the sentence.
+        brief: The scene.
+    """
+
+    force_field: ForceField
+    expectation: ExpectedMotion
+    expectations: Sequence[ExpectedMotion]
+    brief: SceneBrief
+
+    @property
+    def last(self) -> float:
+        """Index of the clip's last frame."""
+        return float(self.brief.frame_count - 1)
+
+    @property
+    def reference(self) -> float:
+        """T of the skills, in frames."""
+        held = self.brief.anchored is not None
+        return find_reference_time(held, self.last * self.brief.frame_dt) / self.brief.frame_dt
+
+    def get_span(self, causes: Sequence[Cause]) -> tuple[float, float]:
+        """First and last frame in which any of some causes acts."""
+        spans = [cause.item.active_time or (0.0, self.last) for cause in causes]
+        return min(first for first, _ in spans), max(end for _, end in spans)
+
+    def list_other_begins(self) -> list[float]:
+        """Frames at which the other motions begin."""
+        others = [e for e in self.expectations if e is not self.expectation]
+        return [e.window[0] for e in others if e.kind is not MotionKind.STILL]
+
+    def about(self, expectation: ExpectedMotion) -> Wish:
+        """The same with another motion."""
+        return replace(self, expectation=expectation)
+
+    def on(self, force_field: ForceField) -> Wish:
+        """The same with another force field."""
+        return replace(self, force_field=force_field)
+
+
+@dataclass(frozen=True)
+class Case(Wish):
     """One expectation that was not met.
 
     Attributes:
-        expectation, expectations: It, and all.
         checks: Its failed checks.
-        force_field: What was tried.
-            report, brief: What was seen, and where.
+        report: The motion that was seen.
         earlier: Force fields of other rounds, each with the factor that their amount of this motion missed by.
     """
 
-    expectation: ExpectedMotion
-    expectations: Sequence[ExpectedMotion]
     checks: Sequence[Check]
-    force_field: ForceField
     report: MotionReport
-    brief: SceneBrief
     earlier: Sequence[tuple[ForceField, float]] = ()
 
     def seen(self) -> Vector | None:
@@ -80,11 +112,6 @@ class Case:
         if window.rotation_axis is None or window.rotation_degrees is None:
             return None
         return scale(window.rotation_axis, window.rotation_degrees)
-
-    @property
-    def last(self) -> float:
-        """Index of the clip's last frame."""
-        return float(self.brief.frame_count - 1)
 
     def failed(self, aspect: str) -> Check | None:
         """The failed check of one aspect."""
@@ -104,22 +131,17 @@ def format_names(causes: Sequence[Cause]) -> str:
     return ", ".join(cause.name for cause in causes)
 
 
-def travels(cause: Cause) -> bool:
-    """Return whether it moves something at a prescribed velocity: what it does is that times how long it lasts."""
-    return cause.group == "constraints" and cause.type is not ConstraintType.PARTICLE_IMPULSE
-
-
 def get_effort(cause: Cause, last: float) -> float:
     """The amount that the response grows with: abs(M), times the frames where a velocity is prescribed."""
     first, end = cause.item.active_time or (0.0, last)
-    return abs(cause.item.magnitude) * (end - first if travels(cause) else 1.0)
+    return abs(cause.item.magnitude) * (end - first if cause.skill.prescribes else 1.0)
 
 
 def _scale(cause: Cause, factor: float, last: float):
     """The entry with ``factor`` times the effort, as far as the range goes."""
     size = clamp(abs(cause.item.magnitude) * factor, MAGNITUDE_MIN, MAGNITUDE_MAX)
     changes: dict = {"magnitude": round(math.copysign(size, cause.item.magnitude), 4)}
-    if travels(cause) and cause.item.active_time is not None:
+    if cause.skill.prescribes and cause.item.active_time is not None:
         first, end = cause.item.active_time
         hold_end = getattr(cause.item, "held_until", None)
         rest = factor * abs(cause.item.magnitude) / size
@@ -204,11 +226,11 @@ def retime(case: Case, causes: Sequence[Cause]) -> Change | None:
     items = []
     for cause in causes:
         first, last = cause.item.active_time or (0.0, case.last)
-        span = (window[0], window[0] + 1.0) if is_blow(cause) else window
-        if travels(cause):
+        span = (window[0], window[0] + 1.0) if cause.skill.is_sudden else window
+        if cause.skill.prescribes:
             span = (window[0], min(window[0] + (last - first), window[1]))
         changes: dict = {"active_time": span}
-        if travels(cause):
+        if cause.skill.prescribes:
             changes["held_until"] = window[1] if window[1] > span[1] else None
         items.append(cause.item.model_copy(update=changes))
     why = (
@@ -217,18 +239,13 @@ def retime(case: Case, causes: Sequence[Cause]) -> Change | None:
     return Change(replace_items(case.force_field, causes, items), why, "window_in_clip")
 
 
-def is_blow(cause: Cause) -> bool:
-    """Return whether it acts in an instant."""
-    return cause.type in (ActionType.IMPULSE, ConstraintType.PARTICLE_IMPULSE)
-
-
 def is_mistimed(case: Case, cause: Cause) -> bool:
     """Return whether an entry acts mostly outside of the window, or in less than a third of it."""
     window = _get_window(case)
-    if window is None or travels(cause):
+    if window is None or cause.skill.prescribes:
         return False
     first, last = cause.item.active_time or (0.0, case.last)
-    if is_blow(cause):
+    if cause.skill.is_sudden:
         return abs(first - window[0]) > 0.2 * (window[1] - window[0]) + 1.0
     if case.brief.anchored is not None and not case.expectation.released and last >= window[1]:
         later = [e.window[0] for e in case.expectations if e.window[0] > case.expectation.window[0] + 0.5]
@@ -252,7 +269,7 @@ def make_actions(case: Case) -> list[Action]:
         axes = [table.down]
     elif expectation.kind not in AXIAL:
         axes = axes[:1]
-    kind = ActionType.IMPULSE if expectation.sudden else _TYPES[expectation.kind]
+    kind = ActionType(find_first_skill(expectation.kind, expectation.sudden).name)
     if expectation.sudden and window:
         window = (window[0], window[0] + 1.0)
     return [Action(action_type=kind, vector=axis, magnitude=magnitude, active_time=window) for axis in axes]
@@ -267,13 +284,13 @@ def _alternate(case: Case, magnitude: float | None = None) -> list[Action]:
     """Push to and fro, as often as expected."""
     expectation = case.expectation
     direction = expectation.direction or case.brief.directions.left
-    window = _get_window(case)
+    window, kind = _get_window(case), ActionType(find_first_skill(MotionKind.SWAY).name)
     if window is None:
-        return [Action(action_type=ActionType.TRANSLATION, vector=direction, magnitude=expectation.strength)]
+        return [Action(action_type=kind, vector=direction, magnitude=expectation.strength)]
     count = max(1, min(expectation.repeats, int((window[1] - window[0]) / 4.0)))
     return [
         Action(
-            action_type=ActionType.TRANSLATION,
+            action_type=kind,
             vector=scale(direction, -1.0 if i % 2 else 1.0),
             magnitude=magnitude or expectation.strength,
             active_time=part,
@@ -322,7 +339,7 @@ def enforce(case: Case, causes: Sequence[Cause], gain: float) -> Change:
     size = gain * reached * reference / (PRESCRIBED_TRAVEL * max(last - first, 1))
     constraints = tuple(
         VelocityConstraint(
-            constraint_type=ConstraintType.PARTICLE_TRANSLATION,
+            constraint_type=ConstraintType(c.skill.prescribed_by or c.skill.name),
             vector=told or c.direction,
             magnitude=round(clamp(size, MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
             active_time=c.item.active_time,
@@ -363,9 +380,9 @@ def keep(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     items = []
     for cause in causes:
         first, end = cause.item.active_time or (0.0, case.last)
-        if travels(cause):
+        if cause.skill.prescribes:
             items.append(cause.item.model_copy(update={"held_until": limit if limit > end else None}))
-        elif is_blow(cause) or case.brief.anchored is None and case.expectation.kind not in AXIAL:
+        elif cause.skill.is_sudden or case.brief.anchored is None and case.expectation.kind not in AXIAL:
             return  # what is free would only go on
         else:
             items.append(cause.item.model_copy(update={"active_time": (first, max(end, limit))}))
@@ -382,7 +399,7 @@ def soften(case: Case, causes: Sequence[Cause]) -> Change:
     items = [
         cause.item.model_copy(
             update={
-                "action_type": ActionType.TRANSLATION,
+                "action_type": ActionType(find_first_skill(case.expectation.kind).name),
                 "active_time": (cause.item.active_time[0], min(cause.item.active_time[0] + reach, case.last)),
             }
         )

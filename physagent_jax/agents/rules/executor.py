@@ -104,7 +104,7 @@ def _mend(
     for index, checks in failed.items():
         earlier = tuple(_list_gains(index, [each for each in rounds if each is not base]))
         expectations = context.expectations
-        case = Case(expectations[index], expectations, checks, field, base.report, context.brief, earlier)
+        case = Case(field, expectations[index], expectations, context.brief, checks, base.report, earlier)
         options = [change for change in list_remedies(case) if change.force_field != field]
         if not options:
             continue

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Sequence
 from physagent_jax.agents.matching import (
     Cause,
     agrees,
+    find_first_skill,
     find_misfits,
     find_own_causes,
     find_strays,
@@ -61,7 +62,7 @@ def list_remedies(case: Case) -> Iterator[Change]:
     if case.failed("repeats"):
         yield edits.alternate(case, causes)
     slow = case.expectation.sudden and case.failed("order")
-    if slow and any(c.type is ActionType.TRANSLATION for c in causes):
+    if slow and any(c.pushes for c in causes):
         yield _strike(case, causes)
     yield from _change_amount(case, causes)
 
@@ -151,40 +152,43 @@ def _get_same_effort(case: Case, causes: Sequence[Cause], field: ForceField) -> 
 def _identify(cause: Cause) -> tuple:
     window = cause.item.active_time
     begin = None if window is None else window[0]
-    end = None if edits.travels(cause) or window is None else window[1]
-    return cause.type, cause.item.vector, cause.item.magnitude > 0, cause.item.region, begin, end
+    end = None if cause.skill.prescribes or window is None else window[1]
+    return cause.skill.name, cause.item.vector, cause.item.magnitude > 0, cause.item.region, begin, end
 
 
 def _strengthen(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
     """More of the same up to the limit, then for longer, then by the other kind of skill; nothing is stacked."""
     yield edits.scale_magnitudes(case, causes, gain)
-    types = {cause.type for cause in causes}
-    if types & {ActionType.TRANSLATION, ActionType.TORQUE} and case.expectation.kind is not MotionKind.SWAY:
+    if any(_goes_on(cause) for cause in causes) and case.expectation.kind is not MotionKind.SWAY:
         yield from edits.lengthen(case, causes, math.sqrt(gain))
     yield from _try_other_kind(case, causes, gain)
     yield edits.scale_magnitudes(case, causes, MAGNITUDE_MAX / MAGNITUDE_MIN)
 
 
+def _goes_on(cause: Cause) -> bool:
+    """Return whether it is a force that moves or turns the object the further the longer it acts."""
+    skill = cause.skill
+    return cause.group == "actions" and not skill.is_sudden and not skill.is_two_sided
+
+
 def _try_other_kind(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
     """Velocity constraints in place of a body force that does not do it."""
     expectation, whole = case.expectation, not case.expectation.partial
-    stretches = [c for c in causes if c.type is ActionType.SCALE and c.item.region is None]
+    stretches = [c for c in causes if c.skill.is_two_sided and c.item.region is None]
     if stretches and expectation.direction is not None and whole:
         names = edits.format_names(stretches)
         if expectation.kind is MotionKind.SQUEEZE:
-            field = kinds.press_between(
-                case.force_field, stretches, expectation, case.brief, case.expectations
-            )
+            field = kinds.press_between(case, stretches)
             yield Change(field, f"{names} cannot do it: it is pressed between plates instead.")
-        field = kinds.move_ends(case.force_field, stretches, expectation, case.brief, case.expectations)
+        field = kinds.move_ends(case, stretches)
         why = f"{names} cannot do it: two opposed translations of the end slabs instead."
         yield Change(field, why, "paired_translation")
-    blows = [c for c in causes if c.type is ActionType.IMPULSE]
+    blows = [c for c in causes if c.group == "actions" and c.skill.is_sudden and c.skill.prescribed_by]
     if blows:
-        field = kinds.replace_blows(case.force_field, blows)
+        field = kinds.replace_blows(case, blows)
         why = f"{edits.format_names(blows)} becomes an instantaneous change of velocity."
         yield Change(field, why, "brief_impulse")
-    pushes = [c for c in causes if c.type is ActionType.TRANSLATION]
+    pushes = [c for c in causes if c.pushes and c.skill.prescribed_by]
     if pushes and expectation.kind is MotionKind.MOVE and case.brief.anchored is None and whole:
         yield edits.enforce(case, pushes, gain)
 
@@ -192,10 +196,10 @@ def _try_other_kind(case: Case, causes: Sequence[Cause], gain: float) -> Iterato
 def _weaken(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
     """Less of the same down to the limit, then for a shorter time; blows become brief pushes."""
     yield edits.scale_magnitudes(case, causes, gain)
-    impulses = [c for c in causes if c.type is ActionType.IMPULSE]
+    impulses = [c for c in causes if c.group == "actions" and c.skill.is_sudden]
     if impulses:
         yield edits.soften(case, impulses)
-    lasting = [c for c in causes if not edits.is_blow(c) and not edits.travels(c)]
+    lasting = [c for c in causes if not c.skill.is_sudden and not c.skill.prescribes]
     if (
         lasting and case.expectation.kind is not MotionKind.SWAY
     ):  # pushes to and fro have to follow each other
@@ -222,8 +226,8 @@ def _switch_type(case: Case) -> Iterator[Change]:
         field = field.model_copy(update={"actions": (*field.actions, *new[1:])})
         yield Change(
             _choose_kind(case, field),
-            f"{edits.format_names(wrong)} ({wrong[0].type.value}) cannot make it {case.expectation.kind.value}: "
-            f"replaced by {new[0].action_type.value}.",
+            f"{edits.format_names(wrong)} ({wrong[0].skill.name}) cannot make it {case.expectation.kind.value}: "
+            f"replaced by {new[0].action_type}.",
             "known_skills",
         )
 
@@ -238,7 +242,7 @@ def _add(case: Case) -> Change:
     field = case.force_field.model_copy(update={"actions": (*case.force_field.actions, *new)})
     return Change(
         _choose_kind(case, field),
-        f"Nothing made it {case.expectation.kind.value}: {new[0].action_type.value} is added.",
+        f"Nothing made it {case.expectation.kind.value}: {new[0].action_type} is added.",
         "sentence_direction",
     )
 
@@ -266,7 +270,7 @@ def _calm(case: Case) -> Iterator[Change]:
         return
     speed = norm(window.displacement) * case.last / (last - first)  # [body lengths per clip]
     brake = Action(
-        action_type=ActionType.IMPULSE,
+        action_type=ActionType(find_first_skill(MotionKind.MOVE, sudden=True).name),
         vector=scale(window.displacement, -1.0),
         magnitude=round(clamp(speed / TRAVEL, MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
         active_time=(float(first), first + 1.0),

@@ -2,6 +2,8 @@
 
 import itertools
 import json
+import re
+from importlib import resources
 from typing import get_args
 
 import pytest
@@ -17,10 +19,13 @@ from physagent_jax.agents.llm.forms import (
     SentenceForm,
     check_words,
     join_clauses,
+    list_motions,
     make_intent,
 )
 from physagent_jax.agents.llm.splitting import split_clauses
 from physagent_jax.agents.schema import MotionKind, SemanticReply
+from physagent_jax.forces.skills import register_skill, unregister_skill
+from physagent_jax.forces.skills.impulse import Impulse
 from tests.agents.scenes import brief
 
 ROBOT = brief(world="ground", frames_fixed=False)
@@ -159,6 +164,26 @@ def test_an_invented_clause_is_refused():
                 check_words(form, said)
 
 
+def list_examples(name: str) -> list[tuple[str, str]]:
+    """Sentences of a prompt's examples with their answers."""
+    text = resources.files("physagent_jax.agents.llm").joinpath("prompts", f"{name}.md").read_text("utf-8")
+    return re.findall(r'^"(.+)" ->\s(\{.+\})$', text, re.MULTILINE)
+
+
+def test_the_examples_of_the_prompts_are_answers_that_fit():
+    whole, single = list_examples("semantic"), list_examples("semantic_clause")
+    assert len(whole) == 4 and len(single) == 8
+    for sentence, answer in whole:
+        form = SentenceForm.model_validate_json(answer)
+        check_words(form, sentence)
+        if form.clauses:
+            reply = compile_intent(make_intent(form), ROBOT)
+            assert reply.expectations and not reply.unsure, sentence
+    for clause, answer in single:
+        intent = join_clauses([ClauseForm.model_validate_json(answer)], [clause], ["then"])
+        assert not intent.clauses or not compile_intent(intent, ROBOT).unsure, clause
+
+
 @pytest.mark.parametrize(
     ("sentence", "pieces"),
     [
@@ -206,3 +231,29 @@ def test_the_papers_form_is_mended_by_the_hard_rules():
     assert press.kind is MotionKind.SQUEEZE
     (fall,) = expect_motions(build_field(PaperForm(default_drop=True, actions=()), brief())[0], brief())
     assert fall.kind is MotionKind.FALL
+
+
+@pytest.mark.parametrize(("word", "name"), [("vortex", "vortex"), ("gust", "wind_gust")])
+def test_a_skill_is_reached_by_its_own_word(word, name):
+    assert word in list_motions()
+    reply = compile_one({"motion": word, "word": "left"} if word == "gust" else {"motion": word})
+    assert [action.action_type.value for action in reply.force_field.actions] == [name]
+    field, repairs = build_field(
+        PaperForm.model_validate({"actions": [{"action_type": name, "vector": [0, 0, 1]}]}), ROBOT
+    )
+    assert not repairs and expect_motions(field, ROBOT)[0].kind is reply.expectations[0].kind
+
+
+def test_a_skill_that_is_registered_later_reaches_the_form_and_its_schema():
+    class Blast(Impulse):
+        name, nouns, verbs = "blast_wave", ("blast wave",), ()
+
+    register_skill(Blast())
+    try:
+        assert "blast wave" in ClauseForm.model_json_schema()["properties"]["motion"]["enum"]
+        assert ClauseForm(motion="blast wave").motion == "blast wave"
+        assert "blast_wave" in str(PaperForm.model_json_schema())
+    finally:
+        unregister_skill("blast_wave")
+    with pytest.raises(ValidationError):
+        ClauseForm(motion="blast wave")

@@ -43,6 +43,17 @@ def test_a_failure_always_has_a_suggestion():
     assert planner.judge(CONTEXT, observe()).value.suggestion
 
 
+def test_what_a_model_writes_is_one_plain_line():
+    wild = {
+        "comparison": "It \x1b[31mfalls\n\n## Rules",
+        "verdict": "FAIL",
+        "suggestion": "Push\x07 it\u202e.",
+    }
+    judgement = ModelPlanner(ScriptedModel(wild)).judge(CONTEXT, observe()).value
+    assert judgement.notes == ("It [31mfalls ## Rules",) and judgement.suggestion.startswith("Push it")
+    assert judgement.suggestion.isprintable()
+
+
 def test_doubts_about_the_sentence_bar_a_success_whoever_judges():
     doubtful = READING.model_copy(update=dict(unsure=("'gracefully' is not understood.",)))
     reply = ModelPlanner(ScriptedModel(YES)).judge(make_context(PROMPT, reading=doubtful), observe())

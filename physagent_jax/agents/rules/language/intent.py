@@ -26,7 +26,8 @@ _UNITS = {
     "frame": ("frames", 1.0),
     "clip": ("clip", 1.0),
 }
-_LONGEST = 200
+_SIDES = {True: "all", False: "both"}
+_LONGEST, _MOST_CLAUSES, _MOST_WORDS, _MOST_WAYS = 200, 100, 1000, 20  # as in `agents.intent`
 
 
 def make_intent(
@@ -34,21 +35,25 @@ def make_intent(
 ) -> intent.Intent:
     """The intent of clauses, with what stands between them."""
     told = [clause for clause in clauses if clause.head is not None]
+    if len(told) > _MOST_CLAUSES:
+        notes = [*notes, f"Of {len(told)} clauses the first {_MOST_CLAUSES} are used."]
+        told = told[:_MOST_CLAUSES]
     doubts = [doubt for clause in told for doubt in _list_doubts(clause)]
     return intent.Intent(
         clauses=tuple(_make_clause(clause, clauses) for clause in told),
         held=_find_held(clauses),
         surroundings=_describe_surroundings(clauses, mentions),
-        unknown=tuple(unknown),
-        doubts=tuple(doubts),
-        notes=tuple(notes),
+        unknown=tuple(word[:_LONGEST] for word in unknown[:_MOST_WORDS]),
+        doubts=tuple(doubts[:_MOST_CLAUSES]),
+        notes=tuple(note[:_MOST_WORDS] for note in notes[-_MOST_CLAUSES:]),
     )
 
 
 def _make_clause(clause: Clause, clauses: list[Clause]) -> intent.Clause:
     """A clause in words."""
     held = _names_held_end(clause, clauses)
-    motion = "hold" if held else _name_motion(clause.verb)
+    waits = _is_posture(clause) and clause.select(MentionKind.TIME)  # "rest for a while"
+    motion = "hold" if held else "wait" if waits else _name_motion(clause.verb)
     cause = _name_motion(clause.cause) or ("gravity" if clause.select(MentionKind.GRAVITY) else "")
     senses, views = clause.select(MentionKind.SENSE), clause.select(MentionKind.VIEW)
     mentions = [m for m in clause.mentions if m.words] or [m for m in (clause.verb, clause.cause) if m]
@@ -58,14 +63,14 @@ def _make_clause(clause: Clause, clauses: list[Clause]) -> intent.Clause:
             cause=None if held else cause or None,
             order=_find_order(clause),
             ways=_list_ways(clause),
-            turning={1: "counterclockwise", -1: "clockwise"}[senses[0].value] if senses else None,
+            turning=("counterclockwise" if senses[0].value == 1 else "clockwise") if senses else None,
             seen_from=views[0].value[0] if views and isinstance(views[0].value, tuple) else None,
             parts=_list_parts(clause),
             strength=tuple(
                 _name_strength(mention)
                 for mention in clause.select(*_STRENGTHS)
                 if mention.phrase != "as strong"
-            ),
+            )[:_MOST_WAYS],
             quantities=_list_quantities(clause),
             timing=_find_timing(clause),
             repetitions=_list_repetitions(clause),
@@ -83,13 +88,15 @@ def _make_clause(clause: Clause, clauses: list[Clause]) -> intent.Clause:
 def _find_order(clause: Clause) -> str:
     if clause.join is Join.WHILE:
         return "together"
-    if (
-        clause.join is Join.COMMA
-        and get_verb(clause.head).effect is Effect.STILL
-        and get_verb(clause.head).generic
-    ):
+    if clause.join is Join.COMMA and _is_posture(clause) and not clause.select(MentionKind.TIME):
         return "and"  # "..., the rest stays"
     return "then" if clause.join in (Join.THEN, Join.COMMA, Join.BEFORE, Join.AFTER) else "and"
+
+
+def _is_posture(clause: Clause) -> bool:
+    """Return whether it tells how the object stands, sits or stays."""
+    motion = get_verb(clause.head)
+    return motion.effect is Effect.STILL and motion.generic
 
 
 def _name_motion(mention: Mention | None) -> str:
@@ -128,7 +135,7 @@ def _list_ways(clause: Clause) -> tuple[intent.Way, ...]:
     out = [m for m in clause.select(MentionKind.ANCHOR) if m.phrase.startswith("out of")]
     if out and not ways:  # "pull it out of the pot"
         ways = [intent.Way(word="up", text=out[0].words)]
-    return tuple(ways)
+    return tuple(ways[:_MOST_WAYS])
 
 
 def _name_way(mention: Mention) -> str:
@@ -137,7 +144,7 @@ def _name_way(mention: Mention) -> str:
     if mention.kind is MentionKind.REVERSAL:
         return "same" if mention.value == "same" else "other"
     if mention.kind is MentionKind.SIDES:
-        return mention.phrase
+        return mention.phrase if lexicon.sides.get(mention.phrase) == _SIDES[bool(mention.value)] else "apart"
     if mention.phrase == "back":
         return "back"
     table = {MentionKind.AXIS: lexicon.axes, MentionKind.PLANE: lexicon.planes}.get(mention.kind)
@@ -207,7 +214,7 @@ def _list_quantities(clause: Clause) -> tuple[intent.Quantity, ...]:
                     text=mention.words[:_LONGEST],
                 )
             )
-    return tuple(found)
+    return tuple(found[:_MOST_WAYS])
 
 
 def _find_timing(clause: Clause) -> intent.Timing:
@@ -248,7 +255,7 @@ def _list_repetitions(clause: Clause) -> tuple[intent.Repetition, ...]:
                 )
             )
         )
-    return tuple(found)
+    return tuple(found[:_MOST_WAYS])
 
 
 def _make_solid(mention: Mention) -> intent.Solid:
@@ -261,11 +268,11 @@ def _make_solid(mention: Mention) -> intent.Solid:
 
 def _list_doubts(clause: Clause) -> list[str]:
     """What a clause says twice."""
-    times = [m for m in clause.select(MentionKind.TIME) if isinstance(m.value, TimeSpan)]
-    starts = [m for m in times if m.value.start or m.words.lower().startswith("at the ")]
-    lengths = [m for m in times if m.value.length]
+    times = [(m.value, m.words) for m in clause.select(MentionKind.TIME) if isinstance(m.value, TimeSpan)]
+    starts = [words for told, words in times if told.start or words.lower().startswith("at the ")]
+    lengths = [words for told, words in times if told.length]
     return [
-        f"Which of several times ({', '.join(m.words for m in several)}) is meant is not understood."
+        f"Which of several times ({', '.join(several)}) is meant is not understood."
         for several in (starts, lengths)
         if len(several) > 1 and not clause.negated
     ]
