@@ -109,6 +109,9 @@ class BothReaders(SemanticAgent):
             trace = error.trace.model_copy(update=dict(repairs=(*error.trace.repairs, why)))
             return Reply(reading.model_copy(update=dict(notes=(*reading.notes, why))), trace)
         doubts = find_disagreements(reading, second.value, self._model.name, context.brief)
+        if not doubts:
+            agreed = f"{self._model.name} reads the same motions, directions and parts."
+            return Reply(reading.model_copy(update=dict(notes=(*reading.notes, agreed))), second.trace)
         return Reply(_doubt(reading, doubts), second.trace)
 
 

@@ -162,7 +162,7 @@ def both(*answers, sentence="push the robot to the left"):
 def test_readers_that_agree():
     reply = both(WHOLE, sentence=SENTENCE)
     assert not reply.value.unsure and reply.trace.input_tokens == 100
-    assert reply.value.expectations[0].words == "push left" or "left" in reply.value.expectations[0].words
+    assert reply.value.notes[-1] == "scripted:chat-1 reads the same motions, directions and parts."
 
 
 @pytest.mark.parametrize(
