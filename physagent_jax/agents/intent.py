@@ -163,6 +163,7 @@ class Clause(Strict):
         inherited: Whether the motion is understood from the clause before ("push it left, then right").
         stays: Whether the result is held ("and hold it there").
         even: Whether it goes at one speed.
+        elsewhere: Whether the object ends at another place: "away", "aside", "off the table".
         said: The words in the sentence that name the motion.
         text: The clause's words in the sentence.
     """
@@ -183,6 +184,7 @@ class Clause(Strict):
     inherited: bool = False
     stays: bool = False
     even: bool = False
+    elsewhere: bool = False
     said: Word = ""
     text: Word = ""
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from physagent_jax.agents.rules.language.quantities import match_quantity
-from physagent_jax.agents.rules.language.tokens import tokenise
+from physagent_jax.agents.grammar.measures import Words, match_quantity
+from physagent_jax.agents.grammar.tokens import tokenise
 from tests.agents.scenes import read
 from tests.agents.sentences import load_table
 from tests.agents.tellings import ground
@@ -15,7 +15,7 @@ TABLE = load_table("quantities.yaml")
 def test_quantities_with_units(words, expected):
     """Numbers in digits, words and fractions, in the unit that they stand in."""
     tokens = tokenise(words)
-    found = match_quantity(tokens, 0)
+    found = match_quantity(Words(tokens), 0)
     assert found is not None and found[1] == len(tokens)
     assert f"{found[0].value:.4g} {found[0].unit}".strip() == expected
 
@@ -23,7 +23,7 @@ def test_quantities_with_units(words, expected):
 @pytest.mark.parametrize("words", TABLE["no quantities"])
 def test_what_is_no_quantity(words):
     """Times, parts and counts are other things' business."""
-    assert match_quantity(tokenise(words), 0) is None
+    assert match_quantity(Words(tokenise(words)), 0) is None
 
 
 @pytest.mark.parametrize(("prompt", "expected"), TABLE["amounts"].items())

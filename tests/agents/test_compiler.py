@@ -287,6 +287,18 @@ def test_an_unknown_motion_alone_is_refused_with_the_nearest_known_ones() -> Non
         compile_forces(Intent(), make_brief())
 
 
+def test_words_in_the_wrong_place_are_understood() -> None:
+    """As language models write them: a sense among the ways, two words for one strength, a side."""
+    turned = compile_clauses(Clause(motion="spin it", ways=(Way(word="clockwise"),)))
+    assert turned.force_field.actions[0].vector == TABLE.down and not turned.unsure
+    pushed = compile_clauses(
+        Clause(motion="push", ways=(Way(word="the left side"),), strength=("very gently",))
+    )
+    assert pushed.force_field.actions[0].vector == TABLE.left and not pushed.unsure
+    assert pushed.expectations[0].strength == 0.4
+    assert compile_clauses(Clause(motion="let it go")).force_field.default_drop
+
+
 @pytest.mark.parametrize("motion", ["pushes", "Pushing", "pushed", "the push"])
 def test_inflected_motions_are_known(motion: str) -> None:
     assert (

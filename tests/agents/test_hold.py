@@ -49,6 +49,33 @@ LEAVES = [
     "move the plant away from us",
     "the plant is carried to the right",
     "let go of the plant",
+    "push the plant away",
+    "shove the plant aside",
+    "push the plant out of the way",
+    "push the plant off the table",
+    "drag the plant across the floor",
+    "drag the plant to the other side",
+    "pull the plant closer",
+    "pull the plant away from the wall",
+    "pull the plant over here",
+    "shove the plant into the corner",
+    "carry the plant off",
+    "haul the plant away",
+    "slide the plant across the table",
+    "slide the plant off the table",
+    "move the plant out of the way",
+    "the plant is pushed aside",
+    "the plant is dragged off to the left",
+    "a hand pushes the plant away to the left",
+    "push the plant slowly away to the right",
+    "someone shoves the plant away, then it stands still",
+    "push the plant to the left, out of the picture",
+    "push the plant out of the frame",
+    "pull the plant off to the side",
+    "drag the plant to the left",
+    "kick the plant away",
+    "pull the plant closer to the camera",
+    "push away the plant",
 ]
 KEEPS = [
     "a strong wind bends the plant to the left",
@@ -72,6 +99,36 @@ KEEPS = [
     "the plant bobs up and down",
     "the plant sways but does not fall over",
     "the plant is still",
+    "push the plant away from the camera",
+    "push the plant away from us",
+    "pull the plant towards the camera",
+    "push the plant backwards",
+    "push the plant to the side",
+    "bend the plant away",
+    "bend the plant away from the wall",
+    "the plant leans away from us",
+    "lean the plant away from the window",
+    "the plant bends aside",
+    "the plant sways off to the left and back",
+    "a wind pushes the plant to the left",
+    "a wind pushes the plant away from us",
+    "a breeze blows the plant aside",
+    "push the top of the plant away",
+    "push the leaves aside",
+    "push the plant away, then let it spring back",
+    "pull the plant aside and let it swing back",
+    "push the plant back and forth",
+    "pull the plant to the left and let go",
+    "gently nudge the plant to the left",
+    "do not push the plant away",
+    "stretch the plant away from the ground",
+    "twist the plant away from the camera",
+    "the plant bends out of the way",
+    "drag the plant to the left, then release it",
+    "push the plant off balance",
+    "push the plant out of shape",
+    "a hand from off screen pushes the plant to the left",
+    "push the plant into a bow",
 ]
 
 
@@ -222,8 +279,6 @@ def test_holds_are_what_the_authors_of_the_corpus_understand():
         fixed = hold and hold.origin is not HoldOrigin.KIND
         if needed is None or reply.unsure or fixed or not _are_motions_right(sentence, reply):
             continue
-        if ("kind", False) in score(sentence, reply, make_scene(sentence.object_name)):
-            continue  # another motion is read, which has another hold
         counts[needed] += 1
         if (hold is None) != needed:
             wrong.append(sentence)

@@ -1,4 +1,4 @@
-"""What quantities, times, exceptions, surroundings and holding in a sentence lead to."""
+"""Effects of quantities, times, exceptions, surroundings and holding in a sentence."""
 
 import math
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, field, replace
 
 from physagent_jax.agents import intent
@@ -15,43 +14,28 @@ from physagent_jax.agents.compiler.directions import (
     sum_directions,
 )
 from physagent_jax.agents.compiler.events import Event, ValueSource
-from physagent_jax.agents.compiler.words import KnownPart, Meaning, WayKind, find_strength
-from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
+from physagent_jax.agents.compiler.motions import choose_motion, resolve_strength
+from physagent_jax.agents.compiler.words import KnownPart, Meaning, WayKind
+from physagent_jax.agents.lexicon import Effect, Motion, Repeat
 from physagent_jax.agents.regions import make_end_region, make_middle_region
 from physagent_jax.agents.schema import Amount, ObstacleRequest, SceneBrief
-from physagent_jax.agents.vectors import clamp, normalise, scale
+from physagent_jax.agents.vectors import normalise, scale
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import Region
 
-_WAYS = frozenset(WAYS)
-_LINES = frozenset({*WAYS, WayKind.LINE, WayKind.PLANE})
-_SIDES = frozenset({WayKind.SIDES})
-# What each effect makes use of; other ways beside it are not understood.
-_USED: dict[Effect, frozenset[WayKind]] = {
-    Effect.PUSH: _LINES | _SIDES,
-    Effect.LEAN: _LINES,
-    Effect.SWAY: _LINES | _SIDES,
-    Effect.SCALE: _LINES | _SIDES,
-    Effect.SWELL: _SIDES,
-    Effect.STRIKE: _LINES | _SIDES,
-    Effect.BURST: _SIDES,
-    Effect.TURN: _LINES,
-    Effect.ROLL: _LINES,
-    Effect.FALL: _LINES,
-    Effect.TOPPLE: _WAYS,
-    Effect.JUMP: _LINES,
-    Effect.HOLD: _LINES | _SIDES,
-    Effect.RELEASE: _WAYS,
-    Effect.STILL: frozenset(),
+# What each kind of way means nothing for; nor does a part for what all of the object does.
+_NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
+_NO_LINES = (*_NO_WAYS, Effect.TOPPLE, Effect.RELEASE)
+_NO_SIDES = (Effect.LEAN, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE, Effect.JUMP, *_NO_LINES[2:])
+_USELESS = {
+    WayKind.TO: _NO_WAYS,
+    WayKind.FROM: _NO_WAYS,
+    WayKind.LINE: _NO_LINES,
+    WayKind.PLANE: _NO_LINES,
+    WayKind.SIDES: _NO_SIDES,
+    WayKind.AGAIN: (),
 }
-_WHOLE = (
-    Effect.ROLL,
-    Effect.BURST,
-    Effect.TOPPLE,
-    Effect.JUMP,
-    Effect.FALL,
-)  # all of it does them, and no part
+_WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 _SIDED = (Effect.PUSH, Effect.STRIKE, Effect.SWAY, Effect.SCALE, Effect.SWELL)
@@ -71,16 +55,15 @@ class _Draft:
     target: Target = Target()
     doubts: list[str] = field(default_factory=list)
 
-    def turn(self, vector: Vector | None, why: str, repeat: Repeat | None = None) -> None:
+    def turn(self, vector: Vector | None, why: str) -> None:
         """Sets another direction than the clause alone tells."""
-        source = replace(self.heading.source, why=why)
-        self.heading = Heading(vector, repeat or self.heading.repeat, source)
+        self.heading = Heading(vector, self.heading.repeat, replace(self.heading.source, why=why))
 
 
 def interpret(meaning: Meaning, before: Event | None, brief: SceneBrief) -> Event:
     """The event of a clause; ``before`` is what "harder", "back" and "the other way" are measured by."""
-    motion, phrase = _choose_motion(meaning, brief)
-    strength, strength_source = _resolve_strength(
+    motion, phrase = choose_motion(meaning, brief)
+    strength, strength_source = resolve_strength(
         meaning, motion, before if meaning.clause.inherited else None
     )
     part = meaning.parts[0] if meaning.parts else None
@@ -97,7 +80,6 @@ def interpret(meaning: Meaning, before: Event | None, brief: SceneBrief) -> Even
     draft.doubts += _find_unused(meaning, draft.motion)
     if motion.droops and brief.object_kind not in _LIMP:
         draft.doubts.append(f"How '{meaning.words}' is done is not understood.")
-    region, end, excludes = _resolve_part(draft)
     sources = {
         "action_type": ValueSource(meaning.words, f"'{phrase}' is a {draft.motion.effect.value}"),
         "magnitude": strength_source,
@@ -106,114 +88,35 @@ def interpret(meaning: Meaning, before: Event | None, brief: SceneBrief) -> Even
     }
     if part:
         sources["region"] = ValueSource(part.text, "a part of the object")
+    return _make_event(draft, strength, sources)
+
+
+def _make_event(draft: _Draft, strength: float, sources: dict[str, ValueSource]) -> Event:
+    """The event of a finished draft."""
+    meaning, vector = draft.meaning, draft.heading.vector
+    region, end, excludes = _resolve_part(draft)
     return Event(
-        draft.motion,
-        phrase,
-        meaning.text,
-        meaning.clause.order,
-        draft.heading.vector,
-        strength,
-        region,
-        end,
-        excludes,
-        draft.target.amount,
-        meaning.stays,
-        meaning.clause.even,
-        tuple(resolve_obstacles(meaning.clause.solids, draft.heading.vector, brief)),
-        draft.heading.repeat,
-        meaning.timing,
-        any(each.wind for each in (meaning.cause, meaning.verb) if each is not None),
-        sources,
-        draft.heading.notes,
-        tuple(draft.doubts),
+        motion=draft.motion,
+        phrase=draft.phrase,
+        words=meaning.text,
+        order=meaning.clause.order,
+        direction=vector,
+        strength=strength,
+        region=region,
+        part=end,
+        excludes_part=excludes,
+        amount=draft.target.amount,
+        stays=meaning.stays,
+        even=meaning.clause.even,
+        obstacles=tuple(resolve_obstacles(meaning.clause.solids, vector, draft.brief)),
+        repeat=draft.heading.repeat,
+        when=meaning.timing,
+        wind=any(each.wind for each in (meaning.cause, meaning.verb) if each is not None),
+        elsewhere=meaning.clause.elsewhere,
+        sources=sources,
+        notes=draft.heading.notes,
+        doubts=tuple(draft.doubts),
     )
-
-
-def _choose_motion(meaning: Meaning, brief: SceneBrief) -> tuple[Motion, str]:
-    """The clause's motion as what stands beside it makes it, and the phrase that it then goes by."""
-    motion, phrase = _join_cause(meaning)
-    motions = read_lexicon().motions
-    told, repeats = meaning.pick(*WAYS), meaning.clause.repetitions
-    swings, counted = (
-        any(each.alternating for each in repeats),
-        any((each.times or 1) > 1 for each in repeats),
-    )
-    turns = meaning.clause.turning or meaning.clause.seen_from
-    if motion.effect is Effect.ROLL and turns and not told:
-        motion = replace(motion, effect=Effect.TURN, direction="toward")  # rolls on the spot
-    if meaning.verb is None and motion.wind and not told and _is_swaying_in_wind(brief):
-        motion, phrase = replace(motions["sway"], strength=motion.strength), "sway"
-    if swings and (motion.effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
-        phrase = (
-            "sway" if motion.effect is Effect.STRIKE else "bob"
-        )  # "is tossed to and fro", "jumps up and down"
-        motion = motions[phrase]
-    if motion.bounces and (counted or any(way.names == ("up",) for way in meaning.pick(WayKind.TO))):
-        motion, phrase = motions["jump"], "jump"  # "it bounces three times"
-    if motion.coasts and told:
-        motion, phrase = motions["move"], "move"  # "it coasts to the left"; else it goes on by itself
-    if motion.effect is Effect.ROLL and has_wheels(brief):
-        motion, phrase = motions["push"], "push"  # its wheels turn, and it does not
-    if motion.effect is Effect.SWELL and meaning.pick(*_LINES):
-        motion = replace(motion, effect=Effect.SCALE)  # "expands horizontally", "grows upwards"
-    return motion, phrase
-
-
-def _join_cause(meaning: Meaning) -> tuple[Motion, str]:
-    """The motion; a wind that "hits" pushes, a cause of generic motion ("sends it") gives its own kind."""
-    cause, verb = meaning.cause, meaning.verb
-    if verb is None:
-        assert cause is not None
-        return cause, meaning.cause_phrase
-    if cause is None:
-        return verb, meaning.phrase
-    quakes = cause.effect is Effect.SWAY and meaning.phrase in ("hit", "strike")  # "an earthquake hits"
-    struck = (cause.wind and verb.effect is Effect.STRIKE) or quakes
-    named = cause.skill is not None and verb.effect is Effect.STRIKE  # "a vortex hits it"
-    if (verb.generic and verb.effect is Effect.PUSH) or struck or named:
-        return cause, meaning.cause_phrase
-    skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
-    return replace(verb, brief=verb.brief or cause.brief, skill=skill), meaning.phrase
-
-
-def _is_swaying_in_wind(brief: SceneBrief) -> bool:
-    """Return whether a bare wind makes it sway: what is held or grows sways, what is free is blown away."""
-    return brief.anchored is not None or brief.object_kind == "plant"
-
-
-def has_wheels(brief: SceneBrief) -> bool:
-    """Return whether it rolls on wheels, and so stays upright when it is rolled."""
-    return not read_lexicon().wheeled.isdisjoint(re.findall(r"[^\W\d_]+", brief.object_name.lower()))
-
-
-def _resolve_strength(meaning: Meaning, motion: Motion, before: Event | None) -> tuple[float, ValueSource]:
-    """Base strength of motion and cause times the intensities; degrees widen the next one's distance from 1."""
-    value = motion.strength
-    if meaning.cause is not None and meaning.verb is not None and meaning.cause not in (motion, meaning.verb):
-        value *= meaning.cause.strength
-    clause, degree, absolute = meaning.clause, 1.0, []
-    told = [each for word in clause.strength if (each := find_strength(word))]
-    told += [("relative", each.value) for each in clause.quantities if each.dimension == "strength"]
-    for kind, factor in told:
-        if kind == "degree":
-            degree = factor
-        elif kind == "absolute":
-            value *= 1.0 + (factor - 1.0) * degree
-            degree = 1.0
-            absolute.append(factor)
-        else:
-            value = factor * (before.strength if before else value)
-    # A word for how strong it is outweighs the motion's own strength.
-    if absolute and degree == 1.0 and motion.strength >= 0.8:
-        value = (
-            max(value, 1.2) if min(absolute) >= 1.3 else min(value, 0.7) if max(absolute) <= 0.6 else value
-        )
-    value = round(clamp(value, MAGNITUDE_MIN, MAGNITUDE_MAX), 3)
-    if told:
-        words = [*clause.strength, *(each.text for each in clause.quantities if each.dimension == "strength")]
-        return value, ValueSource(", ".join(words), "intensity words")
-    why = "the word's own strength" if value != 1.0 else "no intensity word: plain"
-    return value, ValueSource(meaning.words, why)
 
 
 def _sum_repeats(meaning: Meaning) -> Repeat:
@@ -231,7 +134,7 @@ def _act_from_sides(draft: _Draft) -> None:
     sides, told = meaning.pick(WayKind.SIDES), meaning.pick(*WAYS)
     beside = (
         told and sides and sides[0].phrase == "either side"
-    )  # "hit it away: by less than a tenth to either side"
+    )  # "away, by less than a tenth to either side"
     if motion.effect is Effect.BURST:
         motion = replace(motion, effect=Effect.STRIKE) if told else motion
     elif sides and motion.effect in _SIDED and motion.effect is not Effect.SWAY:
@@ -327,8 +230,7 @@ def _resolve_again(draft: _Draft) -> None:
 def _find_unused(meaning: Meaning, motion: Motion) -> list[str]:
     """Find words about place, direction and number that mean nothing for the clause's motion."""
     clause, effect = meaning.clause, motion.effect
-    used = _USED[effect] | {WayKind.AGAIN}
-    unused = [way.text for way in meaning.ways if way.kind not in used]
+    unused = [way.text for way in meaning.ways if effect in _USELESS[way.kind]]
     if effect in _WHOLE:
         lands = motion.lands  # "lands on its feet"
         parts = [*meaning.parts, *meaning.excluded]

@@ -182,7 +182,8 @@ def follows(before: Event, event: Event) -> bool:
         return event.order == "then"
     if event.when.starts is not None and event.when.starts != before.when.starts:
         return True  # "rolls left and tips over at the end"
-    if event.effect is Effect.RELEASE or (event.effect is Effect.STILL and not event.motion.generic):
+    rests = event.effect is Effect.STILL and (not event.motion.generic or event.is_timed)
+    if event.effect is Effect.RELEASE or rests:
         return True
     if before.effect is Effect.FALL and event.effect is Effect.SWAY:
         return True  # "drops and jiggles"

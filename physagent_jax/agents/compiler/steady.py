@@ -11,7 +11,7 @@ import math
 from dataclasses import dataclass
 
 from physagent_jax.agents.compiler.amounts import find_effort, find_held_magnitude, find_word_effort
-from physagent_jax.agents.compiler.builder import ForceFieldBuilder
+from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.schedule import Slot, has_to_stop
 from physagent_jax.agents.dosing import find_magnitude
@@ -21,6 +21,8 @@ from physagent_jax.agents.windows import Window, halve
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import ActionType
 
+SHORTEST_STROKE, _SHORTEST_SWING = 2.0, 4.0  # frames; faster ones alias in the pictures
+IMPULSE_FRAMES = 1.0
 GUST = 0.3  # part of its window during which a gust impulses
 _DRIFTS = "The object is free and would drift on: it is braked"
 BRAKED_BEFORE = f"{_DRIFTS} before what follows."
@@ -75,6 +77,41 @@ class Task:
             return False
         up, grounded = self.builder.brief.directions.up, self.builder.grounded
         return self.event.stays or self._is_measured or has_to_stop(self.event, self.after, up, grounded)
+
+    def limit_count(self, count: int, shortest: float = _SHORTEST_SWING) -> int:
+        """``count`` limited to what the pictures can show, at ``shortest`` frames each, and the list can hold."""
+        frames = self.window[1] - self.window[0]
+        fits = max(1, min(int(frames / shortest), MAX_ACTIONS // 3))
+        if fits < count:
+            self.builder.add_note(
+                f"{count} repetitions do not fit into {frames:.0f} frames: {fits} are made."
+            )
+        return min(count, fits)
+
+    @property
+    def leaves_place(self) -> bool:
+        """Whether a push or a blow takes the whole object elsewhere: it is thrown, goes somewhere, or goes so far.
+
+        A lean and a wind bend what is rooted, however far. So may a push or a blow of which neither a distance nor
+        another place is told; a motion that says no more than that the object goes a told way does not. What is let
+        go afterwards springs back, and is in no other place.
+        """
+        event = self.event
+        if event.region is not None or event.part is not None or event.wind or event.effect is Effect.LEAN:
+            return False
+        thrown = event.effect is Effect.STRIKE and (event.motion.gravity or event.motion.direction == "up")
+        way_told = event.effect is Effect.PUSH and not event.is_way_assumed
+        elsewhere = event.elsewhere or way_told and event.motion.hauls
+        told = event.amount is not None and event.amount.unit in ("lengths", "metres")
+        return (
+            thrown
+            or way_told
+            and event.motion.generic
+            or told
+            or elsewhere
+            and not self._is_let_go
+            or event.effect is Effect.JUMP
+        )
 
     @property
     def _is_let_go(self) -> bool:
@@ -140,3 +177,8 @@ def _find_dose(task: Task, magnitude: float, seconds: float, braked: bool) -> fl
         effort = find_effort(event.amount, event.effect, brief)
         wanted = None if effort is None else find_magnitude(effort, seconds, braked, brief)
     return 1.0 if wanted is None else max(wanted, 1e-3) / abs(magnitude)
+
+
+def make_impulse_window(at: float) -> Window:
+    """The shortest window that begins nearest to ``at``."""
+    return (float(round(at)), round(at) + IMPULSE_FRAMES)

@@ -80,6 +80,7 @@ class Meaning:
         cause: What does it.
         phrase, cause_phrase: The lexicon's words for them.
         ways, parts, excluded: Ways, parts that are acted on, and parts that are not.
+        strengths: Words for strength, as `find_strength` knows them.
         doubts: Words that the lexicon has no meaning for, in sentences.
         stays: Whether the result is held.
     """
@@ -92,6 +93,7 @@ class Meaning:
     ways: list[KnownWay] = field(default_factory=list)
     parts: list[KnownPart] = field(default_factory=list)
     excluded: list[KnownPart] = field(default_factory=list)
+    strengths: list[tuple[str, float]] = field(default_factory=list)
     doubts: list[str] = field(default_factory=list)
     stays: bool = False
     timing: intent.Timing = intent.Timing()
@@ -125,11 +127,14 @@ class Meaning:
 
 def look_up(clause: intent.Clause) -> Meaning:
     """The meanings of a clause's words."""
+    senses = {1: "counterclockwise", -1: "clockwise"}
     found = Meaning(clause, stays=clause.stays, timing=clause.timing)
     _look_up_motion(clause, found)
     for way in clause.ways:
-        known = find_way(way)
-        if known is None:
+        known, sense = find_way(way), read_lexicon().senses.get(normalise(way.word))
+        if sense is not None and clause.turning in (None, senses[sense]):
+            found.clause = clause.model_copy(update={"turning": senses[sense]})
+        elif known is None:
             found.doubts.append(f"The way '{way.word}' is not understood.")
         else:
             found.ways.append(known)
@@ -140,8 +145,12 @@ def look_up(clause: intent.Clause) -> Meaning:
         else:
             known_part = KnownPart(place, normalise(part.word), part.text or part.word)
             (found.excluded if part.excluded else found.parts).append(known_part)
-    unknown = [word for word in clause.strength if find_strength(word) is None]
-    found.doubts += [f"The strength '{word}' is not understood." for word in unknown]
+    for words in clause.strength:
+        told = [words] if find_strength(words) else words.split()  # "very hard"
+        known_words = [each for each in map(find_strength, told) if each is not None]
+        found.strengths += known_words
+        if len(known_words) < len(told):
+            found.doubts.append(f"The strength '{words}' is not understood.")
     return found
 
 
@@ -168,7 +177,8 @@ def _find_phrase(word: str, table: dict[str, Motion]) -> str:
     text = normalise(word)
     head, _, rest = text.partition(" ")
     lemma = f"{read_forms().get(head, head)} {rest}".strip()
-    return next((phrase for phrase in (text, lemma, text.removesuffix("s")) if phrase in table), "")
+    forms = (text, lemma, lemma.removesuffix(" it"), lemma.replace(" it ", " ~ "), text.removesuffix("s"))
+    return next((phrase for phrase in forms if phrase in table), "")
 
 
 def normalise(word: str) -> str:
@@ -184,6 +194,7 @@ def find_way(way: intent.Way) -> KnownWay | None:
     lexicon, relation = read_lexicon(), way.relation
     text = normalise(way.word)
     bare = next((text.removeprefix(start) for start in _IGNORED if text.startswith(start)), text)
+    bare = bare.removesuffix(" side").removesuffix(" direction")
 
     def make(kind: WayKind, names: Names) -> KnownWay:
         return KnownWay(kind, names, text, way.text or way.word)

@@ -1,1 +1,1 @@
-"""The grammar: sentence -> mentions -> clauses -> `agents.intent.Intent`."""
+"""Grammar of a documented language (`patterns.yaml`): sentence -> mentions -> clauses -> `agents.intent.Intent`."""

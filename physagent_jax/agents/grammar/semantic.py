@@ -7,18 +7,19 @@ from dataclasses import replace
 
 from physagent_jax.agents.compiler import compile_forces, compile_intent
 from physagent_jax.agents.context import AgentContext
+from physagent_jax.agents.grammar.asides import OTHER
+from physagent_jax.agents.grammar.clauses import Clause
+from physagent_jax.agents.grammar.coverage import Coverage, is_mostly_unknown, sort_words
+from physagent_jax.agents.grammar.intent import make_intent
+from physagent_jax.agents.grammar.mentions import WAYS, Mention, MentionKind
+from physagent_jax.agents.grammar.nouns import collect_names
+from physagent_jax.agents.grammar.patterns import suggest_motions, suggest_patterns
+from physagent_jax.agents.grammar.reading import read_mentions
+from physagent_jax.agents.grammar.relations import read_clauses
+from physagent_jax.agents.grammar.tables import LEXICON
+from physagent_jax.agents.grammar.tokens import describe_corrections
 from physagent_jax.agents.intent import Intent
-from physagent_jax.agents.lexicon import Effect, Motion
 from physagent_jax.agents.protocols import SemanticAgent
-from physagent_jax.agents.rules.language.clauses import Clause
-from physagent_jax.agents.rules.language.explanations import merge_explanations
-from physagent_jax.agents.rules.language.grammar import read_clauses
-from physagent_jax.agents.rules.language.intent import make_intent
-from physagent_jax.agents.rules.language.mentions import MentionKind
-from physagent_jax.agents.rules.language.naming import collect_object_words
-from physagent_jax.agents.rules.language.reading import find_mentions
-from physagent_jax.agents.rules.language.spelling import describe_corrections
-from physagent_jax.agents.rules.language.unknowns import is_mostly_unknown, list_unknown
 from physagent_jax.agents.schema import SceneBrief, SemanticReply
 from physagent_jax.agents.trace import Reply
 from physagent_jax.core.errors import UserError
@@ -30,7 +31,7 @@ MOST_CHARACTERS = 100_000  # read within seconds
 
 
 class GrammarSemanticAgent(SemanticAgent):
-    """Reads by rules: no model, no network, the same words give the same field."""
+    """Reads by a grammar: no model, no network, the same words give the same field."""
 
     def compile(self, context: AgentContext) -> Reply[SemanticReply]:
         """Read the sentence and compile what it says; see `protocols.SemanticAgent`."""
@@ -50,30 +51,68 @@ def read_intent(prompt: str, brief: SceneBrief) -> Intent:
     """The intent of a sentence.
 
     Raises:
-        UserError: Nothing in it, or too little of it, can be understood.
+        UserError: It is no text, too little of it is understood, or it names no motion of the object.
     """
     _check_text(prompt)
-    names = collect_object_words(prompt, brief)
-    mentions = find_mentions(prompt, names)
-    clauses, mentions = merge_explanations(read_clauses(mentions), mentions)
-    unknown, notes = list_unknown(mentions, names, brief)
-    notes += describe_corrections(prompt, names)
-    clauses = _assume_push(clauses, unknown)
-    if is_mostly_unknown(mentions, unknown):
-        raise _refuse("Most words of the prompt are not understood", prompt, brief)
-    intent = make_intent(clauses, mentions, unknown, notes)
+    names = collect_names(prompt, brief)
+    mentions = read_mentions(prompt, names)
+    coverage = sort_words(mentions, names, brief)
+    if is_mostly_unknown(mentions, coverage):
+        raise UserError(
+            "Most words of the prompt are not understood",
+            got=_quote(prompt),
+            do=f"Say in English what should happen to the {brief.object_name}, for example {EXAMPLES}",
+        )
+    clauses = read_clauses(mentions)
+    others = [mention.words for mention in mentions if mention.phrase == OTHER]
+    if not coverage.doubtful and not others:
+        clauses = _assume_push(clauses)
+    notes = (
+        [f"'{' '.join(coverage.taken)}' is taken to be the object ({brief.object_name})."]
+        if coverage.taken
+        else []
+    )
+    intent = make_intent(clauses, mentions, coverage, notes + describe_corrections(prompt, names))
     if not (intent.clauses or intent.held or intent.surroundings.gravity):
-        raise _refuse("The prompt names no motion that is understood", prompt, brief)
+        raise _refuse(prompt, brief, coverage, others)
     return intent
 
 
-def _refuse(what: str, prompt: str, brief: SceneBrief) -> UserError:
-    text = " ".join(prompt.split())
-    return UserError(
-        what,
-        got=repr(text if len(text) <= 80 else text[:77] + "..."),
-        do=f"Say in English what should happen to the {brief.object_name}, for example {EXAMPLES}",
+def _assume_push(clauses: list[Clause]) -> list[Clause]:
+    """A bare "to the left" is a push."""
+    if any(clause.head for clause in clauses):
+        return clauses
+    for clause in clauses:
+        for way in clause.select(*WAYS)[:1]:
+            clause.verb = replace(way, kind=MentionKind.VERB, value=LEXICON.motions["push"], phrase="push")
+    return clauses
+
+
+def _refuse(prompt: str, brief: SceneBrief, coverage: Coverage, others: list[str]) -> UserError:
+    """The error for a sentence without a motion of the object: the word, the nearest known ones, two patterns."""
+    patterns = " or ".join(
+        f'"{pattern.form}" ({pattern.examples[0]})' for pattern in suggest_patterns(prompt)
     )
+    if others:
+        what = f"'{others[0]}' is said of something else than the {brief.object_name}"
+        return UserError(
+            what, got=_quote(prompt), do=f"Say what the {brief.object_name} does, as in {patterns}"
+        )
+    word = coverage.doubtful[0] if coverage.doubtful else ""
+    what = (
+        f"No motion is known in the prompt: '{word}' is not understood"
+        if word
+        else "The prompt names no motion that is understood"
+    )
+    near = suggest_motions(word)
+    nearest = f"; the nearest known motions are {', '.join(near)}" if near else ""
+    do = f"Say in English what should happen to the {brief.object_name}, as in {patterns}{nearest}"
+    return UserError(what, got=_quote(prompt), do=do)
+
+
+def _quote(prompt: str) -> str:
+    text = " ".join(prompt.split())
+    return repr(text if len(text) <= 80 else text[:77] + "...")
 
 
 def _check_text(prompt: str) -> None:
@@ -96,12 +135,4 @@ def _check_text(prompt: str) -> None:
         )
 
 
-def _assume_push(clauses: list[Clause], unknown: list[str]) -> list[Clause]:
-    """A bare "to the left" is a push; among words that are not understood it is nothing."""
-    if unknown or any(clause.head for clause in clauses):
-        return clauses
-    directed = [c for c in clauses if c.select(MentionKind.DIRECTION, MentionKind.FROM)]
-    for clause in directed:
-        first = clause.select(MentionKind.DIRECTION, MentionKind.FROM)[0]
-        clause.verb = replace(first, kind=MentionKind.VERB, value=Motion(Effect.PUSH), phrase="push")
-    return clauses
+__all__ = ["EXAMPLES", "MOST_CHARACTERS", "GrammarSemanticAgent", "Mention", "read_intent", "read_sentence"]
