@@ -36,7 +36,7 @@ HARDER = {"reason": "More force.", "actions": [push(9.0)]}
 
 @pytest.fixture
 def models(monkeypatch):
-    """What makes models gives these, in turn; and keeps what it was asked for."""
+    """Models that are made in turn, and what was asked for each."""
     made, asked = [], []
 
     def make(choice, record=None):
