@@ -5,7 +5,7 @@ import typing
 
 import pytest
 
-from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.agents.schema import Judgement, SemanticReply, Verdict
 from physagent_jax.cli import join_options
 from physagent_jax.cli.console import ConsoleObserver
 from physagent_jax.cli.options import OPTIONS, to_spec
@@ -53,6 +53,12 @@ def test_the_terminal_tells_what_was_assumed_and_not_understood(capsys):
     ConsoleObserver().understood(reply)
     told = capsys.readouterr().err
     assert "assumed: left is [the viewer's]." in told and "not understood: purple\n" in told
+
+
+def test_the_terminal_tells_how_a_judgement_came_about(capsys):
+    judgement = Judgement(verdict=Verdict.FAIL, notes=("Rules and model [disagree].",))
+    ConsoleObserver().judged(0, judgement)
+    assert "round 1: FAIL" in (told := capsys.readouterr().err) and "Rules and model [disagree]." in told
 
 
 def test_a_doubt_about_what_may_be_the_object_says_how_to_name_it(capsys):
