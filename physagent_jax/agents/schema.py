@@ -275,12 +275,14 @@ class Judgement(Strict):
         score: 0 (contrary) .. 1 (as asked), ranks the rounds; None = the planner gives none.
         checks: Every comparison made, if the planner judges by comparisons.
         suggestion: What the executor should change, in words (empty on SUCCESS).
+        notes: How it came about, in plain sentences: a model's comparison, a disagreement between judges.
     """
 
     verdict: Verdict
     score: float | None = Field(default=None, ge=0, le=1)
     checks: tuple[Check, ...] = ()
     suggestion: str = ""
+    notes: tuple[str, ...] = ()
 
 
 class Rewrite(Strict):

@@ -110,6 +110,8 @@ class ConsoleObserver(Observer):
         )
         if judgement.suggestion:
             stderr.print(f"  {_escape(judgement.suggestion)}")
+        for note in judgement.notes:
+            stderr.print(f"  {_escape(note)}")
 
     def close(self) -> None:
         """Remove a bar that is still on the screen."""

@@ -172,13 +172,14 @@ def _show_judgement(judgement: Judgement | None) -> list[Markup | None] | Markup
         numeric=(4, 5, 6),
     )
     title = tag("h4", "What the planner checked")
+    notes = make_list("What the planner says of it", judgement.notes)
     if not rows:
-        return [title, tag("p", "It gave its verdict without single checks."), suggestion]
+        return [title, tag("p", "It gave its verdict without single checks."), notes, suggestion]
     note = (
         "Margin: how far inside of its limits a value lies, in tolerances; 1 is what is aimed at, below 0 is outside. "
         "Confidence: the chance that the result would be the same without errors of perception."
     )
-    return [title, checks, tag("p", note, class_="quiet"), suggestion]
+    return [title, checks, tag("p", note, class_="quiet"), notes, suggestion]
 
 
 def _show_check(check: Check) -> list[Child]:

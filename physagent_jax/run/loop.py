@@ -20,7 +20,6 @@ from typing import NoReturn
 
 from physagent_jax.agents.context import AgentContext, Observation, Round
 from physagent_jax.agents.protocols import Agents
-from physagent_jax.agents.registry import make_agents
 from physagent_jax.agents.schema import Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
 from physagent_jax.agents.trace import AgentError, FailedCall, Reply, Trace
 from physagent_jax.core.errors import UserError
@@ -34,6 +33,7 @@ from physagent_jax.render.camera import Camera
 from physagent_jax.run.agent_calls import AgentCalls
 from physagent_jax.run.artifacts import write_best, write_rollout, write_verdict
 from physagent_jax.run.brief import make_brief
+from physagent_jax.run.chosen_agents import open_agents
 from physagent_jax.run.first_picture import check_first_picture
 from physagent_jax.run.key_frames import VideoKeyFrames
 from physagent_jax.run.manifest import Stages, find_best_round
@@ -66,21 +66,11 @@ class Attempt:
     round: Round
 
 
-def agents_of(spec: RunSpec) -> Agents:
-    """The agents that ``spec`` names.
-
-    Raises:
-        UserError: One of them needs what is not installed, or does not take its options.
-    """
-    chosen = {role: getattr(spec.agents, role) for role in type(spec.agents).model_fields}
-    return make_agents(**{role: (each.name, each.options) for role, each in chosen.items()})
-
-
 def backends_of(spec: RunSpec) -> PerceptionBackends:
     """The perception backends that ``spec`` names.
 
     Raises:
-        UserError: As `agents_of`.
+        UserError: One of them needs what is not installed, or does not take its options.
     """
     chosen = {role: getattr(spec.perception, role) for role in ("segmenter", "depth", "tracker")}
     return make_backends(**{role: (each.name, each.options) for role, each in chosen.items()})
@@ -120,7 +110,19 @@ def run_loop(
         AgentError: An agent gave no answer. What it tried is in the run folder, its tokens are counted there, and the
             same call goes on with the same question.
     """
-    agents, backends = agents or agents_of(run.spec), backends or backends_of(run.spec)
+    if agents is None:
+        with open_agents(run.spec, run.base_dir) as agents:
+            return run_loop(
+                run,
+                out,
+                agents=agents,
+                backends=backends,
+                observer=observer,
+                limits=limits,
+                overwrite=overwrite,
+                command=command,
+            )
+    backends = backends or backends_of(run.spec)
     if run.spec.perception.prompt is not None and not backends.segmenter.takes_prompt:
         raise UserError(
             "`perception.prompt` means nothing to this segmenter",

@@ -68,6 +68,7 @@ class AgentCost(Strict):
         failed_calls: Those without an answer.
         input_tokens, output_tokens: Tokens of all calls; zero for the offline rules.
         seconds: Time of all calls [s].
+        latency_seconds: Time in them that was waited for a model [s].
     """
 
     agent: str
@@ -77,6 +78,7 @@ class AgentCost(Strict):
     input_tokens: int = 0
     output_tokens: int = 0
     seconds: float = 0.0
+    latency_seconds: float = 0.0
 
 
 class Manifest(Strict):

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from contextlib import nullcontext
 
 import imageio.v3 as iio
 import pytest
@@ -393,9 +394,9 @@ def test_a_run_that_is_to_be_replaced_stands_until_the_agent_answers(tmp_path, r
 
 def test_a_failed_call_is_one_line_of_the_terminal(tmp_path, robot_path, monkeypatch, capsys):
     from physagent_jax.cli import main
-    from physagent_jax.run import loop
+    from physagent_jax.run import chosen_agents
 
-    monkeypatch.setattr(loop, "agents_of", lambda spec: failing("semantic"))
+    monkeypatch.setattr(chosen_agents, "open_agents", lambda *_, **__: nullcontext(failing("semantic")))
     command = ["run", "--object", str(robot_path), "--prompt", PROMPT, "--out", str(tmp_path / "run")]
     assert main(command) == 2
     lines = [line for line in capsys.readouterr().err.splitlines() if "gave no answer" in line]
