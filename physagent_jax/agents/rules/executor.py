@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
+from physagent_jax.agents.matching import agrees, find_causes
+from physagent_jax.agents.progress import Rating, rate
 from physagent_jax.agents.protocols import ExecutorAgent
 from physagent_jax.agents.rules.edits import Case, Change
 from physagent_jax.agents.rules.remedies import list_remedies
-from physagent_jax.agents.schema import Check, Judgement, Rewrite
+from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, MotionKind, Rewrite, StageVerdict
 from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.schema import MotionReport
@@ -21,7 +23,10 @@ _PASSED = 1.0  # gain of what needed no change
 
 
 class RuleExecutor(ExecutorAgent):
-    """Mends the failed expectations of the best round, all at once; without checks it has nothing to go by."""
+    """Mends the failed stages of the best round, all at once, and leaves the entries of those that were met as they are.
+
+    Without checks it has nothing to go by.
+    """
 
     def rewrite(self, context: AgentContext, failed: Round) -> Reply[Rewrite]:
         """Return the next force field; see `protocols.ExecutorAgent`.
@@ -57,10 +62,10 @@ class RuleExecutor(ExecutorAgent):
 
 
 def rank(rounds: Sequence[Round]) -> list[Round]:
-    """Rounds by falling score, the later of equals first; the last alone where a planner gives no scores."""
+    """Rounds by stages met, then by score, best first, the later of equals first; the last alone without scores."""
     if any(each.judgement.score is None for each in rounds):
         return [rounds[-1]]
-    return sorted(reversed(rounds), key=lambda each: -(each.judgement.score or 0.0))
+    return sorted(reversed(rounds), key=lambda each: rate(each.judgement) or Rating(0, 0.0), reverse=True)
 
 
 def _explain(
@@ -98,20 +103,49 @@ def _group_failed(judgement: Judgement, count: int, report: MotionReport) -> dic
 def _mend(
     context: AgentContext, base: Round, rounds: Sequence[Round], failed: dict[int, list[Check]], depth: int
 ) -> list[Change]:
-    """One remedy per failed expectation, each on the result of the one before; ``depth`` skips the mildest."""
+    """One remedy per failed expectation, each on the result of the one before; ``depth`` skips the mildest.
+
+    Remedies that leave the stages that were met as they are go before all others.
+    """
     changes: list[Change] = []
     field = base.force_field
+    kept = _list_kept(base, context.expectations, failed)
     for index, checks in failed.items():
         earlier = tuple(_list_gains(index, [each for each in rounds if each is not base]))
         expectations = context.expectations
         case = Case(expectations[index], expectations, checks, field, base.report, context.brief, earlier)
         options = [change for change in list_remedies(case) if change.force_field != field]
+        options = [change for change in options if _keeps(change.force_field, kept)] or options
         if not options:
             continue
         change = options[min(depth, len(options) - 1)]
         changes.append(change)
         field = change.force_field
     return changes
+
+
+def _list_kept(
+    base: Round, expectations: Sequence[ExpectedMotion], failed: Collection[int]
+) -> tuple[list, bool | None]:
+    """The entries that brought about the stages that were met and serve no failed motion, and gravity if it did."""
+    met = [s for s in base.judgement.stages if s.verdict is StageVerdict.MET]
+    motions = [expectations[i] for stage in met for i in stage.expectations if i < len(expectations)]
+    wanting = {c.name for i in failed for c in find_causes(expectations[i], base.force_field)}
+    causes = [
+        (cause.name, cause.item)
+        for motion in motions
+        for cause in find_causes(motion, base.force_field)
+        if agrees(cause, motion) and cause.name not in wanting
+    ]
+    falls = any(motion.kind is MotionKind.FALL for motion in motions)
+    return list(dict(causes).values()), base.force_field.default_drop if falls else None
+
+
+def _keeps(field: ForceField, kept: tuple[list, bool | None]) -> bool:
+    """Return whether a force field still has all of the entries, and gravity as it was."""
+    items, drop = kept
+    present = [*field.actions, *field.constraints]
+    return all(item in present for item in items) and drop in (None, field.default_drop)
 
 
 def _list_gains(index: int, rounds: Sequence[Round]):
