@@ -19,9 +19,9 @@ from pathlib import Path
 from typing import NoReturn
 
 from physagent_jax.agents.context import AgentContext, Observation, Round
+from physagent_jax.agents.progress import find_best_round, has_stalled
 from physagent_jax.agents.protocols import Agents
 from physagent_jax.agents.registry import make_agents
-from physagent_jax.agents.progress import find_best_round, has_stalled
 from physagent_jax.agents.schema import Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
 from physagent_jax.agents.trace import AgentError, FailedCall, Reply, Trace
 from physagent_jax.core.errors import UserError

@@ -6,9 +6,9 @@ import json
 import imageio.v3 as iio
 import pytest
 
+from physagent_jax.agents.progress import find_best_round
 from physagent_jax.agents.protocols import Agents, ExecutorAgent, PlannerAgent, SemanticAgent
 from physagent_jax.agents.registry import make_agents
-from physagent_jax.agents.progress import find_best_round
 from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply, Verdict
 from physagent_jax.agents.trace import AgentError, FailedCall, Message, Reply, Trace
 from physagent_jax.core.errors import UserError

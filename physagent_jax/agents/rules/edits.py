@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from physagent_jax.agents.matching import Cause
 from physagent_jax.agents.rules.language.schedule import divide_swings
 from physagent_jax.agents.rules.language.timing import BRIEF
+from physagent_jax.agents.rules.parts import bound_to_part, make_part_region
 from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, dot, norm, normalise, scale
@@ -255,7 +256,8 @@ def make_actions(case: Case) -> list[Action]:
     kind = ActionType.IMPULSE if expectation.sudden else _TYPES[expectation.kind]
     if expectation.sudden and window:
         window = (window[0], window[0] + 1.0)
-    return [Action(action_type=kind, vector=axis, magnitude=magnitude, active_time=window) for axis in axes]
+    told = dict(magnitude=magnitude, active_time=window, region=make_part_region(expectation))
+    return [Action(action_type=kind, vector=axis, **told) for axis in axes]
 
 
 def _get_window(case: Case) -> tuple[float, float] | None:
@@ -374,6 +376,12 @@ def keep(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
         f"{format_names(causes)} keeps it where it was brought, until frame {limit:g}.",
         "window_in_clip",
     )
+
+
+def act_on_part(case: Case, causes: Sequence[Cause]) -> Change:
+    """Let causes act on the named part alone."""
+    field = replace_items(case.force_field, causes, bound_to_part(case.expectation, causes))
+    return Change(field, f"{format_names(causes)} acts on the part of '{case.expectation.words}' alone.")
 
 
 def soften(case: Case, causes: Sequence[Cause]) -> Change:

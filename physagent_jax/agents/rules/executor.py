@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
 from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
-from physagent_jax.agents.matching import agrees, find_causes
 from physagent_jax.agents.progress import Rating, rate
 from physagent_jax.agents.protocols import ExecutorAgent
 from physagent_jax.agents.rules.edits import Case, Change
 from physagent_jax.agents.rules.remedies import list_remedies
-from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, MotionKind, Rewrite, StageVerdict
+from physagent_jax.agents.rules.sparing import find_kept
+from physagent_jax.agents.schema import Check, Judgement, Rewrite
 from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.schema import MotionReport
@@ -23,7 +23,7 @@ _PASSED = 1.0  # gain of what needed no change
 
 
 class RuleExecutor(ExecutorAgent):
-    """Mends the failed stages of the best round, all at once, and leaves the entries of those that were met as they are.
+    """Mends the failed stages of the best round, all at once, and leaves the entries of the others as they are.
 
     Without checks it has nothing to go by.
     """
@@ -109,43 +109,20 @@ def _mend(
     """
     changes: list[Change] = []
     field = base.force_field
-    kept = _list_kept(base, context.expectations, failed)
+    kept = find_kept(base, context.expectations, failed)
     for index, checks in failed.items():
         earlier = tuple(_list_gains(index, [each for each in rounds if each is not base]))
         expectations = context.expectations
         case = Case(expectations[index], expectations, checks, field, base.report, context.brief, earlier)
         options = [change for change in list_remedies(case) if change.force_field != field]
-        options = [change for change in options if _keeps(change.force_field, kept)] or options
+        sparing = [each for change in options if (each := kept.spare(change, field)) is not None]
+        options = sparing or options
         if not options:
             continue
         change = options[min(depth, len(options) - 1)]
         changes.append(change)
         field = change.force_field
     return changes
-
-
-def _list_kept(
-    base: Round, expectations: Sequence[ExpectedMotion], failed: Collection[int]
-) -> tuple[list, bool | None]:
-    """The entries that brought about the stages that were met and serve no failed motion, and gravity if it did."""
-    met = [s for s in base.judgement.stages if s.verdict is StageVerdict.MET]
-    motions = [expectations[i] for stage in met for i in stage.expectations if i < len(expectations)]
-    wanting = {c.name for i in failed for c in find_causes(expectations[i], base.force_field)}
-    causes = [
-        (cause.name, cause.item)
-        for motion in motions
-        for cause in find_causes(motion, base.force_field)
-        if agrees(cause, motion) and cause.name not in wanting
-    ]
-    falls = any(motion.kind is MotionKind.FALL for motion in motions)
-    return list(dict(causes).values()), base.force_field.default_drop if falls else None
-
-
-def _keeps(field: ForceField, kept: tuple[list, bool | None]) -> bool:
-    """Return whether a force field still has all of the entries, and gravity as it was."""
-    items, drop = kept
-    present = [*field.actions, *field.constraints]
-    return all(item in present for item in items) and drop in (None, field.default_drop)
 
 
 def _list_gains(index: int, rounds: Sequence[Round]):

@@ -89,4 +89,6 @@ def _describe_failure(check: Check, words: str, stages: Sequence[Stage]) -> str:
         asked = "Nobody asked for this"
     else:
         asked = f"The sentence asks for '{words}'" if words else "The sentence asks for this motion"
-    return f"{place}{asked} ({check.question} {check.expected}), but the pictures show {check.observed}{remedy}."
+    return (
+        f"{place}{asked} ({check.question} {check.expected}), but the pictures show {check.observed}{remedy}."
+    )
