@@ -48,6 +48,15 @@ StopReason = Literal["success", "cap", "no improvement", "nothing left to try"]
 """
 
 
+STOP_REASONS: dict[StopReason, str] = {
+    "success": "the planner is satisfied",
+    "cap": "as many rounds as were allowed",
+    "no improvement": "the last rounds brought no improvement",
+    "nothing left to try": "the executor has nothing left to try",
+}
+"""The reasons in words."""
+
+
 class Stages(Strict):
     """Seconds of wall time per stage, compilation apart where it can be told apart [s].
 
