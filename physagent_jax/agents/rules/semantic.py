@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Literal
 
 from physagent_jax.agents.context import AgentContext
+from physagent_jax.agents.materials import find_materials
 from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.rules.language.builder import ForceFieldBuilder, describe_skill
@@ -106,6 +107,9 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     clauses, mentions = merge_explanations(read_clauses(mentions), mentions)
     gravity = _read_gravity(mentions)
     unknown, notes = list_unknown(mentions, names, brief)
+    materials = find_materials(prompt, brief)
+    said = {word for material in materials for word in material.phrase.lower().replace("-", " ").split()}
+    unknown = [word for word in unknown if word.lower() not in said]
     notes += describe_corrections(prompt, names)
     clauses = _assume_push(clauses, unknown)
     if is_mostly_unknown(mentions, unknown):
@@ -145,6 +149,7 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
         unsure=tuple(builder.unsure),
         evidence=tuple([*builder.evidence, *_collect_anchor_evidence(anchor)]),
         not_understood=tuple(unknown),
+        materials=tuple(material.word for material in materials),
         notes=tuple(builder.notes),
     )
 
