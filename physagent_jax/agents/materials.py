@@ -43,12 +43,14 @@ class MaterialMention:
         phrase: The words in the sentence that say it: "made of jelly".
         turns: Whether the object becomes it in the course of the clip.
         named: Whether the word is a part of the object's own name ("the rubber duck" of a rubber duck).
+        span: Where the phrase stands in the sentence: its first character and the one after its last; None = nowhere.
     """
 
     word: str
     phrase: str
     turns: bool = False
     named: bool = False
+    span: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -156,8 +158,9 @@ class _Finder:
             if found is not None and word not in told and not self._is_negated(found[0]):
                 told.add(word)
                 first, last, turns = found
-                phrase = self.text[self.spans[first][0] : self.spans[last - 1][1]]
-                yield MaterialMention(word, phrase, turns, first == at and word in self.own)
+                start, end = self.spans[first][0], self.spans[last - 1][1]
+                named = first == at and word in self.own
+                yield MaterialMention(word, self.text[start:end], turns, named, (start, end))
             at += max(length, 1)
 
     def _read(self, begin: int, end: int, adjective: bool) -> tuple[int, int, bool] | None:
