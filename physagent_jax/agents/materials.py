@@ -129,6 +129,10 @@ class _Finder:
     def __init__(self, text: str, brief: SceneBrief):
         self.text, self.lexicon = text, read_material_words()
         self.before = self.lexicon.determiners | self.lexicon.qualifiers
+        self.within = self.before - {"of"}
+        self.described = self.lexicon.qualifiers - {"of"}
+        self.unnamed = self.before - {"the"}
+        self.no_material = self.before | self.lexicon.of | self.lexicon.function_words
         found = list(_TOKEN.finditer(text.replace("-", " ").replace("\u2019", "'")))
         self.tokens = [match.group().lower() for match in found]
         self.spans = [match.span() for match in found]
@@ -184,10 +188,7 @@ class _Finder:
     def _is_noun(self, at: int) -> bool:
         """Return whether a word may be a noun for a material that the lexicon does not have."""
         word = self.tokens[at]
-        return (
-            word.isalpha()
-            and word not in self.before | self.lexicon.of | self.lexicon.function_words | self.names
-        )
+        return word.isalpha() and word not in self.no_material and word not in self.names
 
     def _ends(self, end: int) -> bool:
         """Return whether the noun phrase ends here: "like water", not "like water balloons"."""
@@ -203,7 +204,7 @@ class _Finder:
 
     def _find_made(self, at: int) -> int | None:
         """Where "made of" begins that leads to this token and is said of the object; None = nowhere."""
-        place = self._back(at, self.before - {"of"})
+        place = self._back(at, self.within)
         if self._get(place) not in ("of", "from"):
             return None
         place = self._back(place, self.lexicon.of)
@@ -224,7 +225,7 @@ class _Finder:
 
     def _find_of(self, at: int) -> int | None:
         """Where "a bear of sand" begins."""
-        place = self._back(at, self.before - {"of", "the"})
+        place = self._back(at, self.unnamed - {"of"})
         owner = place - 1
         if self._get(place) != "of" or self._get(owner) in self.lexicon.containers | {"it", "one", "itself"}:
             return None
@@ -232,7 +233,7 @@ class _Finder:
 
     def _find_turn(self, at: int) -> int | None:
         """Where "turns to" begins; scenery has an article ("collapses into the sand")."""
-        place = self._back(at, self.before - {"the"})
+        place = self._back(at, self.unnamed)
         if self._get(place) in ("into", "to", "in"):
             place -= 1
         elif self._get(place) not in self.lexicon.becoming:
@@ -254,7 +255,7 @@ class _Finder:
         place = end
         if self._get(place) == "like":
             place += 1
-        while place - end < 3 and self._get(place) in self.before - self.lexicon.determiners - {"of"}:
+        while place - end < 3 and self._get(place) in self.described:
             place += 1
         noun = self._get(place)
         if noun not in self.nouns or noun in ("it", "itself") or self._get(place + 1) in self.lexicon.parts:
@@ -266,7 +267,7 @@ class _Finder:
 
     def _find_predicate(self, begin: int) -> int | None:
         """Where "is metal" begins, said of the object."""
-        place = self._back(begin, self.before - self.lexicon.determiners | {"now"})
+        place = self._back(begin, self.lexicon.qualifiers | {"now"})
         subject = self._get(place - 1)
         return place if self._get(place) in self.lexicon.being and subject in self.nouns else None
 
